@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pdoik/robot.hpp"
+
+namespace pdoik {
+
+/// The paper's change of variables (Sec. joint-limit): unbounded slack omega, one per sub-angle, to joint
+/// positions inside their limits.
+///
+/// A revolute joint of range k pi is cut into K = ceil(k - 1e-9) equal sub-angles theta_m in [0, range/K],
+/// each described by the squared distance L_m = 1 - cos(theta_m) between two points at distance 1/sqrt(2)
+/// from the axis, and L_m = L_max sigmoid(omega_m) with L_max = 1 - cos(range/K)  (Eqs. theta_im-limit,
+/// Lim-limit, squash1). The joint's angle is theta = theta_min + sum_m arccos(1 - L_m) (Eq. recovery). Its
+/// cosine and sine come from the product of the complex numbers (1 - L_m) + i sqrt(2 L_m - L_m^2), without
+/// any arccos. A prismatic joint is lower + range sigmoid(omega); joints without limits are omega itself.
+class JointLimitMap {
+ public:
+  /// Values and derivatives at one omega; its vectors are sized by `make_state`.
+  struct State {
+    Eigen::VectorXd cosine, sine;  ///< of each joint's angle, shape (n,); unused for prismatic joints
+    Eigen::VectorXd q;             ///< joint positions, shape (n,); angles only if asked for
+    Eigen::VectorXd slope;         ///< d theta_m / d omega_m, shape (M',)
+  };
+
+  explicit JointLimitMap(const Robot& robot);
+
+  /// M', the number of slack variables.
+  Eigen::Index size() const { return size_; }
+  State make_state() const;
+
+  /// Cosines, sines (or prismatic positions) and slopes at omega.
+  ///     d theta_m / d omega_m = sqrt(L_max s) (1 - s) / sqrt(2 - L_max s),   s = sigmoid(omega_m),
+  /// the composed derivative, which is finite everywhere. Allocates nothing.
+  /// @param angles  Also recover q (needs an arcsine per sub-angle).
+  void forward(const Eigen::VectorXd& omega, State& state, bool angles) const;
+
+  /// Joint positions at omega, strictly inside the limits up to rounding, and never outside them.
+  void positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) const;
+
+  /// Gradient with respect to omega from that with respect to q: dL/domega_m = dL/dq_i dtheta_m/domega_m.
+  void pull_back(const State& state, const Eigen::VectorXd& dq, Eigen::VectorXd& domega) const;
+
+  /// A slack that maps to q, an angle being split evenly over its sub-angles.
+  /// @param q  Positions; those outside [lower + inset range, upper - inset range] are moved to its ends,
+  ///     because the map's derivative vanishes at the limits and a start there could not leave.
+  /// @param inset  Fraction of the range, in [0, 0.5).
+  void inverse(VectorIn q, Eigen::VectorXd& omega, double inset = 0.01) const;
+
+ private:
+  enum class Kind { Direct, Sigmoid, Distance };
+  struct Joint {
+    Kind kind;
+    int first;             // of its slack variables
+    int count;             // K
+    double lower, upper;   // [rad] or [m]
+    double sub_range;      // range / K
+    double L_max;          // of each sub-angle
+    double cos_lower, sin_lower;
+  };
+  std::vector<Joint> joints_;
+  Eigen::Index size_ = 0;
+};
+
+}  // namespace pdoik

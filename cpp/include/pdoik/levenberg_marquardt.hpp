@@ -1,0 +1,186 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace pdoik {
+
+struct LevenbergMarquardtOptions {
+  int max_iterations = 60;            ///< linearisations per run
+  double first_damping = 1e-3;        ///< lambda, relative to the largest diagonal entry of the Hessian
+  double damping_decrease = 0.2;      ///< after a step that went as predicted
+  double damping_increase = 5.0;      ///< after a rejected step
+  double max_damping = 1e6;           ///< beyond it the run has stalled
+  double stall_ratio = 0.95;          ///< the run has stalled when `stall_window` steps leave more of f than this
+  int stall_window = 4;
+};
+
+enum class LevenbergMarquardtStatus {
+  Done,            ///< the problem says so
+  Stalled,         ///< f falls too slowly to go on: a local minimum, most likely
+  IterationLimit,
+  Stopped,         ///< the caller's stop condition held
+};
+
+struct LevenbergMarquardtResult {
+  LevenbergMarquardtStatus status = LevenbergMarquardtStatus::IterationLimit;
+  double value = 0.0;
+  int iterations = 0;
+  int evaluations = 0;
+};
+
+namespace detail {
+
+/// Solve (H + lambda I) d = -g over the free variables, d = 0 elsewhere, by an in-place Cholesky
+/// factorisation. False if the matrix is not positive definite. `L` is scratch of H's size.
+inline bool solve_damped(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, double lambda,
+                         const std::vector<int>& free, int count, Eigen::MatrixXd& L, Eigen::VectorXd& d) {
+  const Eigen::Index stride = L.rows();
+  double* const l = L.data();  // row k of the factor is column k of L
+  d.setZero();
+  double* const x = d.data();
+  double y[64];
+  for (int i = 0; i < count; ++i) {
+    double* const row = l + i * stride;
+    const int fi = free[static_cast<std::size_t>(i)];
+    double rhs = -g[fi];
+    for (int j = 0; j <= i; ++j) {
+      const double* const other = l + j * stride;
+      double sum = H(free[static_cast<std::size_t>(j)], fi);
+      if (i == j) sum += lambda;
+      for (int k = 0; k < j; ++k) sum -= row[k] * other[k];
+      if (i == j) {
+        if (!(sum > 0.0)) return false;
+        row[i] = 1.0 / std::sqrt(sum);  // the diagonal holds its inverse
+      } else {
+        row[j] = sum * other[j];
+        rhs -= row[j] * y[j];
+      }
+    }
+    y[i] = rhs * row[i];
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    double sum = y[i];
+    for (int k = i + 1; k < count; ++k) sum -= l[k * stride + i] * x[free[static_cast<std::size_t>(k)]];
+    x[free[static_cast<std::size_t>(i)]] = sum * l[i * stride + i];
+  }
+  return true;
+}
+
+}  // namespace detail
+
+/// Least squares inside a box by Levenberg and Marquardt's method with an active set.
+///
+/// At x, variables at a bound whose gradient pushes outwards are held; the rest move by
+/// (H + lambda I) d = -g with the Gauss-Newton Hessian H, the step is clamped to the box, and lambda falls
+/// when f does and grows when it does not. Knows nothing of robots. At most 64 variables. All memory is
+/// taken at construction.
+class LevenbergMarquardt {
+ public:
+  /// @throws std::invalid_argument unless 1 <= variables <= 64.
+  explicit LevenbergMarquardt(Eigen::Index variables, const LevenbergMarquardtOptions& options = {});
+
+  /// A Problem provides
+  ///     double evaluate(const VectorXd& x)           f at x; the following calls speak of this x
+  ///     bool done() const                            x is good enough
+  ///     void linearise(MatrixXd& H, VectorXd& g)     upper triangle of J^T J, and J^T r
+  /// @param stop  bool(), asked before every iteration.
+  template <class Problem, class Stop>
+  LevenbergMarquardtResult minimize(Problem& problem, Eigen::VectorXd& x, const Eigen::VectorXd& lower,
+                                    const Eigen::VectorXd& upper, Stop&& stop);
+
+  const LevenbergMarquardtOptions& options() const { return options_; }
+
+ private:
+  int find_free(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+
+  LevenbergMarquardtOptions options_;
+  Eigen::MatrixXd H_, L_;
+  Eigen::VectorXd g_, d_, trial_;
+  std::vector<int> free_;
+};
+
+inline LevenbergMarquardt::LevenbergMarquardt(Eigen::Index variables, const LevenbergMarquardtOptions& options)
+    : options_(options), free_(static_cast<std::size_t>(std::max<Eigen::Index>(variables, 1))) {
+  if (variables < 1 || variables > 64) {
+    throw std::invalid_argument("variables is " + std::to_string(variables) + ", expected 1 to 64");
+  }
+  H_.setZero(variables, variables);
+  L_.setZero(variables, variables);
+  for (Eigen::VectorXd* v : {&g_, &d_, &trial_}) v->setZero(variables);
+}
+
+inline int LevenbergMarquardt::find_free(const Eigen::VectorXd& x, const Eigen::VectorXd& lower,
+                                         const Eigen::VectorXd& upper) {
+  int count = 0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const bool held = (x[i] <= lower[i] && g_[i] >= 0.0) || (x[i] >= upper[i] && g_[i] <= 0.0);
+    if (!held) free_[static_cast<std::size_t>(count++)] = static_cast<int>(i);
+  }
+  return count;
+}
+
+template <class Problem, class Stop>
+LevenbergMarquardtResult LevenbergMarquardt::minimize(Problem& problem, Eigen::VectorXd& x,
+                                                      const Eigen::VectorXd& lower,
+                                                      const Eigen::VectorXd& upper, Stop&& stop) {
+  LevenbergMarquardtResult result;
+  x = x.cwiseMax(lower).cwiseMin(upper);
+  double f = problem.evaluate(x);
+  result.evaluations = 1;
+  double lambda = -1.0, reference = f;
+  int since_reference = 0;
+  while (true) {
+    result.value = f;
+    if (problem.done()) {
+      result.status = LevenbergMarquardtStatus::Done;
+      return result;
+    }
+    if (result.iterations >= options_.max_iterations) {
+      result.status = LevenbergMarquardtStatus::IterationLimit;
+      return result;
+    }
+    problem.linearise(H_, g_);
+    ++result.iterations;
+    const double scale = H_.diagonal().maxCoeff();
+    if (lambda < 0.0) lambda = options_.first_damping * scale;
+    const int free_count = find_free(x, lower, upper);
+    while (true) {
+      if (stop()) {
+        result.status = LevenbergMarquardtStatus::Stopped;
+        return result;
+      }
+      if (free_count == 0 || lambda > options_.max_damping * scale) {
+        result.status = LevenbergMarquardtStatus::Stalled;
+        return result;
+      }
+      if (detail::solve_damped(H_, g_, lambda, free_, free_count, L_, d_)) {
+        trial_ = (x + d_).cwiseMax(lower).cwiseMin(upper);
+        const double f_trial = problem.evaluate(trial_);
+        ++result.evaluations;
+        if (f_trial < f) {
+          x.swap(trial_);
+          f = f_trial;
+          lambda = std::max(lambda * options_.damping_decrease, 1e-12 * scale);
+          break;
+        }
+      }
+      lambda = std::max(lambda * options_.damping_increase, 1e-9 * scale);
+    }
+    if (++since_reference >= options_.stall_window) {
+      if (f > options_.stall_ratio * reference && !problem.done()) {
+        result.value = f;
+        result.status = LevenbergMarquardtStatus::Stalled;
+        return result;
+      }
+      reference = f;
+      since_reference = 0;
+    }
+  }
+}
+
+}  // namespace pdoik

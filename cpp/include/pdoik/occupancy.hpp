@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace pdoik {
+
+/// A ball fixed to a link (Eq. joint_coll_avoid): no obstacle point within `radius` of `center`.
+struct Sphere {
+  std::string link;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< in the link frame [m]
+  double radius = 0.0;                               ///< [m]
+};
+
+/// A prolate spheroid between two points of the robot (Eq. link_coll_avoid): the half sum of an obstacle
+/// point's distances to both foci is at least `semi_major`. The foci may sit on different links.
+struct Spheroid {
+  std::string link_a;
+  Eigen::Vector3d focus_a = Eigen::Vector3d::Zero();  ///< in link_a's frame [m]
+  std::string link_b;
+  Eigen::Vector3d focus_b = Eigen::Vector3d::Zero();  ///< in link_b's frame [m]
+  double semi_major = 0.0;                            ///< [m]
+};
+
+/// What a robot fills: hulls that obstacle points must stay out of. Any number per link.
+struct Occupancy {
+  std::vector<Sphere> spheres;
+  std::vector<Spheroid> spheroids;
+
+  bool empty() const { return spheres.empty() && spheroids.empty(); }
+  std::size_t size() const { return spheres.size() + spheroids.size(); }
+};
+
+/// Read an occupancy file.
+/// @param path_or_text  A file's path, or YAML text (recognised by a line break or colon-space).
+/// @throws LoadError naming the file, the entry and what is wrong with it.
+Occupancy load_occupancy(const std::string& path_or_text);
+
+/// The YAML text that load_occupancy reads back exactly.
+std::string to_yaml(const Occupancy& occupancy);
+
+}  // namespace pdoik

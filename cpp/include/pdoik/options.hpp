@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "pdoik/augmented_lagrangian.hpp"
+#include "pdoik/lbfgs.hpp"
+#include "pdoik/levenberg_marquardt.hpp"
+
+namespace pdoik {
+
+/// What the tip has to match of its target.
+enum class GoalType {
+  Pose,      ///< position and orientation, 6 degrees of freedom
+  Axis,      ///< position and the direction of one axis of the tip, 5
+  Position,  ///< position, 3
+};
+
+enum class Method {
+  Default,  ///< restarts from a low-discrepancy sequence, Levenberg-Marquardt and L-BFGS inside
+  Paper,    ///< Algorithm IK with its misprints corrected, one start, and nothing else
+};
+
+/// How the default method minimises from one start.
+enum class InnerMethod {
+  LevenbergMarquardt,  ///< Gauss-Newton steps in joint positions inside their limits
+  Lbfgs,               ///< the paper's: augmented Lagrangian with L-BFGS over the slack variables
+};
+
+/// Metres, radians, seconds.
+struct Options {
+  GoalType goal = GoalType::Pose;
+  Eigen::Vector3d goal_axis = Eigen::Vector3d::UnitZ();  ///< in the tip frame, for GoalType::Axis
+  Method method = Method::Default;
+
+  double position_tolerance = 1e-5;   ///< largest position error of a success [m]
+  double rotation_tolerance = 1e-5;   ///< largest rotation (or axis) error of a success [rad]
+  double clearance = 0.0;             ///< least distance wanted between obstacle points and hulls [m]
+  double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
+
+  double max_time = 0.01;     ///< deadline of a solve [s]
+  int max_restarts = 100;     ///< starts after the first; Method::Paper has none
+  std::uint64_t seed = 0;     ///< of the restarts' sequence
+
+  InnerMethod inner = InnerMethod::LevenbergMarquardt;  ///< for Method::Default
+  int max_obstacles = 1024;   ///< obstacle points that fit without a further allocation
+
+  double rotation_weight = 0.3;   ///< metres that one radian weighs in Levenberg-Marquardt's residual [m]
+  double collision_weight = 1.0;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
+  double start_inset = 0.01;      ///< starts for the slack variables keep this fraction of a range off the limits
+  double point_distance = 1.0;    ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
+
+  LbfgsOptions lbfgs;
+  AugmentedLagrangianOptions augmented_lagrangian;
+  LevenbergMarquardtOptions levenberg_marquardt;
+};
+
+}  // namespace pdoik

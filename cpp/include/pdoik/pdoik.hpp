@@ -1,0 +1,15 @@
+#pragma once
+
+/// Everything: constrained inverse kinematics among point clouds.
+
+#include "pdoik/augmented_lagrangian.hpp"
+#include "pdoik/errors.hpp"
+#include "pdoik/joint_limit_map.hpp"
+#include "pdoik/lbfgs.hpp"
+#include "pdoik/levenberg_marquardt.hpp"
+#include "pdoik/occupancy.hpp"
+#include "pdoik/options.hpp"
+#include "pdoik/point_cloud.hpp"
+#include "pdoik/result.hpp"
+#include "pdoik/robot.hpp"
+#include "pdoik/solver.hpp"

@@ -1,0 +1,180 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pdoik/occupancy.hpp"
+
+namespace pdoik {
+
+using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
+
+enum class JointType {
+  Fixed,       ///< does not move
+  Revolute,    ///< turns about its axis between two limits [rad]
+  Continuous,  ///< turns about its axis without limits [rad]
+  Prismatic,   ///< slides along its axis between two limits [m]
+};
+
+/// "This joint follows another": position = multiplier * position(joint) + offset.
+struct Mimic {
+  std::string joint;
+  double multiplier = 1.0;
+  double offset = 0.0;
+};
+
+/// One joint as a URDF gives it.
+struct JointDescription {
+  std::string name;
+  JointType type = JointType::Fixed;
+  std::string parent_link;
+  std::string child_link;
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();  ///< at position zero
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();                   ///< in the child frame
+  double lower = -std::numeric_limits<double>::infinity();           ///< [rad] or [m]
+  double upper = std::numeric_limits<double>::infinity();            ///< [rad] or [m]
+  double velocity = std::numeric_limits<double>::infinity();         ///< [rad/s] or [m/s]
+  double effort = std::numeric_limits<double>::infinity();           ///< [N m] or [N]
+  std::optional<Mimic> mimic;
+};
+
+/// One link as a URDF gives it. The solver of arms ignores masses; they are kept for balance.
+struct LinkDescription {
+  std::string name;
+  double mass = 0.0;                                           ///< [kg]
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();    ///< in the link frame [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();           ///< about the centre of mass [kg m^2]
+};
+
+/// A robot before it has a base: links and joints in any order.
+struct RobotDescription {
+  std::string name;
+  std::vector<LinkDescription> links;
+  std::vector<JointDescription> joints;
+};
+
+/// A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix with entry (2,4) = -d sin(alpha)):
+/// T = Rx(alpha) Tx(a) Rz(theta) Tz(d). For a prismatic row the variable adds to d.
+struct DhRow {
+  double alpha = 0.0;         ///< [rad]
+  double a = 0.0;             ///< [m]
+  double d = 0.0;             ///< [m]
+  double theta_offset = 0.0;  ///< added to the joint angle [rad]
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool prismatic = false;
+};
+
+/// A moving frame: its z axis is the axis of the joint that moves it, so that every joint turns about or
+/// slides along its own z, as the proximal DH frames of the paper do. Body 0 is the base and never moves.
+struct Body {
+  int parent = -1;                                                  ///< a smaller index; -1 for the base
+  Eigen::Isometry3d T_parent_joint = Eigen::Isometry3d::Identity(); ///< at position zero
+  bool prismatic = false;
+  int dof = -1;             ///< the entry of q that moves it
+  double multiplier = 1.0;  ///< position = multiplier * q[dof] + offset: other than 1, 0 for mimic joints
+  double offset = 0.0;
+};
+
+/// A robot as the solver sees it: a tree of bodies from a chosen base, with links attached to them.
+///
+/// `joint_names` are ordered depth first from the base, siblings by joint name (Pinocchio's order); fixed
+/// and mimic joints have no entry in q. Immutable after construction but for its occupancy, so one robot
+/// may serve many threads.
+class Robot {
+ public:
+  /// @param base_link  Any link of the tree; empty takes the description's root.
+  /// @param tip_links  Links that goals may be given for; empty takes every leaf.
+  /// @throws LoadError naming a missing link, a second parent, a loop, limits out of order, a zero axis.
+  explicit Robot(const RobotDescription& description, const std::string& base_link = {},
+                 std::vector<std::string> tip_links = {});
+
+  /// Read a URDF with urdfdom.
+  /// @param path_or_xml  A file's path, or the XML text itself (recognised by its leading '<').
+  /// @throws LoadError  additionally to the constructor's: unreadable file, malformed XML.
+  static Robot from_urdf(const std::string& path_or_xml, const std::string& base_link = {},
+                         std::vector<std::string> tip_links = {});
+
+  /// A serial arm from DH rows: links link0 ... linkM and `tool` (offset T_last_tool), joints joint1 ... jointM.
+  static Robot from_dh(const std::vector<DhRow>& rows,
+                       const Eigen::Isometry3d& T_last_tool = Eigen::Isometry3d::Identity());
+
+  /// A robot shipped with the library: "panda", "ur10" or "iiwa14", with its occupancy.
+  /// @throws std::invalid_argument listing the names there are.
+  static Robot builtin(const std::string& name);
+  static std::vector<std::string> builtin_names();
+
+  const std::string& name() const { return name_; }
+  int dof() const { return static_cast<int>(joint_names_.size()); }
+  const std::vector<std::string>& joint_names() const { return joint_names_; }
+  const std::vector<std::string>& link_names() const { return link_names_; }
+  const std::string& base_link() const { return link_names_[static_cast<std::size_t>(base_)]; }
+  const std::vector<int>& tips() const { return tips_; }
+  std::vector<std::string> tip_links() const;
+
+  /// Joint limits, shape (n,), [rad] or [m]; infinite for continuous joints.
+  const Eigen::VectorXd& lower() const { return lower_; }
+  const Eigen::VectorXd& upper() const { return upper_; }
+  /// Speed limits of the joints, shape (n,), [rad/s] or [m/s]; infinite where the description gives none.
+  const Eigen::VectorXd& velocity() const { return velocity_; }
+  const std::vector<JointType>& joint_types() const { return joint_types_; }
+  /// The middle of each joint's range, 0 for joints without limits, shape (n,).
+  Eigen::VectorXd mid_configuration() const;
+
+  /// Pose of a link in the base frame.
+  /// @param q  shape (n,), [rad] or [m].
+  /// @param link  An index from `link_index`, or -1 for the (first) tip.
+  /// @throws std::invalid_argument on a wrong length.
+  Eigen::Isometry3d fk(VectorIn q, int link = -1) const;
+  Eigen::Isometry3d fk(VectorIn q, const std::string& link) const { return fk(q, link_index(link)); }
+
+  /// Geometric Jacobian of a link's origin, shape (6, n): three linear rows, then three angular ones, both
+  /// in the base frame's axes (Pinocchio's LOCAL_WORLD_ALIGNED).
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(VectorIn q, int link = -1) const;
+
+  /// Poses of all bodies in the base frame, into a vector sized beforehand. Allocates nothing.
+  void body_poses(VectorIn q, std::vector<Eigen::Isometry3d>& T_base_body) const;
+
+  /// @throws std::invalid_argument that names the link and the robot's links.
+  int link_index(std::string_view name) const;
+  std::optional<int> find_link(std::string_view name) const;
+  /// Mass, centre of mass and inertia of each link, ordered as link_names.
+  const std::vector<LinkDescription>& links() const { return links_; }
+
+  const std::vector<Body>& bodies() const { return bodies_; }
+  /// The body a link is attached to, and how: T_base_link = T_base_body * T_body_link.
+  int body_of_link(int link) const { return link_body_[static_cast<std::size_t>(link)]; }
+  const Eigen::Isometry3d& T_body_link(int link) const {
+    return T_body_link_[static_cast<std::size_t>(link)];
+  }
+
+  /// What the robot fills, as seen by the solver. Empty until set, except for built-in robots.
+  const Occupancy& occupancy() const { return occupancy_; }
+  /// @throws std::invalid_argument naming an unknown link, a radius that is not positive and finite, or a
+  /// semi-major axis that is not longer than half the distance between foci on one link.
+  void set_occupancy(Occupancy occupancy);
+
+  /// Oddities of the description that do not stop kinematics (inertias that are not physical, ...).
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  std::string name_;
+  int base_ = 0;
+  std::vector<std::string> joint_names_;
+  std::vector<JointType> joint_types_;
+  Eigen::VectorXd lower_, upper_, velocity_;
+  std::vector<std::string> link_names_;
+  std::vector<LinkDescription> links_;
+  std::vector<int> link_body_;
+  std::vector<Eigen::Isometry3d> T_body_link_;
+  std::vector<Body> bodies_;
+  std::vector<int> tips_;
+  Occupancy occupancy_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace pdoik

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cmath>
+
+#include "detail/collision.hpp"
+#include "detail/spheroid_distance.hpp"
+
+namespace pdoik::detail {
+
+/// One collision constraint c <= 0 and its derivatives with respect to the attached points a and b.
+struct Constraint {
+  double c = 0.0;
+  Vec4 dc_da{}, dc_db{};  ///< dc_db is unused for spheres
+};
+
+inline Vec4 unit_from(const Vec4& o, const Vec4& u, double& distance) {
+  const Vec4 gap = u - o;
+  distance = std::sqrt(dot3(gap, gap));
+  return distance > 1e-12 ? broadcast(1.0 / distance) * gap : Vec4{};  // the guard of |u - o| = 0
+}
+
+/// Eqs. joint_coll_avoid and link_coll_avoid: c = r - |u - o|, or c = 2a - (|u - o| + |u' - o|), and
+/// dc/du = -(u - o) / |u - o|. A point's radius R makes them r + R and 2(a + R), which keeps the ball out of
+/// the hull because the half sum of distances changes no faster than the point moves.
+inline Constraint paper_constraint(const CollisionState& state, const Hull& hull, const Vec4& o, double radius) {
+  Constraint result;
+  double distance;
+  result.dc_da = -unit_from(o, state.position(hull.a), distance);
+  if (hull.is_sphere()) {
+    result.c = hull.semi_major + radius - distance;
+    return result;
+  }
+  double other;
+  result.dc_db = -unit_from(o, state.position(hull.b), other);
+  result.c = 2.0 * (hull.semi_major + radius) - (distance + other);
+  return result;
+}
+
+/// The same zero set in metres of penetration. Points with a radius are held off by their true Euclidean
+/// distance d to the spheroid, whose derivative by a focus is that of its nearest surface point x (envelope
+/// theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
+inline Constraint distance_constraint(const CollisionState& state, const Hull& hull, const Vec4& o, double radius) {
+  Constraint result = paper_constraint(state, hull, o, radius);
+  if (hull.is_sphere()) return result;
+  const Vec4 half = broadcast(0.5);
+  result.c *= 0.5;
+  result.dc_da *= half;
+  result.dc_db *= half;
+  if (radius <= 0.0 || result.c > radius) return result;  // no radius, or the point itself is inside
+  const Eigen::Vector3d a = to_vector3(state.position(hull.a)), b = to_vector3(state.position(hull.b));
+  const SpheroidDistance nearest = spheroid_distance(to_vector3(o), a, b, hull.semi_major);
+  const Eigen::Vector3d from_a = (a - nearest.nearest).normalized(), from_b = (b - nearest.nearest).normalized();
+  const double slope = (from_a + from_b).norm();
+  if (!(slope > 1e-9)) return result;
+  result.c = radius - nearest.distance;
+  result.dc_da = to_vec4(-from_a / slope);
+  result.dc_db = to_vec4(-from_b / slope);
+  return result;
+}
+
+}  // namespace pdoik::detail

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <vector>
+
+#include "detail/collision.hpp"
+#include "detail/deadline.hpp"
+#include "detail/goal_term.hpp"
+#include "detail/judge.hpp"
+#include "detail/lagrangian_problem.hpp"
+#include "detail/least_squares_problem.hpp"
+#include "detail/low_discrepancy.hpp"
+#include "pdoik/joint_limit_map.hpp"
+#include "pdoik/options.hpp"
+#include "pdoik/result.hpp"
+#include "pdoik/point_cloud.hpp"
+#include "pdoik/solver.hpp"
+
+namespace pdoik::detail {
+
+/// Algorithm IK and its restarts, with every piece of memory they need.
+class Search {
+ public:
+  /// Both must outlive the search and stay where they are.
+  Search(const Robot& robot, const Options& options);
+
+  void set_obstacles(const Obstacles& points);
+  void copy_scene(const Search& other);
+  /// One solve. Allocates nothing if result.q has its size.
+  void run(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result);
+  void judge(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd& q, Result& result) {
+    judge_(T_base_tip, q, scene_, result);
+  }
+
+ private:
+  void run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline, Result& result);
+  void run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline, Result& result);
+  /// Minimise from q_ by the chosen inner method; q_ then holds the end. True if the deadline struck.
+  bool minimise(const Deadline& deadline, Result& result);
+  bool minimise_lagrangian(const Deadline& deadline, Result& result);
+  /// The start of restart k >= 1, into q_.
+  void restart_configuration(int k);
+  /// Judge q_ and keep it in `best` if it is a success or closer to one than what was there.
+  void keep_better(const Eigen::Isometry3d& target, Result& best);
+  /// Angles without limits to within half a turn of the start.
+  void wrap_to_start();
+  bool out_of_reach(const Eigen::Isometry3d& target) const;
+  double shortfall(const Result& result) const;
+
+  const Robot& robot_;
+  const Options& options_;
+  HullModel hulls_;
+  Scene scene_;
+  CollisionState collision_;
+  Rollout rollout_;
+  std::vector<GoalTerm> goals_;
+  JointLimitMap map_;
+  LagrangianProblem lagrangian_;
+  LeastSquaresProblem least_squares_;
+  AugmentedLagrangian augmented_lagrangian_;
+  LevenbergMarquardt levenberg_marquardt_;
+  Judge judge_;
+  LowDiscrepancy sequence_;
+  Eigen::VectorXd lower_, upper_, start_, q_, omega_;
+  std::vector<bool> matters_;   ///< joints that move the tip or a hull
+  Result candidate_;
+  Eigen::Vector3d reach_root_;
+  double reach_ = 0.0;
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,150 @@
+#include "pdoik/joint_limit_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pdoik {
+namespace {
+
+struct Sigmoid {
+  double s;           ///< sigmoid(omega)
+  double complement;  ///< 1 - s = sigmoid(-omega), without cancellation
+};
+
+Sigmoid sigmoid(double omega) {
+  const double e = std::exp(-std::abs(omega));
+  const double large = 1.0 / (1.0 + e), small = e * large;
+  return omega >= 0.0 ? Sigmoid{large, small} : Sigmoid{small, large};
+}
+
+}  // namespace
+
+JointLimitMap::JointLimitMap(const Robot& robot) {
+  for (Eigen::Index i = 0; i < robot.dof(); ++i) {
+    Joint joint{};
+    joint.first = static_cast<int>(size_);
+    joint.count = 1;
+    joint.lower = robot.lower()[i];
+    joint.upper = robot.upper()[i];
+    const double range = joint.upper - joint.lower;
+    const JointType type = robot.joint_types()[static_cast<std::size_t>(i)];
+    if (!std::isfinite(range)) {
+      joint.kind = Kind::Direct;
+    } else if (type == JointType::Prismatic) {
+      joint.kind = Kind::Sigmoid;
+      joint.sub_range = range;
+    } else {
+      joint.kind = Kind::Distance;
+      joint.count = std::max(1, static_cast<int>(std::ceil(range / M_PI - 1e-9)));
+      joint.sub_range = std::min(range / joint.count, M_PI);
+      const double half = std::sin(0.5 * joint.sub_range);
+      joint.L_max = joint.sub_range > M_PI - 1e-9 ? 2.0 : 2.0 * half * half;
+      joint.cos_lower = std::cos(joint.lower);
+      joint.sin_lower = std::sin(joint.lower);
+    }
+    size_ += joint.count;
+    joints_.push_back(joint);
+  }
+}
+
+JointLimitMap::State JointLimitMap::make_state() const {
+  const auto n = static_cast<Eigen::Index>(joints_.size());
+  State state;
+  state.cosine.setOnes(n);
+  state.sine.setZero(n);
+  state.q.setZero(n);
+  state.slope.setZero(size_);
+  return state;
+}
+
+void JointLimitMap::forward(const Eigen::VectorXd& omega, State& state, bool angles) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    const auto i = static_cast<Eigen::Index>(j);
+    if (joint.kind == Kind::Direct) {
+      state.q[i] = omega[joint.first];
+      state.cosine[i] = std::cos(state.q[i]);
+      state.sine[i] = std::sin(state.q[i]);
+      state.slope[joint.first] = 1.0;
+      continue;
+    }
+    if (joint.kind == Kind::Sigmoid) {
+      const auto [s, complement] = sigmoid(omega[joint.first]);
+      state.q[i] = std::clamp(joint.lower + joint.sub_range * s, joint.lower, joint.upper);
+      state.slope[joint.first] = joint.sub_range * s * complement;
+      continue;
+    }
+    double re = joint.cos_lower, im = joint.sin_lower, angle = joint.lower;
+    for (int m = joint.first; m < joint.first + joint.count; ++m) {
+      const auto [s, complement] = sigmoid(omega[m]);
+      const double L = joint.L_max * s;                                       // Eq. squash1
+      const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;    // 2 - L
+      const double root_L = std::sqrt(L), root_rest = std::sqrt(rest);
+      const double cosine = 1.0 - L, sine = root_L * root_rest;               // Eq. sin2dist
+      state.slope[m] = joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest;
+      const double product = re * cosine - im * sine;
+      im = re * sine + im * cosine;
+      re = product;
+      if (angles) angle += 2.0 * std::atan2(root_L, root_rest);               // arccos(1 - L), precisely
+    }
+    state.cosine[i] = re;
+    state.sine[i] = im;
+    if (angles) state.q[i] = std::clamp(angle, joint.lower, joint.upper);     // Eq. recovery
+  }
+}
+
+void JointLimitMap::positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    double position = joint.lower;
+    if (joint.kind == Kind::Direct) {
+      q[static_cast<Eigen::Index>(j)] = omega[joint.first];
+      continue;
+    }
+    for (int m = joint.first; m < joint.first + joint.count; ++m) {
+      const auto [s, complement] = sigmoid(omega[m]);
+      const double L = joint.L_max * s;
+      const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
+      position += joint.kind == Kind::Sigmoid ? joint.sub_range * s
+                                              : 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
+    }
+    q[static_cast<Eigen::Index>(j)] = std::clamp(position, joint.lower, joint.upper);
+  }
+}
+
+void JointLimitMap::pull_back(const State& state, const Eigen::VectorXd& dq, Eigen::VectorXd& domega) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    for (int m = joints_[j].first; m < joints_[j].first + joints_[j].count; ++m) {
+      domega[m] = dq[static_cast<Eigen::Index>(j)] * state.slope[m];
+    }
+  }
+}
+
+void JointLimitMap::inverse(VectorIn q, Eigen::VectorXd& omega, double inset) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    const double position = q[static_cast<Eigen::Index>(j)];
+    if (joint.kind == Kind::Direct) {
+      omega[joint.first] = position;
+      continue;
+    }
+    const double range = joint.upper - joint.lower;
+    const double fraction = range > 0.0 ? std::clamp((position - joint.lower) / range, inset, 1.0 - inset) : 0.5;
+    double slack = 0.0;
+    if (joint.kind == Kind::Sigmoid) {
+      slack = std::log(fraction) - std::log1p(-fraction);
+    } else {
+      // s : 1 - s = (1 - cos theta) : (cos theta - cos sub_range), both as products of sines.
+      const double theta = fraction * joint.sub_range;
+      const double low = std::sin(0.5 * theta);
+      const double high = std::sin(0.5 * (joint.sub_range + theta)) *
+                          std::sin(0.5 * joint.sub_range * (1.0 - fraction));
+      slack = range > 0.0 ? std::log(low * low) - std::log(high) : 0.0;
+    }
+    constexpr double kSaturated = 700.0;  // exp of more overflows
+    slack = std::clamp(slack, -kSaturated, kSaturated);
+    for (int m = joint.first; m < joint.first + joint.count; ++m) omega[m] = slack;
+  }
+}
+
+}  // namespace pdoik

@@ -1,0 +1,108 @@
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+
+#include "pdoik/errors.hpp"
+#include "pdoik/occupancy.hpp"
+
+namespace pdoik {
+namespace {
+
+bool is_text(const std::string& path_or_text) {
+  return path_or_text.find('\n') != std::string::npos || path_or_text.find(": ") != std::string::npos ||
+         path_or_text.find('{') != std::string::npos;
+}
+
+/// Reads one entry of the file, naming it in every complaint.
+class Entry {
+ public:
+  Entry(const YAML::Node& node, std::string where) : node_(node), where_(std::move(where)) {
+    if (!node_.IsMap()) fail("expected a mapping");
+  }
+
+  std::string text(const char* key) const { return get<std::string>(key, "a name"); }
+  double length(const char* key) const { return get<double>(key, "a length in metres"); }
+  Eigen::Vector3d point(const char* key) const {
+    const auto values = get<std::vector<double>>(key, "[x, y, z] in metres");
+    if (values.size() != 3) fail(std::string(key) + " has " + std::to_string(values.size()) + " numbers, expected 3");
+    return {values[0], values[1], values[2]};
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw LoadError(where_ + ": " + what); }
+
+  template <class T>
+  T get(const char* key, const char* expected) const {
+    if (!node_[key]) fail(std::string("has no '") + key + "', expected " + expected);
+    try {
+      return node_[key].as<T>();
+    } catch (const YAML::Exception&) {
+      fail(std::string("'") + key + "' is not " + expected);
+    }
+  }
+
+  YAML::Node node_;
+  std::string where_;
+};
+
+}  // namespace
+
+Occupancy load_occupancy(const std::string& path_or_text) {
+  const bool text = is_text(path_or_text);
+  const std::string source = text ? "the occupancy text" : "'" + path_or_text + "'";
+  YAML::Node root;
+  try {
+    root = text ? YAML::Load(path_or_text) : YAML::LoadFile(path_or_text);
+  } catch (const YAML::BadFile&) {
+    throw LoadError("cannot read the occupancy file " + source);
+  } catch (const YAML::Exception& error) {
+    throw LoadError(source + " is not valid YAML: " + error.what());
+  }
+  if (!root.IsMap()) throw LoadError(source + ": expected a mapping with 'spheres' and 'spheroids'");
+  for (const auto& item : root) {
+    const auto key = item.first.as<std::string>();
+    if (key != "spheres" && key != "spheroids") {
+      throw LoadError(source + ": '" + key + "' is unknown, expected 'spheres' and 'spheroids'");
+    }
+    if (!item.second.IsSequence() && !item.second.IsNull()) {
+      throw LoadError(source + ": '" + key + "' is not a list");
+    }
+  }
+  Occupancy occupancy;
+  for (std::size_t i = 0; root["spheres"] && i < root["spheres"].size(); ++i) {
+    const Entry entry(root["spheres"][i], source + ": spheres[" + std::to_string(i) + "]");
+    occupancy.spheres.push_back({entry.text("link"), entry.point("center"), entry.length("radius")});
+  }
+  for (std::size_t i = 0; root["spheroids"] && i < root["spheroids"].size(); ++i) {
+    const Entry entry(root["spheroids"][i], source + ": spheroids[" + std::to_string(i) + "]");
+    occupancy.spheroids.push_back({entry.text("link_a"), entry.point("focus_a"), entry.text("link_b"),
+                                   entry.point("focus_b"), entry.length("semi_major")});
+  }
+  return occupancy;
+}
+
+std::string to_yaml(const Occupancy& occupancy) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(17);
+  const auto point = [&](const char* key, const Eigen::Vector3d& p) {
+    out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq << p.x() << p.y() << p.z() << YAML::EndSeq;
+  };
+  out << YAML::BeginMap << YAML::Key << "spheres" << YAML::Value << YAML::BeginSeq;
+  for (const Sphere& sphere : occupancy.spheres) {
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "link" << YAML::Value << sphere.link;
+    point("center", sphere.center);
+    out << YAML::Key << "radius" << YAML::Value << sphere.radius << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::Key << "spheroids" << YAML::Value << YAML::BeginSeq;
+  for (const Spheroid& s : occupancy.spheroids) {
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "link_a" << YAML::Value << s.link_a;
+    point("focus_a", s.focus_a);
+    out << YAML::Key << "link_b" << YAML::Value << s.link_b;
+    point("focus_b", s.focus_b);
+    out << YAML::Key << "semi_major" << YAML::Value << s.semi_major << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
+}
+
+}  // namespace pdoik

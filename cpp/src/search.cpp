@@ -1,0 +1,226 @@
+#include "detail/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pdoik::detail {
+namespace {
+
+AugmentedLagrangianOptions lagrangian_options(const Options& options) {
+  AugmentedLagrangianOptions result = options.augmented_lagrangian;
+  if (options.method == Method::Paper) result.form = PenaltyForm::Printed;
+  return result;
+}
+
+std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls) {
+  std::vector<bool> matters(static_cast<std::size_t>(robot.dof()), false);
+  const auto mark = [&](int body) {
+    for (int b = body; b > 0; b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
+      matters[static_cast<std::size_t>(robot.bodies()[static_cast<std::size_t>(b)].dof)] = true;
+    }
+  };
+  for (const int tip : robot.tips()) mark(robot.body_of_link(tip));
+  for (const AttachedPoint& point : hulls.points) mark(point.body);
+  return matters;
+}
+
+}  // namespace
+
+Search::Search(const Robot& robot, const Options& options)
+    : robot_(robot),
+      options_(options),
+      hulls_(robot),
+      collision_(hulls_),
+      rollout_(robot),
+      map_(robot),
+      lagrangian_(map_, rollout_, goals_, collision_, scene_, options_.point_distance, robot.dof()),
+      least_squares_(rollout_, goals_, collision_, scene_, options_, robot.dof()),
+      augmented_lagrangian_(map_.size(), lagrangian_options(options), options.lbfgs),
+      levenberg_marquardt_(robot.dof(), options.levenberg_marquardt),
+      judge_(robot, options_, hulls_),
+      sequence_(robot.dof(), options.seed),
+      lower_(robot.lower()),
+      upper_(robot.upper()),
+      matters_(joints_that_matter(robot, hulls_)) {
+  const int tip = robot.tips().front();
+  goals_.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal, options.goal_axis);
+  start_.setZero(robot.dof());
+  q_.setZero(robot.dof());
+  omega_.setZero(map_.size());
+  candidate_.q.setZero(robot.dof());
+  Points none(0, 3);
+  scene_.reserve(static_cast<std::size_t>(options.max_obstacles));
+  const int padded = (options.max_obstacles + kLanes - 1) / kLanes * kLanes;
+  collision_.reserve(padded);
+  lagrangian_.reserve(padded);
+  set_obstacles(none);
+
+  reach_root_ = Eigen::Vector3d::Zero();
+  double length = robot.T_body_link(tip).translation().norm();
+  for (int b = robot.body_of_link(tip); b > 0;) {
+    const Body& body = robot.bodies()[static_cast<std::size_t>(b)];
+    if (body.prismatic) {
+      length += std::max(std::abs(body.multiplier * lower_[body.dof] + body.offset),
+                         std::abs(body.multiplier * upper_[body.dof] + body.offset));
+    }
+    reach_root_ = body.T_parent_joint.translation();
+    b = body.parent;
+    if (b > 0) length += body.T_parent_joint.translation().norm();
+  }
+  reach_ = length;
+}
+
+void Search::set_obstacles(const Obstacles& points) {
+  lagrangian_.reset_multipliers();
+  scene_.assign(points, options_.clearance, hulls_);
+  collision_.reserve(scene_.near.padded());
+  lagrangian_.reserve(scene_.near.padded());
+}
+
+void Search::copy_scene(const Search& other) {
+  scene_ = other.scene_;
+  collision_.reserve(scene_.near.padded());
+  lagrangian_.reserve(scene_.near.padded());
+}
+
+bool Search::out_of_reach(const Eigen::Isometry3d& target) const {
+  const double slack = options_.position_tolerance + 1e-9 * reach_;
+  return (target.translation() - reach_root_).norm() > reach_ + slack;
+}
+
+void Search::run(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, Result& result) {
+  const Deadline deadline(options_.max_time);
+  goals_.front().set_target(target);
+  result.iterations = result.evaluations = result.restarts = 0;
+  result.success = false;
+  if (options_.method == Method::Paper) {
+    run_paper(target, q0, deadline, result);
+  } else {
+    run_default(target, q0, deadline, result);
+  }
+  if (!result.success && scene_.fixed.distance < -options_.clearance_tolerance) result.status = Status::BaseCollision;
+  else if (!result.success && out_of_reach(target)) result.status = Status::OutOfReach;
+  result.time = deadline.elapsed();
+}
+
+void Search::run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline,
+                       Result& result) {
+  if (q0 != nullptr) {
+    map_.inverse(*q0, omega_, options_.start_inset);
+    start_ = *q0;
+  } else {
+    omega_.setZero();  // Algorithm IK, line 1
+    map_.positions(omega_, start_);
+  }
+  const bool struck = minimise_lagrangian(deadline, result);
+  map_.positions(omega_, q_);  // Eq. recovery
+  wrap_to_start();
+  judge_(target, q_, scene_, result);
+  result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
+}
+
+bool Search::minimise_lagrangian(const Deadline& deadline, Result& result) {
+  bool struck = false;
+  const double p = options_.position_tolerance, r = options_.rotation_tolerance;
+  const auto stop = [&](const Eigen::VectorXd&, double) {
+    const GoalTerm& goal = goals_.front();
+    if (goal.position_distance() < p && goal.rotation_distance() < r &&
+        lagrangian_.last_max_constraint() <= 0.5 * options_.clearance_tolerance) {
+      return true;
+    }
+    struck = deadline.passed();
+    return struck;
+  };
+  const AugmentedLagrangianResult inner = augmented_lagrangian_.minimize(lagrangian_, omega_, stop);
+  result.iterations += inner.iterations;
+  result.evaluations += inner.evaluations;
+  return struck;
+}
+
+bool Search::minimise(const Deadline& deadline, Result& result) {
+  if (options_.inner == InnerMethod::Lbfgs) {
+    map_.inverse(q_, omega_, options_.start_inset);
+    const bool struck = minimise_lagrangian(deadline, result);
+    map_.positions(omega_, q_);
+    return struck;
+  }
+  bool struck = false;
+  const LevenbergMarquardtResult inner =
+      levenberg_marquardt_.minimize(least_squares_, q_, lower_, upper_, [&] { return struck = deadline.passed(); });
+  result.iterations += inner.iterations;
+  result.evaluations += inner.evaluations;
+  return struck;
+}
+
+void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline,
+                         Result& result) {
+  for (Eigen::Index i = 0; i < q_.size(); ++i) {
+    const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
+    start_[i] = q0 != nullptr ? std::clamp((*q0)[i], lower_[i], upper_[i])
+                : bounded     ? 0.5 * (lower_[i] + upper_[i])
+                              : 0.0;
+  }
+  for (int k = 0; k <= options_.max_restarts; ++k) {
+    if (k == 0) {
+      q_ = start_;
+    } else {
+      restart_configuration(k);
+      result.restarts = k;
+    }
+    const bool struck = minimise(deadline, result);
+    wrap_to_start();
+    if (k == 0) {
+      judge_(target, q_, scene_, result);
+    } else {
+      keep_better(target, result);
+    }
+    if (result.success) {
+      result.status = Status::Solved;
+      return;
+    }
+    if (struck) {
+      result.status = Status::TimeLimit;
+      return;
+    }
+  }
+  result.status = Status::Exhausted;
+}
+
+void Search::restart_configuration(int k) {
+  for (Eigen::Index i = 0; i < q_.size(); ++i) {
+    if (!matters_[static_cast<std::size_t>(i)]) {
+      q_[i] = start_[i];
+      continue;
+    }
+    const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
+    const double low = bounded ? lower_[i] : start_[i] - M_PI, high = bounded ? upper_[i] : start_[i] + M_PI;
+    q_[i] = low + sequence_(k, i) * (high - low);
+  }
+}
+
+void Search::wrap_to_start() {
+  for (Eigen::Index i = 0; i < q_.size(); ++i) {
+    if (robot_.joint_types()[static_cast<std::size_t>(i)] != JointType::Continuous) continue;
+    q_[i] = start_[i] + std::remainder(q_[i] - start_[i], 2.0 * M_PI);
+  }
+}
+
+double Search::shortfall(const Result& result) const {
+  const double p = result.position_error, r = options_.rotation_weight * result.rotation_error;
+  const double depth = std::max(0.0, options_.clearance - result.clearance);
+  return p * p + r * r + depth * depth;
+}
+
+void Search::keep_better(const Eigen::Isometry3d& target, Result& best) {
+  judge_(target, q_, scene_, candidate_);
+  if (!candidate_.success && shortfall(candidate_) >= shortfall(best)) return;
+  best.q = candidate_.q;
+  best.success = candidate_.success;
+  best.position_error = candidate_.position_error;
+  best.rotation_error = candidate_.rotation_error;
+  best.clearance = candidate_.clearance;
+  best.limit_violation = candidate_.limit_violation;
+  best.worst = candidate_.worst;
+}
+
+}  // namespace pdoik::detail

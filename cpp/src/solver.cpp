@@ -1,0 +1,194 @@
+#include "pdoik/solver.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "detail/check_options.hpp"
+#include "detail/collision.hpp"
+#include "detail/search.hpp"
+#include "detail/text.hpp"
+
+namespace pdoik {
+
+const char* to_string(Status status) {
+  switch (status) {
+    case Status::Solved:
+      return "solved";
+    case Status::TimeLimit:
+      return "time_limit";
+    case Status::Exhausted:
+      return "exhausted";
+    case Status::OutOfReach:
+      return "out_of_reach";
+    case Status::BaseCollision:
+      return "base_collision";
+  }
+  return "unknown";
+}
+
+namespace {
+
+void check_target(const Eigen::Isometry3d& T) {
+  if (!T.matrix().allFinite()) throw std::invalid_argument("T_base_tip holds NaN or infinity");
+  const Eigen::Matrix3d R = T.linear();
+  const double gap = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (gap > 1e-6 || R.determinant() < 0.0) {
+    throw std::invalid_argument("T_base_tip is not a rigid transform: its 3x3 part times its transpose is off "
+                                "the identity by " + std::to_string(gap) + ", determinant " +
+                                std::to_string(R.determinant()) + ", expected 1");
+  }
+}
+
+void check_start(const Eigen::VectorXd& q0, int dof) {
+  if (q0.size() != dof) {
+    throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " entries, the robot has " +
+                                std::to_string(dof) + " joints");
+  }
+  if (!q0.allFinite()) throw std::invalid_argument("q0 holds NaN or infinity");
+}
+
+void check_obstacles(const Obstacles& points) {
+  if (points.rows() == 0) return;
+  if (points.cols() != 3 && points.cols() != 4) {
+    throw std::invalid_argument("obstacles has shape (" + std::to_string(points.rows()) + ", " +
+                                std::to_string(points.cols()) + "), expected (N, 3) or (N, 4)");
+  }
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (!points.row(i).allFinite()) {
+      throw std::invalid_argument("obstacles holds NaN or infinity in row " + std::to_string(i));
+    }
+    if (points.cols() == 4 && points(i, 3) < 0.0) {
+      throw std::invalid_argument("obstacles has a negative radius in row " + std::to_string(i));
+    }
+  }
+}
+
+}  // namespace
+
+/// The robot and options a search refers to, kept at one address.
+struct Solver::Implementation {
+  Implementation(const Robot& robot_in, const Options& options_in)
+      : robot(robot_in), options(options_in), search(robot, options) {}
+  Implementation(const Implementation& other)
+      : robot(other.robot), options(other.options), search(robot, options) {
+    search.copy_scene(other.search);
+  }
+
+  Robot robot;
+  Options options;
+  detail::Search search;
+};
+
+Solver::Solver(const Robot& robot, const Options& options) {
+  detail::check_options(options);
+  if (robot.tips().size() != 1) {
+    throw std::invalid_argument("the robot has " + std::to_string(robot.tips().size()) +
+                                " tips, expected one: choose tip_link among " + detail::join(robot.tip_links()));
+  }
+  if (robot.dof() < 1 || robot.dof() > 64) {
+    throw std::invalid_argument("the robot has " + std::to_string(robot.dof()) + " joints, expected 1 to 64");
+  }
+  impl_ = std::make_unique<Implementation>(robot, options);
+}
+Solver::Solver(Solver&&) noexcept = default;
+Solver& Solver::operator=(Solver&&) noexcept = default;
+Solver::Solver(const Solver& other) : impl_(std::make_unique<Implementation>(*other.impl_)) {}
+Solver::~Solver() = default;
+
+const Robot& Solver::robot() const { return impl_->robot; }
+const Options& Solver::options() const { return impl_->options; }
+
+void Solver::set_obstacles(const Obstacles& points) {
+  check_obstacles(points);
+  impl_->search.set_obstacles(points);
+}
+
+void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
+
+void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result) {
+  check_target(T_base_tip);
+  if (q0 != nullptr) check_start(*q0, robot().dof());
+  impl_->search.run(T_base_tip, q0, result);
+}
+
+Result Solver::solve(const Eigen::Isometry3d& T_base_tip, const std::optional<Eigen::VectorXd>& q0) {
+  Result result;
+  solve(T_base_tip, q0 ? &*q0 : nullptr, result);
+  return result;
+}
+
+std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targets,
+                                        std::span<const Eigen::VectorXd> q0, int threads) const {
+  if (threads < 0) throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
+  if (!q0.empty() && q0.size() != 1 && q0.size() != targets.size()) {
+    throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " rows, expected 1 or " +
+                                std::to_string(targets.size()));
+  }
+  for (const Eigen::Isometry3d& target : targets) check_target(target);
+  for (const Eigen::VectorXd& start : q0) check_start(start, robot().dof());
+  std::vector<Result> results(targets.size());
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    try {
+      Solver own(*this);
+      for (std::size_t i = next++; i < targets.size(); i = next++) {
+        const Eigen::VectorXd* start = q0.empty() ? nullptr : &q0[q0.size() == 1 ? 0 : i];
+        own.solve(targets[i], start, results[i]);
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(failure_mutex);
+      failure = std::current_exception();
+    }
+  };
+  const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
+  const std::size_t count = std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(targets.size(), 1));
+  std::vector<std::thread> pool;
+  for (std::size_t t = 1; t < count; ++t) pool.emplace_back(work);
+  work();
+  for (std::thread& thread : pool) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  return results;
+}
+
+void Solver::judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const {
+  check_target(T_base_tip);
+  const Eigen::VectorXd configuration = q;
+  check_start(configuration, robot().dof());
+  impl_->search.judge(T_base_tip, configuration, result);
+}
+
+std::string Solver::describe(const WorstConstraint& worst) const {
+  using Kind = WorstConstraint::Kind;
+  switch (worst.kind) {
+    case Kind::None:
+      return "none";
+    case Kind::Position:
+      return "position";
+    case Kind::Rotation:
+      return "rotation";
+    case Kind::Limit:
+      return "limit of " + robot().joint_names()[static_cast<std::size_t>(worst.index)];
+    case Kind::Clearance:
+      break;
+  }
+  const Occupancy& occupancy = robot().occupancy();
+  const auto hull = static_cast<std::size_t>(worst.index);
+  std::string where;
+  if (hull < occupancy.spheres.size()) {
+    where = occupancy.spheres[hull].link + " (sphere " + std::to_string(hull) + ")";
+  } else {
+    const std::size_t k = hull - occupancy.spheres.size();
+    const Spheroid& s = occupancy.spheroids[k];
+    where = s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " + std::to_string(k) + ")";
+  }
+  return "clearance of " + where + " to obstacle " + std::to_string(worst.obstacle);
+}
+
+}  // namespace pdoik

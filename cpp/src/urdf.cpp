@@ -1,0 +1,144 @@
+#include <console_bridge/console.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cctype>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+
+#include "pdoik/errors.hpp"
+#include "pdoik/robot.hpp"
+
+namespace pdoik {
+namespace {
+
+/// Collects what urdfdom prints, so that it reaches the user as part of the exception.
+class MessageCollector : public console_bridge::OutputHandler {
+ public:
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN) messages_ += (messages_.empty() ? "" : "; ") + text;
+  }
+  const std::string& messages() const { return messages_; }
+
+ private:
+  std::string messages_;
+};
+
+urdf::ModelInterfaceSharedPtr parse(const std::string& xml, const std::string& source) {
+  static std::mutex mutex;  // console_bridge has one handler for the whole process
+  const std::lock_guard<std::mutex> lock(mutex);
+  MessageCollector collector;
+  console_bridge::OutputHandler* previous = console_bridge::getOutputHandler();
+  console_bridge::useOutputHandler(&collector);
+  urdf::ModelInterfaceSharedPtr model;
+  std::string failure;
+  try {
+    model = urdf::parseURDF(xml);
+  } catch (const std::exception& error) {
+    failure = error.what();
+  }
+  console_bridge::useOutputHandler(previous);
+  if (!model) {
+    throw LoadError(source + " is not a valid URDF: " +
+                    (failure.empty() ? collector.messages() : failure));
+  }
+  return model;
+}
+
+Eigen::Isometry3d to_isometry(const urdf::Pose& pose) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  const Eigen::Quaterniond q(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() << pose.position.x, pose.position.y, pose.position.z;
+  return T;
+}
+
+LinkDescription convert(const urdf::Link& link) {
+  LinkDescription result;
+  result.name = link.name;
+  if (!link.inertial) return result;
+  const urdf::Inertial& inertial = *link.inertial;
+  const Eigen::Isometry3d T_link_com = to_isometry(inertial.origin);
+  Eigen::Matrix3d inertia;
+  inertia << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz,
+      inertial.ixz, inertial.iyz, inertial.izz;
+  result.mass = inertial.mass;
+  result.center_of_mass = T_link_com.translation();
+  result.inertia = T_link_com.linear() * inertia * T_link_com.linear().transpose();
+  return result;
+}
+
+JointType convert_type(const urdf::Joint& joint, const std::string& source) {
+  switch (joint.type) {
+    case urdf::Joint::REVOLUTE:
+      return JointType::Revolute;
+    case urdf::Joint::CONTINUOUS:
+      return JointType::Continuous;
+    case urdf::Joint::PRISMATIC:
+      return JointType::Prismatic;
+    case urdf::Joint::FIXED:
+      return JointType::Fixed;
+    default:
+      throw LoadError(source + ": joint '" + joint.name +
+                      "' is of a type that is not supported: expected revolute, continuous, prismatic or fixed");
+  }
+}
+
+JointDescription convert(const urdf::Joint& joint, const std::string& source) {
+  JointDescription result;
+  result.name = joint.name;
+  result.type = convert_type(joint, source);
+  result.parent_link = joint.parent_link_name;
+  result.child_link = joint.child_link_name;
+  result.T_parent_child = to_isometry(joint.parent_to_joint_origin_transform);
+  result.axis << joint.axis.x, joint.axis.y, joint.axis.z;
+  if (joint.limits) {
+    if (result.type != JointType::Continuous) {
+      result.lower = joint.limits->lower;
+      result.upper = joint.limits->upper;
+    }
+    result.velocity = joint.limits->velocity;
+    result.effort = joint.limits->effort;
+  }
+  if (joint.mimic) {
+    result.mimic = Mimic{joint.mimic->joint_name, joint.mimic->multiplier, joint.mimic->offset};
+  }
+  return result;
+}
+
+bool is_xml(const std::string& text) {
+  for (const char c : text) {
+    if (!std::isspace(static_cast<unsigned char>(c)) && c != '\xEF' && c != '\xBB' && c != '\xBF') {
+      return c == '<';
+    }
+  }
+  return text.find('\n') != std::string::npos;
+}
+
+std::string read_file(const std::string& path) {
+  if (path.empty()) throw LoadError("the URDF is an empty string, expected a file's path or XML text");
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  if (file) text << file.rdbuf();
+  if (!file || !text) throw LoadError("cannot read the URDF file '" + path + "'");
+  return text.str();
+}
+
+}  // namespace
+
+Robot Robot::from_urdf(const std::string& path_or_xml, const std::string& base_link,
+                       std::vector<std::string> tip_links) {
+  const bool text = is_xml(path_or_xml);
+  const std::string source = text ? "the URDF text" : "'" + path_or_xml + "'";
+  const urdf::ModelInterfaceSharedPtr model = parse(text ? path_or_xml : read_file(path_or_xml), source);
+  RobotDescription description;
+  description.name = model->getName();
+  for (const auto& [name, link] : model->links_) description.links.push_back(convert(*link));
+  for (const auto& [name, joint] : model->joints_) {
+    description.joints.push_back(convert(*joint, source));
+  }
+  return Robot(description, base_link, std::move(tip_links));
+}
+
+}  // namespace pdoik
