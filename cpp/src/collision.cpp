@@ -8,7 +8,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr double kFarAway = 1e30;
+constexpr float kFarAway = 1e15F;  // squares and their products stay finite in single precision
 
 /// Move a point that lies on its joint's axis to the body before it, as far as that goes.
 AttachedPoint settle(const Robot& robot, int body, Eigen::Vector3d local) {
@@ -92,33 +92,32 @@ HullModel::HullModel(const Robot& robot) {
 
 void ObstacleSet::reserve(std::size_t count) {
   const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
-  for (std::vector<double>* v : {&x_, &y_, &z_, &radius_}) v->reserve(padded);
+  points_.reserve(padded);
   index_.reserve(padded);
+  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_}) v->reserve(padded);
 }
 
-void ObstacleSet::resize(int count) {
-  count_ = count;
-  padded_ = (count + kLanes - 1) / kLanes * kLanes;
-  const auto used = static_cast<std::size_t>(count), size = static_cast<std::size_t>(padded_);
-  for (std::vector<double>* v : {&x_, &y_, &z_}) {
-    v->resize(used);
-    v->resize(size, kFarAway);
+void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {
+  const auto size = static_cast<std::size_t>((count + kLanes - 1) / kLanes * kLanes);
+  points_.resize(size);
+  index_.resize(size);
+  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_}) v->resize(size);
+  origin_ = to_vec4(origin);
+  count_ = 0;
+}
+
+void ObstacleSet::finish() {
+  padded_ = (count_ + kLanes - 1) / kLanes * kLanes;
+  float extent = 1.0F;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count_); ++k) {
+    extent = std::max({extent, std::abs(coarse_x_[k]), std::abs(coarse_y_[k]), std::abs(coarse_z_[k]), coarse_radius_[k]});
   }
-  radius_.resize(used);
-  radius_.resize(size, 0.0);
-  index_.resize(used);
-  index_.resize(size, -1);
-  if (count == 0) any_radius_ = false;
-}
-
-void ObstacleSet::add(const Eigen::Vector3d& point, double radius, int original_index) {
-  x_.push_back(point.x());
-  y_.push_back(point.y());
-  z_.push_back(point.z());
-  radius_.push_back(radius);
-  index_.push_back(original_index);
-  any_radius_ = any_radius_ || radius != 0.0;
-  ++count_;
+  coarse_slack_ = 1e-5F * extent;
+  for (auto k = static_cast<std::size_t>(count_); k < static_cast<std::size_t>(padded_); ++k) {
+    coarse_x_[k] = coarse_y_[k] = coarse_z_[k] = kFarAway;
+    coarse_radius_[k] = 0.0F;
+    index_[k] = -1;
+  }
 }
 
 void Scene::reserve(std::size_t count) {
@@ -127,18 +126,23 @@ void Scene::reserve(std::size_t count) {
 }
 
 void Scene::assign(const Points& points, double margin, const HullModel& hulls) {
-  near.clear();
-  far.clear();
+  const auto count = static_cast<int>(points.rows());
+  const bool has_radius = points.cols() > 3;
+  const Eigen::Vector3d& root = hulls.reach_centre;
+  near.begin(count, root);
+  far.begin(count, root);
   far_bound = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const Eigen::Vector3d o(points(i, 0), points(i, 1), points(i, 2));
-    const double radius = (points.cols() > 3 ? points(i, 3) : 0.0) + margin;
-    const double beyond = (o - hulls.reach_centre).norm() - radius - hulls.reach;
+  for (int i = 0; i < count; ++i) {
+    const double x = points(i, 0), y = points(i, 1), z = points(i, 2);
+    const double radius = (has_radius ? points(i, 3) : 0.0) + margin;
+    const double dx = x - root.x(), dy = y - root.y(), dz = z - root.z();
+    const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+    const double beyond = distance - radius - hulls.reach;
     if (beyond > 0.0) {
-      far.add(o, radius, static_cast<int>(i));
+      far.add(x, y, z, radius, i);
       far_bound = std::min(far_bound, beyond);
     } else {
-      near.add(o, radius, static_cast<int>(i));
+      near.add(x, y, z, radius, i);
     }
   }
   near.finish();
@@ -149,10 +153,44 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls) 
   fixed = least_clearance(hulls.fixed, positions_of_fixed_.data(), far, fixed);
 }
 
-Clearance Scene::clearance(const HullModel& hulls, const Vec4* positions) const {
-  const Clearance least = least_clearance(hulls.moving, positions, near, fixed);
+namespace {
+
+/// Distance from a ball to a hull's surface, or any number above `than` where that is larger.
+double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than) {
+  const double radius = o[3];
+  const Vec4 to_a = o - a;
+  const double distance = std::sqrt(dot3(to_a, to_a));
+  if (hull.is_sphere()) return distance - hull.semi_major - radius;
+  const Vec4 to_b = o - b;
+  // The half sum of distances changes no faster than the point moves: a lower bound outside.
+  const double bound = 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
+  const Vec4 half = broadcast(0.5) * (b - a);
+  const bool hollow = !(hull.semi_major * hull.semi_major > dot3(half, half));  // foci too far apart: empty
+  if (hollow || (bound > 0.0 && bound - radius >= than)) return bound - radius;
+  return spheroid_distance(to_vector3(o), to_vector3(a), to_vector3(b), hull.semi_major).distance - radius;
+}
+
+}  // namespace
+
+Clearance Scene::clearance(CollisionState& state) const {
+  Clearance least = fixed;
+  // Points nearer than g to a hull lie in it when it is grown by g. The first g that finds any finds the nearest.
+  for (double g = 0.02; near.count() > 0; g *= 4.0) {
+    state.find_near(near, [g](std::size_t) { return g; });
+    for (int k = 0; k < state.near_count(); ++k) {
+      const Hull& hull = state.hull(state.near(k));
+      const int j = state.near(k).obstacle;
+      const double distance = hull_distance(hull, state.position(hull.a), state.position(hull.b), near[j], least.distance);
+      if (distance < least.distance) least = {distance, hull.source, near.original_index(j)};
+    }
+    if (least.distance <= g) break;
+    if (g > 1e3) {
+      least = least_clearance(state.hulls().moving, state.positions(), near, least);
+      break;
+    }
+  }
   if (least.distance <= far_bound) return least;
-  return least_clearance(hulls.moving, positions, far, least);
+  return least_clearance(state.hulls().moving, state.positions(), far, least);
 }
 
 Clearance least_clearance(const std::vector<Hull>& hulls, const Vec4* positions, const ObstacleSet& obstacles,
@@ -161,29 +199,14 @@ Clearance least_clearance(const std::vector<Hull>& hulls, const Vec4* positions,
     const Vec4& a = positions[hull.a];
     const Vec4& b = positions[hull.b];
     const Vec4 centre = broadcast(0.5) * (a + b);
-    const Vec4 half = broadcast(0.5) * (b - a);
-    const bool hollow = !(hull.semi_major * hull.semi_major > dot3(half, half));  // foci too far apart: empty
     for (int j = 0; j < obstacles.count(); ++j) {
-      const Vec4 o = obstacles.point(j);
-      const double radius = obstacles.radius(j);
+      const Vec4& o = obstacles[j];
       // The hull lies within semi_major of its centre; only a nearer obstacle can beat the least so far.
-      const double bound = least.distance + hull.semi_major + radius;
+      const double bound = least.distance + hull.semi_major + o[3];
       const Vec4 from = o - centre;
       if (bound > 0.0 && dot3(from, from) >= bound * bound) continue;
-      const Vec4 to_a = o - a;
-      double distance = std::sqrt(dot3(to_a, to_a)) - hull.semi_major;
-      if (!hull.is_sphere()) {
-        const Vec4 to_b = o - b;
-        distance = 0.5 * (distance + hull.semi_major + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
-        // The half sum of distances changes no faster than the point moves: a lower bound outside.
-        if (distance - radius >= least.distance && distance > 0.0) continue;
-        if (!hollow) {
-          distance = spheroid_distance(to_vector3(o), to_vector3(a), to_vector3(b), hull.semi_major).distance;
-        }
-      }
-      if (distance - radius < least.distance) {
-        least = {distance - radius, hull.source, obstacles.original_index(j)};
-      }
+      const double distance = hull_distance(hull, a, b, o, least.distance);
+      if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
     }
   }
   return least;

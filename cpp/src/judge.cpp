@@ -7,7 +7,7 @@ namespace pdoik::detail {
 
 Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
     : robot_(robot), options_(options), hulls_(hulls), T_base_body_(robot.bodies().size()),
-      positions_(hulls.points.size()) {}
+      collision_(hulls) {}
 
 void Judge::pose_errors(const Eigen::Isometry3d& target, Result& result) const {
   const int tip = robot_.tips().front();
@@ -41,11 +41,11 @@ void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q
   result.q = q;
   robot_.body_poses(q, T_base_body_);
   pose_errors(target, result);
-  for (std::size_t k = 0; k < positions_.size(); ++k) {
+  for (std::size_t k = 0; k < hulls_.points.size(); ++k) {
     const AttachedPoint& point = hulls_.points[k];
-    positions_[k] = to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local));
+    collision_.place(k, to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local)));
   }
-  const Clearance least = scene.clearance(hulls_, positions_.data());
+  const Clearance least = scene.clearance(collision_);
   result.clearance = least.distance + options_.clearance;  // obstacle radii include the clearance wanted
 
   WorstConstraint& worst = result.worst;

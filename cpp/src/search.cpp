@@ -42,6 +42,15 @@ Search::Search(const Robot& robot, const Options& options)
       lower_(robot.lower()),
       upper_(robot.upper()),
       matters_(joints_that_matter(robot, hulls_)) {
+  for (Eigen::Index i = 0; i < robot.dof(); ++i) {
+    const bool turns = std::isinf(lower_[i]) && robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Continuous;
+    turns_.push_back(turns ? Turn::Wrap : Turn::Limited);
+  }
+  for (const Body& body : robot.bodies()) {
+    if (body.dof < 0 || (!body.prismatic && body.multiplier == std::round(body.multiplier))) continue;
+    Turn& turn = turns_[static_cast<std::size_t>(body.dof)];
+    if (turn == Turn::Wrap) turn = Turn::Bound;
+  }
   const int tip = robot.tips().front();
   goals_.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal, options.goal_axis);
   start_.setZero(robot.dof());
@@ -51,8 +60,7 @@ Search::Search(const Robot& robot, const Options& options)
   Points none(0, 3);
   scene_.reserve(static_cast<std::size_t>(options.max_obstacles));
   const int padded = (options.max_obstacles + kLanes - 1) / kLanes * kLanes;
-  collision_.reserve(padded);
-  lagrangian_.reserve(padded);
+  reserve(padded);
   set_obstacles(none);
 
   reach_root_ = Eigen::Vector3d::Zero();
@@ -70,17 +78,21 @@ Search::Search(const Robot& robot, const Options& options)
   reach_ = length;
 }
 
+void Search::reserve(int padded_obstacles) {
+  collision_.reserve(padded_obstacles);
+  lagrangian_.reserve(padded_obstacles);
+  judge_.reserve(padded_obstacles);
+}
+
 void Search::set_obstacles(const Obstacles& points) {
   lagrangian_.reset_multipliers();
   scene_.assign(points, options_.clearance, hulls_);
-  collision_.reserve(scene_.near.padded());
-  lagrangian_.reserve(scene_.near.padded());
+  reserve(scene_.near.padded());
 }
 
 void Search::copy_scene(const Search& other) {
   scene_ = other.scene_;
-  collision_.reserve(scene_.near.padded());
-  lagrangian_.reserve(scene_.near.padded());
+  reserve(scene_.near.padded());
 }
 
 bool Search::out_of_reach(const Eigen::Isometry3d& target) const {
@@ -98,7 +110,7 @@ void Search::run(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, Res
   } else {
     run_default(target, q0, deadline, result);
   }
-  if (!result.success && scene_.fixed.distance < -options_.clearance_tolerance) result.status = Status::BaseCollision;
+  if (!result.success && base_collides()) result.status = Status::BaseCollision;
   else if (!result.success && out_of_reach(target)) result.status = Status::OutOfReach;
   result.time = deadline.elapsed();
 }
@@ -155,11 +167,12 @@ bool Search::minimise(const Deadline& deadline, Result& result) {
 void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline,
                          Result& result) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
-    start_[i] = q0 != nullptr ? std::clamp((*q0)[i], lower_[i], upper_[i])
-                : bounded     ? 0.5 * (lower_[i] + upper_[i])
+    const bool bounded = std::isfinite(robot_.lower()[i]) && std::isfinite(robot_.upper()[i]);
+    start_[i] = q0 != nullptr ? std::clamp((*q0)[i], robot_.lower()[i], robot_.upper()[i])
+                : bounded     ? 0.5 * (robot_.lower()[i] + robot_.upper()[i])
                               : 0.0;
   }
+  bound_turns();
   for (int k = 0; k <= options_.max_restarts; ++k) {
     if (k == 0) {
       q_ = start_;
@@ -182,6 +195,7 @@ void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd*
       result.status = Status::TimeLimit;
       return;
     }
+    if (base_collides() && options_.inner == InnerMethod::LevenbergMarquardt && least_squares_.done()) break;
   }
   result.status = Status::Exhausted;
 }
@@ -198,9 +212,17 @@ void Search::restart_configuration(int k) {
   }
 }
 
+void Search::bound_turns() {
+  for (Eigen::Index i = 0; i < q_.size(); ++i) {
+    if (turns_[static_cast<std::size_t>(i)] != Turn::Bound) continue;
+    lower_[i] = start_[i] - M_PI;
+    upper_[i] = start_[i] + M_PI;
+  }
+}
+
 void Search::wrap_to_start() {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    if (robot_.joint_types()[static_cast<std::size_t>(i)] != JointType::Continuous) continue;
+    if (turns_[static_cast<std::size_t>(i)] != Turn::Wrap) continue;
     q_[i] = start_[i] + std::remainder(q_[i] - start_[i], 2.0 * M_PI);
   }
 }

@@ -58,6 +58,13 @@ void check_obstacles(const Obstacles& points) {
     throw std::invalid_argument("obstacles has shape (" + std::to_string(points.rows()) + ", " +
                                 std::to_string(points.cols()) + "), expected (N, 3) or (N, 4)");
   }
+  // Zero times a finite number is zero: one pass without a branch finds whether anything is wrong.
+  double poison = 0.0, least_radius = 0.0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    for (Eigen::Index j = 0; j < points.cols(); ++j) poison += 0.0 * points(i, j);
+    if (points.cols() == 4) least_radius = std::min(least_radius, points(i, 3));
+  }
+  if (poison == 0.0 && least_radius >= 0.0) return;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     if (!points.row(i).allFinite()) {
       throw std::invalid_argument("obstacles holds NaN or infinity in row " + std::to_string(i));

@@ -250,7 +250,6 @@ class TreeBuilder {
     double high = (follower.upper - body.offset) / body.multiplier;
     if (low > high) std::swap(low, high);
     const auto d = static_cast<std::size_t>(body.dof);
-    if (tree_.joint_types[d] == JointType::Continuous) return;
     const double new_lower = std::max(lower[d], low), new_upper = std::min(upper[d], high);
     if (new_lower > new_upper) {
       fail("joint '" + follower.name + "' mimics '" + tree_.joint_names[d] +

@@ -15,6 +15,8 @@ struct LbfgsOptions {
   int max_line_search = 20;           ///< trial steps per iteration
   double gradient_tolerance = 1e-8;   ///< stop when max |g_i| falls below this
   double relative_decrease = 1e-14;   ///< stop when f falls by less than this times max(|f|, |f_previous|)
+  double first_step = 1.0;            ///< length of the first step along the steepest descent, if |g| is larger
+  double max_step = std::numeric_limits<double>::infinity();  ///< no variable moves farther in an iteration's first trial
   double armijo = 1e-4;               ///< c1 of the Wolfe conditions
   double curvature = 0.9;             ///< c2 of the Wolfe conditions
 };
@@ -63,6 +65,11 @@ class Lbfgs {
 
  private:
   void reset() { stored_ = 0; }
+  /// The full step once there is curvature, else one of length first_step; never beyond max_step.
+  double first_trial() const {
+    const double step = stored_ > 0 ? 1.0 : std::min(1.0, options_.first_step / g_.norm());
+    return std::min(step, options_.max_step / d_.lpNorm<Eigen::Infinity>());
+  }
   /// d <- -H g by the two-loop recursion.
   void direction();
   /// Keep (s, y) = (x_trial - x, g_trial - g) if its curvature is positive.
@@ -186,12 +193,12 @@ LbfgsResult Lbfgs::minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop
       return result;
     }
     direction();
-    const double first = stored_ > 0 ? 1.0 : std::min(1.0, 1.0 / g_.norm());
+    const double first = first_trial();
     bool found = line_search(evaluate, x, f, first, result);
     if (!found && stored_ > 0) {  // forget the curvature and try the steepest descent once
       reset();
       d_ = -g_;
-      found = line_search(evaluate, x, f, std::min(1.0, 1.0 / g_.norm()), result);
+      found = line_search(evaluate, x, f, first_trial(), result);
     }
     if (!found) {
       result.status = LbfgsStatus::LineSearchFailed;

@@ -11,7 +11,7 @@ namespace pdoik {
 
 struct LevenbergMarquardtOptions {
   int max_iterations = 60;            ///< linearisations per run
-  double first_damping = 1e-3;        ///< lambda, relative to the largest diagonal entry of the Hessian
+  double first_damping = 0.3;        ///< lambda, relative to the largest diagonal entry of the Hessian
   double damping_decrease = 0.2;      ///< after a step that went as predicted
   double damping_increase = 5.0;      ///< after a rejected step
   double max_damping = 1e6;           ///< beyond it the run has stalled
@@ -147,6 +147,10 @@ LevenbergMarquardtResult LevenbergMarquardt::minimize(Problem& problem, Eigen::V
     problem.linearise(H_, g_);
     ++result.iterations;
     const double scale = H_.diagonal().maxCoeff();
+    if (!(scale > 0.0)) {  // no variable moves any residual
+      result.status = LevenbergMarquardtStatus::Stalled;
+      return result;
+    }
     if (lambda < 0.0) lambda = options_.first_damping * scale;
     const int free_count = find_free(x, lower, upper);
     while (true) {

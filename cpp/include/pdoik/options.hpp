@@ -48,9 +48,9 @@ struct Options {
   double rotation_weight = 0.3;   ///< metres that one radian weighs in Levenberg-Marquardt's residual [m]
   double collision_weight = 1.0;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
   double start_inset = 0.01;      ///< starts for the slack variables keep this fraction of a range off the limits
-  double point_distance = 1.0;    ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
+  double point_distance = 0.5;    ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
 
-  LbfgsOptions lbfgs;
+  LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 3.0, .curvature = 0.5};
   AugmentedLagrangianOptions augmented_lagrangian;
   LevenbergMarquardtOptions levenberg_marquardt;
 };

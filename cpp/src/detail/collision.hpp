@@ -38,32 +38,43 @@ struct HullModel {
   double reach = std::numeric_limits<double>::infinity();
 };
 
-/// Obstacle points by coordinate.
+/// Obstacle points by coordinate: in double, and in single precision relative to an origin for the coarse test.
 class ObstacleSet {
  public:
   void reserve(std::size_t count);
-  void clear() { resize(0); }
-  /// Append one point; `finish` then pads.
-  void add(const Eigen::Vector3d& point, double radius, int original_index);
-  void finish() { resize(count_); }
+  /// Begin a set of at most `count` points; `add` fills it and `finish` pads it.
+  void begin(int count, const Eigen::Vector3d& origin);
+  void add(double x, double y, double z, double radius, int original_index) {
+    const auto k = static_cast<std::size_t>(count_++);
+    points_[k] = Vec4{x, y, z, radius};
+    index_[k] = original_index;
+    coarse_x_[k] = static_cast<float>(x - origin_[0]);
+    coarse_y_[k] = static_cast<float>(y - origin_[1]);
+    coarse_z_[k] = static_cast<float>(z - origin_[2]);
+    coarse_radius_[k] = static_cast<float>(radius);
+  }
+  void finish();
 
   int count() const { return count_; }
   int padded() const { return padded_; }
-    ObstacleArrays arrays() const { return {x_.data(), y_.data(), z_.data(), radius_.data(), padded_}; }
-  Vec4 point(int j) const {
-    const auto k = static_cast<std::size_t>(j);
-    return Vec4{x_[k], y_[k], z_[k], 0.0};
+  const Vec4& origin() const { return origin_; }
+  ObstacleArrays arrays() const {
+    return {coarse_x_.data(), coarse_y_.data(), coarse_z_.data(), coarse_radius_.data(), padded_};
   }
-  double radius(int j) const { return radius_[static_cast<std::size_t>(j)]; }
+  /// x, y, z, radius.
+  const Vec4& operator[](int j) const { return points_[static_cast<std::size_t>(j)]; }
+  double radius(int j) const { return (*this)[j][3]; }
   int original_index(int j) const { return index_[static_cast<std::size_t>(j)]; }
-  bool any_radius() const { return any_radius_; }
+  /// By how much hulls must grow so that the coarse test misses nothing [m].
+  float coarse_slack() const { return coarse_slack_; }
 
  private:
-  void resize(int count);
-  std::vector<double> x_, y_, z_, radius_;
+  std::vector<Vec4> points_;
+  std::vector<float> coarse_x_, coarse_y_, coarse_z_, coarse_radius_;
   std::vector<int> index_;
+  Vec4 origin_{};
   int count_ = 0, padded_ = 0;
-  bool any_radius_ = false;
+  float coarse_slack_ = 0.0F;
 };
 
 /// Distances between the robot's points and the obstacles at one configuration.
@@ -78,29 +89,33 @@ class CollisionState {
     if (pairs_.size() < pairs) pairs_.resize(pairs);
   }
 
-  /// Points and hulls at a rollout's configuration. grow[h], if given, is added to each semi-major axis.
-  void place(const Rollout& rollout, const double* grow = nullptr) {
+  /// Put the attached points where a rollout has them.
+  void place(const Rollout& rollout) {
     for (std::size_t k = 0; k < positions_.size(); ++k) {
       positions_[k] = transform(rollout.frame(hulls_.points[k].body), hulls_.points[k].local);
     }
+  }
+  /// Or where they are by other means.
+  void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
+
+  /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a square root.
+  template <class Grow>
+  void find_near(const ObstacleSet& obstacles, Grow&& grow) {
+    near_count_ = 0;
+    if (obstacles.count() == 0) return;
+    const Vec4& origin = obstacles.origin();
     for (std::size_t h = 0; h < queries_.size(); ++h) {
       const Hull& hull = hulls_.moving[h];
-      const Vec4& a = position(hull.a);
-      const Vec4& b = position(hull.b);
+      const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - origin;
+      const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
       HullQuery& query = queries_[h];
       for (int i = 0; i < 3; ++i) {
-        query.centre[i] = 0.5 * (a[i] + b[i]);
-        query.half[i] = 0.5 * (b[i] - a[i]);
+        query.centre[i] = static_cast<float>(centre[i]);
+        query.half[i] = static_cast<float>(half[i]);
       }
-      query.semi_major = hull.semi_major + (grow != nullptr ? grow[h] : 0.0);
+      query.semi_major = static_cast<float>(hull.semi_major + grow(h)) + obstacles.coarse_slack();
     }
-  }
-
-  /// The pairs that may touch, found without a square root.
-  void find_near(const ObstacleSet& obstacles) {
-    near_count_ = obstacles.count() == 0
-                      ? 0
-                      : cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()), pairs_.data());
+    near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()), pairs_.data());
   }
 
   int near_count() const { return near_count_; }
@@ -108,6 +123,7 @@ class CollisionState {
   const Vec4* positions() const { return positions_.data(); }
   const Vec4& position(int point) const { return positions_[static_cast<std::size_t>(point)]; }
   const HullModel& hulls() const { return hulls_; }
+  const Hull& hull(const NearPair& pair) const { return hulls_.moving[static_cast<std::size_t>(pair.hull)]; }
   void use_baseline() { cull_ = cull_baseline; }
 
  private:
@@ -138,13 +154,14 @@ struct Scene {
   void reserve(std::size_t count);
   /// @param points  (N, 3) or (N, 4) rows x y z [radius]; radii grow by `margin`.
   void assign(const Points& points, double margin, const HullModel& hulls);
-  /// Clearance of every hull, with the attached points at `positions`. Margin included.
-  Clearance clearance(const HullModel& hulls, const Vec4* positions) const;
+  /// Clearance of every hull, margin included, at the configuration where `state` is placed. Leaves the state's
+  /// near pairs changed.
+  Clearance clearance(CollisionState& state) const;
 
-  ObstacleSet near;   ///< within reach of a moving hull: the solver's
-  ObstacleSet far;    ///< out of reach of all of them: only the reported clearance sees these
+  ObstacleSet near;  ///< within reach of a moving hull: the solver's
+  ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these
   double far_bound = std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
-  Clearance fixed;    ///< of the hulls that no joint moves
+  Clearance fixed;   ///< of the hulls that no joint moves
 
  private:
   std::vector<Vec4> positions_of_fixed_;

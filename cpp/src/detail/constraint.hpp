@@ -22,7 +22,8 @@ inline Vec4 unit_from(const Vec4& o, const Vec4& u, double& distance) {
 /// Eqs. joint_coll_avoid and link_coll_avoid: c = r - |u - o|, or c = 2a - (|u - o| + |u' - o|), and
 /// dc/du = -(u - o) / |u - o|. A point's radius R makes them r + R and 2(a + R), which keeps the ball out of
 /// the hull because the half sum of distances changes no faster than the point moves.
-inline Constraint paper_constraint(const CollisionState& state, const Hull& hull, const Vec4& o, double radius) {
+inline Constraint paper_constraint(const CollisionState& state, const Hull& hull, const Vec4& o) {
+  const double radius = o[3];
   Constraint result;
   double distance;
   result.dc_da = -unit_from(o, state.position(hull.a), distance);
@@ -39,8 +40,9 @@ inline Constraint paper_constraint(const CollisionState& state, const Hull& hull
 /// The same zero set in metres of penetration. Points with a radius are held off by their true Euclidean
 /// distance d to the spheroid, whose derivative by a focus is that of its nearest surface point x (envelope
 /// theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
-inline Constraint distance_constraint(const CollisionState& state, const Hull& hull, const Vec4& o, double radius) {
-  Constraint result = paper_constraint(state, hull, o, radius);
+inline Constraint distance_constraint(const CollisionState& state, const Hull& hull, const Vec4& o) {
+  const double radius = o[3];
+  Constraint result = paper_constraint(state, hull, o);
   if (hull.is_sphere()) return result;
   const Vec4 half = broadcast(0.5);
   result.c *= 0.5;

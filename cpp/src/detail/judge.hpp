@@ -15,6 +15,9 @@ class Judge {
  public:
   Judge(const Robot& robot, const Options& options, const HullModel& hulls);
 
+  /// Room for this many obstacles: called at set-up.
+  void reserve(int padded_obstacles) { collision_.reserve(padded_obstacles); }
+
   /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing when
   /// result.q has its size.
   void operator()(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd& q, const Scene& scene, Result& result);
@@ -27,7 +30,7 @@ class Judge {
   const Options& options_;
   const HullModel& hulls_;
   std::vector<Eigen::Isometry3d> T_base_body_;
-  std::vector<Vec4> positions_;
+  CollisionState collision_;
 };
 
 }  // namespace pdoik::detail

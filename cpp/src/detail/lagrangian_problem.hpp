@@ -53,7 +53,7 @@ class LagrangianProblem {
   double max_constraint(const Eigen::VectorXd& omega) {
     roll_out(omega);
     collision_.place(rollout_);
-    collision_.find_near(scene_.near);
+    collision_.find_near(scene_.near, [](std::size_t) { return 0.0; });
     max_constraint_ = 0.0;
     for (int k = 0; k < collision_.near_count(); ++k) {
       max_constraint_ = std::max(max_constraint_, constraint(collision_.near(k)).c);
@@ -106,14 +106,12 @@ class LagrangianProblem {
   /// largest multiplier.
   void find_near(const Penalty& penalty) {
     if (scene_.near.count() == 0) return;
-    for (std::size_t h = 0; h < grow_.size(); ++h) scaled_grow_[h] = penalty.reach(grow_[h]);
-    collision_.place(rollout_, scaled_grow_.data());
-    collision_.find_near(scene_.near);
+    collision_.place(rollout_);
+    collision_.find_near(scene_.near, [&](std::size_t h) { return penalty.reach(grow_[h]); });
   }
 
   Constraint constraint(const NearPair& pair) const {
-    return paper_constraint(collision_, collision_.hulls().moving[static_cast<std::size_t>(pair.hull)],
-                            scene_.near.point(pair.obstacle), scene_.near.radius(pair.obstacle));
+    return paper_constraint(collision_, collision_.hull(pair), scene_.near[pair.obstacle]);
   }
 
   double add_constraint(const NearPair& pair, const Penalty& penalty) {
@@ -121,7 +119,7 @@ class LagrangianProblem {
     max_constraint_ = std::max(max_constraint_, at.c);
     const Penalty::Term term = penalty.term(at.c, multiplier_[slot(pair)]);
     if (term.slope == 0.0) return 0.0;
-    const Hull& hull = collision_.hulls().moving[static_cast<std::size_t>(pair.hull)];
+    const Hull& hull = collision_.hull(pair);
     push(hull.a, at.dc_da, term.slope);
     if (!hull.is_sphere()) push(hull.b, at.dc_db, term.slope);
     return term.value;
@@ -140,7 +138,7 @@ class LagrangianProblem {
   double point_distance_;
   JointLimitMap::State state_;
   Eigen::VectorXd dq_;
-  std::vector<double> grow_, scaled_grow_ = grow_;
+  std::vector<double> grow_;
   std::vector<double> multiplier_, fresh_;
   std::vector<std::size_t> touched_;
   double max_constraint_ = 0.0;

@@ -21,8 +21,7 @@ class LeastSquaresProblem {
  public:
   LeastSquaresProblem(Rollout& rollout, std::vector<GoalTerm>& goals, CollisionState& collision, const Scene& scene,
                       const Options& options, int dof)
-      : rollout_(rollout), goals_(goals), collision_(collision), scene_(scene), options_(options),
-        grow_(collision.hulls().moving.size(), kContactGap) {
+      : rollout_(rollout), goals_(goals), collision_(collision), scene_(scene), options_(options) {
     cosine_.setZero(dof);
     sine_.setZero(dof);
     row_.setZero(dof);
@@ -74,15 +73,14 @@ class LeastSquaresProblem {
   static constexpr double kContactGap = 1e-8;
 
   Constraint constraint(const NearPair& pair) const {
-    return distance_constraint(collision_, collision_.hulls().moving[static_cast<std::size_t>(pair.hull)],
-                               scene_.near.point(pair.obstacle), scene_.near.radius(pair.obstacle));
+    return distance_constraint(collision_, collision_.hull(pair), scene_.near[pair.obstacle]);
   }
 
   double penetration() {
     touching_ = false;
     if (scene_.near.count() == 0) return 0.0;
-    collision_.place(rollout_, grow_.data());
-    collision_.find_near(scene_.near);
+    collision_.place(rollout_);
+    collision_.find_near(scene_.near, [](std::size_t) { return kContactGap; });
     double sum = 0.0;
     for (int k = 0; k < collision_.near_count(); ++k) {
       const double c = constraint(collision_.near(k)).c;
@@ -125,7 +123,7 @@ class LeastSquaresProblem {
 
   void constraint_row(const NearPair& pair, const Constraint& at) {
     row_.setZero();
-    const Hull& hull = collision_.hulls().moving[static_cast<std::size_t>(pair.hull)];
+    const Hull& hull = collision_.hull(pair);
     const auto add = [&](int point, const Vec4& direction) {
       rollout_.add_row(collision_.hulls().points[static_cast<std::size_t>(point)].body, direction,
                        cross3(collision_.position(point), direction), row_.data());
@@ -146,7 +144,6 @@ class LeastSquaresProblem {
   CollisionState& collision_;
   const Scene& scene_;
   const Options& options_;
-  std::vector<double> grow_;
   Eigen::VectorXd cosine_, sine_, row_;
   Eigen::Matrix3Xd linear_, angular_;
   double position_error_ = 0.0, rotation_error_ = 0.0;  // squared

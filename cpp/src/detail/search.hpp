@@ -32,6 +32,7 @@ class Search {
   }
 
  private:
+  void reserve(int padded_obstacles);
   void run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline, Result& result);
   void run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline, Result& result);
   /// Minimise from q_ by the chosen inner method; q_ then holds the end. True if the deadline struck.
@@ -41,8 +42,11 @@ class Search {
   void restart_configuration(int k);
   /// Judge q_ and keep it in `best` if it is a success or closer to one than what was there.
   void keep_better(const Eigen::Isometry3d& target, Result& best);
-  /// Angles without limits to within half a turn of the start.
+  /// Joints without limits stay within half a turn of the start: by wrapping the answer, or by bounds where a
+  /// mimic joint follows at a rate that a whole turn would not leave unchanged.
+  void bound_turns();
   void wrap_to_start();
+  bool base_collides() const { return scene_.fixed.distance < -options_.clearance_tolerance; }
   bool out_of_reach(const Eigen::Isometry3d& target) const;
   double shortfall(const Result& result) const;
 
@@ -62,6 +66,8 @@ class Search {
   LowDiscrepancy sequence_;
   Eigen::VectorXd lower_, upper_, start_, q_, omega_;
   std::vector<bool> matters_;   ///< joints that move the tip or a hull
+  enum class Turn { Limited, Wrap, Bound };
+  std::vector<Turn> turns_;
   Result candidate_;
   Eigen::Vector3d reach_root_;
   double reach_ = 0.0;

@@ -6,11 +6,11 @@ namespace pdoik::detail {
 namespace {
 
 struct Lanes {
-  static constexpr int kWidth = 4;
-  static __m256d load(const double* p) { return _mm256_loadu_pd(p); }
-  static __m256d set(double v) { return _mm256_set1_pd(v); }
-  static unsigned less(__m256d a, __m256d b) {
-    return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)));
+  static constexpr int kWidth = 8;
+  static __m256 load(const float* p) { return _mm256_loadu_ps(p); }
+  static __m256 set(float v) { return _mm256_set1_ps(v); }
+  static unsigned less(__m256 a, __m256 b) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
   }
 };
 

@@ -6,10 +6,10 @@ namespace pdoik::detail {
 namespace {
 
 struct Lanes {
-  static constexpr int kWidth = 8;
-  static __m512d load(const double* p) { return _mm512_loadu_pd(p); }
-  static __m512d set(double v) { return _mm512_set1_pd(v); }
-  static unsigned less(__m512d a, __m512d b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+  static constexpr int kWidth = 16;
+  static __m512 load(const float* p) { return _mm512_loadu_ps(p); }
+  static __m512 set(float v) { return _mm512_set1_ps(v); }
+  static unsigned less(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
 };
 
 #include "simd/cull_body.inl"

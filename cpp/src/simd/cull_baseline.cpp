@@ -5,9 +5,9 @@ namespace {
 
 struct Lanes {
   static constexpr int kWidth = 1;
-  static double load(const double* p) { return *p; }
-  static double set(double v) { return v; }
-  static unsigned less(double a, double b) { return a < b ? 1U : 0U; }
+  static float load(const float* p) { return *p; }
+  static float set(float v) { return v; }
+  static unsigned less(float a, float b) { return a < b ? 1U : 0U; }
 };
 
 #include "simd/cull_body.inl"
