@@ -19,11 +19,12 @@ Sigmoid sigmoid(double omega) {
 
 }  // namespace
 
-JointLimitMap::JointLimitMap(const Robot& robot) {
+JointLimitMap::JointLimitMap(const Robot& robot, Slack slack) {
   for (Eigen::Index i = 0; i < robot.dof(); ++i) {
     Joint joint{};
     joint.first = static_cast<int>(size_);
-    joint.count = 1;
+    joint.count = joint.copies = 1;
+    joint.scale = 1.0;
     joint.lower = robot.lower()[i];
     joint.upper = robot.upper()[i];
     const double range = joint.upper - joint.lower;
@@ -35,8 +36,10 @@ JointLimitMap::JointLimitMap(const Robot& robot) {
       joint.sub_range = range;
     } else {
       joint.kind = Kind::Distance;
-      joint.count = std::max(1, static_cast<int>(std::ceil(range / M_PI - 1e-9)));
-      joint.sub_range = std::min(range / joint.count, M_PI);
+      const int K = std::max(1, static_cast<int>(std::ceil(range / M_PI - 1e-9)));
+      (slack == Slack::Shared ? joint.copies : joint.count) = K;
+      joint.scale = std::sqrt(joint.copies);
+      joint.sub_range = std::min(range / K, M_PI);
       const double half = std::sin(0.5 * joint.sub_range);
       joint.L_max = joint.sub_range > M_PI - 1e-9 ? 2.0 : 2.0 * half * half;
       joint.cos_lower = std::cos(joint.lower);
@@ -76,16 +79,18 @@ void JointLimitMap::forward(const Eigen::VectorXd& omega, State& state, bool ang
     }
     double re = joint.cos_lower, im = joint.sin_lower, angle = joint.lower;
     for (int m = joint.first; m < joint.first + joint.count; ++m) {
-      const auto [s, complement] = sigmoid(omega[m]);
+      const auto [s, complement] = sigmoid(omega[m] / joint.scale);
       const double L = joint.L_max * s;                                       // Eq. squash1
       const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;    // 2 - L
       const double root_L = std::sqrt(L), root_rest = std::sqrt(rest);
       const double cosine = 1.0 - L, sine = root_L * root_rest;               // Eq. sin2dist
-      state.slope[m] = joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest;
-      const double product = re * cosine - im * sine;
-      im = re * sine + im * cosine;
-      re = product;
-      if (angles) angle += 2.0 * std::atan2(root_L, root_rest);               // arccos(1 - L), precisely
+      state.slope[m] = joint.scale * (joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest);
+      for (int copy = 0; copy < joint.copies; ++copy) {
+        const double product = re * cosine - im * sine;
+        im = re * sine + im * cosine;
+        re = product;
+      }
+      if (angles) angle += joint.copies * 2.0 * std::atan2(root_L, root_rest);  // arccos(1 - L), precisely
     }
     state.cosine[i] = re;
     state.sine[i] = im;
@@ -102,11 +107,11 @@ void JointLimitMap::positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) 
       continue;
     }
     for (int m = joint.first; m < joint.first + joint.count; ++m) {
-      const auto [s, complement] = sigmoid(omega[m]);
+      const auto [s, complement] = sigmoid(omega[m] / joint.scale);
       const double L = joint.L_max * s;
       const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
       position += joint.kind == Kind::Sigmoid ? joint.sub_range * s
-                                              : 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
+                                              : joint.copies * 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
     }
     q[static_cast<Eigen::Index>(j)] = std::clamp(position, joint.lower, joint.upper);
   }
@@ -143,7 +148,7 @@ void JointLimitMap::inverse(VectorIn q, Eigen::VectorXd& omega, double inset) co
     }
     constexpr double kSaturated = 700.0;  // exp of more overflows
     slack = std::clamp(slack, -kSaturated, kSaturated);
-    for (int m = joint.first; m < joint.first + joint.count; ++m) omega[m] = slack;
+    for (int m = joint.first; m < joint.first + joint.count; ++m) omega[m] = joint.scale * slack;
   }
 }
 

@@ -32,7 +32,7 @@ Search::Search(const Robot& robot, const Options& options)
       hulls_(robot),
       collision_(hulls_),
       rollout_(robot),
-      map_(robot),
+      map_(robot, JointLimitMap::Slack::Shared),
       lagrangian_(map_, rollout_, goals_, collision_, scene_, options_.point_distance, robot.dof()),
       least_squares_(rollout_, goals_, collision_, scene_, options_, robot.dof()),
       augmented_lagrangian_(map_.size(), lagrangian_options(options), options.lbfgs),

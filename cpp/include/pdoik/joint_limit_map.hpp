@@ -22,12 +22,21 @@ class JointLimitMap {
   struct State {
     Eigen::VectorXd cosine, sine;  ///< of each joint's angle, shape (n,); unused for prismatic joints
     Eigen::VectorXd q;             ///< joint positions, shape (n,); angles only if asked for
-    Eigen::VectorXd slope;         ///< d theta_m / d omega_m, shape (M',)
+    Eigen::VectorXd slope;         ///< d theta / d slack, shape (M',)
   };
 
-  explicit JointLimitMap(const Robot& robot);
+  /// How the sub-angles of one joint get their slack.
+  enum class Slack {
+    PerSubAngle,  ///< one each: the paper's M' variables
+    /// One per joint, y = sqrt(K) omega with all its omega_m equal. They have the same derivative, so a
+    /// gradient method that starts them equal keeps them equal; the factor keeps lengths and inner products,
+    /// so L-BFGS takes the same steps (up to rounding) with M variables instead of M'.
+    Shared,
+  };
 
-  /// M', the number of slack variables.
+  explicit JointLimitMap(const Robot& robot, Slack slack = Slack::PerSubAngle);
+
+  /// The number of slack variables: M', or the number of joints if they are shared.
   Eigen::Index size() const { return size_; }
   State make_state() const;
 
@@ -54,7 +63,9 @@ class JointLimitMap {
   struct Joint {
     Kind kind;
     int first;             // of its slack variables
-    int count;             // K
+    int count;             // of its slack variables
+    int copies;            // sub-angles per slack variable
+    double scale;          // sqrt(copies)
     double lower, upper;   // [rad] or [m]
     double sub_range;      // range / K
     double L_max;          // of each sub-angle

@@ -13,10 +13,10 @@ struct LbfgsOptions {
   int memory = 10;                    ///< pairs (s, y) kept
   int max_iterations = 200;           ///< per minimisation
   int max_line_search = 20;           ///< trial steps per iteration
-  double gradient_tolerance = 1e-8;   ///< stop when max |g_i| falls below this
+  double gradient_tolerance = 1e-8;   ///< stop when |g| falls below this
   double relative_decrease = 1e-14;   ///< stop when f falls by less than this times max(|f|, |f_previous|)
   double first_step = 1.0;            ///< length of the first step along the steepest descent, if |g| is larger
-  double max_step = std::numeric_limits<double>::infinity();  ///< no variable moves farther in an iteration's first trial
+  double max_step = std::numeric_limits<double>::infinity();  ///< longest first trial of an iteration
   double armijo = 1e-4;               ///< c1 of the Wolfe conditions
   double curvature = 0.9;             ///< c2 of the Wolfe conditions
 };
@@ -68,7 +68,7 @@ class Lbfgs {
   /// The full step once there is curvature, else one of length first_step; never beyond max_step.
   double first_trial() const {
     const double step = stored_ > 0 ? 1.0 : std::min(1.0, options_.first_step / g_.norm());
-    return std::min(step, options_.max_step / d_.lpNorm<Eigen::Infinity>());
+    return std::min(step, options_.max_step / d_.norm());
   }
   /// d <- -H g by the two-loop recursion.
   void direction();
@@ -184,7 +184,7 @@ LbfgsResult Lbfgs::minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop
       result.status = LbfgsStatus::Stopped;
       return result;
     }
-    if (g_.lpNorm<Eigen::Infinity>() < options_.gradient_tolerance) {
+    if (g_.norm() < options_.gradient_tolerance) {
       result.status = LbfgsStatus::GradientSmall;
       return result;
     }

@@ -46,13 +46,13 @@ struct Options {
   int max_obstacles = 1024;   ///< obstacle points that fit without a further allocation
 
   double rotation_weight = 0.3;   ///< metres that one radian weighs in Levenberg-Marquardt's residual [m]
-  double collision_weight = 1.0;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
+  double collision_weight = 0.5;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
   double start_inset = 0.01;      ///< starts for the slack variables keep this fraction of a range off the limits
   double point_distance = 0.5;    ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
 
-  LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 3.0, .curvature = 0.5};
+  LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 4.0, .curvature = 0.5};
   AugmentedLagrangianOptions augmented_lagrangian;
-  LevenbergMarquardtOptions levenberg_marquardt;
+  LevenbergMarquardtOptions levenberg_marquardt{.stall_ratio = 0.8, .stall_window = 2};
 };
 
 }  // namespace pdoik
