@@ -125,7 +125,7 @@ void Scene::reserve(std::size_t count) {
   far.reserve(count);
 }
 
-void Scene::assign(const Points& points, double margin, const HullModel& hulls) {
+void Scene::assign(const Points& points, double margin, const HullModel& hulls, CollisionState& fixed_hulls) {
   const auto count = static_cast<int>(points.rows());
   const bool has_radius = points.cols() > 3;
   const Eigen::Vector3d& root = hulls.reach_centre;
@@ -147,10 +147,9 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls) 
   }
   near.finish();
   far.finish();
-  positions_of_fixed_.resize(hulls.points.size());
-  for (std::size_t k = 0; k < hulls.points.size(); ++k) positions_of_fixed_[k] = hulls.points[k].local;
-  fixed = least_clearance(hulls.fixed, positions_of_fixed_.data(), near);
-  fixed = least_clearance(hulls.fixed, positions_of_fixed_.data(), far, fixed);
+  fixed_hulls.reserve(near.padded());
+  fixed = least_clearance_by_growing(fixed_hulls, near);
+  fixed = least_clearance(fixed_hulls, far, fixed);
 }
 
 namespace {
@@ -173,31 +172,31 @@ double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4&
 }  // namespace
 
 Clearance Scene::clearance(CollisionState& state) const {
-  Clearance least = fixed;
-  // Points nearer than g to a hull lie in it when it is grown by g. The first g that finds any finds the nearest.
-  for (double g = 0.02; near.count() > 0; g *= 4.0) {
-    state.find_near(near, [g](std::size_t) { return g; });
+  const Clearance least = least_clearance_by_growing(state, near, fixed);
+  return least.distance <= far_bound ? least : least_clearance(state, far, least);
+}
+
+Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles, Clearance least) {
+  if (state.hulls().empty() || obstacles.count() == 0) return least;
+  // Points nearer than g to a hull lie in it when it is grown by g, so once the least is below g it is found.
+  for (double g = 0.02; g < 1e3; g *= 2.0) {
+    state.find_near(obstacles, [g](std::size_t) { return g; });
     for (int k = 0; k < state.near_count(); ++k) {
       const Hull& hull = state.hull(state.near(k));
       const int j = state.near(k).obstacle;
-      const double distance = hull_distance(hull, state.position(hull.a), state.position(hull.b), near[j], least.distance);
-      if (distance < least.distance) least = {distance, hull.source, near.original_index(j)};
+      const double distance =
+          hull_distance(hull, state.position(hull.a), state.position(hull.b), obstacles[j], least.distance);
+      if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
     }
-    if (least.distance <= g) break;
-    if (g > 1e3) {
-      least = least_clearance(state.hulls().moving, state.positions(), near, least);
-      break;
-    }
+    if (least.distance <= g) return least;
   }
-  if (least.distance <= far_bound) return least;
-  return least_clearance(state.hulls().moving, state.positions(), far, least);
+  return least_clearance(state, obstacles, least);
 }
 
-Clearance least_clearance(const std::vector<Hull>& hulls, const Vec4* positions, const ObstacleSet& obstacles,
-                          Clearance least) {
-  for (const Hull& hull : hulls) {
-    const Vec4& a = positions[hull.a];
-    const Vec4& b = positions[hull.b];
+Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles, Clearance least) {
+  for (const Hull& hull : state.hulls()) {
+    const Vec4& a = state.position(hull.a);
+    const Vec4& b = state.position(hull.b);
     const Vec4 centre = broadcast(0.5) * (a + b);
     for (int j = 0; j < obstacles.count(); ++j) {
       const Vec4& o = obstacles[j];

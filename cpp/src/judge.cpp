@@ -7,7 +7,7 @@ namespace pdoik::detail {
 
 Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
     : robot_(robot), options_(options), hulls_(hulls), T_base_body_(robot.bodies().size()),
-      collision_(hulls) {}
+      collision_(hulls, hulls.moving) {}
 
 void Judge::pose_errors(const Eigen::Isometry3d& target, Result& result) const {
   const int tip = robot_.tips().front();

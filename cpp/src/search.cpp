@@ -30,7 +30,8 @@ Search::Search(const Robot& robot, const Options& options)
     : robot_(robot),
       options_(options),
       hulls_(robot),
-      collision_(hulls_),
+      collision_(hulls_, hulls_.moving),
+      fixed_hulls_(hulls_, hulls_.fixed),
       rollout_(robot),
       map_(robot, JointLimitMap::Slack::Shared),
       lagrangian_(map_, rollout_, goals_, collision_, scene_, options_.point_distance, robot.dof()),
@@ -80,13 +81,14 @@ Search::Search(const Robot& robot, const Options& options)
 
 void Search::reserve(int padded_obstacles) {
   collision_.reserve(padded_obstacles);
+  fixed_hulls_.reserve(padded_obstacles);
   lagrangian_.reserve(padded_obstacles);
   judge_.reserve(padded_obstacles);
 }
 
 void Search::set_obstacles(const Obstacles& points) {
   lagrangian_.reset_multipliers();
-  scene_.assign(points, options_.clearance, hulls_);
+  scene_.assign(points, options_.clearance, hulls_, fixed_hulls_);
   reserve(scene_.near.padded());
 }
 

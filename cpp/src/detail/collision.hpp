@@ -80,19 +80,22 @@ class ObstacleSet {
 /// Distances between the robot's points and the obstacles at one configuration.
 class CollisionState {
  public:
-  explicit CollisionState(const HullModel& hulls)
-      : hulls_(hulls), positions_(hulls.points.size()), queries_(hulls.moving.size()), cull_(best_cull()) {}
+  /// @param tested  The model's moving hulls, or its fixed ones. Both must outlive the state.
+  CollisionState(const HullModel& model, const std::vector<Hull>& tested)
+      : model_(model), hulls_(tested), positions_(model.points.size()), queries_(tested.size()), cull_(best_cull()) {
+    for (std::size_t k = 0; k < positions_.size(); ++k) positions_[k] = model.points[k].local;  // right for body 0
+  }
 
   /// Room for this many pairs of hull and obstacle: called at set-up so that nothing allocates later.
   void reserve(int padded_obstacles) {
-    const std::size_t pairs = hulls_.moving.size() * static_cast<std::size_t>(padded_obstacles);
+    const std::size_t pairs = hulls_.size() * static_cast<std::size_t>(padded_obstacles);
     if (pairs_.size() < pairs) pairs_.resize(pairs);
   }
 
   /// Put the attached points where a rollout has them.
   void place(const Rollout& rollout) {
     for (std::size_t k = 0; k < positions_.size(); ++k) {
-      positions_[k] = transform(rollout.frame(hulls_.points[k].body), hulls_.points[k].local);
+      positions_[k] = transform(rollout.frame(model_.points[k].body), model_.points[k].local);
     }
   }
   /// Or where they are by other means.
@@ -105,7 +108,7 @@ class CollisionState {
     if (obstacles.count() == 0) return;
     const Vec4& origin = obstacles.origin();
     for (std::size_t h = 0; h < queries_.size(); ++h) {
-      const Hull& hull = hulls_.moving[h];
+      const Hull& hull = hulls_[h];
       const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - origin;
       const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
       HullQuery& query = queries_[h];
@@ -122,12 +125,14 @@ class CollisionState {
   const NearPair& near(int k) const { return pairs_[static_cast<std::size_t>(k)]; }
   const Vec4* positions() const { return positions_.data(); }
   const Vec4& position(int point) const { return positions_[static_cast<std::size_t>(point)]; }
-  const HullModel& hulls() const { return hulls_; }
-  const Hull& hull(const NearPair& pair) const { return hulls_.moving[static_cast<std::size_t>(pair.hull)]; }
+  const std::vector<Hull>& hulls() const { return hulls_; }
+  const Hull& hull(const NearPair& pair) const { return hulls_[static_cast<std::size_t>(pair.hull)]; }
+  int body_of_point(int point) const { return model_.points[static_cast<std::size_t>(point)].body; }
   void use_baseline() { cull_ = cull_baseline; }
 
  private:
-  const HullModel& hulls_;
+  const HullModel& model_;
+  const std::vector<Hull>& hulls_;
   std::vector<Vec4> positions_;
   std::vector<HullQuery> queries_;
   std::vector<NearPair> pairs_;
@@ -142,9 +147,11 @@ struct Clearance {
   int obstacle = -1;  ///< the obstacle's original row
 };
 
-/// Exact Euclidean clearance of the hulls whose attached points are at `positions`, if below `than`.
-Clearance least_clearance(const std::vector<Hull>& hulls, const Vec4* positions, const ObstacleSet& obstacles,
-                          Clearance than = {});
+/// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, by trying every pair.
+Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles, Clearance than = {});
+
+/// The same by growing the hulls until obstacles come to lie in them. Changes the state's near pairs.
+Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles, Clearance than = {});
 
 /// The obstacles of one scene, sorted by what the arm can do about them.
 struct Scene {
@@ -153,7 +160,8 @@ struct Scene {
 
   void reserve(std::size_t count);
   /// @param points  (N, 3) or (N, 4) rows x y z [radius]; radii grow by `margin`.
-  void assign(const Points& points, double margin, const HullModel& hulls);
+  /// @param fixed_hulls  A state of the hulls that no joint moves, reserved for these points.
+  void assign(const Points& points, double margin, const HullModel& hulls, CollisionState& fixed_hulls);
   /// Clearance of every hull, margin included, at the configuration where `state` is placed. Leaves the state's
   /// near pairs changed.
   Clearance clearance(CollisionState& state) const;
@@ -162,9 +170,6 @@ struct Scene {
   ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these
   double far_bound = std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
   Clearance fixed;   ///< of the hulls that no joint moves
-
- private:
-  std::vector<Vec4> positions_of_fixed_;
 };
 
 }  // namespace pdoik::detail

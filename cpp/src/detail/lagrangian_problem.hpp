@@ -19,7 +19,7 @@ class LagrangianProblem {
   LagrangianProblem(const JointLimitMap& map, Rollout& rollout, std::vector<GoalTerm>& goals,
                     CollisionState& collision, const Scene& scene, double point_distance, int dof)
       : map_(map), rollout_(rollout), goals_(goals), collision_(collision), scene_(scene),
-        point_distance_(point_distance), state_(map.make_state()), grow_(collision.hulls().moving.size(), 0.0) {
+        point_distance_(point_distance), state_(map.make_state()), grow_(collision.hulls().size(), 0.0) {
     dq_.setZero(dof);
   }
 
@@ -126,7 +126,7 @@ class LagrangianProblem {
   }
 
   void push(int point, const Vec4& direction, double slope) {
-    rollout_.add_force(collision_.hulls().points[static_cast<std::size_t>(point)].body, collision_.position(point),
+    rollout_.add_force(collision_.body_of_point(point), collision_.position(point),
                        broadcast(slope) * direction);
   }
 

@@ -125,7 +125,7 @@ class LeastSquaresProblem {
     row_.setZero();
     const Hull& hull = collision_.hull(pair);
     const auto add = [&](int point, const Vec4& direction) {
-      rollout_.add_row(collision_.hulls().points[static_cast<std::size_t>(point)].body, direction,
+      rollout_.add_row(collision_.body_of_point(point), direction,
                        cross3(collision_.position(point), direction), row_.data());
     };
     add(hull.a, at.dc_da);

@@ -54,7 +54,7 @@ class Search {
   const Options& options_;
   HullModel hulls_;
   Scene scene_;
-  CollisionState collision_;
+  CollisionState collision_, fixed_hulls_;
   Rollout rollout_;
   std::vector<GoalTerm> goals_;
   JointLimitMap map_;

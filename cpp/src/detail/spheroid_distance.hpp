@@ -31,7 +31,7 @@ inline Eigen::Vector2d nearest_on_ellipse(double a, double b, double px, double 
   };
   double low = -b * b + b * py;                       // value(low) >= 0
   double high = -b * b + std::hypot(a * px, b * py);  // value(high) <= 0
-  double t = low;
+  double t = std::clamp(0.0, low, high);  // the root for a point on the surface
   for (int i = 0; i < 100; ++i) {
     double slope;
     const double g = value(t, slope);
