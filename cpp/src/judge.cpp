@@ -50,15 +50,20 @@ void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q
 
   WorstConstraint& worst = result.worst;
   limits(q, result, worst);
+  double worst_length = worst.violation;  // radians of the tip weigh as metres do in the search
+  result.success = worst.violation <= 0.0;
   const auto compare = [&](WorstConstraint::Kind kind, double violation, int index, int obstacle) {
-    if (violation > worst.violation) worst = {kind, index, obstacle, violation};
+    result.success = result.success && violation <= 0.0;
+    const double length = kind == WorstConstraint::Kind::Rotation ? options_.rotation_weight * violation : violation;
+    if (length <= worst_length) return;
+    worst = {kind, index, obstacle, violation};
+    worst_length = length;
   };
   compare(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance, least.source, least.obstacle);
   compare(WorstConstraint::Kind::Position, result.position_error - options_.position_tolerance, -1, -1);
   if (options_.goal != GoalType::Position) {
     compare(WorstConstraint::Kind::Rotation, result.rotation_error - options_.rotation_tolerance, -1, -1);
   }
-  result.success = worst.violation <= 0.0;
 }
 
 }  // namespace pdoik::detail

@@ -1,0 +1,137 @@
+"""Checks solutions again by plain NumPy, from the robot's URDF text and the paper's inequalities.
+
+Nothing here calls the library's kinematics: a success of the solver that this does not confirm is a
+defect of one of the two.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+import pdoik
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What a configuration is worth."""
+
+    position_error: float  # [m]
+    rotation_error: float  # [rad]
+    limit_violation: float  # [rad]
+    clearance: float  # least of half the sum of a point's distances to the foci, minus a [m]
+
+    def confirms(self, options: pdoik.Options) -> bool:
+        """Whether a solver with these options may call it a solution, up to rounding."""
+        return (
+            self.position_error <= options.position_tolerance + 1e-9
+            and self.rotation_error <= options.rotation_tolerance + 1e-9
+            and self.limit_violation <= 1e-9
+            and self.clearance >= options.clearance - options.clearance_tolerance - 1e-9
+        )
+
+
+class UrdfChain:
+    """Forward kinematics of a URDF with fixed, revolute and continuous joints, by definition."""
+
+    def __init__(self, urdf: str | Path, joint_names: Sequence[str]) -> None:
+        self._joints: dict[str, tuple[str, FloatArray, FloatArray, int | None]] = {}
+        self.limits = np.full((len(joint_names), 2), (-np.inf, np.inf))
+        for joint in ElementTree.parse(urdf).iterfind("joint"):
+            kind, name = joint.attrib["type"], joint.attrib["name"]
+            if kind not in {"fixed", "revolute", "continuous"}:
+                raise ValueError(f"{urdf}: joint {name} is {kind}, expected fixed or revolute")
+            origin = joint.find("origin")
+            T = np.eye(4)
+            T[:3, 3] = _numbers(origin, "xyz", "0 0 0")
+            T[:3, :3] = rotation_of_rpy(*_numbers(origin, "rpy", "0 0 0"))
+            axis = _numbers(joint.find("axis"), "xyz", "1 0 0")
+            index = None if kind == "fixed" else list(joint_names).index(name)
+            if index is not None and kind == "revolute":
+                limit = joint.find("limit")
+                self.limits[index] = [float(limit.attrib[end]) for end in ("lower", "upper")]  # type: ignore[union-attr]
+            child = joint.find("child").attrib["link"]  # type: ignore[union-attr]
+            parent = joint.find("parent").attrib["link"]  # type: ignore[union-attr]
+            self._joints[child] = (parent, T, axis / np.linalg.norm(axis), index)
+
+    def fk(self, q: FloatArray, link: str) -> FloatArray:
+        """Pose of a link in the root's frame, (4, 4)."""
+        T = np.eye(4)
+        while link in self._joints:
+            link, T_parent_joint, axis, index = self._joints[link]
+            turn = np.eye(4)
+            if index is not None:
+                turn[:3, :3] = rotation_about(axis, float(q[index]))
+            T = T_parent_joint @ turn @ T
+        return T
+
+
+def recheck(
+    chain: UrdfChain,
+    robot: pdoik.Robot,
+    options: pdoik.Options,
+    T_base_tip: FloatArray,
+    q: FloatArray,
+    points: FloatArray,
+) -> Verdict:
+    """Errors, limits and the inside test |u1 - o| + |u2 - o| >= 2 a for every hull and point."""
+    T = chain.fk(q, robot.tip_links[0])
+    gaps = [np.inf]
+    if len(points):
+        poses = {link: chain.fk(q, link) for link in robot.link_names}
+
+        def distance(link: str, local: tuple[float, float, float]) -> FloatArray:
+            place = poses[link][:3, :3] @ np.array(local) + poses[link][:3, 3]
+            return np.asarray(np.linalg.norm(points - place, axis=1), dtype=np.float64)
+
+        for link, center, radius in robot.occupancy.spheres:
+            gaps.append(float((distance(link, center) - radius).min()))
+        for link_a, focus_a, link_b, focus_b, semi_major in robot.occupancy.spheroids:
+            half_sum = (distance(link_a, focus_a) + distance(link_b, focus_b)) / 2
+            gaps.append(float((half_sum - semi_major).min()))
+    return Verdict(
+        position_error=float(np.linalg.norm(T[:3, 3] - T_base_tip[:3, 3])),
+        rotation_error=_rotation_error(options, T[:3, :3], T_base_tip[:3, :3]),
+        limit_violation=float(np.max([chain.limits[:, 0] - q, q - chain.limits[:, 1], 0 * q])),
+        clearance=min(gaps),
+    )
+
+
+def _rotation_error(options: pdoik.Options, R_is: FloatArray, R_wanted: FloatArray) -> float:
+    """The angle between two frames, or between two axes, or nothing, as the goal has it [rad]."""
+    if options.goal == "position":
+        return 0.0
+    if options.goal == "axis":
+        named = options.goal_axis
+        axis = np.eye(3)["xyz".index(named)] if isinstance(named, str) else np.asarray(named)
+        a, b = R_is @ axis, R_wanted @ axis
+        return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+    R = R_is.T @ R_wanted
+    sine = np.linalg.norm([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return float(np.arctan2(sine, np.trace(R) - 1))
+
+
+def rotation_of_rpy(roll: float, pitch: float, yaw: float) -> FloatArray:
+    """Rz(yaw) Ry(pitch) Rx(roll), as URDF has it."""
+    x, y, z = np.eye(3)
+    return rotation_about(z, yaw) @ rotation_about(y, pitch) @ rotation_about(x, roll)
+
+
+def rotation_about(axis: FloatArray, angle: float) -> FloatArray:
+    """Rodrigues' formula about a unit axis."""
+    x, y, z = axis
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    R: FloatArray = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    return R
+
+
+def _numbers(element: ElementTree.Element | None, name: str, default: str) -> FloatArray:
+    text = default if element is None else element.attrib.get(name, default)
+    return np.array([float(number) for number in text.split()])

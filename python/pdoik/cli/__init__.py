@@ -1,0 +1,52 @@
+"""The command line: pdoik solve, info, occupancy, bench."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import pdoik
+
+from .bench import bench
+from .info import info
+from .messages import out
+from .occupancy import occupancy
+from .solve import solve
+
+__all__ = ["app"]
+
+app = typer.Typer(
+    name="pdoik",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(solve)
+app.command()(info)
+app.command()(occupancy)
+app.command()(bench)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        out.print(pdoik.__version__, highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and leave."
+        ),
+    ] = False,
+) -> None:
+    """Constrained inverse kinematics: joint limits and obstacle points, for arms.
+
+    Exit status: 0 solved (or done), 1 not solved, 2 misuse or a file that cannot be read.
+
+    [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0"
+    """

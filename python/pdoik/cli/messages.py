@@ -1,0 +1,46 @@
+"""What the command line prints where, and how it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NoReturn
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+from pdoik.errors import LoadError
+
+out = Console(soft_wrap=True)
+err = Console(stderr=True, soft_wrap=True)
+
+NOT_SOLVED = 1
+MISUSE = 2
+
+
+def fail(message: str) -> NoReturn:
+    """Print one line that says what is wrong, and leave with status 2."""
+    err.print(f"[bold red]error:[/] {escape(' '.join(message.split()))}", highlight=False)
+    raise typer.Exit(MISUSE)
+
+
+def warn(message: str) -> None:
+    """Print one line on stderr and go on."""
+    err.print(f"[bold yellow]warning:[/] {escape(' '.join(message.split()))}", highlight=False)
+
+
+@contextmanager
+def misuse_fails(subject: str = "") -> Iterator[None]:
+    """Turn what the library says about bad input into one line and status 2.
+
+    Args:
+        subject: The option or file to name before the library's words.
+    """
+    try:
+        yield
+    except (LoadError, ValueError, OSError) as error:
+        reason = str(error)
+        if isinstance(error, OSError) and error.strerror:
+            reason = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+        fail(f"{subject}: {reason}" if subject else reason)

@@ -1,0 +1,89 @@
+"""pdoik occupancy: hulls for a robot that has none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from .messages import err, fail, misuse_fails, out
+
+
+def occupancy(
+    urdf: Annotated[
+        Path, typer.Argument(help="Robot with collision geometry.", metavar="FILE.urdf")
+    ],
+    out_file: Annotated[
+        Path | None, typer.Option("--out", help="Write the hulls into this YAML file.")
+    ] = None,
+    package_dir: Annotated[
+        list[Path] | None,
+        typer.Option(help="Folder that holds the packages of package:// addresses; repeatable."),
+    ] = None,
+    base_link: Annotated[str | None, typer.Option(help="First link; the root otherwise.")] = None,
+    tip_link: Annotated[str | None, typer.Option(help="Last link; all of them otherwise.")] = None,
+    max_volume_factor: Annotated[
+        float, typer.Option(help="Hull volume over geometry volume that is good enough.")
+    ] = 2.0,
+    max_parts: Annotated[int, typer.Option(help="Most hulls per link.")] = 4,
+    max_hulls: Annotated[int | None, typer.Option(help="Most hulls in all.")] = None,
+    paper: Annotated[
+        bool,
+        typer.Option("--paper", help="One spheroid per link from joint to joint, as in the paper."),
+    ] = False,
+) -> None:
+    """Fit spheres and spheroids around a robot's collision geometry, and say what they cost.
+
+    [bold]Example[/]: pdoik occupancy arm.urdf --package-dir share --out arm.occupancy.yaml
+    """
+    from pdoik.occupancy_fit import fit_occupancy  # SciPy and trimesh take long to import
+
+    if not urdf.is_file():
+        fail(f"{urdf}: no such file")
+    if out_file is not None and not out_file.parent.is_dir():
+        fail(f"--out: there is no folder {out_file.parent}")
+    with misuse_fails(), err.status("fitting hulls"):
+        fit = fit_occupancy(
+            urdf,
+            package_dir or (),
+            max_volume_factor,
+            base_link,
+            tip_link,
+            max_parts=max_parts,
+            max_hulls=max_hulls,
+            paper=paper,
+        )
+
+    table = Table(
+        "link", "hull", title=f"{escape(urdf.name)}: what the hulls add", title_justify="left"
+    )
+    for name in ("geometry [l]", "hull [l]", "empty [l]", "factor"):
+        table.add_column(name, justify="right")
+    for row in fit.report.hulls:
+        volumes = (row.geometry_volume, row.hull_volume, row.empty_volume)
+        cells = [f"{1e3 * volume:.3f}" for volume in volumes]
+        table.add_row(escape(row.link), row.kind, *cells, f"{row.factor:.2f}", style="dim")
+    table.add_section()
+    for link in fit.report.links:
+        volumes = (
+            link.geometry_volume,
+            link.covered_volume,
+            link.covered_volume - link.geometry_volume,
+        )
+        cells = [f"{1e3 * volume:.3f}" for volume in volumes]
+        table.add_row(escape(link.link), f"all {link.n_hulls}", *cells, f"{link.factor:.2f}")
+    out.print(table)
+    out.print(
+        f"{len(fit.report.hulls)} hulls that fill {fit.report.factor:.2f} times the links' convex"
+        " hulls\ngeometry: the convex hull of what a row holds; overlaps count once per link",
+        highlight=False,
+    )
+    for name in fit.report.skipped:
+        out.print(f"{escape(name)}: no collision geometry, skipped", highlight=False)
+    if out_file is not None:
+        with misuse_fails("--out"):
+            fit.write(out_file, comment=f"Hulls of {urdf.name}, made by pdoik occupancy.")
+        err.print(f"wrote {escape(str(out_file))}", highlight=False)

@@ -1,0 +1,56 @@
+"""Robots named on the command line."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+import pdoik
+from pdoik.errors import RobotWarning
+
+from .messages import fail, misuse_fails
+
+BUILTIN = tuple(pdoik.Robot.builtin_names())
+
+
+def load_robot(
+    name: str,
+    base_link: str | None = None,
+    tip_link: str | None = None,
+    occupancy: Path | None = None,
+) -> pdoik.Robot:
+    """A built-in robot by name, or a URDF file; leaves with status 2 when it is neither."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RobotWarning)  # pdoik info tells them
+        if name in BUILTIN:
+            if base_link or tip_link:
+                fail(f"--base-link and --tip-link are for URDF files; {name} is built in")
+            robot = pdoik.Robot.builtin(name)
+        elif Path(name).is_file():
+            with misuse_fails():
+                robot = pdoik.Robot.from_urdf(name, base_link=base_link, tip_link=tip_link)
+        else:
+            fail(f"expected a URDF file or one of the robots {', '.join(BUILTIN)}; got {name!r}")
+    if occupancy is not None:
+        with misuse_fails(f"--occupancy {occupancy}"):
+            robot.occupancy = pdoik.Occupancy.load(str(occupancy))
+    return robot
+
+
+def numbers(text: str, robot: pdoik.Robot) -> npt.NDArray[np.float64]:
+    """A configuration from words, (n,) [rad] or [m].
+
+    Raises:
+        ValueError: They are not as many numbers as the robot has joints.
+    """
+    words = text.replace(",", " ").split()
+    try:
+        q = np.array([float(word) for word in words])
+    except ValueError:
+        raise ValueError(f"expected {robot.dof} numbers, got {text!r}") from None
+    if len(q) != robot.dof:
+        raise ValueError(f"expected {robot.dof} numbers, one per joint, got {len(q)}")
+    return q

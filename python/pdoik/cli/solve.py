@@ -1,0 +1,217 @@
+"""pdoik solve: one target, one robot, one cloud."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import numpy.typing as npt
+import typer
+
+import pdoik
+
+from .messages import NOT_SOLVED, fail, misuse_fails, out
+from .obstacles import Obstacles, load_obstacles
+from .report import Solution, facts, print_report
+from .robots import load_robot, numbers
+from .tables import json_text
+from .target import FORMS, parse_target
+
+FloatArray = npt.NDArray[np.float64]
+_DEFAULTS = pdoik.Options()
+_ROBOT, _GOAL, _OBSTACLES, _SEARCH, _OUTPUT = "Robot", "Goal", "Obstacles", "Search", "Output"
+
+
+Goal = Literal["pose", "axis", "position"]
+Axis = Literal["x", "y", "z"]
+Method = Literal["default", "paper"]
+
+
+def solve(
+    robot: Annotated[
+        str,
+        typer.Option(
+            help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT", rich_help_panel=_ROBOT
+        ),
+    ],
+    target: Annotated[
+        str,
+        typer.Option(
+            help=f"Where the tip is to go, in metres and radians: {FORMS}.",
+            metavar="TARGET",
+            rich_help_panel=_GOAL,
+        ),
+    ],
+    occupancy: Annotated[
+        Path | None,
+        typer.Option(
+            help="Hulls of the robot, YAML (see pdoik occupancy).", rich_help_panel=_ROBOT
+        ),
+    ] = None,
+    base_link: Annotated[
+        str | None, typer.Option(help="First link; the root otherwise.", rich_help_panel=_ROBOT)
+    ] = None,
+    tip_link: Annotated[
+        str | None, typer.Option(help="Last link; the only leaf otherwise.", rich_help_panel=_ROBOT)
+    ] = None,
+    goal: Annotated[
+        Goal, typer.Option(help="What of the target counts.", rich_help_panel=_GOAL)
+    ] = "pose",
+    goal_axis: Annotated[
+        Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=_GOAL)
+    ] = "z",
+    position_tolerance: Annotated[
+        float, typer.Option(help="Largest error of a success, metres.", rich_help_panel=_GOAL)
+    ] = _DEFAULTS.position_tolerance,
+    rotation_tolerance: Annotated[
+        float, typer.Option(help="Largest error of a success, radians.", rich_help_panel=_GOAL)
+    ] = _DEFAULTS.rotation_tolerance,
+    cloud: Annotated[
+        Path | None,
+        typer.Option(
+            help="Points in the base frame, metres: .pcd, .ply, .npy, .xyz, .txt, .csv.",
+            rich_help_panel=_OBSTACLES,
+        ),
+    ] = None,
+    leaf: Annotated[
+        float,
+        typer.Option(
+            help="Edge of the cells the cloud is thinned to, metres; 0 keeps every point.",
+            rich_help_panel=_OBSTACLES,
+        ),
+    ] = 0.1,
+    clearance: Annotated[
+        float,
+        typer.Option(
+            help="Least distance wanted between points and hulls, metres.",
+            rich_help_panel=_OBSTACLES,
+        ),
+    ] = _DEFAULTS.clearance,
+    q0: Annotated[
+        str | None,
+        typer.Option(
+            help="Start, one number per joint; the middle of the ranges otherwise.",
+            rich_help_panel=_SEARCH,
+        ),
+    ] = None,
+    max_time: Annotated[
+        float, typer.Option(help="Deadline, seconds.", rich_help_panel=_SEARCH)
+    ] = _DEFAULTS.max_time,
+    max_restarts: Annotated[
+        int, typer.Option(help="Starts after the first.", rich_help_panel=_SEARCH)
+    ] = _DEFAULTS.max_restarts,
+    seed: Annotated[
+        int, typer.Option(help="Of the restarts' sequence.", rich_help_panel=_SEARCH)
+    ] = _DEFAULTS.seed,
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="'paper' is the paper's algorithm: one start, nothing else.",
+            rich_help_panel=_SEARCH,
+        ),
+    ] = "default",
+    json: Annotated[
+        bool, typer.Option("--json", help="Print JSON instead of tables.", rich_help_panel=_OUTPUT)
+    ] = False,
+    picture: Annotated[
+        Path | None,
+        typer.Option(help="Draw the outcome into this .png file.", rich_help_panel=_OUTPUT),
+    ] = None,
+) -> None:
+    """Find joint positions that put the tip on a target, inside limits, clear of obstacles.
+
+    Exit status: 0 solved, 1 not solved, 2 misuse.
+
+    [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
+    """
+    _check_picture(picture)
+    if seed < 0:
+        fail(f"--seed: expected a whole number, at least 0, got {seed}")
+    loaded = load_robot(robot, base_link, tip_link, occupancy)
+    with misuse_fails("--target"):
+        T_base_tip = parse_target(target, goal)
+    start = None
+    if q0 is not None:
+        with misuse_fails("--q0"):
+            start = numbers(q0, loaded)
+    obstacles = None
+    if cloud is not None:
+        if not len(loaded.occupancy):
+            fail(
+                f"--cloud: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
+                " (pdoik occupancy FILE.urdf --out FILE.yaml makes one)"
+            )
+        obstacles = load_obstacles(cloud, leaf)
+    with misuse_fails():
+        options = pdoik.Options(
+            goal=goal,
+            goal_axis=goal_axis,
+            position_tolerance=position_tolerance,
+            rotation_tolerance=rotation_tolerance,
+            clearance=clearance,
+            max_time=max_time,
+            max_restarts=max_restarts,
+            seed=seed,
+            method=method,
+        )
+        solution = _solve(loaded, options, T_base_tip, start, obstacles)
+
+    if json:
+        out.print(json_text(facts(solution)), highlight=False, markup=False)
+    else:
+        print_report(solution)
+    if picture is not None:
+        _draw(picture, solution)
+    if not solution.result.success:
+        raise typer.Exit(NOT_SOLVED)
+
+
+def _solve(
+    robot: pdoik.Robot,
+    options: pdoik.Options,
+    T_base_tip: FloatArray,
+    q0: FloatArray | None,
+    obstacles: Obstacles | None,
+) -> Solution:
+    solver = pdoik.Solver(robot, options)
+    cloud = None if obstacles is None else obstacles.cloud
+    result = solver.solve(T_base_tip, q0=q0, obstacles=cloud)
+    surface_clearance = math.inf
+    if obstacles is not None:
+        surface_clearance = solver.judge(
+            T_base_tip, result.q, obstacles=obstacles.surface
+        ).clearance
+    return Solution(
+        robot=robot,
+        options=options,
+        T_base_tip=T_base_tip,
+        result=result,
+        obstacles=obstacles,
+        surface_clearance=surface_clearance,
+    )
+
+
+def _check_picture(picture: Path | None) -> None:
+    if picture is None:
+        return
+    if picture.suffix.lower() != ".png":
+        fail(f"--picture: expected a name that ends in .png, got {picture.name!r}")
+    if not picture.parent.is_dir():
+        fail(f"--picture: there is no folder {picture.parent}")
+
+
+def _draw(picture: Path, solution: Solution) -> None:
+    from pdoik.picture import draw_solution  # matplotlib takes longer to import than to solve
+
+    obstacles = solution.obstacles
+    with misuse_fails("--picture"):
+        draw_solution(
+            picture,
+            solution.robot,
+            solution.result,
+            solution.T_base_tip,
+            cloud=None if obstacles is None else obstacles.cloud,
+            surface=None if obstacles is None or obstacles.leaf == 0 else obstacles.surface,
+        )

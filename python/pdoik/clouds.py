@@ -1,0 +1,133 @@
+"""Point clouds from files: .pcd, .ply, .npy, and columns of text (.xyz, .txt, .csv)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from pdoik.errors import LoadError
+
+Points = npt.NDArray[np.float64]  # (N, 3), [m]
+
+_HEADER_BYTES = 65536  # of a PLY file, at most
+
+
+def load_cloud(path: str | Path) -> Points:
+    """The points of a file, (N, 3) [m], in the file's frame and order.
+
+    Rows with NaN or infinity, which depth cameras write where they saw nothing, are left out.
+    Units are the file's own: what was saved in millimetres comes out a thousand times too large.
+
+    Args:
+        path: The suffix says what is read: .pcd (ascii, binary, binary_compressed; the fields
+            x, y, z), .ply (vertices; faces are ignored), .npy of shape (N, 3) or (H, W, 3), and
+            .xyz, .txt, .csv (the columns named x, y, z, or else the first three).
+
+    Raises:
+        LoadError: Another suffix; a file that is missing, malformed, cut short, or holds no
+            finite point.
+    """
+    path = Path(path)
+    read = _READERS.get(path.suffix.lower())
+    if read is None:
+        raise LoadError(
+            f"{path}: expected a point cloud ({', '.join(_READERS)}), got {path.suffix!r}"
+        )
+    if not path.is_file():
+        raise LoadError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
+    try:
+        points = np.asarray(read(path), dtype=np.float64)
+    except LoadError:
+        raise
+    except Exception as error:  # the readers raise whatever their parsing stumbles over
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise LoadError(
+            f"{path}: not a {path.suffix.lower()} file that can be read: {reason}"
+        ) from error
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise LoadError(f"{path}: expected points of shape (N, 3), got {points.shape}")
+    finite = points[np.isfinite(points).all(axis=1)]
+    if not len(finite):
+        raise LoadError(f"{path}: expected points, got {len(points)} rows, none of them finite")
+    return np.ascontiguousarray(finite)
+
+
+def _read_pcd(path: Path) -> Points:
+    from pypcd4.pypcd4 import PointCloud
+
+    cloud = PointCloud.from_path(path)
+    missing = [name for name in "xyz" if name not in cloud.fields]
+    if missing:
+        raise LoadError(f"{path}: expected fields x, y, z, got {' '.join(cloud.fields)}")
+    rows = np.atleast_1d(cloud.pc_data)
+    if len(rows) != cloud.points:
+        raise LoadError(f"{path}: the header promises {cloud.points} points, got {len(rows)}")
+    return np.column_stack([rows[name] for name in "xyz"])
+
+
+def _read_ply(path: Path) -> Points:
+    from trimesh.exchange.ply import load_ply
+
+    with path.open("rb") as file:
+        content = load_ply(file)
+        file.seek(0)
+        promised = re.search(rb"^element\s+vertex\s+(\d+)", file.read(_HEADER_BYTES), re.MULTILINE)
+    vertices = content.get("vertices")
+    if vertices is None or promised is None:
+        raise LoadError(f"{path}: expected vertices with x, y, z, got none")
+    if len(vertices) != int(promised[1]):
+        raise LoadError(
+            f"{path}: the header promises {int(promised[1])} vertices, got {len(vertices)}"
+        )
+    return np.asarray(vertices, dtype=np.float64)
+
+
+def _read_npy(path: Path) -> Points:
+    array = np.load(path, allow_pickle=False)
+    if not isinstance(array, np.ndarray):
+        raise LoadError(f"{path}: expected one array, got an archive of several")
+    if array.dtype.kind not in "fiu":
+        raise LoadError(f"{path}: expected numbers, got dtype {array.dtype}")
+    if array.ndim == 3:  # an organised cloud, (H, W, 3)
+        array = array.reshape(-1, array.shape[-1])
+    return np.asarray(array, dtype=np.float64)
+
+
+def _read_text(path: Path) -> Points:
+    lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip()]
+    lines = [line for line in lines if not line.lstrip().startswith(("#", "//"))]
+    if not lines:
+        raise LoadError(f"{path}: expected rows of x y z, got an empty file")
+    delimiter = next((mark for mark in ",;" if mark in lines[0]), None)
+    columns, n_header_rows = _columns(lines[0].split(delimiter))
+    rows = np.loadtxt(
+        lines,
+        delimiter=delimiter,
+        skiprows=n_header_rows,
+        usecols=columns,
+        ndmin=2,
+        dtype=np.float64,
+    )
+    return np.asarray(rows, dtype=np.float64)
+
+
+def _columns(first_row: list[str]) -> tuple[list[int], int]:
+    """Which columns hold x, y, z, and how many rows (0 or 1) name them."""
+    names = [name.strip().strip('"').lower() for name in first_row]
+    if all(name in names for name in "xyz"):
+        return [names.index(name) for name in "xyz"], 1
+    return [0, 1, 2], 0
+
+
+_READERS: dict[str, Callable[[Path], Points]] = {
+    ".pcd": _read_pcd,
+    ".ply": _read_ply,
+    ".npy": _read_npy,
+    ".xyz": _read_text,
+    ".txt": _read_text,
+    ".csv": _read_text,
+}

@@ -1,0 +1,268 @@
+"""The command line: exit status, tables, JSON, files, and what bad input gets."""
+
+import json
+import math
+import subprocess
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pdoik
+from command_line import PANDA, REACHABLE, misuse, run, solve
+from pdoik.cli import app
+from pdoik.cli.tables import angle_text, json_text, length_text, time_text
+from pdoik.cli.target import parse_target
+
+
+@pytest.fixture
+def wall(tmp_path: Path) -> Path:
+    """A wall that the arm can reach its target beside."""
+    y, z = np.meshgrid(np.linspace(-0.6, 0.6, 60), np.linspace(0.0, 1.0, 50))
+    points = np.column_stack([np.full(y.size, -0.45), y.ravel(), z.ravel()])
+    path = tmp_path / "wall.npy"
+    np.save(path, points)
+    return path
+
+
+def test_a_reachable_target_is_solved() -> None:
+    outcome = solve()
+    assert outcome.exit_code == 0
+    assert outcome.stdout.startswith("solved")
+    for name in pdoik.Robot.builtin("panda").joint_names:
+        assert name in outcome.stdout
+    assert max(len(line) for line in outcome.stdout.splitlines()) <= 80
+
+
+def test_a_target_out_of_reach_is_not_solved_and_says_what_to_try() -> None:
+    outcome = solve(target="3 0 0.5 1 0 0 0")
+    assert outcome.exit_code == 1
+    assert outcome.stdout.startswith("not solved")
+    assert "try a target nearer" in outcome.stdout
+
+
+def test_json_holds_the_whole_result(wall: Path) -> None:
+    outcome = solve("--json", "--cloud", wall, "--leaf", "0.05")
+    assert outcome.exit_code == 0
+    content = json.loads(outcome.stdout, parse_constant=pytest.fail)
+    robot = pdoik.Robot.builtin("panda")
+    assert content["joint_names"] == robot.joint_names
+    assert content["status"] == "solved"
+    assert content["success"] is True
+    T = robot.fk(content["q"])
+    np.testing.assert_allclose(T, content["T_base_tip"], atol=3e-5)
+    assert content["position_error"] <= 1e-5
+    assert content["cloud"]["points"] == 3000
+    assert 0 < content["cloud"]["obstacles"] < 3000
+    fields = {name for name in dir(pdoik.Result) if not name.startswith("_")}
+    assert fields <= set(content), fields - set(content)
+
+
+def test_json_has_null_for_infinity() -> None:
+    outcome = solve("--json")
+    assert json.loads(outcome.stdout, parse_constant=pytest.fail)["clearance"] is None
+
+
+def test_json_of_a_failure_is_json_too() -> None:
+    outcome = solve("--json", target="3 0 0.5 1 0 0 0")
+    assert outcome.exit_code == 1
+    assert json.loads(outcome.stdout, parse_constant=pytest.fail)["success"] is False
+
+
+def test_the_same_command_gives_the_same_answer(wall: Path) -> None:
+    first, again = (json.loads(solve("--json", "--cloud", wall).stdout) for _ in range(2))
+    assert first["q"] == again["q"]
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".json", ".txt"])
+def test_a_target_may_be_a_file(tmp_path: Path, suffix: str) -> None:
+    T = pdoik.Robot.builtin("panda").fk(np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.8, 0.5]))
+    path = tmp_path / f"target{suffix}"
+    if suffix == ".npy":
+        np.save(path, T)
+    elif suffix == ".json":
+        path.write_text(json.dumps(T.tolist()))
+    else:
+        np.savetxt(path, T, fmt="%.5f")
+    outcome = solve("--json", target=path)
+    assert outcome.exit_code == 0, outcome.output
+    np.testing.assert_allclose(json.loads(outcome.stdout)["T_base_tip"], T, atol=1e-5)
+
+
+def test_quaternion_and_roll_pitch_yaw_agree() -> None:
+    half = 0.35
+    by_quaternion = parse_target(f"1 2 3 0 0 {math.sin(half)} {math.cos(half)}", "pose")
+    np.testing.assert_allclose(
+        by_quaternion, parse_target("1, 2, 3, 0, 0, 0.7", "pose"), atol=1e-15
+    )
+    T = parse_target("0 0 0 0.1 -0.2 0.3", "pose")
+    cx, sx, cy, sy, cz, sz = (f(angle) for angle in (0.1, -0.2, 0.3) for f in (math.cos, math.sin))
+    Rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    Ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    Rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    np.testing.assert_allclose(T[:3, :3], Rz @ Ry @ Rx, atol=1e-15)
+
+
+def test_goals_that_ask_for_less_are_met() -> None:
+    assert solve("--goal", "position", target="0.4 0.1 0.5").exit_code == 0
+    outcome = solve("--goal", "axis", "--goal-axis", "x", "--json")
+    assert outcome.exit_code == 0
+    R = pdoik.Robot.builtin("panda").fk(json.loads(outcome.stdout)["q"])[:3, :3]
+    np.testing.assert_allclose(R[:, 0], [1, 0, 0], atol=2e-5)
+
+
+def test_the_start_decides_where_the_answer_is() -> None:
+    q0 = np.array([0.5, -0.3, 0.4, -1.9, 0.2, 1.7, 0.1])
+    T = pdoik.Robot.builtin("panda").fk(q0)
+    words = " ".join(repr(float(value)) for value in T[:3, 3])
+    outcome = solve("--q0", " ".join(map(str, q0)), "--goal", "position", "--json", target=words)
+    np.testing.assert_allclose(json.loads(outcome.stdout)["q"], q0, atol=1e-4)
+
+
+def test_points_that_thinning_left_out_are_warned_of(tmp_path: Path) -> None:
+    solved = json.loads(solve("--json").stdout)
+    tip = np.array(solved["T_base_tip"])[:3, 3]
+    # Two points of one cell, one of them inside the arm, the mean far from it.
+    points = tmp_path / "pair.npy"
+    np.save(points, np.array([tip, [5.9, 5.9, 5.9]]))
+    outcome = solve("--cloud", points, "--leaf", "6")
+    assert outcome.exit_code == 0
+    assert "warning:" in outcome.stderr
+    assert "--leaf 6" in outcome.stderr
+
+
+def test_an_obstacle_in_the_base_is_told_apart(tmp_path: Path) -> None:
+    cloud = tmp_path / "base.xyz"
+    cloud.write_text("0 0 0.1\n")
+    outcome = solve("--cloud", cloud)
+    assert outcome.exit_code == 1
+    assert "no joint moves" in outcome.stdout
+    assert "the robot's own points" in outcome.stdout.replace("\n", " ")
+
+
+def test_a_picture_is_a_png(tmp_path: Path, wall: Path) -> None:
+    path = tmp_path / "out.png"
+    assert solve("--cloud", wall, "--picture", path).exit_code == 0
+    content = path.read_bytes()
+    assert content.startswith(b"\x89PNG\r\n\x1a\n")
+    assert len(content) > 50_000
+    assert {entry.name for entry in tmp_path.iterdir()} == {"out.png", "wall.npy"}
+
+
+@pytest.mark.parametrize("command", ["solve", "info", "occupancy", "bench"])
+def test_every_command_has_help_with_an_example(command: str) -> None:
+    outcome = run(command, "--help")
+    assert outcome.exit_code == 0
+    assert f"Example: pdoik {command}" in outcome.stdout
+    assert "[m]" not in outcome.stdout
+
+
+def test_the_version_is_the_packages() -> None:
+    assert run("--version").stdout.strip() == pdoik.__version__
+
+
+@pytest.mark.parametrize("name", ["panda", "ur10", "iiwa14"])
+def test_info_shows_joints_limits_and_hulls(name: str) -> None:
+    outcome = run("info", name)
+    assert outcome.exit_code == 0
+    robot = pdoik.Robot.builtin(name)
+    for joint in robot.joint_names:
+        assert joint in outcome.stdout
+    facts = json.loads(run("info", name, "--json").stdout)
+    assert facts["lower"] == robot.lower.tolist()
+    assert facts["spheroids"] == len(robot.occupancy.spheroids)
+
+
+def test_bench_counts_what_it_solved() -> None:
+    outcome = run(
+        "bench", "--robot", "panda", "--targets", "20", "--obstacles", "30", "--max-time", "1"
+    )
+    assert outcome.exit_code == 0
+    rows = [line.split() for line in outcome.stdout.splitlines() if line.split()[:1] == ["panda"]]
+    assert [row[1] for row in rows] == ["0", "30"]
+    for row in rows:
+        assert row[3:5] == ["/", "20"]
+        assert int(row[2]) >= 19
+
+
+URDF = """<robot name="planar">
+  <link name="base"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <link name="upper"><collision>
+    <origin xyz="0.25 0 0"/><geometry><box size="0.5 0.1 0.1"/></geometry></collision></link>
+  <link name="fore"><collision>
+    <origin xyz="0.2 0 0"/><geometry><box size="0.4 0.08 0.08"/></geometry></collision></link>
+  <link name="tool"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
+    <axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
+    <origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+  <joint name="flange" type="fixed"><parent link="fore"/><child link="tool"/>
+    <origin xyz="0.4 0 0"/></joint>
+</robot>"""
+
+
+@pytest.fixture
+def urdf(tmp_path: Path) -> Path:
+    path = tmp_path / "planar.urdf"
+    path.write_text(URDF)
+    return path
+
+
+def test_a_urdf_goes_from_geometry_to_a_solution_clear_of_a_cloud(
+    tmp_path: Path, urdf: Path
+) -> None:
+    hulls = tmp_path / "planar.yaml"
+    outcome = run("occupancy", urdf, "--max-parts", "1", "--out", hulls)
+    assert outcome.exit_code == 0, outcome.output
+    assert "upper" in outcome.stdout
+    cloud = tmp_path / "cloud.xyz"
+    cloud.write_text("0.55 -0.35 0\n")
+    arguments = ["solve", "--robot", urdf, "--goal", "position", "--target", "0.6 0.3 0"]
+    misuse(run(*arguments, "--cloud", cloud), "planar", "--occupancy")
+    outcome = run(*arguments, "--cloud", cloud, "--occupancy", hulls, "--max-time", "1", "--json")
+    assert outcome.exit_code == 0, outcome.output
+    assert json.loads(outcome.stdout)["clearance"] > 0
+    assert json.loads(run("info", urdf, "--occupancy", hulls, "--json").stdout)["spheroids"] > 0
+
+
+def test_occupancy_refuses_what_it_cannot_fit(tmp_path: Path, urdf: Path) -> None:
+    misuse(run("occupancy", tmp_path / "none.urdf"), "none.urdf")
+    misuse(run("occupancy", urdf, "--out", tmp_path / "no" / "a.yaml"), "--out")
+    misuse(run("occupancy", urdf, "--max-volume-factor", "0.5"), "max_volume_factor", "0.5")
+    bare = tmp_path / "bare.urdf"
+    bare.write_text('<robot name="bare"><link name="base"/></robot>')
+    out = tmp_path / "bare.yaml"
+    misuse(run("occupancy", bare, "--out", out), "collision geometry")
+    assert not out.exists()
+
+
+def test_numbers_read_well() -> None:
+    assert length_text(1.2345) == "1.234 m"
+    assert length_text(0.0123) == "12.30 mm"
+    assert length_text(3.2e-6) == "3.2 µm"
+    assert length_text(math.inf) == "-"
+    assert angle_text(0.5) == "0.5000 rad (28.65°)"
+    assert time_text(4.2e-5) == "42 µs"
+    assert time_text(0.0123) == "12.30 ms"
+    text = json_text({"a": np.array([1.0, np.nan]), "b": (np.float64("-inf"), {"c": np.int64(3)})})
+    assert json.loads(text) == {"a": [1.0, None], "b": [None, {"c": 3}]}
+
+
+def test_the_entry_point_is_the_app() -> None:
+    (entry,) = entry_points(group="console_scripts", name="pdoik")
+    assert entry.load() is app
+
+
+@pytest.mark.parametrize(("target", "status"), [(REACHABLE, 0), ("9 9 9 1 0 0 0", 1), ("9", 2)])
+def test_a_process_leaves_with_the_status(target: str, status: int) -> None:
+    command = [sys.executable, "-m", "pdoik.cli", "solve", *PANDA, "--target", target]
+    outcome = subprocess.run([*command, "--json"], capture_output=True, text=True, check=False)
+    assert outcome.returncode == status, outcome.stderr
+    if status == 2:
+        assert outcome.stdout == ""
+        assert outcome.stderr.count("\n") == 1
+    else:
+        assert json.loads(outcome.stdout)["success"] is (status == 0)

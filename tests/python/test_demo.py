@@ -1,0 +1,87 @@
+"""The demo: its second opinion is sound, and it runs."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pdoik
+from references import PinocchioRobot
+from test_scenes import BENCH, bench_module
+
+recheck = bench_module("recheck")
+
+
+@pytest.fixture
+def chain(robot: pdoik.Robot) -> object:
+    urdf = Path(pdoik.__file__).parent / "robots" / f"{robot.name}.urdf"
+    return recheck.UrdfChain(urdf, robot.joint_names)
+
+
+def test_its_kinematics_and_limits_are_pinocchios(
+    robot: pdoik.Robot, chain: object, pinocchio: PinocchioRobot, rng: np.random.Generator
+) -> None:
+    np.testing.assert_allclose(chain.limits, np.column_stack([robot.lower, robot.upper]))
+    for _ in range(20):
+        q = rng.uniform(robot.lower, robot.upper)
+        pinocchio.set(dict(zip(robot.joint_names, q, strict=True)))
+        for link in robot.link_names:
+            T_base_link = pinocchio.pose(robot.base_link, link)
+            np.testing.assert_allclose(chain.fk(q, link), T_base_link, atol=1e-12)
+
+
+@pytest.mark.parametrize("goal", ["pose", "axis", "position"])
+def test_its_verdict_is_the_judges(
+    robot: pdoik.Robot, chain: object, rng: np.random.Generator, goal: str
+) -> None:
+    solver = pdoik.Solver(robot, pdoik.Options(goal=goal, goal_axis="x"))
+    for _ in range(50):
+        q, q_target = rng.uniform(robot.lower, robot.upper, (2, robot.dof))
+        points = rng.uniform(-1, 1, (30, 3))
+        T_base_tip = robot.fk(q_target)
+        judged = solver.judge(T_base_tip, q, obstacles=points)
+        verdict = recheck.recheck(chain, robot, solver.options, T_base_tip, q, points)
+        assert verdict.position_error == pytest.approx(judged.position_error, abs=1e-12)
+        assert verdict.rotation_error == pytest.approx(judged.rotation_error, abs=1e-7)
+        assert np.sign(verdict.clearance) == np.sign(judged.clearance)
+        assert not verdict.confirms(solver.options)
+
+
+def test_it_confirms_solutions_and_nothing_near_them(robot: pdoik.Robot, chain: object) -> None:
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+    q_target = robot.mid_configuration() + 0.2
+    T_base_tip = robot.fk(q_target)
+    result = solver.solve(T_base_tip)
+    assert result.success
+
+    def confirms(q: np.ndarray, points: np.ndarray) -> bool:
+        verdict = recheck.recheck(chain, robot, solver.options, T_base_tip, q, points)
+        return bool(verdict.confirms(solver.options))
+
+    far, inside = np.full((1, 3), 9.0), robot.fk(result.q, robot.link_names[2])[:3, 3][None]
+    assert confirms(result.q, far)
+    assert not confirms(result.q + 1e-3, far)
+    assert confirms(result.q, inside) == solver.judge(T_base_tip, result.q, inside).success
+
+
+def test_it_runs_and_draws(tmp_path: Path) -> None:
+    command = [sys.executable, str(BENCH / "demo.py"), "--targets", "4", "--max-objects", "4"]
+    outcome = subprocess.run(
+        [*command, "--max-time", "2"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert outcome.returncode == 0, outcome.stdout + outcome.stderr
+    assert "shapes made from primitives" in outcome.stdout
+    solved = next(line for line in outcome.stdout.splitlines() if "solved" in line)
+    assert solved.split()[1:] == ["4", "/", "4"] * 3
+    assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_folder_without_scans_is_misuse(tmp_path: Path) -> None:
+    command = [sys.executable, str(BENCH / "demo.py"), "--ycb", str(tmp_path)]
+    outcome = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert outcome.returncode == 2
+    assert outcome.stderr.startswith("error:")
+    assert "cloud_vertices" in outcome.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,148 @@
+"""Pictures: real PNG files that show what there is to show."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+import pdoik
+from pdoik._hulls import gaps, placed_hulls, skeleton
+from pdoik.picture import draw_solution
+from pdoik.picture.facets import FacetSoup, spheroid_axes
+from pdoik.picture.view import best_azimuth
+from samples import with_hulls
+
+NAMES = ("panda", "ur10", "iiwa14")
+
+
+def solved(name: str = "panda", **options: float) -> tuple[pdoik.Solver, pdoik.Result, np.ndarray]:
+    robot = with_hulls(pdoik.Robot.builtin(name))
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0, **options))
+    T_base_tip = robot.fk(robot.mid_configuration() + 0.3)
+    return solver, solver.solve(T_base_tip), T_base_tip
+
+
+def pixels(path: Path) -> np.ndarray:
+    assert path.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+    return imread(path)[:, :, :3]
+
+
+def is_like(image: np.ndarray, rgb: tuple[float, float, float], within: float = 0.12) -> int:
+    return int((np.abs(image - np.array(rgb)).max(axis=2) < within).sum())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_picture_shows_arm_hulls_points_and_frames(tmp_path: Path, name: str) -> None:
+    solver, result, T_base_tip = solved(name)
+    rng = np.random.default_rng(0)
+    surface = rng.uniform([0.3, -0.5, 0.7], [0.6, 0.5, 1.0], (5000, 3))
+    path = tmp_path / "picture.png"
+    cloud = pdoik.voxel_downsample(surface, 0.1)
+    draw_solution(path, solver.robot, result, T_base_tip, cloud=cloud, surface=surface)
+    image = pixels(path)
+    assert min(image.shape[:2]) > 800
+    white = is_like(image, (1, 1, 1), 0.02) / image[:, :, 0].size
+    assert 0.2 < white < 0.9
+    for color in ((0.16, 0.18, 0.21), (0.55, 0.68, 0.82), (0.13, 0.36, 0.80), (0.75, 0.13, 0.13)):
+        assert is_like(image, color) > 50, color
+    assert [entry.name for entry in tmp_path.iterdir()] == ["picture.png"]
+
+
+def test_a_failure_is_drawn_as_one(tmp_path: Path) -> None:
+    solver, _, T_base_tip = solved()
+    T_base_tip[:3, 3] = (3.0, 0.0, 0.5)
+    result = solver.solve(T_base_tip)
+    assert not result.success
+    path = tmp_path / "failure.png"
+    draw_solution(path, solver.robot, result, T_base_tip)
+    headline = pixels(path)[:60]
+    assert is_like(headline, (0.70, 0.15, 0.12)) > 100
+
+
+def test_a_robot_without_hulls_can_be_drawn(tmp_path: Path) -> None:
+    solver, result, T_base_tip = solved()
+    robot = solver.robot
+    robot.occupancy = pdoik.Occupancy()
+    draw_solution(tmp_path / "bare.png", robot, result, T_base_tip, cloud=np.ones((4, 3)))
+    assert is_like(pixels(tmp_path / "bare.png"), (0.16, 0.18, 0.21)) > 50
+
+
+def test_an_old_picture_survives_a_failure_to_draw(tmp_path: Path) -> None:
+    solver, result, T_base_tip = solved()
+    path = tmp_path / "old.png"
+    path.write_bytes(b"old")
+    with pytest.raises(ValueError, match=r"\(4, 2\)"):
+        draw_solution(path, solver.robot, result, T_base_tip, cloud=np.ones((4, 2)))
+    assert path.read_bytes() == b"old"
+    with pytest.raises(OSError, match="missing"):
+        draw_solution(tmp_path / "missing" / "a.png", solver.robot, result, T_base_tip)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gaps_have_the_sign_and_never_more_than_the_size_of_the_judges_clearance(name: str) -> None:
+    solver, result, T_base_tip = solved(name)
+    hulls = placed_hulls(solver.robot, result.q)
+    assert hulls
+    points = np.random.default_rng(1).uniform(-1, 1, (300, 3)) * [0.8, 0.8, 1.2]
+    for point, gap in zip(points, gaps(hulls, points), strict=True):
+        clearance = solver.judge(T_base_tip, result.q, obstacles=point[None]).clearance
+        assert np.sign(gap) == np.sign(clearance)
+        assert gap <= clearance + 1e-9 or clearance < 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_skeleton_runs_from_base_to_tip(name: str) -> None:
+    solver, result, _ = solved(name)
+    bones = skeleton(solver.robot, result.q, solver.robot.tip_links[0])
+    np.testing.assert_allclose(bones[0], 0, atol=1e-12)
+    np.testing.assert_allclose(bones[-1], solver.robot.fk(result.q)[:3, 3], atol=1e-12)
+    lengths = np.linalg.norm(np.diff(bones, axis=0), axis=1)
+    other = skeleton(solver.robot, 0.5 * result.q, solver.robot.tip_links[0])
+    np.testing.assert_allclose(lengths, np.linalg.norm(np.diff(other, axis=0), axis=1), atol=1e-9)
+
+
+def test_the_skeleton_leaves_out_other_branches() -> None:
+    robot = pdoik.Robot.from_urdf(BRANCHED, tip_link="tip")
+    bones = skeleton(robot, np.zeros(3), "tip")
+    np.testing.assert_allclose(bones, [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 0, 2.5]], atol=1e-12)
+
+
+def test_spheroid_facets_lie_on_the_spheroid() -> None:
+    focus_a, focus_b, semi_major = np.array([0.1, 0.2, 0.3]), np.array([0.5, 0.1, 0.7]), 0.4
+    soup = FacetSoup()
+    axes = spheroid_axes(focus_a, focus_b, semi_major)
+    soup.ellipsoid((focus_a + focus_b) / 2, axes, "red", 0.5)
+    corners = soup.corners.reshape(-1, 3)
+    sums = sum(np.linalg.norm(corners - focus, axis=1) for focus in (focus_a, focus_b))
+    np.testing.assert_allclose(sums, 2 * semi_major, atol=1e-12)
+    assert ((soup.colors >= 0) & (soup.colors <= 1)).all()
+
+
+def test_a_sphere_is_a_spheroid_whose_foci_coincide() -> None:
+    axes = spheroid_axes(np.ones(3), np.ones(3), 0.2)
+    np.testing.assert_allclose(axes.T @ axes, 0.04 * np.eye(3), atol=1e-15)
+
+
+def test_the_view_avoids_points_in_front_of_the_arm() -> None:
+    bones = np.array([[0, 0, 0], [0, 0, 0.5], [0.6, 0, 0.5]], dtype=float)
+    wall = np.stack(np.meshgrid(np.linspace(-1, 1, 30), [-0.5], np.linspace(-0.5, 1, 30)), -1)
+    azimuth = best_azimuth(bones, wall.reshape(-1, 3), 20.0)
+    assert np.sin(np.radians(azimuth)) > 0.5
+
+
+LIMIT = '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+BRANCHED = f"""<robot name="branched">
+  <link name="base"/><link name="a"/><link name="b"/><link name="camera"/><link name="arm"/>
+  <link name="tip"/>
+  <joint name="j1" type="revolute">
+    <parent link="base"/><child link="a"/><origin xyz="0 0 1"/>{LIMIT}</joint>
+  <joint name="j2" type="revolute">
+    <parent link="a"/><child link="b"/><origin xyz="0 0 1"/>{LIMIT}</joint>
+  <joint name="j3" type="revolute">
+    <parent link="a"/><child link="arm"/><origin xyz="1 0 0"/>{LIMIT}</joint>
+  <joint name="f1" type="fixed">
+    <parent link="a"/><child link="camera"/><origin xyz="0 2 0"/></joint>
+  <joint name="f2" type="fixed">
+    <parent link="b"/><child link="tip"/><origin xyz="0 0 0.5"/></joint>
+</robot>"""
