@@ -1,0 +1,106 @@
+#include "arrays.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace pdoik::python {
+namespace {
+
+using ConstMatrix4 = Eigen::Map<const Matrix4>;
+
+std::string shape_of(const py::array& array) { return py::str(array.attr("shape")); }
+
+[[noreturn]] void fail_shape(const py::array& array, const std::string& name,
+                             const std::string& expected) {
+  throw std::invalid_argument(name + " has shape " + shape_of(array) + ", expected " + expected);
+}
+
+void require_finite(const Array& array, const std::string& name) {
+  const Eigen::Map<const Eigen::ArrayXd> values(array.data(), array.size());
+  if (!values.isFinite().all()) throw std::invalid_argument(name + " holds NaN or infinity");
+}
+
+Eigen::Isometry3d to_isometry(const double* rows, const std::string& name) {
+  const ConstMatrix4 matrix(rows);
+  if (!matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), 1e-6)) {
+    throw std::invalid_argument(name + " has a last row other than [0, 0, 0, 1]");
+  }
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.matrix().topRows<3>() = matrix.topRows<3>();
+  return result;
+}
+
+}  // namespace
+
+Array to_float64(const ArrayLike& values, const std::string& name) {
+  const auto array = py::array::ensure(values.value);
+  if (!array)
+    throw std::invalid_argument(name +
+                                " is not an array of numbers: its rows differ in length, perhaps");
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u') {
+    throw py::type_error(name + " has dtype " + std::string(py::str(array.dtype())) +
+                         ", expected real numbers");
+  }
+  auto result = Array::ensure(array);
+  if (!result) throw py::type_error(name + " cannot be converted to float64");
+  return result;
+}
+
+Eigen::VectorXd to_vector(const ArrayLike& values, const std::string& name, Eigen::Index size) {
+  const Array array = to_float64(values, name);
+  if (array.ndim() != 1 || array.shape(0) != size)
+    fail_shape(array, name, "(" + std::to_string(size) + ",)");
+  require_finite(array, name);
+  return Eigen::Map<const Eigen::VectorXd>(array.data(), size);
+}
+
+Eigen::Vector3d to_vector3(const ArrayLike& values, const std::string& name) {
+  return to_vector(values, name, 3);
+}
+
+std::vector<Eigen::VectorXd> to_vectors(const ArrayLike& values, const std::string& name,
+                                        Eigen::Index size) {
+  const Array array = to_float64(values, name);
+  if (array.ndim() == 1) return {to_vector(values, name, size)};
+  if (array.ndim() != 2 || array.shape(1) != size) {
+    const std::string n = std::to_string(size);
+    fail_shape(array, name, "(" + n + ",) or (B, " + n + ")");
+  }
+  require_finite(array, name);
+  std::vector<Eigen::VectorXd> result;
+  for (py::ssize_t i = 0; i < array.shape(0); ++i) {
+    result.emplace_back(Eigen::Map<const Eigen::VectorXd>(array.data() + i * size, size));
+  }
+  return result;
+}
+
+Eigen::Isometry3d to_isometry(const ArrayLike& values, const std::string& name) {
+  const Array array = to_float64(values, name);
+  if (array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4)
+    fail_shape(array, name, "(4, 4)");
+  require_finite(array, name);
+  return to_isometry(array.data(), name);
+}
+
+std::vector<Eigen::Isometry3d> to_isometries(const ArrayLike& values, const std::string& name) {
+  const Array array = to_float64(values, name);
+  if (array.ndim() != 3 || array.shape(1) != 4 || array.shape(2) != 4)
+    fail_shape(array, name, "(B, 4, 4)");
+  require_finite(array, name);
+  std::vector<Eigen::Isometry3d> result;
+  for (py::ssize_t i = 0; i < array.shape(0); ++i) {
+    result.push_back(to_isometry(array.data() + 16 * i, name + "[" + std::to_string(i) + "]"));
+  }
+  return result;
+}
+
+CloudView::CloudView(const std::optional<ArrayLike>& points, const std::string& name) {
+  if (!points) return;
+  array_ = to_float64(*points, name);
+  if (array_.ndim() >= 1 && array_.shape(0) == 0) return;
+  if (array_.ndim() != 2) fail_shape(array_, name, "(N, 3) or (N, 4)");
+  new (&view_) Eigen::Map<const RowMatrix>(array_.data(), array_.shape(0), array_.shape(1));
+}
+
+}  // namespace pdoik::python

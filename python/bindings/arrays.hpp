@@ -1,0 +1,71 @@
+#pragma once
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pdoik/solver.hpp"
+
+namespace pdoik::python {
+
+namespace py = pybind11;
+
+/// Whatever NumPy makes an array of. The functions below turn it into numbers, or raise TypeError
+/// or ValueError with the argument's name, what was expected and what came.
+struct ArrayLike {
+  py::object value;
+};
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Float64 and row-major; the array itself if it is that already.
+Array to_float64(const ArrayLike& values, const std::string& name);
+
+Eigen::VectorXd to_vector(const ArrayLike& values, const std::string& name, Eigen::Index size);
+Eigen::Vector3d to_vector3(const ArrayLike& values, const std::string& name);
+Eigen::Isometry3d to_isometry(const ArrayLike& values, const std::string& name);
+std::vector<Eigen::Isometry3d> to_isometries(const ArrayLike& values, const std::string& name);
+/// One start of shape (n,) or several of shape (B, n).
+std::vector<Eigen::VectorXd> to_vectors(const ArrayLike& values, const std::string& name,
+                                        Eigen::Index size);
+
+/// A NumPy array of str.
+struct StrArray : py::array {
+  using py::array::array;
+};
+
+/// A cloud that C++ reads where Python keeps it. Made and destroyed with the GIL held.
+class CloudView {
+ public:
+  /// None and arrays with no rows are empty clouds. NaN is left to who reads the cloud.
+  CloudView(const std::optional<ArrayLike>& points, const std::string& name);
+  operator Obstacles() const { return view_; }
+
+ private:
+  Array array_;
+  Eigen::Map<const RowMatrix> view_{nullptr, 0, 3};
+};
+
+}  // namespace pdoik::python
+
+template <>
+struct pybind11::detail::type_caster<pdoik::python::ArrayLike> {
+  PYBIND11_TYPE_CASTER(pdoik::python::ArrayLike, const_name("numpy.typing.ArrayLike"));
+  bool load(handle source, bool) {
+    if (!source || source.is_none()) return false;
+    value.value = reinterpret_borrow<object>(source);
+    return true;
+  }
+};
+
+template <>
+struct pybind11::detail::handle_type_name<pdoik::python::StrArray> {
+  static constexpr auto name = const_name("numpy.typing.NDArray[numpy.str_]");
+};

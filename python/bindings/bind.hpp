@@ -1,0 +1,17 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace pdoik::python {
+
+namespace py = pybind11;
+
+void bind_errors(py::module_& module);
+void bind_occupancy(py::module_& module);
+void bind_robot(py::module_& module);
+void bind_options(py::module_& module);
+void bind_result(py::module_& module);
+void bind_solver(py::module_& module);
+void bind_point_cloud(py::module_& module);
+
+}  // namespace pdoik::python

@@ -1,0 +1,117 @@
+#include <pybind11/stl.h>
+#include <pybind11/typing.h>
+
+#include <tuple>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "paths.hpp"
+#include "pdoik/occupancy.hpp"
+
+namespace pdoik::python {
+namespace {
+
+using AnyTuple = py::typing::Tuple<py::object, py::ellipsis>;
+using Point = std::tuple<double, double, double>;
+using SphereIn = std::tuple<std::string, ArrayLike, double>;
+using SphereOut = std::tuple<std::string, Point, double>;
+using SpheroidIn = std::tuple<std::string, ArrayLike, std::string, ArrayLike, double>;
+using SpheroidOut = std::tuple<std::string, Point, std::string, Point, double>;
+
+Point to_point(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidIn>& spheroids) {
+  Occupancy result;
+  for (const auto& [link, center, radius] : spheres) {
+    result.spheres.push_back({link, to_vector3(center, "spheres: xyz"), radius});
+  }
+  for (const auto& [link_a, focus_a, link_b, focus_b, semi_major] : spheroids) {
+    result.spheroids.push_back({link_a, to_vector3(focus_a, "spheroids: xyz_a"), link_b,
+                                to_vector3(focus_b, "spheroids: xyz_b"), semi_major});
+  }
+  return result;
+}
+
+std::vector<SphereOut> spheres_of(const Occupancy& occupancy) {
+  std::vector<SphereOut> result;
+  for (const Sphere& s : occupancy.spheres)
+    result.emplace_back(s.link, to_point(s.center), s.radius);
+  return result;
+}
+
+std::vector<SpheroidOut> spheroids_of(const Occupancy& occupancy) {
+  std::vector<SpheroidOut> result;
+  for (const Spheroid& s : occupancy.spheroids) {
+    result.emplace_back(s.link_a, to_point(s.focus_a), s.link_b, to_point(s.focus_b), s.semi_major);
+  }
+  return result;
+}
+
+AnyTuple state(const Occupancy& occupancy) {
+  return py::make_tuple(py::tuple(py::cast(spheres_of(occupancy))),
+                        py::tuple(py::cast(spheroids_of(occupancy))));
+}
+
+}  // namespace
+
+void bind_occupancy(py::module_& module) {
+  py::class_<Occupancy>(
+      module, "Occupancy",
+      R"(What a robot fills: hulls fixed to its links that obstacle points must stay out of.
+
+A sphere keeps obstacle points at least its radius from its centre (Eq. joint_coll_avoid). A spheroid keeps
+the half sum of an obstacle point's distances to its two foci at or above its semi-major axis
+(Eq. link_coll_avoid); its foci may sit on different links. An occupancy does not change.)")
+      .def(py::init(&make), py::kw_only(), py::arg("spheres") = py::tuple(),
+           py::arg("spheroids") = py::tuple(),
+           R"(Args:
+    spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
+    spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
+        semi-major axis [m].
+
+Raises:
+    ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.)")
+      .def_static(
+          "load", [](const PathOrText& path_or_text) { return load_occupancy(path_or_text.value); },
+          py::arg("path_or_text"), R"(Read an occupancy file.
+
+Args:
+    path_or_text: A file's path, or YAML text (recognised by a line break or ": ").
+
+Raises:
+    LoadError: Names the file, the entry and what is wrong with it.)")
+      .def(
+          "save",
+          [](const Occupancy& self, const PathOrText& path) {
+            py::module_::import("pdoik._files").attr("write_whole")(path.value, to_yaml(self));
+          },
+          py::arg("path"),
+          "Write the YAML file that `load` reads back exactly. Replaces a file only when all is "
+          "written.")
+      .def("to_yaml", &to_yaml, "The text that `load` reads back exactly.")
+      .def_property_readonly("spheres", &spheres_of,
+                             "Tuples (link, xyz, radius), lengths in metres.")
+      .def_property_readonly(
+          "spheroids", &spheroids_of,
+          "Tuples (link_a, xyz_a, link_b, xyz_b, semi_major), lengths in metres.")
+      .def("__len__", &Occupancy::size)
+      .def(
+          "__eq__",
+          [](const Occupancy& self, const py::object& other) {
+            return py::isinstance<Occupancy>(other) &&
+                   state(self).equal(state(other.cast<const Occupancy&>()));
+          },
+          py::arg("other"))
+      .def("__hash__", [](const Occupancy& self) { return py::hash(state(self)); })
+      .def("__repr__",
+           [](const Occupancy& self) {
+             return py::str("<Occupancy of {} spheres and {} spheroids>")
+                 .format(self.spheres.size(), self.spheroids.size());
+           })
+      .def(py::pickle(&state, [](const AnyTuple& state) {
+        return make(state[0].cast<std::vector<SphereIn>>(),
+                    state[1].cast<std::vector<SpheroidIn>>());
+      }));
+}
+
+}  // namespace pdoik::python

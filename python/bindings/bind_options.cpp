@@ -1,0 +1,92 @@
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "names.hpp"
+#include "pdoik/options.hpp"
+
+namespace pdoik::python {
+namespace {
+
+/// A member that is an enum in C++ and a str in Python.
+template <auto member, class Class>
+void def_name(Class& target, const char* name) {
+  using Struct = typename Class::type;
+  target.def_property(
+      name, [](const Struct& self) { return to_name(self.*member); },
+      [name](Struct& self, const std::string& text) {
+        self.*member = from_name<std::remove_cvref_t<decltype(self.*member)>>(text, name);
+      });
+}
+
+void bind_lbfgs(py::module_& module) {
+  using O = LbfgsOptions;
+  py::class_<O>(module, "LbfgsOptions")
+      .def(py::init<>())
+      .def_readwrite("memory", &O::memory)
+      .def_readwrite("max_iterations", &O::max_iterations)
+      .def_readwrite("max_line_search", &O::max_line_search)
+      .def_readwrite("gradient_tolerance", &O::gradient_tolerance)
+      .def_readwrite("relative_decrease", &O::relative_decrease)
+      .def_readwrite("first_step", &O::first_step)
+      .def_readwrite("max_step", &O::max_step)
+      .def_readwrite("armijo", &O::armijo)
+      .def_readwrite("curvature", &O::curvature);
+}
+
+void bind_augmented_lagrangian(py::module_& module) {
+  using O = AugmentedLagrangianOptions;
+  py::class_<O> options(module, "AugmentedLagrangianOptions");
+  options.def(py::init<>())
+      .def_readwrite("rho", &O::rho)
+      .def_readwrite("rho_growth", &O::rho_growth)
+      .def_readwrite("rho_max", &O::rho_max)
+      .def_readwrite("beta", &O::beta)
+      .def_readwrite("constraint_tolerance", &O::constraint_tolerance)
+      .def_readwrite("max_outer_iterations", &O::max_outer_iterations);
+  def_name<&O::form>(options, "form");
+}
+
+void bind_levenberg_marquardt(py::module_& module) {
+  using O = LevenbergMarquardtOptions;
+  py::class_<O>(module, "LevenbergMarquardtOptions")
+      .def(py::init<>())
+      .def_readwrite("max_iterations", &O::max_iterations)
+      .def_readwrite("first_damping", &O::first_damping)
+      .def_readwrite("damping_decrease", &O::damping_decrease)
+      .def_readwrite("damping_increase", &O::damping_increase)
+      .def_readwrite("max_damping", &O::max_damping)
+      .def_readwrite("stall_ratio", &O::stall_ratio)
+      .def_readwrite("stall_window", &O::stall_window);
+}
+
+}  // namespace
+
+void bind_options(py::module_& module) {
+  bind_lbfgs(module);
+  bind_augmented_lagrangian(module);
+  bind_levenberg_marquardt(module);
+  py::class_<Options> options(module, "Options", "The C++ options, which pdoik.Options fills.");
+  options.def(py::init<>())
+      .def_readwrite("goal_axis", &Options::goal_axis)
+      .def_readwrite("position_tolerance", &Options::position_tolerance)
+      .def_readwrite("rotation_tolerance", &Options::rotation_tolerance)
+      .def_readwrite("clearance", &Options::clearance)
+      .def_readwrite("clearance_tolerance", &Options::clearance_tolerance)
+      .def_readwrite("max_time", &Options::max_time)
+      .def_readwrite("max_restarts", &Options::max_restarts)
+      .def_readwrite("seed", &Options::seed)
+      .def_readwrite("max_obstacles", &Options::max_obstacles)
+      .def_readwrite("rotation_weight", &Options::rotation_weight)
+      .def_readwrite("collision_weight", &Options::collision_weight)
+      .def_readwrite("start_inset", &Options::start_inset)
+      .def_readwrite("point_distance", &Options::point_distance)
+      .def_readwrite("lbfgs", &Options::lbfgs)
+      .def_readwrite("augmented_lagrangian", &Options::augmented_lagrangian)
+      .def_readwrite("levenberg_marquardt", &Options::levenberg_marquardt);
+  def_name<&Options::goal>(options, "goal");
+  def_name<&Options::method>(options, "method");
+  def_name<&Options::inner>(options, "inner");
+}
+
+}  // namespace pdoik::python

@@ -1,0 +1,34 @@
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "pdoik/point_cloud.hpp"
+
+namespace pdoik::python {
+
+void bind_point_cloud(py::module_& module) {
+  module.def(
+      "voxel_downsample",
+      [](const ArrayLike& points, double leaf) {
+        const CloudView cloud(points, "points");
+        const py::gil_scoped_release release;
+        return voxel_downsample(cloud, leaf);
+      },
+      py::arg("points"), py::arg("leaf"),
+      R"(Replace the points of each occupied cell of a grid by their mean (PCL's VoxelGrid).
+
+The cells are cubes, one with a corner at the origin. PCL computes in float32: means are off by up to about
+1 um per metre of the largest coordinate, and a point as near to a cell's wall may count for the neighbour.
+
+Args:
+    points: Shape (N, 3) [m]. Rows with NaN or infinity, as depth cameras give, are left out. Float64 in C
+        order is read in place.
+    leaf: Edge of the cells [m].
+
+Returns:
+    The means, shape (K, 3) with K <= N [m].
+
+Raises:
+    ValueError: The shape is wrong, leaf is not positive and finite, or the cloud is so wide that the grid
+        would have more than 2^31 cells.)");
+}
+
+}  // namespace pdoik::python

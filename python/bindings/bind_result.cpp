@@ -1,0 +1,201 @@
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "errors.hpp"
+#include "names.hpp"
+#include "result.hpp"
+
+namespace pdoik::python {
+namespace {
+
+using AnyTuple = py::typing::Tuple<py::object, py::ellipsis>;
+
+StatusName status_name(const NamedResult& result) {
+  return py::reinterpret_borrow<StatusName>(py::str(to_string(result.status)));
+}
+
+/// One number of each result, shape (B,).
+template <class Value, class Read>
+py::array_t<Value> column(const BatchResult& batch, Read read) {
+  py::array_t<Value> values(static_cast<py::ssize_t>(batch.results.size()));
+  Value* next = values.mutable_data();
+  for (const NamedResult& result : batch.results) *next++ = read(result);
+  return values;
+}
+
+template <class Read>
+StrArray str_column(const BatchResult& batch, Read read) {
+  py::list values;
+  for (const NamedResult& result : batch.results) values.append(to_str(read(result)));
+  return py::reinterpret_borrow<StrArray>(
+      py::module_::import("numpy").attr("array")(values, "str"));
+}
+
+RowMatrix configurations(const BatchResult& batch) {
+  RowMatrix q(static_cast<Eigen::Index>(batch.results.size()), batch.dof);
+  for (Eigen::Index i = 0; i < q.rows(); ++i)
+    q.row(i) = batch.results[static_cast<std::size_t>(i)].q.transpose();
+  return q;
+}
+
+std::string repr(const NamedResult& r) {
+  return py::str(
+             "<Result {}: position_error={:.3g} m, rotation_error={:.3g} rad, clearance={:.3g} m, "
+             "worst={}, "
+             "iterations={}, restarts={}, time={:.3g} ms>")
+      .format(to_string(r.status), r.position_error, r.rotation_error, r.clearance,
+              r.worst_constraint, r.iterations, r.restarts, 1e3 * r.time);
+}
+
+std::string batch_repr(const BatchResult& batch) {
+  std::size_t solved = 0;
+  for (const NamedResult& result : batch.results) solved += result.success ? 1 : 0;
+  return py::str("<BatchResult: {} of {} solved>").format(solved, batch.results.size());
+}
+
+AnyTuple state(const NamedResult& r) {
+  return py::make_tuple(r.q, r.success, static_cast<int>(r.status), r.position_error,
+                        r.rotation_error, r.clearance, r.limit_violation, r.worst.violation,
+                        r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time);
+}
+
+NamedResult from_state(const AnyTuple& t) {
+  NamedResult r;
+  r.q = t[0].cast<Eigen::VectorXd>();
+  r.success = t[1].cast<bool>();
+  r.status = static_cast<Status>(t[2].cast<int>());
+  r.position_error = t[3].cast<double>();
+  r.rotation_error = t[4].cast<double>();
+  r.clearance = t[5].cast<double>();
+  r.limit_violation = t[6].cast<double>();
+  r.worst.violation = t[7].cast<double>();
+  r.worst_constraint = t[8].cast<std::string>();
+  r.iterations = t[9].cast<int>();
+  r.evaluations = t[10].cast<int>();
+  r.restarts = t[11].cast<int>();
+  r.time = t[12].cast<double>();
+  return r;
+}
+
+void bind_one(py::module_& module) {
+  using R = NamedResult;
+  py::class_<R>(module, "Result", R"(The outcome of one solve.
+
+Every error is recomputed from q alone, so that a success can be judged without trusting the solver.)")
+      .def_property_readonly(
+          "q", [](const R& r) { return r.q; }, "Joint positions, shape (n,) [rad] or [m].")
+      .def_readonly("success", &R::success, "Goal, limits and clearance hold to their tolerances.")
+      .def_property_readonly("status", &status_name, R"(Why the solve ended.
+
+`solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
+`out_of_reach`: the target lies farther from the arm's root than its links stretch; `base_collision`: an
+obstacle point lies in a hull that no joint moves. In all but the first, q is the best found.)")
+      .def_readonly("position_error", &R::position_error, "[m]")
+      .def_readonly("rotation_error", &R::rotation_error,
+                    "[rad]; of the axis for axis goals, 0 for position goals.")
+      .def_readonly("clearance", &R::clearance,
+                    "Least distance from an obstacle point, less its radius, to a hull: negative "
+                    "inside, infinite "
+                    "without obstacles or hulls [m].")
+      .def_readonly("limit_violation", &R::limit_violation, "Largest over the joints [rad] or [m].")
+      .def_readonly("worst_constraint", &R::worst_constraint,
+                    "What is missed by most, or comes nearest to that.")
+      .def_property_readonly(
+          "worst_violation", [](const R& r) { return r.worst.violation; },
+          "By how much the worst constraint is missed beyond its tolerance, at most 0 if it holds "
+          "[m] or [rad].")
+      .def_readonly("iterations", &R::iterations, "Of the inner minimisers, in all.")
+      .def_readonly("evaluations", &R::evaluations, "Forward kinematics computed, in all.")
+      .def_readonly("restarts", &R::restarts, "Starts beyond the first.")
+      .def_readonly("time", &R::time, "[s]")
+      .def("__repr__", &repr)
+      .def(py::pickle(&state, &from_state));
+}
+
+void bind_batch(py::module_& module) {
+  using B = BatchResult;
+  using R = NamedResult;
+  py::class_<B>(module, "BatchResult",
+                R"(The outcomes of a batch: a sequence of Result whose fields are columns too.
+
+A column is a new array each time it is asked for.)")
+      .def_property_readonly("q", &configurations, "Joint positions, shape (B, n) [rad] or [m].")
+      .def_property_readonly(
+          "success",
+          [](const B& b) { return column<bool>(b, [](const R& r) { return r.success; }); },
+          "Shape (B,).")
+      .def_property_readonly(
+          "status",
+          [](const B& b) {
+            return str_column(b, [](const R& r) { return std::string(to_string(r.status)); });
+          },
+          "Shape (B,).")
+      .def_property_readonly(
+          "position_error",
+          [](const B& b) { return column<double>(b, [](const R& r) { return r.position_error; }); },
+          "Shape (B,) [m].")
+      .def_property_readonly(
+          "rotation_error",
+          [](const B& b) { return column<double>(b, [](const R& r) { return r.rotation_error; }); },
+          "Shape (B,) [rad].")
+      .def_property_readonly(
+          "clearance",
+          [](const B& b) { return column<double>(b, [](const R& r) { return r.clearance; }); },
+          "Shape (B,) [m].")
+      .def_property_readonly(
+          "limit_violation",
+          [](const B& b) {
+            return column<double>(b, [](const R& r) { return r.limit_violation; });
+          },
+          "Shape (B,) [rad] or [m].")
+      .def_property_readonly(
+          "worst_constraint",
+          [](const B& b) { return str_column(b, [](const R& r) { return r.worst_constraint; }); },
+          "Shape (B,).")
+      .def_property_readonly(
+          "worst_violation",
+          [](const B& b) {
+            return column<double>(b, [](const R& r) { return r.worst.violation; });
+          },
+          "Shape (B,) [rad] or [m].")
+      .def_property_readonly(
+          "iterations",
+          [](const B& b) { return column<int>(b, [](const R& r) { return r.iterations; }); },
+          "Shape (B,).")
+      .def_property_readonly(
+          "evaluations",
+          [](const B& b) { return column<int>(b, [](const R& r) { return r.evaluations; }); },
+          "Shape (B,).")
+      .def_property_readonly(
+          "restarts",
+          [](const B& b) { return column<int>(b, [](const R& r) { return r.restarts; }); },
+          "Shape (B,).")
+      .def_property_readonly(
+          "time", [](const B& b) { return column<double>(b, [](const R& r) { return r.time; }); },
+          "Shape (B,) [s].")
+      .def("__len__", [](const B& b) { return b.results.size(); })
+      .def(
+          "__getitem__",
+          [](const B& b, py::ssize_t i) {
+            const auto size = static_cast<py::ssize_t>(b.results.size());
+            if (i < -size || i >= size)
+              throw py::index_error("result " + std::to_string(i) + " of " + std::to_string(size));
+            return b.results[static_cast<std::size_t>(i < 0 ? i + size : i)];
+          },
+          py::arg("index"))
+      .def(
+          "__iter__",
+          [](const B& b) { return py::make_iterator(b.results.begin(), b.results.end()); },
+          py::keep_alive<0, 1>())
+      .def("__repr__", &batch_repr);
+}
+
+}  // namespace
+
+void bind_result(py::module_& module) {
+  bind_one(module);
+  bind_batch(module);
+}
+
+}  // namespace pdoik::python

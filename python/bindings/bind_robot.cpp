@@ -1,0 +1,227 @@
+#include <pybind11/stl.h>
+
+#include <limits>
+#include <variant>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "errors.hpp"
+#include "names.hpp"
+#include "paths.hpp"
+#include "pdoik/robot.hpp"
+
+namespace pdoik::python {
+namespace {
+
+using TipLinks = std::optional<std::variant<std::string, std::vector<std::string>>>;
+
+std::vector<std::string> to_list(const TipLinks& tips) {
+  if (!tips) return {};
+  if (const auto* one = std::get_if<std::string>(&*tips)) return {*one};
+  return std::get<std::vector<std::string>>(*tips);
+}
+
+Robot with_warnings(Robot robot) {
+  for (const std::string& message : robot.warnings()) warn(message);
+  return robot;
+}
+
+Robot from_urdf(const PathOrText& path_or_xml, const std::optional<std::string>& base_link,
+                const TipLinks& tip_link) {
+  const auto load = [&] {
+    const py::gil_scoped_release release;
+    return Robot::from_urdf(path_or_xml.value, base_link.value_or(""), to_list(tip_link));
+  };
+  return with_warnings(load());
+}
+
+Robot from_dh(const std::vector<DhRow>& rows, const std::optional<ArrayLike>& T_last_tool) {
+  return Robot::from_dh(
+      rows, T_last_tool ? to_isometry(*T_last_tool, "T_last_tool") : Eigen::Isometry3d::Identity());
+}
+
+int link_or_tip(const Robot& robot, const std::optional<std::string>& link) {
+  return link ? robot.link_index(*link) : -1;
+}
+
+std::vector<JointTypeName> joint_types(const Robot& robot) {
+  std::vector<JointTypeName> result;
+  for (const JointType type : robot.joint_types()) {
+    result.push_back(py::reinterpret_borrow<JointTypeName>(py::str(to_name(type))));
+  }
+  return result;
+}
+
+Eigen::VectorXd link_masses(const Robot& robot) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(robot.links().size()));
+  for (Eigen::Index i = 0; i < result.size(); ++i)
+    result[i] = robot.links()[static_cast<std::size_t>(i)].mass;
+  return result;
+}
+
+RowMatrix link_centers_of_mass(const Robot& robot) {
+  RowMatrix result(static_cast<Eigen::Index>(robot.links().size()), 3);
+  for (Eigen::Index i = 0; i < result.rows(); ++i) {
+    result.row(i) = robot.links()[static_cast<std::size_t>(i)].center_of_mass.transpose();
+  }
+  return result;
+}
+
+void bind_dh_row(py::module_& module) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  py::class_<DhRow>(module, "DhRow",
+                    R"(A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix).
+
+T = Rx(alpha) Tx(a) Rz(theta + theta_offset) Tz(d); for a prismatic row the variable adds to d.)")
+      .def(py::init([](double alpha, double a, double d, double theta_offset, double lower,
+                       double upper, bool prismatic) {
+             return DhRow{alpha, a, d, theta_offset, lower, upper, prismatic};
+           }),
+           py::kw_only(), py::arg("alpha") = 0.0, py::arg("a") = 0.0, py::arg("d") = 0.0,
+           py::arg("theta_offset") = 0.0, py::arg("lower") = -kInfinity,
+           py::arg("upper") = kInfinity, py::arg("prismatic") = false,
+           "Metres and radians; without limits a revolute row is continuous.")
+      .def_readonly("alpha", &DhRow::alpha, "[rad]")
+      .def_readonly("a", &DhRow::a, "[m]")
+      .def_readonly("d", &DhRow::d, "[m]")
+      .def_readonly("theta_offset", &DhRow::theta_offset, "[rad]")
+      .def_readonly("lower", &DhRow::lower, "[rad] or [m]")
+      .def_readonly("upper", &DhRow::upper, "[rad] or [m]")
+      .def_readonly("prismatic", &DhRow::prismatic)
+      .def("__repr__", [](const DhRow& r) {
+        return py::str(
+                   "DhRow(alpha={}, a={}, d={}, theta_offset={}, lower={}, upper={}, prismatic={})")
+            .format(r.alpha, r.a, r.d, r.theta_offset, r.lower, r.upper, r.prismatic);
+      });
+}
+
+void def_constructors(py::class_<Robot>& robot) {
+  robot
+      .def_static("from_urdf", &from_urdf, py::arg("path_or_xml"),
+                  py::arg("base_link") = py::none(), py::arg("tip_link") = py::none(),
+                  R"(Read a URDF.
+
+Args:
+    path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+    base_link: Any link of the tree, which becomes the base frame. None takes the description's root.
+    tip_link: The link that goals are given for, or several. None takes every leaf; a solver wants one.
+
+Raises:
+    LoadError: The file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
+        of order, an axis is zero.
+
+Warns:
+    RobotWarning: Oddities that do not stop kinematics, such as inertias no body can have.)")
+      .def_static(
+          "from_dh", &from_dh, py::arg("rows"), py::arg("T_last_tool") = py::none(),
+          R"(A serial arm from DH rows: links link0 ... linkM and `tool`, joints joint1 ... jointM.
+
+Args:
+    rows: One per joint.
+    T_last_tool: Pose of `tool` in the last link's frame, shape (4, 4). None for the identity.)")
+      .def_static(
+          "builtin", [](const std::string& name) { return with_warnings(Robot::builtin(name)); },
+          py::arg("name"),
+          "A robot shipped with the library, with its occupancy: panda, ur10 or iiwa14 (see "
+          "`builtin_names`).")
+      .def_static("builtin_names", &Robot::builtin_names, "The robots that `builtin` knows.")
+      .def("__copy__", [](const Robot& self) { return Robot(self); })
+      .def(
+          "__deepcopy__", [](const Robot& self, const py::object&) { return Robot(self); },
+          py::arg("memo"));
+}
+
+void def_properties(py::class_<Robot>& robot) {
+  robot.def_property_readonly("name", &Robot::name)
+      .def_property_readonly("dof", &Robot::dof,
+                             "n, the number of joints that a configuration has entries for.")
+      .def_property_readonly("joint_names", &Robot::joint_names,
+                             "The n joints, depth first from the base, siblings by name; without "
+                             "fixed and mimic ones.")
+      .def_property_readonly("joint_types", &joint_types, "Of the n joints.")
+      .def_property_readonly("link_names", &Robot::link_names,
+                             "All links, depth first from the base.")
+      .def_property_readonly("base_link", &Robot::base_link,
+                             "The link whose frame is the base frame.")
+      .def_property_readonly("tip_links", &Robot::tip_links,
+                             "The links that goals may be given for.")
+      .def_property_readonly("lower", &Robot::lower,
+                             "Shape (n,) [rad] or [m]; -inf for continuous joints.")
+      .def_property_readonly("upper", &Robot::upper,
+                             "Shape (n,) [rad] or [m]; inf for continuous joints.")
+      .def_property_readonly(
+          "velocity", &Robot::velocity,
+          "Speed limits, shape (n,) [rad/s] or [m/s]; inf where the description gives none.")
+      .def_property_readonly("link_masses", &link_masses, "Shape (L,), ordered as link_names [kg].")
+      .def_property_readonly("link_centers_of_mass", &link_centers_of_mass,
+                             "In the links' frames, shape (L, 3), ordered as link_names [m].")
+      .def_property_readonly("warnings", &Robot::warnings, "What RobotWarning was issued for.")
+      .def_property("occupancy", &Robot::occupancy, &Robot::set_occupancy,
+                    py::return_value_policy::copy,
+                    R"(What the robot fills. Solvers made afterwards heed it.
+
+Raises:
+    ValueError: On setting: a link is unknown, a radius is not positive and finite, or a semi-major axis is
+        not longer than half the distance between its foci on one link.)");
+}
+
+void def_kinematics(py::class_<Robot>& robot) {
+  robot
+      .def(
+          "fk",
+          [](const Robot& self, const ArrayLike& q,
+             const std::optional<std::string>& link) -> Matrix4 {
+            return self.fk(to_vector(q, "q", self.dof()), link_or_tip(self, link)).matrix();
+          },
+          py::arg("q"), py::arg("link") = py::none(), R"(Pose of a link in the base frame.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m]; limits are not enforced.
+    link: A link's name. None for the tip, if there is one only.
+
+Returns:
+    T_base_link, shape (4, 4) [m].
+
+Raises:
+    ValueError: q has another shape or holds NaN or infinity, or there is no such link.)")
+      .def(
+          "jacobian",
+          [](const Robot& self, const ArrayLike& q,
+             const std::optional<std::string>& link) -> Matrix6X {
+            return self.jacobian(to_vector(q, "q", self.dof()), link_or_tip(self, link));
+          },
+          py::arg("q"), py::arg("link") = py::none(), R"(Geometric Jacobian of a link's origin.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m].
+    link: A link's name. None for the tip, if there is one only.
+
+Returns:
+    Shape (6, n): three linear rows, then three angular ones, both in the base frame's axes (Pinocchio's
+    LOCAL_WORLD_ALIGNED).
+
+Raises:
+    ValueError: q has another shape or holds NaN or infinity, or there is no such link.)")
+      .def("mid_configuration", &Robot::mid_configuration,
+           "The middle of each joint's range, 0 for joints without limits, shape (n,).")
+      .def("__repr__", [](const Robot& self) {
+        return py::str("<Robot {}: {} joints, {} to {}>")
+            .format(self.name(), self.dof(), self.base_link(),
+                    py::str(", ").attr("join")(self.tip_links()));
+      });
+}
+
+}  // namespace
+
+void bind_robot(py::module_& module) {
+  bind_dh_row(module);
+  py::class_<Robot> robot(module, "Robot",
+                          R"(A tree of links and joints seen from a chosen base link.
+
+Nothing but its occupancy can be changed.)");
+  def_constructors(robot);
+  def_properties(robot);
+  def_kinematics(robot);
+}
+
+}  // namespace pdoik::python

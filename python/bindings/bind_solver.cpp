@@ -1,0 +1,148 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "pdoik/solver.hpp"
+#include "result.hpp"
+
+namespace pdoik::python {
+namespace {
+
+/// A solver belongs to one thread at a time: Python's threads wait for their turn.
+struct SharedSolver {
+  SharedSolver(const Robot& robot, const Options& options) : solver(robot, options) {}
+  Solver solver;
+  std::mutex mutex;
+
+  Solver copy() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return solver;
+  }
+};
+
+NamedResult solve(SharedSolver& self, const ArrayLike& T_base_tip,
+                  const std::optional<ArrayLike>& q0, const std::optional<ArrayLike>& obstacles) {
+  const Eigen::Isometry3d target = to_isometry(T_base_tip, "T_base_tip");
+  std::optional<Eigen::VectorXd> start;
+  if (q0) start = to_vector(*q0, "q0", self.solver.robot().dof());
+  const CloudView cloud(obstacles, "obstacles");
+  const py::gil_scoped_release release;
+  const std::lock_guard<std::mutex> lock(self.mutex);
+  self.solver.set_obstacles(cloud);
+  return named(self.solver, self.solver.solve(target, start));
+}
+
+NamedResult judge(SharedSolver& self, const ArrayLike& T_base_tip, const ArrayLike& q,
+                  const std::optional<ArrayLike>& obstacles) {
+  const Eigen::Isometry3d target = to_isometry(T_base_tip, "T_base_tip");
+  const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
+  const CloudView cloud(obstacles, "obstacles");
+  const py::gil_scoped_release release;
+  const std::lock_guard<std::mutex> lock(self.mutex);
+  self.solver.set_obstacles(cloud);
+  Result result;
+  self.solver.judge(target, configuration, result);
+  return named(self.solver, std::move(result));
+}
+
+/// Ctrl-C is heard between slices of a batch, which grow until one takes a tenth of a second.
+void raise_if_interrupted() {
+  const py::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+BatchResult solve_batch(SharedSolver& self, const ArrayLike& T_base_tip,
+                        const std::optional<ArrayLike>& q0,
+                        const std::optional<ArrayLike>& obstacles, int threads) {
+  using Clock = std::chrono::steady_clock;
+  const std::vector<Eigen::Isometry3d> targets = to_isometries(T_base_tip, "T_base_tip");
+  std::vector<Eigen::VectorXd> starts;
+  if (q0) starts = to_vectors(*q0, "q0", self.solver.robot().dof());
+  if (q0 && starts.size() != 1 && starts.size() != targets.size()) {
+    throw std::invalid_argument("q0 has " + std::to_string(starts.size()) +
+                                " rows, expected 1 or " + std::to_string(targets.size()));
+  }
+  const CloudView cloud(obstacles, "obstacles");
+  BatchResult batch;
+  batch.dof = self.solver.robot().dof();
+
+  const py::gil_scoped_release release;
+  Solver solver = self.copy();
+  solver.set_obstacles(cloud);
+  std::size_t done = 0, slice = 64;
+  do {
+    const Clock::time_point started = Clock::now();
+    const std::size_t count = std::min(slice, targets.size() - done);
+    const auto own_starts =
+        starts.size() > 1 ? std::span(starts).subspan(done, count) : std::span(starts);
+    for (Result& result :
+         solver.solve_batch(std::span(targets).subspan(done, count), own_starts, threads)) {
+      batch.results.push_back(named(solver, std::move(result)));
+    }
+    raise_if_interrupted();
+    done += count;
+    if (Clock::now() - started < std::chrono::milliseconds(100)) slice *= 2;
+  } while (done < targets.size());
+  return batch;
+}
+
+}  // namespace
+
+void bind_solver(py::module_& module) {
+  py::class_<SharedSolver>(module, "Solver")
+      .def(py::init<const Robot&, const Options&>(), py::arg("robot"), py::arg("options"))
+      .def_property_readonly(
+          "robot", [](const SharedSolver& self) { return self.solver.robot(); },
+          "A copy of the robot this solver was made for, as it was then.")
+      .def(
+          "solve", &solve, py::arg("T_base_tip"), py::arg("q0") = py::none(),
+          py::arg("obstacles") = py::none(),
+          R"(Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of obstacles.
+
+Args:
+    T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m].
+    q0: Where to start, shape (n,) [rad] or [m], moved inside the limits. None for the middle of the ranges
+        (method "paper": omega = 0). Continuous joints' answers are within pi of it.
+    obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
+        order is read in place. None or empty: there are none, whatever the call before had.
+
+Returns:
+    The result; not being able to is a status, not an exception.
+
+Raises:
+    ValueError: A shape is wrong, the target is not rigid, a radius is negative, or something is NaN or
+        infinite.)")
+      .def("solve_batch", &solve_batch, py::arg("T_base_tip"), py::arg("q0") = py::none(),
+           py::arg("obstacles") = py::none(), py::arg("threads") = 0,
+           R"(Solve many targets among the same obstacles, on several threads, each as `solve` does.
+
+The answers are the same on any number of threads, but for those that max_time strikes. Ctrl-C ends it
+between targets.
+
+Args:
+    T_base_tip: The targets, shape (B, 4, 4) [m].
+    q0: One start for all, shape (n,), or one each, shape (B, n). None as in `solve`.
+    obstacles: As in `solve`.
+    threads: 0 for one per processor.
+
+Raises:
+    ValueError: As in `solve`.)")
+      .def("judge", &judge, py::arg("T_base_tip"), py::arg("q"), py::arg("obstacles") = py::none(),
+           R"(Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
+
+Args:
+    T_base_tip: The target, shape (4, 4) [m].
+    q: Joint positions, shape (n,) [rad] or [m].
+    obstacles: As in `solve`.
+
+Raises:
+    ValueError: As in `solve`.)");
+}
+
+}  // namespace pdoik::python

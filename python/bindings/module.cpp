@@ -1,0 +1,13 @@
+#include "bind.hpp"
+
+PYBIND11_MODULE(_core, module) {
+  using namespace pdoik::python;
+  module.doc() = "The compiled half of pdoik. Its names are to be had from `pdoik` itself.";
+  bind_errors(module);
+  bind_occupancy(module);
+  bind_robot(module);
+  bind_options(module);
+  bind_result(module);
+  bind_solver(module);
+  bind_point_cloud(module);
+}

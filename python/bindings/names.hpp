@@ -1,0 +1,64 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <pybind11/typing.h>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "pdoik/options.hpp"
+#include "pdoik/result.hpp"
+#include "pdoik/robot.hpp"
+
+namespace pdoik::python {
+
+/// What Python calls the enumerators of an enum.
+template <class Enum>
+inline constexpr std::array<std::pair<Enum, const char*>, 0> names{};
+
+template <>
+inline constexpr std::array names<GoalType>{std::pair{GoalType::Pose, "pose"},
+                                            std::pair{GoalType::Axis, "axis"},
+                                            std::pair{GoalType::Position, "position"}};
+template <>
+inline constexpr std::array names<Method>{std::pair{Method::Default, "default"},
+                                          std::pair{Method::Paper, "paper"}};
+template <>
+inline constexpr std::array names<InnerMethod>{
+    std::pair{InnerMethod::LevenbergMarquardt, "levenberg_marquardt"},
+    std::pair{InnerMethod::Lbfgs, "lbfgs"}};
+template <>
+inline constexpr std::array names<PenaltyForm>{std::pair{PenaltyForm::Printed, "printed"},
+                                               std::pair{PenaltyForm::Smooth, "smooth"}};
+template <>
+inline constexpr std::array names<JointType>{
+    std::pair{JointType::Fixed, "fixed"}, std::pair{JointType::Revolute, "revolute"},
+    std::pair{JointType::Continuous, "continuous"}, std::pair{JointType::Prismatic, "prismatic"}};
+
+using JointTypeName =
+    pybind11::typing::Literal<"'fixed'", "'revolute'", "'continuous'", "'prismatic'">;
+using StatusName = pybind11::typing::Literal<"'solved'", "'time_limit'", "'exhausted'",
+                                             "'out_of_reach'", "'base_collision'">;
+
+template <class Enum>
+const char* to_name(Enum value) {
+  for (const auto& [enumerator, name] : names<Enum>) {
+    if (enumerator == value) return name;
+  }
+  return "unknown";
+}
+
+template <class Enum>
+Enum from_name(const std::string& text, const char* argument) {
+  std::string expected;
+  for (const auto& [enumerator, name] : names<Enum>) {
+    if (text == name) return enumerator;
+    expected += (expected.empty() ? "'" : ", '") + std::string(name) + "'";
+  }
+  throw std::invalid_argument(std::string(argument) + " is '" + text + "', expected one of " +
+                              expected);
+}
+
+}  // namespace pdoik::python

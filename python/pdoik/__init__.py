@@ -1,0 +1,41 @@
+"""Constrained inverse kinematics over distances. Metres, radians and seconds throughout.
+
+>>> import pdoik
+>>> robot = pdoik.Robot.builtin("panda")
+>>> solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+>>> T_base_tip = robot.fk(robot.mid_configuration())
+>>> solver.solve(T_base_tip).success
+True
+"""
+
+from importlib.metadata import version
+
+import pdoik._import_core  # noqa: F401  # says what to install if a library is missing
+from pdoik._core import BatchResult, DhRow, Occupancy, Result, Robot, voxel_downsample
+from pdoik.errors import LoadError, PdoikError, RobotWarning
+from pdoik.options import (
+    AugmentedLagrangianOptions,
+    LbfgsOptions,
+    LevenbergMarquardtOptions,
+    Options,
+)
+from pdoik.solver import Solver
+
+__version__ = version("pdoik")
+
+__all__ = [
+    "AugmentedLagrangianOptions",
+    "BatchResult",
+    "DhRow",
+    "LbfgsOptions",
+    "LevenbergMarquardtOptions",
+    "LoadError",
+    "Occupancy",
+    "Options",
+    "PdoikError",
+    "Result",
+    "Robot",
+    "RobotWarning",
+    "Solver",
+    "voxel_downsample",
+]

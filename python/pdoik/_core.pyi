@@ -1,0 +1,735 @@
+"""
+The compiled half of pdoik. Its names are to be had from `pdoik` itself.
+"""
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import os
+import typing
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BatchResult', 'DhRow', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'voxel_downsample']
+class Occupancy:
+    """
+    What a robot fills: hulls fixed to its links that obstacle points must stay out of.
+    
+    A sphere keeps obstacle points at least its radius from its centre (Eq. joint_coll_avoid). A spheroid keeps
+    the half sum of an obstacle point's distances to its two foci at or above its semi-major axis
+    (Eq. link_coll_avoid); its foci may sit on different links. An occupancy does not change.
+    """
+    @staticmethod
+    def load(path_or_text: str | os.PathLike[str]) -> Occupancy:
+        """
+        Read an occupancy file.
+        
+        Args:
+            path_or_text: A file's path, or YAML text (recognised by a line break or ": ").
+        
+        Raises:
+            LoadError: Names the file, the entry and what is wrong with it.
+        """
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, *, spheres: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), spheroids: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
+        """
+        Args:
+            spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
+            spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
+                semi-major axis [m].
+        
+        Raises:
+            ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.
+        """
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """
+        Write the YAML file that `load` reads back exactly. Replaces a file only when all is written.
+        """
+    def to_yaml(self) -> str:
+        """
+        The text that `load` reads back exactly.
+        """
+    @property
+    def spheres(self) -> list[tuple[str, tuple[float, float, float], float]]:
+        """
+        Tuples (link, xyz, radius), lengths in metres.
+        """
+    @property
+    def spheroids(self) -> list[tuple[str, tuple[float, float, float], str, tuple[float, float, float], float]]:
+        """
+        Tuples (link_a, xyz_a, link_b, xyz_b, semi_major), lengths in metres.
+        """
+class DhRow:
+    """
+    A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix).
+    
+    T = Rx(alpha) Tx(a) Rz(theta + theta_offset) Tz(d); for a prismatic row the variable adds to d.
+    """
+    def __init__(self, *, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, a: typing.SupportsFloat | typing.SupportsIndex = 0.0, d: typing.SupportsFloat | typing.SupportsIndex = 0.0, theta_offset: typing.SupportsFloat | typing.SupportsIndex = 0.0, lower: typing.SupportsFloat | typing.SupportsIndex = ..., upper: typing.SupportsFloat | typing.SupportsIndex = ..., prismatic: bool = False) -> None:
+        """
+        Metres and radians; without limits a revolute row is continuous.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def a(self) -> float:
+        """
+        [m]
+        """
+    @property
+    def alpha(self) -> float:
+        """
+        [rad]
+        """
+    @property
+    def d(self) -> float:
+        """
+        [m]
+        """
+    @property
+    def lower(self) -> float:
+        """
+        [rad] or [m]
+        """
+    @property
+    def prismatic(self) -> bool:
+        ...
+    @property
+    def theta_offset(self) -> float:
+        """
+        [rad]
+        """
+    @property
+    def upper(self) -> float:
+        """
+        [rad] or [m]
+        """
+class Robot:
+    """
+    A tree of links and joints seen from a chosen base link.
+    
+    Nothing but its occupancy can be changed.
+    """
+    @staticmethod
+    def builtin(name: str) -> Robot:
+        """
+        A robot shipped with the library, with its occupancy: panda, ur10 or iiwa14 (see `builtin_names`).
+        """
+    @staticmethod
+    def builtin_names() -> list[str]:
+        """
+        The robots that `builtin` knows.
+        """
+    @staticmethod
+    def from_dh(rows: collections.abc.Sequence[DhRow], T_last_tool: numpy.typing.ArrayLike | None = None) -> Robot:
+        """
+        A serial arm from DH rows: links link0 ... linkM and `tool`, joints joint1 ... jointM.
+        
+        Args:
+            rows: One per joint.
+            T_last_tool: Pose of `tool` in the last link's frame, shape (4, 4). None for the identity.
+        """
+    @staticmethod
+    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None) -> Robot:
+        """
+        Read a URDF.
+        
+        Args:
+            path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+            base_link: Any link of the tree, which becomes the base frame. None takes the description's root.
+            tip_link: The link that goals are given for, or several. None takes every leaf; a solver wants one.
+        
+        Raises:
+            LoadError: The file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
+                of order, an axis is zero.
+        
+        Warns:
+            RobotWarning: Oddities that do not stop kinematics, such as inertias no body can have.
+        """
+    def __copy__(self) -> Robot:
+        ...
+    def __deepcopy__(self, memo: typing.Any) -> Robot:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def fk(self, q: numpy.typing.ArrayLike, link: str | None = None) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        Pose of a link in the base frame.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m]; limits are not enforced.
+            link: A link's name. None for the tip, if there is one only.
+        
+        Returns:
+            T_base_link, shape (4, 4) [m].
+        
+        Raises:
+            ValueError: q has another shape or holds NaN or infinity, or there is no such link.
+        """
+    def jacobian(self, q: numpy.typing.ArrayLike, link: str | None = None) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, n]"]:
+        """
+        Geometric Jacobian of a link's origin.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m].
+            link: A link's name. None for the tip, if there is one only.
+        
+        Returns:
+            Shape (6, n): three linear rows, then three angular ones, both in the base frame's axes (Pinocchio's
+            LOCAL_WORLD_ALIGNED).
+        
+        Raises:
+            ValueError: q has another shape or holds NaN or infinity, or there is no such link.
+        """
+    def mid_configuration(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        The middle of each joint's range, 0 for joints without limits, shape (n,).
+        """
+    @property
+    def base_link(self) -> str:
+        """
+        The link whose frame is the base frame.
+        """
+    @property
+    def dof(self) -> int:
+        """
+        n, the number of joints that a configuration has entries for.
+        """
+    @property
+    def joint_names(self) -> list[str]:
+        """
+        The n joints, depth first from the base, siblings by name; without fixed and mimic ones.
+        """
+    @property
+    def joint_types(self) -> list[typing.Literal['fixed', 'revolute', 'continuous', 'prismatic']]:
+        """
+        Of the n joints.
+        """
+    @property
+    def link_centers_of_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        In the links' frames, shape (L, 3), ordered as link_names [m].
+        """
+    @property
+    def link_masses(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Shape (L,), ordered as link_names [kg].
+        """
+    @property
+    def link_names(self) -> list[str]:
+        """
+        All links, depth first from the base.
+        """
+    @property
+    def lower(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Shape (n,) [rad] or [m]; -inf for continuous joints.
+        """
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def occupancy(self) -> Occupancy:
+        """
+        What the robot fills. Solvers made afterwards heed it.
+        
+        Raises:
+            ValueError: On setting: a link is unknown, a radius is not positive and finite, or a semi-major axis is
+                not longer than half the distance between its foci on one link.
+        """
+    @occupancy.setter
+    def occupancy(self, arg1: Occupancy) -> None:
+        ...
+    @property
+    def tip_links(self) -> list[str]:
+        """
+        The links that goals may be given for.
+        """
+    @property
+    def upper(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Shape (n,) [rad] or [m]; inf for continuous joints.
+        """
+    @property
+    def velocity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Speed limits, shape (n,) [rad/s] or [m/s]; inf where the description gives none.
+        """
+    @property
+    def warnings(self) -> list[str]:
+        """
+        What RobotWarning was issued for.
+        """
+class LbfgsOptions:
+    def __init__(self) -> None:
+        ...
+    @property
+    def armijo(self) -> float:
+        ...
+    @armijo.setter
+    def armijo(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def curvature(self) -> float:
+        ...
+    @curvature.setter
+    def curvature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def first_step(self) -> float:
+        ...
+    @first_step.setter
+    def first_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def gradient_tolerance(self) -> float:
+        ...
+    @gradient_tolerance.setter
+    def gradient_tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_iterations(self) -> int:
+        ...
+    @max_iterations.setter
+    def max_iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_line_search(self) -> int:
+        ...
+    @max_line_search.setter
+    def max_line_search(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_step(self) -> float:
+        ...
+    @max_step.setter
+    def max_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def memory(self) -> int:
+        ...
+    @memory.setter
+    def memory(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def relative_decrease(self) -> float:
+        ...
+    @relative_decrease.setter
+    def relative_decrease(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class AugmentedLagrangianOptions:
+    form: str
+    def __init__(self) -> None:
+        ...
+    @property
+    def beta(self) -> float:
+        ...
+    @beta.setter
+    def beta(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def constraint_tolerance(self) -> float:
+        ...
+    @constraint_tolerance.setter
+    def constraint_tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_outer_iterations(self) -> int:
+        ...
+    @max_outer_iterations.setter
+    def max_outer_iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rho(self) -> float:
+        ...
+    @rho.setter
+    def rho(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rho_growth(self) -> float:
+        ...
+    @rho_growth.setter
+    def rho_growth(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rho_max(self) -> float:
+        ...
+    @rho_max.setter
+    def rho_max(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class LevenbergMarquardtOptions:
+    def __init__(self) -> None:
+        ...
+    @property
+    def damping_decrease(self) -> float:
+        ...
+    @damping_decrease.setter
+    def damping_decrease(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def damping_increase(self) -> float:
+        ...
+    @damping_increase.setter
+    def damping_increase(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def first_damping(self) -> float:
+        ...
+    @first_damping.setter
+    def first_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_damping(self) -> float:
+        ...
+    @max_damping.setter
+    def max_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_iterations(self) -> int:
+        ...
+    @max_iterations.setter
+    def max_iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stall_ratio(self) -> float:
+        ...
+    @stall_ratio.setter
+    def stall_ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stall_window(self) -> int:
+        ...
+    @stall_window.setter
+    def stall_window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class Options:
+    """
+    The C++ options, which pdoik.Options fills.
+    """
+    augmented_lagrangian: AugmentedLagrangianOptions
+    goal: str
+    inner: str
+    lbfgs: LbfgsOptions
+    levenberg_marquardt: LevenbergMarquardtOptions
+    method: str
+    def __init__(self) -> None:
+        ...
+    @property
+    def clearance(self) -> float:
+        ...
+    @clearance.setter
+    def clearance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def clearance_tolerance(self) -> float:
+        ...
+    @clearance_tolerance.setter
+    def clearance_tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def collision_weight(self) -> float:
+        ...
+    @collision_weight.setter
+    def collision_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def goal_axis(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @goal_axis.setter
+    def goal_axis(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def max_obstacles(self) -> int:
+        ...
+    @max_obstacles.setter
+    def max_obstacles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_restarts(self) -> int:
+        ...
+    @max_restarts.setter
+    def max_restarts(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_time(self) -> float:
+        ...
+    @max_time.setter
+    def max_time(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def point_distance(self) -> float:
+        ...
+    @point_distance.setter
+    def point_distance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def position_tolerance(self) -> float:
+        ...
+    @position_tolerance.setter
+    def position_tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rotation_tolerance(self) -> float:
+        ...
+    @rotation_tolerance.setter
+    def rotation_tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rotation_weight(self) -> float:
+        ...
+    @rotation_weight.setter
+    def rotation_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        ...
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def start_inset(self) -> float:
+        ...
+    @start_inset.setter
+    def start_inset(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Result:
+    """
+    The outcome of one solve.
+    
+    Every error is recomputed from q alone, so that a success can be judged without trusting the solver.
+    """
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def clearance(self) -> float:
+        """
+        Least distance from an obstacle point, less its radius, to a hull: negative inside, infinite without obstacles or hulls [m].
+        """
+    @property
+    def evaluations(self) -> int:
+        """
+        Forward kinematics computed, in all.
+        """
+    @property
+    def iterations(self) -> int:
+        """
+        Of the inner minimisers, in all.
+        """
+    @property
+    def limit_violation(self) -> float:
+        """
+        Largest over the joints [rad] or [m].
+        """
+    @property
+    def position_error(self) -> float:
+        """
+        [m]
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Joint positions, shape (n,) [rad] or [m].
+        """
+    @property
+    def restarts(self) -> int:
+        """
+        Starts beyond the first.
+        """
+    @property
+    def rotation_error(self) -> float:
+        """
+        [rad]; of the axis for axis goals, 0 for position goals.
+        """
+    @property
+    def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision']:
+        """
+        Why the solve ended.
+        
+        `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
+        `out_of_reach`: the target lies farther from the arm's root than its links stretch; `base_collision`: an
+        obstacle point lies in a hull that no joint moves. In all but the first, q is the best found.
+        """
+    @property
+    def success(self) -> bool:
+        """
+        Goal, limits and clearance hold to their tolerances.
+        """
+    @property
+    def time(self) -> float:
+        """
+        [s]
+        """
+    @property
+    def worst_constraint(self) -> str:
+        """
+        What is missed by most, or comes nearest to that.
+        """
+    @property
+    def worst_violation(self) -> float:
+        """
+        By how much the worst constraint is missed beyond its tolerance, at most 0 if it holds [m] or [rad].
+        """
+class BatchResult:
+    """
+    The outcomes of a batch: a sequence of Result whose fields are columns too.
+    
+    A column is a new array each time it is asked for.
+    """
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> Result:
+        ...
+    def __iter__(self) -> collections.abc.Iterator[Result]:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def clearance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
+        """
+    @property
+    def evaluations(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        Shape (B,).
+        """
+    @property
+    def iterations(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        Shape (B,).
+        """
+    @property
+    def limit_violation(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [rad] or [m].
+        """
+    @property
+    def position_error(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        Joint positions, shape (B, n) [rad] or [m].
+        """
+    @property
+    def restarts(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        Shape (B,).
+        """
+    @property
+    def rotation_error(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [rad].
+        """
+    @property
+    def status(self) -> numpy.typing.NDArray[numpy.str_]:
+        """
+        Shape (B,).
+        """
+    @property
+    def success(self) -> numpy.typing.NDArray[numpy.bool]:
+        """
+        Shape (B,).
+        """
+    @property
+    def time(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [s].
+        """
+    @property
+    def worst_constraint(self) -> numpy.typing.NDArray[numpy.str_]:
+        """
+        Shape (B,).
+        """
+    @property
+    def worst_violation(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [rad] or [m].
+        """
+class Solver:
+    def __init__(self, robot: Robot, options: Options) -> None:
+        ...
+    def judge(self, T_base_tip: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | None = None) -> Result:
+        """
+        Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
+        
+        Args:
+            T_base_tip: The target, shape (4, 4) [m].
+            q: Joint positions, shape (n,) [rad] or [m].
+            obstacles: As in `solve`.
+        
+        Raises:
+            ValueError: As in `solve`.
+        """
+    def solve(self, T_base_tip: numpy.typing.ArrayLike, q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None) -> Result:
+        """
+        Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of obstacles.
+        
+        Args:
+            T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m].
+            q0: Where to start, shape (n,) [rad] or [m], moved inside the limits. None for the middle of the ranges
+                (method "paper": omega = 0). Continuous joints' answers are within pi of it.
+            obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
+                order is read in place. None or empty: there are none, whatever the call before had.
+        
+        Returns:
+            The result; not being able to is a status, not an exception.
+        
+        Raises:
+            ValueError: A shape is wrong, the target is not rigid, a radius is negative, or something is NaN or
+                infinite.
+        """
+    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike, q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
+        """
+        Solve many targets among the same obstacles, on several threads, each as `solve` does.
+        
+        The answers are the same on any number of threads, but for those that max_time strikes. Ctrl-C ends it
+        between targets.
+        
+        Args:
+            T_base_tip: The targets, shape (B, 4, 4) [m].
+            q0: One start for all, shape (n,), or one each, shape (B, n). None as in `solve`.
+            obstacles: As in `solve`.
+            threads: 0 for one per processor.
+        
+        Raises:
+            ValueError: As in `solve`.
+        """
+    @property
+    def robot(self) -> Robot:
+        """
+        A copy of the robot this solver was made for, as it was then.
+        """
+def voxel_downsample(points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    """
+    Replace the points of each occupied cell of a grid by their mean (PCL's VoxelGrid).
+    
+    The cells are cubes, one with a corner at the origin. PCL computes in float32: means are off by up to about
+    1 um per metre of the largest coordinate, and a point as near to a cell's wall may count for the neighbour.
+    
+    Args:
+        points: Shape (N, 3) [m]. Rows with NaN or infinity, as depth cameras give, are left out. Float64 in C
+            order is read in place.
+        leaf: Edge of the cells [m].
+    
+    Returns:
+        The means, shape (K, 3) with K <= N [m].
+    
+    Raises:
+        ValueError: The shape is wrong, leaf is not positive and finite, or the cloud is so wide that the grid
+            would have more than 2^31 cells.
+    """

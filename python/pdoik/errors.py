@@ -1,0 +1,13 @@
+"""What pdoik raises and warns of."""
+
+
+class PdoikError(Exception):
+    """Base of pdoik's own exceptions. Misused arguments raise plain ValueError or TypeError."""
+
+
+class LoadError(PdoikError, ValueError):
+    """A file or text cannot be read as what it should be; the message names the element."""
+
+
+class RobotWarning(UserWarning):
+    """A robot's description is odd in a way that does not stop kinematics."""

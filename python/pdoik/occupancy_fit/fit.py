@@ -1,0 +1,183 @@
+"""Fit the hulls of a robot's links: the paper's spheroids, or a few tighter ones per link."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import LoadError
+from .geometry import LinkGeometry, load_geometry
+from .hulls import Point, Shape, Sphere, Spheroid, around, convex_volume, tidy_point
+from .report import FitReport, HullReport, LinkReport
+from .result import OccupancyFit
+from .split import Part, cover_stages, union_volume
+
+_ORIGIN: Point = (0.0, 0.0, 0.0)
+
+
+class _LinkFit(NamedTuple):
+    """The hulls chosen for one link; `child` names the link whose origin is the second focus."""
+
+    link: LinkGeometry
+    parts: list[Part]
+    child: str | None = None
+
+
+def fit_occupancy(
+    urdf: str | Path,
+    package_dirs: Sequence[str | Path] = (),
+    max_volume_factor: float = 2.0,
+    base_link: str | None = None,
+    tip_link: str | None = None,
+    *,
+    max_parts: int = 4,
+    max_hulls: int | None = None,
+    paper: bool = False,
+) -> OccupancyFit:
+    """Spheres and spheroids that hold the collision geometry of a robot's links.
+
+    The paper gives link i one spheroid whose foci are the joint origins u_i and u_(i+1)
+    (Eq. link_coll_avoid). It is kept where its volume is within `max_volume_factor` of the
+    geometry's. Elsewhere the foci are freed, and if that is not enough the link is cut into
+    parts with a hull each, until the hulls' union is within the factor or a cut gains too little.
+
+    The geometry's volume is that of its convex hull, since most packages treat collision geometry
+    as convex. What the hulls hold is the geometry itself: surface and enclosed solid, vertex by
+    vertex, with 1e-6 m to spare; cut links may come out below their convex hull's volume. Each cut
+    takes seconds to find: a whole arm 15 s at factor 2, minutes at factor 1.
+
+    Args:
+        urdf: Robot description with collision primitives or meshes: a file, or XML text.
+        package_dirs: Folders that hold the packages named in `package://` addresses.
+        max_volume_factor: Hull volume over geometry volume that is good enough, at least 1.
+        base_link: First link of the chain to fit; None for the root.
+        tip_link: Last link of the chain; None for every link below the base.
+        max_parts: Most hulls per link.
+        max_hulls: Most hulls in all; where it binds, they go where they save most volume.
+        paper: Exactly one spheroid per link, foci at joint origins, whatever its volume, and at
+            each joint the largest sphere within the adjacent spheroids: it has the paper's count
+            of constraints and adds no volume.
+
+    Raises:
+        LoadError: The description or a mesh cannot be read, or it has no collision geometry.
+        ValueError: An argument is out of range, or a link is not in the description.
+    """
+    if not max_volume_factor >= 1:
+        raise ValueError(f"max_volume_factor must be at least 1, got {max_volume_factor}")
+    if max_parts < 1:
+        raise ValueError(f"max_parts must be at least 1, got {max_parts}")
+    links = load_geometry(urdf, package_dirs, base_link, tip_link)
+    solid = [link for link in links if len(link.triangles)]
+    skipped = tuple(link.name for link in links if not len(link.triangles))
+    if not solid:
+        raise LoadError(f"none of the links has collision geometry: {list(skipped)}")
+    if max_hulls is not None and max_hulls < len(solid):
+        raise ValueError(f"max_hulls is {max_hulls}, but {len(solid)} links have geometry")
+
+    if paper:
+        fits = [_joint_to_joint(link) for link in solid]
+        return _result(fits, skipped, _joint_spheres(fits))
+    stages = [_link_stages(link, max_volume_factor, max_parts) for link in solid]
+    return _result(_within_budget(stages, max_hulls), skipped, [])
+
+
+def _joint_to_joint(link: LinkGeometry) -> _LinkFit:
+    """The paper's spheroid; of several child joints, the one that makes it smallest.
+
+    The last link has no child joint: its foci coincide.
+    """
+    points = link.triangles.reshape(-1, 3)
+    candidates: list[tuple[Shape, str | None]] = [
+        (around(points, np.zeros(3), np.array(origin)), child)
+        for child, origin in link.child_joints
+    ] or [(around(points, np.zeros(3), np.zeros(3)), None)]
+    shape, child = min(candidates, key=lambda candidate: candidate[0].volume)
+    return _LinkFit(link, [Part(link.triangles, shape)], child)
+
+
+def _link_stages(link: LinkGeometry, max_volume_factor: float, max_parts: int) -> list[_LinkFit]:
+    """Covers of one link with ever more hulls and less volume."""
+    fit = _joint_to_joint(link)
+    limit = max_volume_factor * convex_volume(link.triangles.reshape(-1, 3))
+    if fit.parts[0].shape.volume <= limit:
+        return [fit]
+    stages = cover_stages(link.triangles, max_volume_factor, max_parts)
+    return [_LinkFit(link, parts) for parts in stages]
+
+
+def _within_budget(stages: list[list[_LinkFit]], max_hulls: int | None) -> list[_LinkFit]:
+    """One stage per link: the last one, or as far as the budget goes where it saves most."""
+    if max_hulls is None:
+        return [link_stages[-1] for link_stages in stages]
+    volumes = [[_covered(fit) for fit in link_stages] for link_stages in stages]
+    chosen = [0] * len(stages)
+    spare = max_hulls - len(stages)
+    while True:
+        gains = []
+        for i, at in enumerate(chosen):
+            for ahead in range(at + 1, len(stages[i])):
+                cost = len(stages[i][ahead].parts) - len(stages[i][at].parts)
+                if cost <= spare:
+                    gains.append(((volumes[i][at] - volumes[i][ahead]) / cost, cost, i, ahead))
+        if not gains:
+            return [link_stages[at] for link_stages, at in zip(stages, chosen, strict=True)]
+        _, cost, i, ahead = max(gains)
+        chosen[i] = ahead
+        spare -= cost
+
+
+def _covered(fit: _LinkFit) -> float:
+    return union_volume([part.shape for part in fit.parts])
+
+
+def _joint_spheres(fits: list[_LinkFit]) -> list[Sphere]:
+    """At each joint the largest ball about its origin inside an adjacent spheroid: a - c."""
+    radii: dict[str, float] = {}
+    for fit in fits:
+        shape = fit.parts[0].shape
+        c = float(np.linalg.norm(shape.focus_b - shape.focus_a)) / 2
+        for link in {fit.link.name, fit.child} - {None}:
+            radii[str(link)] = max(radii.get(str(link), 0.0), round(shape.semi_major - c, 9))
+    return [Sphere(link, _ORIGIN, radius) for link, radius in radii.items()]
+
+
+def _result(
+    fits: list[_LinkFit], skipped: tuple[str, ...], joint_spheres: list[Sphere]
+) -> OccupancyFit:
+    spheres, spheroids, rows = list(joint_spheres), [], []
+    for fit in fits:
+        name = fit.link.name
+        for part in fit.parts:
+            a, b = tidy_point(part.shape.focus_a), tidy_point(part.shape.focus_b)
+            is_sphere = part.shape.is_ball and not joint_spheres
+            if is_sphere:
+                spheres.append(Sphere(name, a, part.shape.semi_major))
+            elif fit.child is not None:
+                spheroids.append(Spheroid(name, a, fit.child, _ORIGIN, part.shape.semi_major))
+            else:
+                spheroids.append(Spheroid(name, a, name, b, part.shape.semi_major))
+            rows.append(
+                HullReport(
+                    link=name,
+                    kind="sphere" if is_sphere else "spheroid",
+                    geometry_volume=convex_volume(part.points),
+                    hull_volume=part.shape.volume,
+                )
+            )
+    report = FitReport(
+        hulls=tuple(rows),
+        links=tuple(
+            LinkReport(
+                link=fit.link.name,
+                n_hulls=len(fit.parts),
+                geometry_volume=convex_volume(fit.link.triangles.reshape(-1, 3)),
+                covered_volume=_covered(fit),
+            )
+            for fit in fits
+        ),
+        skipped=skipped,
+    )
+    return OccupancyFit(spheres=tuple(spheres), spheroids=tuple(spheroids), report=report)

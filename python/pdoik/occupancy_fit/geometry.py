@@ -1,0 +1,217 @@
+"""The collision geometry of a URDF as triangles in each link's frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from ..errors import LoadError
+from .hulls import FloatArray, Point
+
+_SIDES = 48  # of the prism around a cylinder
+_ICOSPHERE_SUBDIVISIONS = 3  # of the polyhedron around a sphere
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkGeometry:
+    """One link: its collision surface and where its child joints sit."""
+
+    name: str
+    triangles: FloatArray  # (T, 3, 3), in the link's frame [m]; T = 0 without collision geometry
+    child_joints: tuple[tuple[str, Point], ...]  # (child link, joint origin in this link's frame)
+
+
+def load_geometry(
+    urdf: str | Path,
+    package_dirs: Sequence[str | Path] = (),
+    base_link: str | None = None,
+    tip_link: str | None = None,
+) -> list[LinkGeometry]:
+    """The links of a URDF in the file's order, or those of one chain from base to tip.
+
+    Args:
+        urdf: A file, or XML text (recognised by its leading `<`).
+        package_dirs: Folders that hold the packages named in `package://` addresses; relative
+            mesh paths are looked up beside the URDF, then here.
+        base_link: First link to keep; None for the root.
+        tip_link: Last link to keep; None keeps all links below the base.
+
+    Raises:
+        LoadError: The description, a mesh or a number in them cannot be read.
+        ValueError: `base_link` or `tip_link` is not in the description or not on one chain.
+    """
+    root, folder = _parse(urdf)
+    search = [Path(directory) for directory in package_dirs]
+    joints = [_read_joint(element) for element in root.findall("joint")]
+    links = {_attribute(element, "name"): element for element in root.findall("link")}
+    keep = _chain(links, joints, base_link, tip_link)
+    return [
+        LinkGeometry(
+            name=name,
+            triangles=_link_triangles(element, folder, search),
+            child_joints=tuple((child, xyz) for parent, child, xyz in joints if parent == name),
+        )
+        for name, element in links.items()
+        if name in keep
+    ]
+
+
+def _parse(urdf: str | Path) -> tuple[ElementTree.Element, Path | None]:
+    try:
+        if isinstance(urdf, str) and urdf.lstrip().startswith("<"):
+            return ElementTree.fromstring(urdf.lstrip()), None
+        return ElementTree.parse(urdf).getroot(), Path(urdf).parent
+    except (OSError, ElementTree.ParseError) as error:
+        raise LoadError(f"cannot read robot description {str(urdf)[:80]!r}: {error}") from error
+
+
+def _read_joint(element: ElementTree.Element) -> tuple[str, str, Point]:
+    parent, child = element.find("parent"), element.find("child")
+    if parent is None or child is None:
+        raise LoadError(f"joint {element.get('name')!r} lacks a parent or a child")
+    x, y, z = _pose(element)[:3, 3]
+    return _attribute(parent, "link"), _attribute(child, "link"), (float(x), float(y), float(z))
+
+
+def _chain(
+    links: Iterable[str],
+    joints: list[tuple[str, str, Point]],
+    base_link: str | None,
+    tip_link: str | None,
+) -> set[str]:
+    parent_of = {child: parent for parent, child, _ in joints}
+    for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
+        if link is not None and link not in links:
+            raise ValueError(f"{argument} {link!r} is not a link of the robot: {sorted(links)}")
+
+    def path_to_root(link: str) -> list[str]:
+        path = [link]
+        while path[-1] in parent_of:
+            if parent_of[path[-1]] in path:
+                raise LoadError(f"link {link!r} is its own ancestor")
+            path.append(parent_of[path[-1]])
+        return path
+
+    chain = set(links) if tip_link is None else set(path_to_root(tip_link))
+    if base_link is None:
+        return chain
+    if base_link not in chain:
+        raise ValueError(f"tip_link {tip_link!r} does not hang on base_link {base_link!r}")
+    return {link for link in chain if base_link in path_to_root(link)}
+
+
+def _link_triangles(
+    link: ElementTree.Element, folder: Path | None, search: list[Path]
+) -> FloatArray:
+    pieces = [np.empty((0, 3, 3))]
+    for collision in link.findall("collision"):
+        where = f"link {link.get('name')!r}"
+        shape = collision.find("geometry/*")
+        if shape is None:
+            raise LoadError(f"{where} has a collision element without geometry")
+        triangles = _shape_triangles(shape, where, folder, search)
+        T = _pose(collision)
+        pieces.append(triangles @ T[:3, :3].T + T[:3, 3])
+    return np.concatenate(pieces)
+
+
+def _shape_triangles(
+    shape: ElementTree.Element, where: str, folder: Path | None, search: list[Path]
+) -> FloatArray:
+    """Triangles of a polyhedron that contains the shape: round ones are circumscribed."""
+    if shape.tag == "box":
+        mesh = trimesh.creation.box(extents=_numbers(shape, "size", 3, where))
+    elif shape.tag == "cylinder":
+        (radius,) = _numbers(shape, "radius", 1, where)
+        (length,) = _numbers(shape, "length", 1, where)
+        outer = radius / np.cos(np.pi / _SIDES)
+        mesh = trimesh.creation.cylinder(radius=outer, height=length, sections=_SIDES)
+    elif shape.tag == "sphere":
+        (radius,) = _numbers(shape, "radius", 1, where)
+        mesh = trimesh.creation.icosphere(subdivisions=_ICOSPHERE_SUBDIVISIONS, radius=1.0)
+        plane_distances = np.einsum("ij,ij->i", mesh.face_normals, mesh.triangles[:, 0])
+        mesh.apply_scale(radius / plane_distances.min())
+    elif shape.tag == "mesh":
+        mesh = _load_mesh(_find_mesh(_attribute(shape, "filename"), where, folder, search))
+        scale = _numbers(shape, "scale", 3, where, default="1 1 1", positive=False)
+        return np.asarray(mesh.triangles, dtype=np.float64) * scale
+    else:
+        raise LoadError(f"{where}: unknown collision shape <{shape.tag}>")
+    return np.asarray(mesh.triangles, dtype=np.float64)
+
+
+def _find_mesh(filename: str, where: str, folder: Path | None, search: list[Path]) -> Path:
+    beside = [] if folder is None else [folder]
+    if filename.startswith("package://"):
+        relative = filename.removeprefix("package://")
+        places = search
+    else:
+        relative = filename.removeprefix("file://")
+        places = beside + search
+    for place in places:
+        if (place / relative).is_file():
+            return place / relative
+    if Path(relative).is_file() and Path(relative).is_absolute():
+        return Path(relative)
+    tried = [str(place) for place in places]
+    raise LoadError(f"{where}: mesh {filename!r} not found; looked in package_dirs {tried}")
+
+
+def _load_mesh(path: Path) -> trimesh.Trimesh:
+    try:
+        mesh = trimesh.load_mesh(path)
+    except Exception as error:  # trimesh's loaders raise whatever their parsers do
+        raise LoadError(f"cannot read mesh {path}: {error}") from error
+    if isinstance(mesh, trimesh.Scene):
+        mesh = mesh.to_mesh()
+    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+        raise LoadError(f"mesh {path} holds no triangles")
+    if not np.isfinite(mesh.vertices).all():
+        raise LoadError(f"mesh {path} has vertices that are not finite")
+    return mesh
+
+
+def _attribute(element: ElementTree.Element, name: str) -> str:
+    value = element.get(name)
+    if value is None:
+        raise LoadError(f"<{element.tag}> lacks the attribute {name!r}")
+    return value
+
+
+def _numbers(
+    element: ElementTree.Element,
+    name: str,
+    count: int,
+    where: str,
+    *,
+    default: str | None = None,
+    positive: bool = True,
+) -> FloatArray:
+    text = _attribute(element, name) if default is None else element.get(name, default)
+    try:
+        values = np.array([float(word) for word in text.split()])
+    except ValueError:
+        values = np.array([np.nan])
+    valid = values.shape == (count,) and bool(np.isfinite(values).all())
+    if not valid or (positive and values.min() <= 0):
+        kind = "positive numbers" if positive else "numbers"
+        raise LoadError(f"{where}: <{element.tag}> {name}={text!r}, expected {count} {kind}")
+    return values
+
+
+def _pose(element: ElementTree.Element) -> FloatArray:
+    """The element's <origin> as a 4x4 transform: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    T = np.eye(4)
+    origin = element.find("origin")
+    if origin is not None:
+        where = f"<{element.tag} name={element.get('name')!r}>"
+        rpy = _numbers(origin, "rpy", 3, where, default="0 0 0", positive=False)
+        T[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
+        T[:3, 3] = _numbers(origin, "xyz", 3, where, default="0 0 0", positive=False)
+    return T

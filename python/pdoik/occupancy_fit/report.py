@@ -1,0 +1,66 @@
+"""What a fit costs: the empty volume that each hull adds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HullReport:
+    """One hull beside what it holds."""
+
+    link: str
+    kind: str  # "sphere" or "spheroid"
+    geometry_volume: float  # of the convex hull of the part it holds, [m^3]
+    hull_volume: float  # [m^3]
+
+    @property
+    def empty_volume(self) -> float:
+        """Hull minus the geometry it holds, [m^3]."""
+        return self.hull_volume - self.geometry_volume
+
+    @property
+    def factor(self) -> float:
+        return self.hull_volume / self.geometry_volume if self.geometry_volume else float("inf")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkReport:
+    """One link: its hulls overlap, so their union is what the robot loses."""
+
+    link: str
+    n_hulls: int
+    geometry_volume: float  # of the convex hull of the link's whole geometry, [m^3]
+    covered_volume: float  # of the union of its hulls, [m^3]
+
+    @property
+    def factor(self) -> float:
+        """Below 1 where the hulls follow a link that bends away from its convex hull."""
+        return self.covered_volume / self.geometry_volume if self.geometry_volume else float("inf")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitReport:
+    """One row per hull, one per link, and the links that have no collision geometry."""
+
+    hulls: tuple[HullReport, ...]
+    links: tuple[LinkReport, ...]
+    skipped: tuple[str, ...]
+
+    @property
+    def factor(self) -> float:
+        """Covered volume of all links over the volume of their convex hulls."""
+        geometry = sum(row.geometry_volume for row in self.links)
+        return sum(row.covered_volume for row in self.links) / geometry
+
+    def __str__(self) -> str:
+        lines = [f"{'link':24}{'hulls':>6}{'geometry l':>12}{'covered l':>12}{'factor':>8}"]
+        for row in self.links:
+            volumes = f"{1e3 * row.geometry_volume:12.3f}{1e3 * row.covered_volume:12.3f}"
+            lines.append(f"{row.link:24}{row.n_hulls:6}{volumes}{row.factor:8.2f}")
+        geometry = 1e3 * sum(row.geometry_volume for row in self.links)
+        covered = 1e3 * sum(row.covered_volume for row in self.links)
+        total = f"{geometry:12.3f}{covered:12.3f}{self.factor:8.2f}"
+        lines.append(f"{'all':24}{len(self.hulls):6}{total}")
+        lines += [f"{link:24} no collision geometry, skipped" for link in self.skipped]
+        return "\n".join(lines)

@@ -1,0 +1,158 @@
+"""Cover a link by a few small hulls: cut its surface by planes and wrap each part."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from .hulls import FloatArray, Shape, convex_volume, smallest_shape
+
+_OFFSETS = (0.2, 0.35, 0.5, 0.65, 0.8)  # where along its normal a part is first cut
+_COARSE_SAMPLES, _FINE_SAMPLES = 4_000, 60_000
+_MIN_GAIN = 0.04  # of a link's covered volume, below which one more hull is not worth its time
+
+
+class Part(NamedTuple):
+    """A piece of a link's surface and the hull that holds it."""
+
+    triangles: FloatArray  # (T, 3, 3) [m]
+    shape: Shape
+
+    @property
+    def points(self) -> FloatArray:
+        return self.triangles.reshape(-1, 3)
+
+
+def clip(triangles: FloatArray, normal: FloatArray, offset: float) -> FloatArray:
+    """What of the triangles (T, 3, 3) lies in the half-space normal . x >= offset.
+
+    A triangle the plane crosses is cut: the crossing points of its edges become corners, so the
+    parts on both sides together are the whole surface. Triangles in the plane fall on both sides.
+    """
+    height = triangles @ normal - offset  # (T, 3)
+    inside = height >= 0
+    count = inside.sum(axis=1)
+    pieces = [triangles[count == 3]]
+    for n_inside in (1, 2):
+        chosen = count == n_inside
+        lone = np.argmax(inside[chosen] == (n_inside == 1), axis=1)  # the corner on its own side
+        order = (lone[:, None] + np.arange(3)) % 3
+        t = np.take_along_axis(triangles[chosen], order[:, :, None], axis=1)
+        h = np.take_along_axis(height[chosen], order, axis=1)
+        p, q, r = t[:, 0], t[:, 1], t[:, 2]
+        pq = p + (q - p) * (h[:, 0] / (h[:, 0] - h[:, 1]))[:, None]
+        pr = p + (r - p) * (h[:, 0] / (h[:, 0] - h[:, 2]))[:, None]
+        if n_inside == 1:
+            pieces.append(np.stack([p, pq, pr], axis=1))
+        else:
+            pieces += [np.stack([pq, q, r], axis=1), np.stack([pq, r, pr], axis=1)]
+    return np.concatenate(pieces)
+
+
+def union_volume(shapes: list[Shape], samples: int = _FINE_SAMPLES) -> float:
+    """Volume of the shapes' union [m^3], by a Halton sequence: the same input, the same result."""
+    if len(shapes) == 1:
+        return shapes[0].volume
+    lower = np.min([(s.focus_a + s.focus_b) / 2 - s.semi_major for s in shapes], axis=0)
+    upper = np.max([(s.focus_a + s.focus_b) / 2 + s.semi_major for s in shapes], axis=0)
+    points = lower + _halton(samples) * (upper - lower)
+    covered = np.any([shape.contains(points) for shape in shapes], axis=0)
+    return float(np.prod(upper - lower) * covered.mean())
+
+
+_HALTON: dict[int, FloatArray] = {}
+
+
+def _halton(samples: int) -> FloatArray:
+    if samples not in _HALTON:
+        _HALTON[samples] = np.asarray(qmc.Halton(d=3, scramble=False).random(samples))
+    return _HALTON[samples]
+
+
+def cover_stages(
+    triangles: FloatArray, max_volume_factor: float, max_parts: int
+) -> list[list[Part]]:
+    """Covers of the surface, and of whatever solid it bounds, by 1, 2, ... parts' hulls.
+
+    The solid's share of a half-space is spanned by the clipped surface, so convex hulls around
+    the parts lose nothing of it. One part is split at a time, the one whose cut gains most, until
+    the hulls' union is within the factor of the surface's convex hull or there are `max_parts`.
+    A stage is kept when each hull more than the last kept one gains enough.
+    """
+    limit = max_volume_factor * convex_volume(triangles.reshape(-1, 3))
+    parts = [Part(triangles, smallest_shape(triangles.reshape(-1, 3)))]
+    volume = parts[0].shape.volume
+    kept, kept_volume = [parts], volume
+    halves: dict[int, list[Part]] = {}  # of a part, by its identity: each is split once
+    while volume > limit and len(parts) < max_parts:
+        options = []
+        for index, part in enumerate(parts):
+            if id(part) not in halves:
+                halves[id(part)] = _split(part)
+            options.append(parts[:index] + halves[id(part)] + parts[index + 1 :])
+        volumes = [union_volume([part.shape for part in option]) for option in options]
+        parts, volume = options[int(np.argmin(volumes))], min(volumes)
+        if len(parts) == len(kept[-1]):
+            break  # no plane cuts it: a flat sheet
+        if volume < (1 - _MIN_GAIN) ** (len(parts) - len(kept[-1])) * kept_volume:
+            kept.append(parts)
+            kept_volume = volume
+    return kept
+
+
+def _split(part: Part) -> list[Part]:
+    """The part cut by the plane that leaves the smallest union of two hulls."""
+    points = part.points
+    _, _, principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+    diagonals = [np.roll([1.0, sign, 0.0], k) / np.sqrt(2) for k in range(3) for sign in (1, -1)]
+    planes = []
+    for normal in [*np.eye(3), *diagonals, *principal]:
+        heights = points @ normal
+        low, high = heights.min(), heights.max()
+        planes += [np.append(normal, low + share * (high - low)) for share in _OFFSETS]
+    scored = sorted((_cut_volume(part, plane), index) for index, plane in enumerate(planes))
+
+    best, best_volume = planes[scored[0][1]], scored[0][0]
+    for _, index in scored[:2]:
+        refined = _refine(part, planes[index])
+        volume = _cut_volume(part, refined)
+        if volume < best_volume:
+            best, best_volume = refined, volume
+    halves = _halves(part, best)
+    return [Part(half, smallest_shape(half.reshape(-1, 3))) for half in halves]
+
+
+def _halves(part: Part, plane: FloatArray) -> list[FloatArray]:
+    normal = plane[:3] / np.linalg.norm(plane[:3])
+    halves = [clip(part.triangles, normal, plane[3]), clip(part.triangles, -normal, -plane[3])]
+    return [half for half in halves if len(half)]
+
+
+def _cut_volume(part: Part, plane: FloatArray) -> float:
+    """Union of the hulls on both sides of the plane, by quick fits, [m^3]."""
+    halves = _halves(part, plane)
+    shapes = [smallest_shape(half.reshape(-1, 3), quick=True) for half in halves]
+    return union_volume(shapes, _COARSE_SAMPLES)
+
+
+def _refine(part: Part, plane: FloatArray) -> FloatArray:
+    """Turn and shift the plane a little, by Nelder-Mead (the union's volume has kinks)."""
+    size = float(np.ptp(part.points, axis=0).max())
+    tangents = np.linalg.svd(plane[None, :3])[2][1:]
+
+    def moved(x: FloatArray) -> FloatArray:
+        normal = plane[:3] + x[:2] @ tangents
+        center = part.points.mean(axis=0)
+        shift = (plane[3] - plane[:3] @ center) + 0.3 * size * x[2]
+        normal = normal / np.linalg.norm(normal)
+        return np.append(normal, normal @ center + shift)
+
+    def volume_at(x: FloatArray) -> float:
+        return _cut_volume(part, moved(x))
+
+    options: Any = {"initial_simplex": 0.25 * np.eye(4, 3, k=-1), "maxfev": 40}
+    result = minimize(volume_at, np.zeros(3), method="Nelder-Mead", options=options)
+    return moved(np.asarray(result.x))

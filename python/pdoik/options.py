@@ -1,0 +1,191 @@
+"""The options of a solver, with their defaults and units."""
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdoik import _core
+
+Vector3 = Sequence[float] | NDArray[np.float64]
+Axis = Literal["x", "y", "z"]
+_DEFAULT = _core.Options()  # numbers are typed once, in cpp/include/pdoik/options.hpp
+_LBFGS = _DEFAULT.lbfgs
+_LAGRANGIAN = _DEFAULT.augmented_lagrangian
+_LM = _DEFAULT.levenberg_marquardt
+_AXES: dict[Axis, tuple[float, float, float]] = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LbfgsOptions:
+    """Of the limited-memory BFGS minimiser.
+
+    Attributes:
+        memory: Pairs (s, y) kept.
+        max_iterations: Per minimisation.
+        max_line_search: Trial steps per iteration.
+        gradient_tolerance: Stop when the gradient falls below this.
+        relative_decrease: Stop when f falls by less than this times |f|.
+        first_step: Length of the first step along the steepest descent, at most.
+        max_step: Longest first trial of an iteration.
+        armijo: c1 of the Wolfe conditions.
+        curvature: c2 of the Wolfe conditions.
+    """
+
+    memory: int = _LBFGS.memory
+    max_iterations: int = _LBFGS.max_iterations
+    max_line_search: int = _LBFGS.max_line_search
+    gradient_tolerance: float = _LBFGS.gradient_tolerance
+    relative_decrease: float = _LBFGS.relative_decrease
+    first_step: float = _LBFGS.first_step
+    max_step: float = _LBFGS.max_step
+    armijo: float = _LBFGS.armijo
+    curvature: float = _LBFGS.curvature
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AugmentedLagrangianOptions:
+    """Of Algorithm IK's outer loop (Eq. AL).
+
+    Attributes:
+        form: "printed", as in the paper, has a kink at c = 0; "smooth" has none. Otherwise equal.
+        rho: First penalty weight.
+        rho_growth: alpha, by which the weight grows.
+        rho_max: The weight grows no further.
+        beta: Give up when max c >= beta times its last value.
+        constraint_tolerance: c_tol, in the constraints' own unit.
+        max_outer_iterations: k_max.
+    """
+
+    form: Literal["printed", "smooth"] = "smooth"
+    rho: float = _LAGRANGIAN.rho
+    rho_growth: float = _LAGRANGIAN.rho_growth
+    rho_max: float = _LAGRANGIAN.rho_max
+    beta: float = _LAGRANGIAN.beta
+    constraint_tolerance: float = _LAGRANGIAN.constraint_tolerance
+    max_outer_iterations: int = _LAGRANGIAN.max_outer_iterations
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LevenbergMarquardtOptions:
+    """Of the least-squares minimiser.
+
+    Attributes:
+        max_iterations: Linearisations per run.
+        first_damping: lambda, relative to the largest diagonal entry of the Hessian.
+        damping_decrease: Factor after a step that went as predicted.
+        damping_increase: Factor after a rejected step.
+        max_damping: Beyond it the run has stalled.
+        stall_ratio: The run has stalled when `stall_window` steps leave more of f than this.
+        stall_window: See `stall_ratio`.
+    """
+
+    max_iterations: int = _LM.max_iterations
+    first_damping: float = _LM.first_damping
+    damping_decrease: float = _LM.damping_decrease
+    damping_increase: float = _LM.damping_increase
+    max_damping: float = _LM.max_damping
+    stall_ratio: float = _LM.stall_ratio
+    stall_window: int = _LM.stall_window
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """What a solver aims at and how. Metres, radians, seconds.
+
+    Attributes:
+        goal: What the tip has to match of its target: "pose" all 6 degrees of freedom, "axis" its
+            position and the direction of one axis, "position" nothing else.
+        goal_axis: In the tip frame, for goal "axis": a letter or a vector of any length.
+        method: "default" restarts from a low-discrepancy sequence; "paper" is Algorithm IK with its
+            misprints corrected, from one start, and nothing else.
+        position_tolerance: Largest position error of a success [m].
+        rotation_tolerance: Largest rotation (or axis) error of a success [rad].
+        clearance: Least distance wanted between obstacle points and hulls [m].
+        clearance_tolerance: By how much a success may miss `clearance` [m].
+        max_time: Deadline of a solve [s]; may be infinite.
+        max_restarts: Starts after the first.
+        seed: Of the restarts' sequence.
+        inner: How method "default" minimises from one start: "levenberg_marquardt" over joint
+            positions, or the paper's augmented Lagrangian with "lbfgs" over slack variables.
+        max_obstacles: Obstacle points that fit without a further allocation.
+        rotation_weight: Metres that one radian weighs in Levenberg-Marquardt's residual [m].
+        collision_weight: Of a metre of penetration in Levenberg-Marquardt's residual.
+        start_inset: Starts for the slack variables keep this fraction of a range off the limits.
+        point_distance: k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep).
+        lbfgs: Of the limited-memory BFGS minimiser.
+        augmented_lagrangian: Of Algorithm IK's outer loop.
+        levenberg_marquardt: Of the least-squares minimiser.
+
+    Raises:
+        TypeError: A name is unknown or a value is of the wrong type.
+        ValueError: A str is not one of its choices. Numbers out of range come out when a solver is
+            made.
+    """
+
+    goal: Literal["pose", "axis", "position"] = "pose"
+    goal_axis: Axis | Vector3 = "z"
+    method: Literal["default", "paper"] = "default"
+
+    position_tolerance: float = _DEFAULT.position_tolerance
+    rotation_tolerance: float = _DEFAULT.rotation_tolerance
+    clearance: float = _DEFAULT.clearance
+    clearance_tolerance: float = _DEFAULT.clearance_tolerance
+
+    max_time: float = _DEFAULT.max_time
+    max_restarts: int = _DEFAULT.max_restarts
+    seed: int = _DEFAULT.seed
+
+    inner: Literal["levenberg_marquardt", "lbfgs"] = "levenberg_marquardt"
+    max_obstacles: int = _DEFAULT.max_obstacles
+
+    rotation_weight: float = _DEFAULT.rotation_weight
+    collision_weight: float = _DEFAULT.collision_weight
+    start_inset: float = _DEFAULT.start_inset
+    point_distance: float = _DEFAULT.point_distance
+
+    lbfgs: LbfgsOptions = LbfgsOptions()
+    augmented_lagrangian: AugmentedLagrangianOptions = AugmentedLagrangianOptions()
+    levenberg_marquardt: LevenbergMarquardtOptions = LevenbergMarquardtOptions()
+
+    def __post_init__(self) -> None:
+        """Check types and make goal_axis hashable."""
+        if not isinstance(self.goal_axis, str):
+            object.__setattr__(self, "goal_axis", _to_vector(self.goal_axis))
+        to_core(self)
+
+
+def to_core(options: Options) -> _core.Options:
+    """The C++ options with these values."""
+    result = _core.Options()
+    _copy(options, result)
+    return result
+
+
+def _copy(source: Any, target: Any) -> None:
+    """Set the attributes of a C++ struct to the fields of the dataclass that mirrors it."""
+    for each in dataclasses.fields(source):
+        value = getattr(source, each.name)
+        if each.name == "goal_axis" and isinstance(value, str):
+            if value not in _AXES:
+                raise ValueError(f"goal_axis is {value!r}, expected 'x', 'y', 'z' or a 3-vector")
+            value = _AXES[value]
+        if dataclasses.is_dataclass(each.type) and type(value) is each.type:
+            _copy(value, getattr(target, each.name))
+            continue
+        try:
+            setattr(target, each.name, value)
+        except TypeError:
+            what = f"{type(source).__name__}.{each.name} is {value!r}"
+            expected = getattr(each.type, "__name__", each.type)
+            raise TypeError(f"{what}, expected {expected}") from None
+
+
+def _to_vector(values: Vector3) -> tuple[float, ...]:
+    vector = np.asarray(values, dtype=np.float64)
+    if vector.shape != (3,):
+        raise ValueError(f"goal_axis has shape {vector.shape}, expected (3,)")
+    return tuple(vector.tolist())
