@@ -1,6 +1,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
+#include <set>
 
 #include "pdoik/errors.hpp"
 #include "pdoik/occupancy.hpp"
@@ -21,11 +22,17 @@ class Entry {
   }
 
   std::string text(const char* key) const { return get<std::string>(key, "a name"); }
-  double length(const char* key) const { return get<double>(key, "a length in metres"); }
+  double length(const char* key) const {
+    const auto value = get<double>(key, "a length in metres");
+    if (!std::isfinite(value)) fail(std::string(key) + " is not finite");
+    return value;
+  }
   Eigen::Vector3d point(const char* key) const {
     const auto values = get<std::vector<double>>(key, "[x, y, z] in metres");
     if (values.size() != 3) fail(std::string(key) + " has " + std::to_string(values.size()) + " numbers, expected 3");
-    return {values[0], values[1], values[2]};
+    const Eigen::Vector3d point(values[0], values[1], values[2]);
+    if (!point.allFinite()) fail(std::string(key) + " is not finite");
+    return point;
   }
 
  private:
@@ -47,27 +54,39 @@ class Entry {
 
 }  // namespace
 
-Occupancy load_occupancy(const std::string& path_or_text) {
-  const bool text = is_text(path_or_text);
-  const std::string source = text ? "the occupancy text" : "'" + path_or_text + "'";
-  YAML::Node root;
+namespace {
+
+YAML::Node parse(const std::string& path_or_text, bool text, const std::string& source) {
+  if (path_or_text.find('\0') != std::string::npos) throw LoadError(source + " holds a NUL character");
   try {
-    root = text ? YAML::Load(path_or_text) : YAML::LoadFile(path_or_text);
-  } catch (const YAML::BadFile&) {
-    throw LoadError("cannot read the occupancy file " + source);
-  } catch (const YAML::Exception& error) {
+    return text ? YAML::Load(path_or_text) : YAML::LoadFile(path_or_text);
+  } catch (const YAML::ParserException& error) {
     throw LoadError(source + " is not valid YAML: " + error.what());
+  } catch (const std::exception& error) {  // not there, a folder, not readable
+    throw LoadError("cannot read the occupancy " + source + ": " + error.what());
   }
+}
+
+void check_keys(const YAML::Node& root, const std::string& source) {
   if (!root.IsMap()) throw LoadError(source + ": expected a mapping with 'spheres' and 'spheroids'");
+  std::set<std::string> seen;
   for (const auto& item : root) {
-    const auto key = item.first.as<std::string>();
+    const std::string key = item.first.IsScalar() ? item.first.Scalar() : "a key that is not a word";
     if (key != "spheres" && key != "spheroids") {
       throw LoadError(source + ": '" + key + "' is unknown, expected 'spheres' and 'spheroids'");
     }
-    if (!item.second.IsSequence() && !item.second.IsNull()) {
-      throw LoadError(source + ": '" + key + "' is not a list");
-    }
+    if (!seen.insert(key).second) throw LoadError(source + ": '" + key + "' is there twice");
+    if (!item.second.IsSequence() && !item.second.IsNull()) throw LoadError(source + ": '" + key + "' is not a list");
   }
+}
+
+}  // namespace
+
+Occupancy load_occupancy(const std::string& path_or_text) {
+  const bool text = is_text(path_or_text);
+  const std::string source = text ? "the occupancy text" : "'" + path_or_text + "'";
+  const YAML::Node root = parse(path_or_text, text, source);
+  check_keys(root, source);
   Occupancy occupancy;
   for (std::size_t i = 0; root["spheres"] && i < root["spheres"].size(); ++i) {
     const Entry entry(root["spheres"][i], source + ": spheres[" + std::to_string(i) + "]");

@@ -5,6 +5,7 @@
 #include <pcl/point_types.h>
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -17,16 +18,19 @@ void check_grid(const Eigen::Array3d& low, const Eigen::Array3d& high, double le
   const double index_limit = static_cast<double>(std::numeric_limits<std::int32_t>::max());
   const bool coordinates_fit = (low / leaf).minCoeff() > -index_limit && (high / leaf).maxCoeff() < index_limit;
   if (cells.prod() < 0.999 * index_limit && coordinates_fit) return;
-  throw std::invalid_argument("leaf is " + std::to_string(leaf) + " m, too small for a cloud of extent " +
-                              std::to_string((high - low).maxCoeff()) +
-                              " m: the grid would have more than 2^31 cells");
+  std::ostringstream message;
+  message << "leaf is " << leaf << " m, too small for a cloud from " << low.transpose() << " to " << high.transpose()
+          << " m: PCL numbers cells with 32 bits";
+  throw std::invalid_argument(message.str());
 }
 
 }  // namespace
 
 Points voxel_downsample(const Obstacles& points, double leaf) {
   if (!(leaf > 0.0 && std::isfinite(leaf))) {
-    throw std::invalid_argument("leaf is " + std::to_string(leaf) + ", expected a positive finite length [m]");
+    std::ostringstream message;
+    message << "leaf is " << leaf << ", expected a positive finite length [m]";
+    throw std::invalid_argument(message.str());
   }
   if (points.rows() == 0) return Points(0, 3);
   if (points.cols() != 3) {

@@ -103,7 +103,7 @@ bool Search::out_of_reach(const Eigen::Isometry3d& target) const {
 }
 
 void Search::run(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, Result& result) {
-  const Deadline deadline(options_.max_time);
+  const Deadline deadline(options_.max_time, interrupt_);
   goals_.front().set_target(target);
   result.iterations = result.evaluations = result.restarts = 0;
   result.success = false;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include "detail/check_options.hpp"
@@ -33,24 +35,27 @@ const char* to_string(Status status) {
 
 namespace {
 
-void check_target(const Eigen::Isometry3d& T) {
-  if (!T.matrix().allFinite()) throw std::invalid_argument("T_base_tip holds NaN or infinity");
+void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_tip") {
+  if (!T.matrix().allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
   const Eigen::Matrix3d R = T.linear();
   const double gap = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (gap > 1e-6 || R.determinant() < 0.0) {
-    throw std::invalid_argument("T_base_tip is not a rigid transform: its 3x3 part times its transpose is off "
-                                "the identity by " + std::to_string(gap) + ", determinant " +
-                                std::to_string(R.determinant()) + ", expected 1");
-  }
+  if (gap <= 1e-6 && R.determinant() > 0.0) return;
+  std::ostringstream message;
+  message << name << " is not a rigid transform: its 3x3 part times its transpose is off the identity by " << gap
+          << ", its determinant is " << R.determinant() << ", expected 1";
+  throw std::invalid_argument(message.str());
 }
 
-void check_start(const Eigen::VectorXd& q0, int dof) {
-  if (q0.size() != dof) {
-    throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " entries, the robot has " +
+void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name) {
+  if (q.size() != dof) {
+    throw std::invalid_argument(name + " has " + std::to_string(q.size()) + " entries, the robot has " +
                                 std::to_string(dof) + " joints");
   }
-  if (!q0.allFinite()) throw std::invalid_argument("q0 holds NaN or infinity");
+  if (!q.allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
 }
+
+/// Beyond this rounding would blur distances to the arm [m].
+constexpr double kLargestCoordinate = 1e6;
 
 void check_obstacles(const Obstacles& points) {
   if (points.rows() == 0) return;
@@ -59,15 +64,21 @@ void check_obstacles(const Obstacles& points) {
                                 std::to_string(points.cols()) + "), expected (N, 3) or (N, 4)");
   }
   // Zero times a finite number is zero: one pass without a branch finds whether anything is wrong.
-  double poison = 0.0, least_radius = 0.0;
+  double poison = 0.0, least_radius = 0.0, largest = 0.0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    for (Eigen::Index j = 0; j < points.cols(); ++j) poison += 0.0 * points(i, j);
+    for (Eigen::Index j = 0; j < points.cols(); ++j) {
+      poison += 0.0 * points(i, j);
+      largest = std::max(largest, std::abs(points(i, j)));
+    }
     if (points.cols() == 4) least_radius = std::min(least_radius, points(i, 3));
   }
-  if (poison == 0.0 && least_radius >= 0.0) return;
+  if (poison == 0.0 && least_radius >= 0.0 && largest <= kLargestCoordinate) return;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     if (!points.row(i).allFinite()) {
       throw std::invalid_argument("obstacles holds NaN or infinity in row " + std::to_string(i));
+    }
+    if (points.row(i).cwiseAbs().maxCoeff() > kLargestCoordinate) {
+      throw std::invalid_argument("obstacles has a number beyond 1e6 m in row " + std::to_string(i));
     }
     if (points.cols() == 4 && points(i, 3) < 0.0) {
       throw std::invalid_argument("obstacles has a negative radius in row " + std::to_string(i));
@@ -115,11 +126,13 @@ void Solver::set_obstacles(const Obstacles& points) {
   impl_->search.set_obstacles(points);
 }
 
+void Solver::set_interrupt(std::function<bool()> wanted) { impl_->search.set_interrupt(std::move(wanted)); }
+
 void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
 
 void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result) {
   check_target(T_base_tip);
-  if (q0 != nullptr) check_start(*q0, robot().dof());
+  if (q0 != nullptr) check_configuration(*q0, robot().dof(), "q0");
   impl_->search.run(T_base_tip, q0, result);
 }
 
@@ -136,8 +149,12 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
     throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " rows, expected 1 or " +
                                 std::to_string(targets.size()));
   }
-  for (const Eigen::Isometry3d& target : targets) check_target(target);
-  for (const Eigen::VectorXd& start : q0) check_start(start, robot().dof());
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    check_target(targets[i], "T_base_tip[" + std::to_string(i) + "]");
+  }
+  for (std::size_t i = 0; i < q0.size(); ++i) {
+    check_configuration(q0[i], robot().dof(), q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
+  }
   std::vector<Result> results(targets.size());
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
@@ -157,7 +174,11 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
   const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
   const std::size_t count = std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(targets.size(), 1));
   std::vector<std::thread> pool;
-  for (std::size_t t = 1; t < count; ++t) pool.emplace_back(work);
+  try {
+    for (std::size_t t = 1; t < count; ++t) pool.emplace_back(work);
+  } catch (const std::system_error&) {
+    // The system gives no more threads: those there are do the work.
+  }
   work();
   for (std::thread& thread : pool) thread.join();
   if (failure) std::rethrow_exception(failure);
@@ -167,8 +188,9 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
 void Solver::judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const {
   check_target(T_base_tip);
   const Eigen::VectorXd configuration = q;
-  check_start(configuration, robot().dof());
+  check_configuration(configuration, robot().dof(), "q");
   impl_->search.judge(T_base_tip, configuration, result);
+  result.status = result.success ? Status::Solved : Status::Exhausted;
 }
 
 std::string Solver::describe(const WorstConstraint& worst) const {

@@ -11,6 +11,14 @@
 namespace pdoik::detail {
 namespace {
 
+/// A rotation that takes z to a unit vector. The shortest one is ill-defined near -z: there it starts from -z.
+Eigen::Matrix3d rotation_of_z_to(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d pole(0.0, 0.0, axis.z() < 0.0 ? -1.0 : 1.0);
+  Eigen::Matrix3d R = Eigen::Quaterniond::FromTwoVectors(pole, axis).normalized().toRotationMatrix();
+  if (axis.z() < 0.0) R.rightCols<2>() *= -1.0;  // after half a turn about x
+  return R;
+}
+
 /// Builds the tree by walking the description's joints away from the base, turning round those it meets
 /// from their child's side.
 class TreeBuilder {
@@ -170,8 +178,8 @@ class TreeBuilder {
     }
     // X Rot(axis, q) seen from the child's side is Rot(-axis, q) X^-1.
     const Eigen::Vector3d axis = joint.axis.normalized() * (reversed ? -1.0 : 1.0);
-    Eigen::Isometry3d A = Eigen::Isometry3d::Identity();  // takes z to the axis
-    A.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+    Eigen::Isometry3d A = Eigen::Isometry3d::Identity();
+    A.linear() = rotation_of_z_to(axis);
     Body moved;
     moved.parent = body;
     moved.prismatic = joint.type == JointType::Prismatic;

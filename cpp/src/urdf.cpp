@@ -7,6 +7,7 @@
 #include <mutex>
 #include <sstream>
 
+#include "detail/text.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/robot.hpp"
 
@@ -107,6 +108,29 @@ JointDescription convert(const urdf::Joint& joint, const std::string& source) {
   return result;
 }
 
+/// What the parser behind urdfdom recurses on, bounded before it sees the text.
+void check_text(const std::string& xml, const std::string& source) {
+  constexpr int kDeepest = 500, kMostJoints = 5000;
+  if (!detail::is_utf8(xml)) throw LoadError(source + " is not UTF-8 text");
+  if (xml.find('\0') != std::string::npos) throw LoadError(source + " holds a NUL character");
+  int depth = 0, joints = 0;
+  for (std::size_t i = xml.find('<'); i != std::string::npos; i = xml.find('<', i + 1)) {
+    if (xml.compare(i, 4, "<!--") == 0) {
+      i = xml.find("-->", i);
+      if (i == std::string::npos) break;
+      continue;
+    }
+    const char next = i + 1 < xml.size() ? xml[i + 1] : ' ';
+    if (next == '?' || next == '!') continue;
+    const std::size_t end = xml.find('>', i);
+    const bool closed = end != std::string::npos && xml[end - 1] == '/';
+    depth += next == '/' ? -1 : closed ? 0 : 1;
+    joints += xml.compare(i, 6, "<joint") == 0 ? 1 : 0;
+    if (depth > kDeepest) throw LoadError(source + " is nested more than " + std::to_string(kDeepest) + " deep");
+    if (joints > kMostJoints) throw LoadError(source + " has more than " + std::to_string(kMostJoints) + " joints");
+  }
+}
+
 bool is_xml(const std::string& text) {
   for (const char c : text) {
     if (!std::isspace(static_cast<unsigned char>(c)) && c != '\xEF' && c != '\xBB' && c != '\xBF') {
@@ -117,6 +141,7 @@ bool is_xml(const std::string& text) {
 }
 
 std::string read_file(const std::string& path) {
+  if (path.find('\0') != std::string::npos) throw LoadError("the URDF's path holds a NUL character");
   if (path.empty()) throw LoadError("the URDF is an empty string, expected a file's path or XML text");
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
@@ -131,7 +156,9 @@ Robot Robot::from_urdf(const std::string& path_or_xml, const std::string& base_l
                        std::vector<std::string> tip_links) {
   const bool text = is_xml(path_or_xml);
   const std::string source = text ? "the URDF text" : "'" + path_or_xml + "'";
-  const urdf::ModelInterfaceSharedPtr model = parse(text ? path_or_xml : read_file(path_or_xml), source);
+  const std::string xml = text ? path_or_xml : read_file(path_or_xml);
+  check_text(xml, source);
+  const urdf::ModelInterfaceSharedPtr model = parse(xml, source);
   RobotDescription description;
   description.name = model->getName();
   for (const auto& [name, link] : model->links_) description.links.push_back(convert(*link));

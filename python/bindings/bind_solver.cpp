@@ -16,7 +16,12 @@ namespace {
 
 /// A solver belongs to one thread at a time: Python's threads wait for their turn.
 struct SharedSolver {
-  SharedSolver(const Robot& robot, const Options& options) : solver(robot, options) {}
+  SharedSolver(const Robot& robot, const Options& options) : solver(robot, options) {
+    solver.set_interrupt([] {
+      const py::gil_scoped_acquire acquire;
+      return PyErr_CheckSignals() != 0;
+    });
+  }
   Solver solver;
   std::mutex mutex;
 
@@ -32,10 +37,15 @@ NamedResult solve(SharedSolver& self, const ArrayLike& T_base_tip,
   std::optional<Eigen::VectorXd> start;
   if (q0) start = to_vector(*q0, "q0", self.solver.robot().dof());
   const CloudView cloud(obstacles, "obstacles");
-  const py::gil_scoped_release release;
-  const std::lock_guard<std::mutex> lock(self.mutex);
-  self.solver.set_obstacles(cloud);
-  return named(self.solver, self.solver.solve(target, start));
+  NamedResult result;
+  {
+    const py::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(self.mutex);
+    self.solver.set_obstacles(cloud);
+    result = named(self.solver, self.solver.solve(target, start));
+  }
+  if (PyErr_Occurred() != nullptr) throw py::error_already_set();  // Ctrl-C ended it
+  return result;
 }
 
 NamedResult judge(SharedSolver& self, const ArrayLike& T_base_tip, const ArrayLike& q,

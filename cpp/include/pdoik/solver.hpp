@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -40,10 +41,15 @@ class Solver {
   const Options& options() const;
 
   /// The obstacles of the solves that follow; empty for none.
-  /// @throws std::invalid_argument on a wrong shape, NaN or infinity, or a negative radius, naming the row.
+  /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number beyond 1e6,
+  /// naming the row.
   /// Allocates only when there are more points than ever before, options.max_obstacles to begin with.
   void set_obstacles(const Obstacles& points);
   void clear_obstacles();
+
+  /// Ask `wanted` about ten times a second whether to end a solve early, with the status TimeLimit: for Ctrl-C
+  /// where max_time is long. Copies of the solver do not ask.
+  void set_interrupt(std::function<bool()> wanted);
 
   /// Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of obstacles.
   /// @param T_base_tip  The target, rigid to 1e-6.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "detail/collision.hpp"
@@ -25,6 +27,7 @@ class Search {
 
   void set_obstacles(const Obstacles& points);
   void copy_scene(const Search& other);
+  void set_interrupt(std::function<bool()> wanted) { interrupt_ = std::move(wanted); }
   /// One solve. Allocates nothing if result.q has its size.
   void run(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result);
   void judge(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd& q, Result& result) {
@@ -69,6 +72,7 @@ class Search {
   enum class Turn { Limited, Wrap, Bound };
   std::vector<Turn> turns_;
   Result candidate_;
+  std::function<bool()> interrupt_;
   Eigen::Vector3d reach_root_;
   double reach_ = 0.0;
 };
