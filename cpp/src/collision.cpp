@@ -30,7 +30,8 @@ int add_point(std::vector<AttachedPoint>& points, const AttachedPoint& point) {
   return static_cast<int>(points.size()) - 1;
 }
 
-/// An upper bound on how far a point gets from the origin of the first moving body above it, and that body.
+/// An upper bound on how far a point gets from the origin of the first moving body above it, and
+/// that body.
 struct Reach {
   int root;
   double distance;
@@ -57,11 +58,13 @@ Reach reach_of(const Robot& robot, const AttachedPoint& point) {
 HullModel::HullModel(const Robot& robot) {
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
     const int index = robot.link_index(link);
-    return add_point(points, settle(robot, robot.body_of_link(index), robot.T_body_link(index) * xyz));
+    return add_point(points,
+                     settle(robot, robot.body_of_link(index), robot.T_body_link(index) * xyz));
   };
   int source = 0;
   const auto add = [&](int a, int b, double semi_major) {
-    const bool is_fixed = points[static_cast<std::size_t>(a)].body == 0 && points[static_cast<std::size_t>(b)].body == 0;
+    const bool is_fixed = points[static_cast<std::size_t>(a)].body == 0 &&
+                          points[static_cast<std::size_t>(b)].body == 0;
     (is_fixed ? fixed : moving).push_back({a, b, semi_major, source++});
   };
   for (const Sphere& sphere : robot.occupancy().spheres) {
@@ -94,14 +97,16 @@ void ObstacleSet::reserve(std::size_t count) {
   const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
   points_.reserve(padded);
   index_.reserve(padded);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_}) v->reserve(padded);
+  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
+    v->reserve(padded);
 }
 
 void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {
   const auto size = static_cast<std::size_t>((count + kLanes - 1) / kLanes * kLanes);
   points_.resize(size);
   index_.resize(size);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_}) v->resize(size);
+  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
+    v->resize(size);
   origin_ = to_vec4(origin);
   count_ = 0;
 }
@@ -110,7 +115,8 @@ void ObstacleSet::finish() {
   padded_ = (count_ + kLanes - 1) / kLanes * kLanes;
   float extent = 1.0F;
   for (std::size_t k = 0; k < static_cast<std::size_t>(count_); ++k) {
-    extent = std::max({extent, std::abs(coarse_x_[k]), std::abs(coarse_y_[k]), std::abs(coarse_z_[k]), coarse_radius_[k]});
+    extent = std::max({extent, std::abs(coarse_x_[k]), std::abs(coarse_y_[k]),
+                       std::abs(coarse_z_[k]), coarse_radius_[k]});
   }
   coarse_slack_ = 1e-5F * extent;
   for (auto k = static_cast<std::size_t>(count_); k < static_cast<std::size_t>(padded_); ++k) {
@@ -125,7 +131,8 @@ void Scene::reserve(std::size_t count) {
   far.reserve(count);
 }
 
-void Scene::assign(const Points& points, double margin, const HullModel& hulls, CollisionState& fixed_hulls) {
+void Scene::assign(const Points& points, double margin, const HullModel& hulls,
+                   CollisionState& fixed_hulls) {
   const auto count = static_cast<int>(points.rows());
   const bool has_radius = points.cols() > 3;
   const Eigen::Vector3d& root = hulls.reach_centre;
@@ -164,9 +171,11 @@ double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4&
   // The half sum of distances changes no faster than the point moves: a lower bound outside.
   const double bound = 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
   const Vec4 half = broadcast(0.5) * (b - a);
-  const bool hollow = !(hull.semi_major * hull.semi_major > dot3(half, half));  // foci too far apart: empty
+  const bool hollow =
+      !(hull.semi_major * hull.semi_major > dot3(half, half));  // foci too far apart: empty
   if (hollow || (bound > 0.0 && bound - radius >= than)) return bound - radius;
-  return spheroid_distance(to_vector3(o), to_vector3(a), to_vector3(b), hull.semi_major).distance - radius;
+  return spheroid_distance(to_vector3(o), to_vector3(a), to_vector3(b), hull.semi_major).distance -
+         radius;
 }
 
 }  // namespace
@@ -176,16 +185,18 @@ Clearance Scene::clearance(CollisionState& state) const {
   return least.distance <= far_bound ? least : least_clearance(state, far, least);
 }
 
-Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles, Clearance least) {
+Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
+                                     Clearance least) {
   if (state.hulls().empty() || obstacles.count() == 0) return least;
-  // Points nearer than g to a hull lie in it when it is grown by g, so once the least is below g it is found.
+  // Points nearer than g to a hull lie in it when it is grown by g, so once the least is below g it
+  // is found.
   for (double g = 0.02; g < 1e3; g *= 2.0) {
     state.find_near(obstacles, [g](std::size_t) { return g; });
     for (int k = 0; k < state.near_count(); ++k) {
       const Hull& hull = state.hull(state.near(k));
       const int j = state.near(k).obstacle;
-      const double distance =
-          hull_distance(hull, state.position(hull.a), state.position(hull.b), obstacles[j], least.distance);
+      const double distance = hull_distance(hull, state.position(hull.a), state.position(hull.b),
+                                            obstacles[j], least.distance);
       if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
     }
     if (least.distance <= g) return least;
@@ -193,14 +204,16 @@ Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& o
   return least_clearance(state, obstacles, least);
 }
 
-Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles, Clearance least) {
+Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles,
+                          Clearance least) {
   for (const Hull& hull : state.hulls()) {
     const Vec4& a = state.position(hull.a);
     const Vec4& b = state.position(hull.b);
     const Vec4 centre = broadcast(0.5) * (a + b);
     for (int j = 0; j < obstacles.count(); ++j) {
       const Vec4& o = obstacles[j];
-      // The hull lies within semi_major of its centre; only a nearer obstacle can beat the least so far.
+      // The hull lies within semi_major of its centre; only a nearer obstacle can beat the least so
+      // far.
       const double bound = least.distance + hull.semi_major + o[3];
       const Vec4 from = o - centre;
       if (bound > 0.0 && dot3(from, from) >= bound * bound) continue;

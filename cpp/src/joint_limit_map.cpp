@@ -80,21 +80,23 @@ void JointLimitMap::forward(const Eigen::VectorXd& omega, State& state, bool ang
     double re = joint.cos_lower, im = joint.sin_lower, angle = joint.lower;
     for (int m = joint.first; m < joint.first + joint.count; ++m) {
       const auto [s, complement] = sigmoid(omega[m] / joint.scale);
-      const double L = joint.L_max * s;                                       // Eq. squash1
-      const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;    // 2 - L
+      const double L = joint.L_max * s;                                     // Eq. squash1
+      const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;  // 2 - L
       const double root_L = std::sqrt(L), root_rest = std::sqrt(rest);
-      const double cosine = 1.0 - L, sine = root_L * root_rest;               // Eq. sin2dist
-      state.slope[m] = joint.scale * (joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest);
+      const double cosine = 1.0 - L, sine = root_L * root_rest;  // Eq. sin2dist
+      state.slope[m] =
+          joint.scale * (joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest);
       for (int copy = 0; copy < joint.copies; ++copy) {
         const double product = re * cosine - im * sine;
         im = re * sine + im * cosine;
         re = product;
       }
-      if (angles) angle += joint.copies * 2.0 * std::atan2(root_L, root_rest);  // arccos(1 - L), precisely
+      if (angles)
+        angle += joint.copies * 2.0 * std::atan2(root_L, root_rest);  // arccos(1 - L), precisely
     }
     state.cosine[i] = re;
     state.sine[i] = im;
-    if (angles) state.q[i] = std::clamp(angle, joint.lower, joint.upper);     // Eq. recovery
+    if (angles) state.q[i] = std::clamp(angle, joint.lower, joint.upper);  // Eq. recovery
   }
 }
 
@@ -110,14 +112,16 @@ void JointLimitMap::positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) 
       const auto [s, complement] = sigmoid(omega[m] / joint.scale);
       const double L = joint.L_max * s;
       const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
-      position += joint.kind == Kind::Sigmoid ? joint.sub_range * s
-                                              : joint.copies * 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
+      position += joint.kind == Kind::Sigmoid
+                      ? joint.sub_range * s
+                      : joint.copies * 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
     }
     q[static_cast<Eigen::Index>(j)] = std::clamp(position, joint.lower, joint.upper);
   }
 }
 
-void JointLimitMap::pull_back(const State& state, const Eigen::VectorXd& dq, Eigen::VectorXd& domega) const {
+void JointLimitMap::pull_back(const State& state, const Eigen::VectorXd& dq,
+                              Eigen::VectorXd& domega) const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     for (int m = joints_[j].first; m < joints_[j].first + joints_[j].count; ++m) {
       domega[m] = dq[static_cast<Eigen::Index>(j)] * state.slope[m];
@@ -134,7 +138,8 @@ void JointLimitMap::inverse(VectorIn q, Eigen::VectorXd& omega, double inset) co
       continue;
     }
     const double range = joint.upper - joint.lower;
-    const double fraction = range > 0.0 ? std::clamp((position - joint.lower) / range, inset, 1.0 - inset) : 0.5;
+    const double fraction =
+        range > 0.0 ? std::clamp((position - joint.lower) / range, inset, 1.0 - inset) : 0.5;
     double slack = 0.0;
     if (joint.kind == Kind::Sigmoid) {
       slack = std::log(fraction) - std::log1p(-fraction);

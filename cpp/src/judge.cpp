@@ -6,12 +6,16 @@
 namespace pdoik::detail {
 
 Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
-    : robot_(robot), options_(options), hulls_(hulls), T_base_body_(robot.bodies().size()),
+    : robot_(robot),
+      options_(options),
+      hulls_(hulls),
+      T_base_body_(robot.bodies().size()),
       collision_(hulls, hulls.moving) {}
 
 void Judge::pose_errors(const Eigen::Isometry3d& target, Result& result) const {
   const int tip = robot_.tips().front();
-  const Eigen::Isometry3d T = T_base_body_[static_cast<std::size_t>(robot_.body_of_link(tip))] * robot_.T_body_link(tip);
+  const Eigen::Isometry3d T =
+      T_base_body_[static_cast<std::size_t>(robot_.body_of_link(tip))] * robot_.T_body_link(tip);
   result.position_error = (T.translation() - target.translation()).norm();
   result.rotation_error = 0.0;
   if (options_.goal == GoalType::Pose) {
@@ -37,16 +41,19 @@ void Judge::limits(const Eigen::VectorXd& q, Result& result, WorstConstraint& wo
   result.limit_violation = std::max(0.0, worst.violation);
 }
 
-void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q, const Scene& scene, Result& result) {
+void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q,
+                       const Scene& scene, Result& result) {
   result.q = q;
   robot_.body_poses(q, T_base_body_);
   pose_errors(target, result);
   for (std::size_t k = 0; k < hulls_.points.size(); ++k) {
     const AttachedPoint& point = hulls_.points[k];
-    collision_.place(k, to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local)));
+    collision_.place(
+        k, to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local)));
   }
   const Clearance least = scene.clearance(collision_);
-  result.clearance = least.distance + options_.clearance;  // obstacle radii include the clearance wanted
+  result.clearance =
+      least.distance + options_.clearance;  // obstacle radii include the clearance wanted
 
   WorstConstraint& worst = result.worst;
   limits(q, result, worst);
@@ -54,15 +61,19 @@ void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q
   result.success = worst.violation <= 0.0;
   const auto compare = [&](WorstConstraint::Kind kind, double violation, int index, int obstacle) {
     result.success = result.success && violation <= 0.0;
-    const double length = kind == WorstConstraint::Kind::Rotation ? options_.rotation_weight * violation : violation;
+    const double length =
+        kind == WorstConstraint::Kind::Rotation ? options_.rotation_weight * violation : violation;
     if (length <= worst_length) return;
     worst = {kind, index, obstacle, violation};
     worst_length = length;
   };
-  compare(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance, least.source, least.obstacle);
-  compare(WorstConstraint::Kind::Position, result.position_error - options_.position_tolerance, -1, -1);
+  compare(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
+          least.source, least.obstacle);
+  compare(WorstConstraint::Kind::Position, result.position_error - options_.position_tolerance, -1,
+          -1);
   if (options_.goal != GoalType::Position) {
-    compare(WorstConstraint::Kind::Rotation, result.rotation_error - options_.rotation_tolerance, -1, -1);
+    compare(WorstConstraint::Kind::Rotation, result.rotation_error - options_.rotation_tolerance,
+            -1, -1);
   }
 }
 

@@ -10,7 +10,8 @@ namespace pdoik {
 namespace {
 
 bool is_text(const std::string& path_or_text) {
-  return path_or_text.find('\n') != std::string::npos || path_or_text.find(": ") != std::string::npos ||
+  return path_or_text.find('\n') != std::string::npos ||
+         path_or_text.find(": ") != std::string::npos ||
          path_or_text.find('{') != std::string::npos;
 }
 
@@ -29,7 +30,8 @@ class Entry {
   }
   Eigen::Vector3d point(const char* key) const {
     const auto values = get<std::vector<double>>(key, "[x, y, z] in metres");
-    if (values.size() != 3) fail(std::string(key) + " has " + std::to_string(values.size()) + " numbers, expected 3");
+    if (values.size() != 3)
+      fail(std::string(key) + " has " + std::to_string(values.size()) + " numbers, expected 3");
     const Eigen::Vector3d point(values[0], values[1], values[2]);
     if (!point.allFinite()) fail(std::string(key) + " is not finite");
     return point;
@@ -57,7 +59,8 @@ class Entry {
 namespace {
 
 YAML::Node parse(const std::string& path_or_text, bool text, const std::string& source) {
-  if (path_or_text.find('\0') != std::string::npos) throw LoadError(source + " holds a NUL character");
+  if (path_or_text.find('\0') != std::string::npos)
+    throw LoadError(source + " holds a NUL character");
   try {
     return text ? YAML::Load(path_or_text) : YAML::LoadFile(path_or_text);
   } catch (const YAML::ParserException& error) {
@@ -68,15 +71,18 @@ YAML::Node parse(const std::string& path_or_text, bool text, const std::string& 
 }
 
 void check_keys(const YAML::Node& root, const std::string& source) {
-  if (!root.IsMap()) throw LoadError(source + ": expected a mapping with 'spheres' and 'spheroids'");
+  if (!root.IsMap())
+    throw LoadError(source + ": expected a mapping with 'spheres' and 'spheroids'");
   std::set<std::string> seen;
   for (const auto& item : root) {
-    const std::string key = item.first.IsScalar() ? item.first.Scalar() : "a key that is not a word";
+    const std::string key =
+        item.first.IsScalar() ? item.first.Scalar() : "a key that is not a word";
     if (key != "spheres" && key != "spheroids") {
       throw LoadError(source + ": '" + key + "' is unknown, expected 'spheres' and 'spheroids'");
     }
     if (!seen.insert(key).second) throw LoadError(source + ": '" + key + "' is there twice");
-    if (!item.second.IsSequence() && !item.second.IsNull()) throw LoadError(source + ": '" + key + "' is not a list");
+    if (!item.second.IsSequence() && !item.second.IsNull())
+      throw LoadError(source + ": '" + key + "' is not a list");
   }
 }
 
@@ -90,12 +96,14 @@ Occupancy load_occupancy(const std::string& path_or_text) {
   Occupancy occupancy;
   for (std::size_t i = 0; root["spheres"] && i < root["spheres"].size(); ++i) {
     const Entry entry(root["spheres"][i], source + ": spheres[" + std::to_string(i) + "]");
-    occupancy.spheres.push_back({entry.text("link"), entry.point("center"), entry.length("radius")});
+    occupancy.spheres.push_back(
+        {entry.text("link"), entry.point("center"), entry.length("radius")});
   }
   for (std::size_t i = 0; root["spheroids"] && i < root["spheroids"].size(); ++i) {
     const Entry entry(root["spheroids"][i], source + ": spheroids[" + std::to_string(i) + "]");
-    occupancy.spheroids.push_back({entry.text("link_a"), entry.point("focus_a"), entry.text("link_b"),
-                                   entry.point("focus_b"), entry.length("semi_major")});
+    occupancy.spheroids.push_back({entry.text("link_a"), entry.point("focus_a"),
+                                   entry.text("link_b"), entry.point("focus_b"),
+                                   entry.length("semi_major")});
   }
   return occupancy;
 }
@@ -104,7 +112,8 @@ std::string to_yaml(const Occupancy& occupancy) {
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   const auto point = [&](const char* key, const Eigen::Vector3d& p) {
-    out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq << p.x() << p.y() << p.z() << YAML::EndSeq;
+    out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq << p.x() << p.y()
+        << p.z() << YAML::EndSeq;
   };
   out << YAML::BeginMap << YAML::Key << "spheres" << YAML::Value << YAML::BeginSeq;
   for (const Sphere& sphere : occupancy.spheres) {

@@ -16,11 +16,12 @@ namespace {
 void check_grid(const Eigen::Array3d& low, const Eigen::Array3d& high, double leaf) {
   const Eigen::Array3d cells = (high / leaf).floor() - (low / leaf).floor() + 1.0;
   const double index_limit = static_cast<double>(std::numeric_limits<std::int32_t>::max());
-  const bool coordinates_fit = (low / leaf).minCoeff() > -index_limit && (high / leaf).maxCoeff() < index_limit;
+  const bool coordinates_fit =
+      (low / leaf).minCoeff() > -index_limit && (high / leaf).maxCoeff() < index_limit;
   if (cells.prod() < 0.999 * index_limit && coordinates_fit) return;
   std::ostringstream message;
-  message << "leaf is " << leaf << " m, too small for a cloud from " << low.transpose() << " to " << high.transpose()
-          << " m: PCL numbers cells with 32 bits";
+  message << "leaf is " << leaf << " m, too small for a cloud from " << low.transpose() << " to "
+          << high.transpose() << " m: PCL numbers cells with 32 bits";
   throw std::invalid_argument(message.str());
 }
 
@@ -45,11 +46,13 @@ Points voxel_downsample(const Obstacles& points, double leaf) {
     const Eigen::Array3d p = points.row(i).transpose();
     if (!p.isFinite().all()) continue;
     if (p.abs().maxCoeff() > kFloatMax) {
-      throw std::invalid_argument("points has a coordinate beyond 1e15 m in row " + std::to_string(i));
+      throw std::invalid_argument("points has a coordinate beyond 1e15 m in row " +
+                                  std::to_string(i));
     }
     low = low.min(p);
     high = high.max(p);
-    cloud->emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
+    cloud->emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                        static_cast<float>(p.z()));
   }
   if (cloud->empty()) return Points(0, 3);
   check_grid(low, high, leaf);

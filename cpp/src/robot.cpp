@@ -43,8 +43,8 @@ Robot::Robot(const RobotDescription& description, const std::string& base_link,
   for (const std::string& tip : tip_links) {
     const std::optional<int> link = find_link(tip);
     if (!link) {
-      throw LoadError("tip link '" + tip + "' is not a link of '" + name_ + "' (links: " +
-                      detail::join(link_names_) + ")");
+      throw LoadError("tip link '" + tip + "' is not a link of '" + name_ +
+                      "' (links: " + detail::join(link_names_) + ")");
     }
     tips_.push_back(*link);
   }
@@ -158,7 +158,8 @@ int resolve_link(int link, const Robot& robot) {
     return robot.tips().front();
   }
   if (link >= static_cast<int>(robot.link_names().size())) {
-    throw std::invalid_argument("link index " + std::to_string(link) + " is out of range, the robot has " +
+    throw std::invalid_argument("link index " + std::to_string(link) +
+                                " is out of range, the robot has " +
                                 std::to_string(robot.link_names().size()) + " links");
   }
   return link;
@@ -184,7 +185,8 @@ void Robot::body_poses(VectorIn q, std::vector<Eigen::Isometry3d>& T_base_body) 
   T_base_body[0].setIdentity();
   for (std::size_t b = 1; b < bodies_.size(); ++b) {
     const Body& body = bodies_[b];
-    T_base_body[b] = T_base_body[static_cast<std::size_t>(body.parent)] * body.T_parent_joint * joint_motion(body, q);
+    T_base_body[b] = T_base_body[static_cast<std::size_t>(body.parent)] * body.T_parent_joint *
+                     joint_motion(body, q);
   }
 }
 

@@ -44,16 +44,19 @@ Search::Search(const Robot& robot, const Options& options)
       upper_(robot.upper()),
       matters_(joints_that_matter(robot, hulls_)) {
   for (Eigen::Index i = 0; i < robot.dof(); ++i) {
-    const bool turns = std::isinf(lower_[i]) && robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Continuous;
+    const bool turns = std::isinf(lower_[i]) &&
+                       robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Continuous;
     turns_.push_back(turns ? Turn::Wrap : Turn::Limited);
   }
   for (const Body& body : robot.bodies()) {
-    if (body.dof < 0 || (!body.prismatic && body.multiplier == std::round(body.multiplier))) continue;
+    if (body.dof < 0 || (!body.prismatic && body.multiplier == std::round(body.multiplier)))
+      continue;
     Turn& turn = turns_[static_cast<std::size_t>(body.dof)];
     if (turn == Turn::Wrap) turn = Turn::Bound;
   }
   const int tip = robot.tips().front();
-  goals_.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal, options.goal_axis);
+  goals_.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal,
+                      options.goal_axis);
   start_.setZero(robot.dof());
   q_.setZero(robot.dof());
   omega_.setZero(map_.size());
@@ -112,13 +115,15 @@ void Search::run(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, Res
   } else {
     run_default(target, q0, deadline, result);
   }
-  if (!result.success && base_collides()) result.status = Status::BaseCollision;
-  else if (!result.success && out_of_reach(target)) result.status = Status::OutOfReach;
+  if (!result.success && base_collides())
+    result.status = Status::BaseCollision;
+  else if (!result.success && out_of_reach(target))
+    result.status = Status::OutOfReach;
   result.time = deadline.elapsed();
 }
 
-void Search::run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline,
-                       Result& result) {
+void Search::run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
+                       const Deadline& deadline, Result& result) {
   if (q0 != nullptr) {
     map_.inverse(*q0, omega_, options_.start_inset);
     start_ = *q0;
@@ -159,15 +164,15 @@ bool Search::minimise(const Deadline& deadline, Result& result) {
     return struck;
   }
   bool struck = false;
-  const LevenbergMarquardtResult inner =
-      levenberg_marquardt_.minimize(least_squares_, q_, lower_, upper_, [&] { return struck = deadline.passed(); });
+  const LevenbergMarquardtResult inner = levenberg_marquardt_.minimize(
+      least_squares_, q_, lower_, upper_, [&] { return struck = deadline.passed(); });
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
   return struck;
 }
 
-void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline,
-                         Result& result) {
+void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
+                         const Deadline& deadline, Result& result) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const bool bounded = std::isfinite(robot_.lower()[i]) && std::isfinite(robot_.upper()[i]);
     start_[i] = q0 != nullptr ? std::clamp((*q0)[i], robot_.lower()[i], robot_.upper()[i])
@@ -197,7 +202,9 @@ void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd*
       result.status = Status::TimeLimit;
       return;
     }
-    if (base_collides() && options_.inner == InnerMethod::LevenbergMarquardt && least_squares_.done()) break;
+    if (base_collides() && options_.inner == InnerMethod::LevenbergMarquardt &&
+        least_squares_.done())
+      break;
   }
   result.status = Status::Exhausted;
 }
@@ -209,7 +216,8 @@ void Search::restart_configuration(int k) {
       continue;
     }
     const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
-    const double low = bounded ? lower_[i] : start_[i] - M_PI, high = bounded ? upper_[i] : start_[i] + M_PI;
+    const double low = bounded ? lower_[i] : start_[i] - M_PI,
+                 high = bounded ? upper_[i] : start_[i] + M_PI;
     q_[i] = low + sequence_(k, i) * (high - low);
   }
 }

@@ -41,15 +41,16 @@ void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_
   const double gap = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (gap <= 1e-6 && R.determinant() > 0.0) return;
   std::ostringstream message;
-  message << name << " is not a rigid transform: its 3x3 part times its transpose is off the identity by " << gap
-          << ", its determinant is " << R.determinant() << ", expected 1";
+  message << name
+          << " is not a rigid transform: its 3x3 part times its transpose is off the identity by "
+          << gap << ", its determinant is " << R.determinant() << ", expected 1";
   throw std::invalid_argument(message.str());
 }
 
 void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name) {
   if (q.size() != dof) {
-    throw std::invalid_argument(name + " has " + std::to_string(q.size()) + " entries, the robot has " +
-                                std::to_string(dof) + " joints");
+    throw std::invalid_argument(name + " has " + std::to_string(q.size()) +
+                                " entries, the robot has " + std::to_string(dof) + " joints");
   }
   if (!q.allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
 }
@@ -78,7 +79,8 @@ void check_obstacles(const Obstacles& points) {
       throw std::invalid_argument("obstacles holds NaN or infinity in row " + std::to_string(i));
     }
     if (points.row(i).cwiseAbs().maxCoeff() > kLargestCoordinate) {
-      throw std::invalid_argument("obstacles has a number beyond 1e6 m in row " + std::to_string(i));
+      throw std::invalid_argument("obstacles has a number beyond 1e6 m in row " +
+                                  std::to_string(i));
     }
     if (points.cols() == 4 && points(i, 3) < 0.0) {
       throw std::invalid_argument("obstacles has a negative radius in row " + std::to_string(i));
@@ -106,10 +108,12 @@ Solver::Solver(const Robot& robot, const Options& options) {
   detail::check_options(options);
   if (robot.tips().size() != 1) {
     throw std::invalid_argument("the robot has " + std::to_string(robot.tips().size()) +
-                                " tips, expected one: choose tip_link among " + detail::join(robot.tip_links()));
+                                " tips, expected one: choose tip_link among " +
+                                detail::join(robot.tip_links()));
   }
   if (robot.dof() < 1 || robot.dof() > 64) {
-    throw std::invalid_argument("the robot has " + std::to_string(robot.dof()) + " joints, expected 1 to 64");
+    throw std::invalid_argument("the robot has " + std::to_string(robot.dof()) +
+                                " joints, expected 1 to 64");
   }
   impl_ = std::make_unique<Implementation>(robot, options);
 }
@@ -126,7 +130,9 @@ void Solver::set_obstacles(const Obstacles& points) {
   impl_->search.set_obstacles(points);
 }
 
-void Solver::set_interrupt(std::function<bool()> wanted) { impl_->search.set_interrupt(std::move(wanted)); }
+void Solver::set_interrupt(std::function<bool()> wanted) {
+  impl_->search.set_interrupt(std::move(wanted));
+}
 
 void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
 
@@ -136,7 +142,8 @@ void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q
   impl_->search.run(T_base_tip, q0, result);
 }
 
-Result Solver::solve(const Eigen::Isometry3d& T_base_tip, const std::optional<Eigen::VectorXd>& q0) {
+Result Solver::solve(const Eigen::Isometry3d& T_base_tip,
+                     const std::optional<Eigen::VectorXd>& q0) {
   Result result;
   solve(T_base_tip, q0 ? &*q0 : nullptr, result);
   return result;
@@ -144,7 +151,8 @@ Result Solver::solve(const Eigen::Isometry3d& T_base_tip, const std::optional<Ei
 
 std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targets,
                                         std::span<const Eigen::VectorXd> q0, int threads) const {
-  if (threads < 0) throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
+  if (threads < 0)
+    throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
   if (!q0.empty() && q0.size() != 1 && q0.size() != targets.size()) {
     throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " rows, expected 1 or " +
                                 std::to_string(targets.size()));
@@ -153,7 +161,8 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
     check_target(targets[i], "T_base_tip[" + std::to_string(i) + "]");
   }
   for (std::size_t i = 0; i < q0.size(); ++i) {
-    check_configuration(q0[i], robot().dof(), q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
+    check_configuration(q0[i], robot().dof(),
+                        q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
   }
   std::vector<Result> results(targets.size());
   std::atomic<std::size_t> next{0};
@@ -171,8 +180,10 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
       failure = std::current_exception();
     }
   };
-  const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
-  const std::size_t count = std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(targets.size(), 1));
+  const std::size_t wanted =
+      threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
+  const std::size_t count =
+      std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(targets.size(), 1));
   std::vector<std::thread> pool;
   try {
     for (std::size_t t = 1; t < count; ++t) pool.emplace_back(work);
@@ -215,7 +226,8 @@ std::string Solver::describe(const WorstConstraint& worst) const {
   } else {
     const std::size_t k = hull - occupancy.spheres.size();
     const Spheroid& s = occupancy.spheroids[k];
-    where = s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " + std::to_string(k) + ")";
+    where = s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
+            std::to_string(k) + ")";
   }
   return "clearance of " + where + " to obstacle " + std::to_string(worst.obstacle);
 }

@@ -11,16 +11,18 @@
 namespace pdoik::detail {
 namespace {
 
-/// A rotation that takes z to a unit vector. The shortest one is ill-defined near -z: there it starts from -z.
+/// A rotation that takes z to a unit vector. The shortest one is ill-defined near -z: there it
+/// starts from -z.
 Eigen::Matrix3d rotation_of_z_to(const Eigen::Vector3d& axis) {
   const Eigen::Vector3d pole(0.0, 0.0, axis.z() < 0.0 ? -1.0 : 1.0);
-  Eigen::Matrix3d R = Eigen::Quaterniond::FromTwoVectors(pole, axis).normalized().toRotationMatrix();
+  Eigen::Matrix3d R =
+      Eigen::Quaterniond::FromTwoVectors(pole, axis).normalized().toRotationMatrix();
   if (axis.z() < 0.0) R.rightCols<2>() *= -1.0;  // after half a turn about x
   return R;
 }
 
-/// Builds the tree by walking the description's joints away from the base, turning round those it meets
-/// from their child's side.
+/// Builds the tree by walking the description's joints away from the base, turning round those it
+/// meets from their child's side.
 class TreeBuilder {
  public:
   explicit TreeBuilder(const RobotDescription& description) : description_(description) {
@@ -77,10 +79,12 @@ class TreeBuilder {
     for (std::size_t j = 0; j < description_.joints.size(); ++j) {
       const JointDescription& joint = description_.joints[j];
       check_joint(joint);
-      if (!joint_index_.emplace(joint.name, j).second) fail("two joints are named '" + joint.name + "'");
+      if (!joint_index_.emplace(joint.name, j).second)
+        fail("two joints are named '" + joint.name + "'");
       const std::size_t parent = link(joint.parent_link, "joint '" + joint.name + "': parent link");
       const std::size_t child = link(joint.child_link, "joint '" + joint.name + "': child link");
-      if (parent == child) fail("joint '" + joint.name + "' joins link '" + joint.child_link + "' to itself");
+      if (parent == child)
+        fail("joint '" + joint.name + "' joins link '" + joint.child_link + "' to itself");
       if (parent_joint_[child] != kNone) {
         fail("link '" + joint.child_link + "' has two parents, by joints '" +
              description_.joints[parent_joint_[child]].name + "' and '" + joint.name +
@@ -119,7 +123,8 @@ class TreeBuilder {
     }
   }
 
-  /// With one parent each at most, a graph is a tree exactly when one link has none and all are reached.
+  /// With one parent each at most, a graph is a tree exactly when one link has none and all are
+  /// reached.
   void check_is_tree() const {
     std::vector<std::string> roots;
     for (std::size_t i = 0; i < parent_joint_.size(); ++i) {
@@ -212,7 +217,8 @@ class TreeBuilder {
       if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
         fail("joint '" + follower.name + "': mimic multiplier or offset is not finite");
       }
-      if (hops > description_.joints.size()) fail("joint '" + follower.name + "' mimics itself in a circle");
+      if (hops > description_.joints.size())
+        fail("joint '" + follower.name + "' mimics itself in a circle");
       source.offset += source.multiplier * mimic.offset;
       source.multiplier *= mimic.multiplier;
       source.joint = found->second;

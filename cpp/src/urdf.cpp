@@ -18,7 +18,8 @@ namespace {
 class MessageCollector : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN) messages_ += (messages_.empty() ? "" : "; ") + text;
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN)
+      messages_ += (messages_.empty() ? "" : "; ") + text;
   }
   const std::string& messages() const { return messages_; }
 
@@ -41,8 +42,8 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& xml, const std::string& s
   }
   console_bridge::useOutputHandler(previous);
   if (!model) {
-    throw LoadError(source + " is not a valid URDF: " +
-                    (failure.empty() ? collector.messages() : failure));
+    throw LoadError(source +
+                    " is not a valid URDF: " + (failure.empty() ? collector.messages() : failure));
   }
   return model;
 }
@@ -82,7 +83,8 @@ JointType convert_type(const urdf::Joint& joint, const std::string& source) {
       return JointType::Fixed;
     default:
       throw LoadError(source + ": joint '" + joint.name +
-                      "' is of a type that is not supported: expected revolute, continuous, prismatic or fixed");
+                      "' is of a type that is not supported: expected revolute, continuous, "
+                      "prismatic or fixed");
   }
 }
 
@@ -126,8 +128,10 @@ void check_text(const std::string& xml, const std::string& source) {
     const bool closed = end != std::string::npos && xml[end - 1] == '/';
     depth += next == '/' ? -1 : closed ? 0 : 1;
     joints += xml.compare(i, 6, "<joint") == 0 ? 1 : 0;
-    if (depth > kDeepest) throw LoadError(source + " is nested more than " + std::to_string(kDeepest) + " deep");
-    if (joints > kMostJoints) throw LoadError(source + " has more than " + std::to_string(kMostJoints) + " joints");
+    if (depth > kDeepest)
+      throw LoadError(source + " is nested more than " + std::to_string(kDeepest) + " deep");
+    if (joints > kMostJoints)
+      throw LoadError(source + " has more than " + std::to_string(kMostJoints) + " joints");
   }
 }
 
@@ -141,8 +145,10 @@ bool is_xml(const std::string& text) {
 }
 
 std::string read_file(const std::string& path) {
-  if (path.find('\0') != std::string::npos) throw LoadError("the URDF's path holds a NUL character");
-  if (path.empty()) throw LoadError("the URDF is an empty string, expected a file's path or XML text");
+  if (path.find('\0') != std::string::npos)
+    throw LoadError("the URDF's path holds a NUL character");
+  if (path.empty())
+    throw LoadError("the URDF is an empty string, expected a file's path or XML text");
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
   if (file) text << file.rdbuf();

@@ -13,7 +13,8 @@ enum class PenaltyForm {
   /// Eq. AL as printed, with the update corrected (mu + rho max(0, c)):
   ///     mu max(0, c) + rho/2 max(0, c)^2.      It has a kink at c = 0 once mu > 0.
   Printed,
-  /// The classic smooth form max(0, mu + rho c)^2 / (2 rho), update max(0, mu + rho c). Up to the constant
+  /// The classic smooth form max(0, mu + rho c)^2 / (2 rho), update max(0, mu + rho c). Up to the
+  /// constant
   /// -mu^2 / (2 rho) it equals the printed one where c > 0; it acts for every c > -mu / rho.
   Smooth,
 };
@@ -43,17 +44,17 @@ struct Penalty {
 
 struct AugmentedLagrangianOptions {
   PenaltyForm form = PenaltyForm::Smooth;
-  double rho = 1.0;                     ///< first penalty weight (paper: 1)
-  double rho_growth = 10.0;             ///< alpha (paper: 10)
-  double rho_max = 1e12;                ///< the weight grows no further
-  double beta = 0.99;                   ///< give up when max c >= beta times its last value (paper: 0.99)
-  double constraint_tolerance = 1e-6;   ///< c_tol, in the constraints' own unit
-  int max_outer_iterations = 20;        ///< k_max
+  double rho = 1.0;          ///< first penalty weight (paper: 1)
+  double rho_growth = 10.0;  ///< alpha (paper: 10)
+  double rho_max = 1e12;     ///< the weight grows no further
+  double beta = 0.99;        ///< give up when max c >= beta times its last value (paper: 0.99)
+  double constraint_tolerance = 1e-6;  ///< c_tol, in the constraints' own unit
+  int max_outer_iterations = 20;       ///< k_max
 };
 
 enum class AugmentedLagrangianStatus {
-  Feasible,        ///< max c < c_tol
-  Stalled,         ///< max c stopped falling: Algorithm IK's second stop condition, which is giving up
+  Feasible,  ///< max c < c_tol
+  Stalled,   ///< max c stopped falling: Algorithm IK's second stop condition, which is giving up
   IterationLimit,  ///< k_max reached
   Stopped,         ///< the caller's stop condition held
 };
@@ -63,21 +64,23 @@ struct AugmentedLagrangianResult {
   double max_constraint = 0.0;  ///< max(0, max c) at the returned point
   double rho = 0.0;
   int outer_iterations = 0;
-  int iterations = 0;   ///< of the inner minimiser, in all
+  int iterations = 0;  ///< of the inner minimiser, in all
   int evaluations = 0;
 };
 
 /// Minimise f(x) subject to c(x) <= 0 (Algorithm IK's loop). Knows nothing of robots.
 ///
 /// A Problem provides
-///     double lagrangian(const VectorXd& x, const Penalty&, VectorXd& gradient)   f + sum of penalty terms
-///     double max_constraint(const VectorXd& x)                                   max(0, max_j c_j(x))
-///     void   reset_multipliers()                                                 mu <- 0
-///     void   update_multipliers(const VectorXd& x, const Penalty&)               mu_j <- updated_multiplier
+///     double lagrangian(const VectorXd& x, const Penalty&, VectorXd& gradient)   f + sum of
+///     penalty terms double max_constraint(const VectorXd& x) max(0, max_j c_j(x)) void
+///     reset_multipliers()                                                 mu <- 0 void
+///     update_multipliers(const VectorXd& x, const Penalty&)               mu_j <-
+///     updated_multiplier
 /// and keeps its own multipliers, one per constraint, because only it knows which are not zero.
 class AugmentedLagrangian {
  public:
-  explicit AugmentedLagrangian(Eigen::Index variables, const AugmentedLagrangianOptions& options = {},
+  explicit AugmentedLagrangian(Eigen::Index variables,
+                               const AugmentedLagrangianOptions& options = {},
                                const LbfgsOptions& inner = {})
       : options_(options), lbfgs_(variables, inner) {}
 
@@ -110,8 +113,8 @@ class AugmentedLagrangian {
         result.status = AugmentedLagrangianStatus::Stalled;
         return result;
       }
-      last = result.max_constraint;           // line 8
-      problem.update_multipliers(x, penalty);  // line 9
+      last = result.max_constraint;                                                 // line 8
+      problem.update_multipliers(x, penalty);                                       // line 9
       penalty.rho = std::min(options_.rho_growth * penalty.rho, options_.rho_max);  // line 10
     }
     result.status = AugmentedLagrangianStatus::IterationLimit;

@@ -7,30 +7,33 @@
 
 namespace pdoik {
 
-/// The paper's change of variables (Sec. joint-limit): unbounded slack omega, one per sub-angle, to joint
-/// positions inside their limits.
+/// The paper's change of variables (Sec. joint-limit): unbounded slack omega, one per sub-angle, to
+/// joint positions inside their limits.
 ///
-/// A revolute joint of range k pi is cut into K = ceil(k - 1e-9) equal sub-angles theta_m in [0, range/K],
-/// each described by the squared distance L_m = 1 - cos(theta_m) between two points at distance 1/sqrt(2)
-/// from the axis, and L_m = L_max sigmoid(omega_m) with L_max = 1 - cos(range/K)  (Eqs. theta_im-limit,
-/// Lim-limit, squash1). The joint's angle is theta = theta_min + sum_m arccos(1 - L_m) (Eq. recovery). Its
-/// cosine and sine come from the product of the complex numbers (1 - L_m) + i sqrt(2 L_m - L_m^2), without
-/// any arccos. A prismatic joint is lower + range sigmoid(omega); joints without limits are omega itself.
+/// A revolute joint of range k pi is cut into K = ceil(k - 1e-9) equal sub-angles theta_m in [0,
+/// range/K], each described by the squared distance L_m = 1 - cos(theta_m) between two points at
+/// distance 1/sqrt(2) from the axis, and L_m = L_max sigmoid(omega_m) with L_max = 1 - cos(range/K)
+/// (Eqs. theta_im-limit, Lim-limit, squash1). The joint's angle is theta = theta_min + sum_m
+/// arccos(1 - L_m) (Eq. recovery). Its cosine and sine come from the product of the complex numbers
+/// (1 - L_m) + i sqrt(2 L_m - L_m^2), without any arccos. A prismatic joint is lower + range
+/// sigmoid(omega); joints without limits are omega itself.
 class JointLimitMap {
  public:
   /// Values and derivatives at one omega; its vectors are sized by `make_state`.
   struct State {
-    Eigen::VectorXd cosine, sine;  ///< of each joint's angle, shape (n,); unused for prismatic joints
-    Eigen::VectorXd q;             ///< joint positions, shape (n,); angles only if asked for
-    Eigen::VectorXd slope;         ///< d theta / d slack, shape (M',)
+    Eigen::VectorXd cosine,
+        sine;               ///< of each joint's angle, shape (n,); unused for prismatic joints
+    Eigen::VectorXd q;      ///< joint positions, shape (n,); angles only if asked for
+    Eigen::VectorXd slope;  ///< d theta / d slack, shape (M',)
   };
 
   /// How the sub-angles of one joint get their slack.
   enum class Slack {
     PerSubAngle,  ///< one each: the paper's M' variables
-    /// One per joint, y = sqrt(K) omega with all its omega_m equal. They have the same derivative, so a
-    /// gradient method that starts them equal keeps them equal; the factor keeps lengths and inner products,
-    /// so L-BFGS takes the same steps (up to rounding) with M variables instead of M'.
+    /// One per joint, y = sqrt(K) omega with all its omega_m equal. They have the same derivative,
+    /// so a gradient method that starts them equal keeps them equal; the factor keeps lengths and
+    /// inner products, so L-BFGS takes the same steps (up to rounding) with M variables instead of
+    /// M'.
     Shared,
   };
 
@@ -49,11 +52,13 @@ class JointLimitMap {
   /// Joint positions at omega, strictly inside the limits up to rounding, and never outside them.
   void positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) const;
 
-  /// Gradient with respect to omega from that with respect to q: dL/domega_m = dL/dq_i dtheta_m/domega_m.
+  /// Gradient with respect to omega from that with respect to q: dL/domega_m = dL/dq_i
+  /// dtheta_m/domega_m.
   void pull_back(const State& state, const Eigen::VectorXd& dq, Eigen::VectorXd& domega) const;
 
   /// A slack that maps to q, an angle being split evenly over its sub-angles.
-  /// @param q  Positions; those outside [lower + inset range, upper - inset range] are moved to its ends,
+  /// @param q  Positions; those outside [lower + inset range, upper - inset range] are moved to its
+  /// ends,
   ///     because the map's derivative vanishes at the limits and a start there could not leave.
   /// @param inset  Fraction of the range, in [0, 0.5).
   void inverse(VectorIn q, Eigen::VectorXd& omega, double inset = 0.01) const;
@@ -62,13 +67,13 @@ class JointLimitMap {
   enum class Kind { Direct, Sigmoid, Distance };
   struct Joint {
     Kind kind;
-    int first;             // of its slack variables
-    int count;             // of its slack variables
-    int copies;            // sub-angles per slack variable
-    double scale;          // sqrt(copies)
-    double lower, upper;   // [rad] or [m]
-    double sub_range;      // range / K
-    double L_max;          // of each sub-angle
+    int first;            // of its slack variables
+    int count;            // of its slack variables
+    int copies;           // sub-angles per slack variable
+    double scale;         // sqrt(copies)
+    double lower, upper;  // [rad] or [m]
+    double sub_range;     // range / K
+    double L_max;         // of each sub-angle
     double cos_lower, sin_lower;
   };
   std::vector<Joint> joints_;

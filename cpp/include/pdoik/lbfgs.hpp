@@ -10,23 +10,26 @@
 namespace pdoik {
 
 struct LbfgsOptions {
-  int memory = 10;                    ///< pairs (s, y) kept
-  int max_iterations = 200;           ///< per minimisation
-  int max_line_search = 20;           ///< trial steps per iteration
-  double gradient_tolerance = 1e-8;   ///< stop when |g| falls below this
-  double relative_decrease = 1e-14;   ///< stop when f falls by less than this times max(|f|, |f_previous|)
-  double first_step = 1.0;            ///< length of the first step along the steepest descent, if |g| is larger
-  double max_step = std::numeric_limits<double>::infinity();  ///< longest first trial of an iteration
-  double armijo = 1e-4;               ///< c1 of the Wolfe conditions
-  double curvature = 0.9;             ///< c2 of the Wolfe conditions
+  int memory = 10;                   ///< pairs (s, y) kept
+  int max_iterations = 200;          ///< per minimisation
+  int max_line_search = 20;          ///< trial steps per iteration
+  double gradient_tolerance = 1e-8;  ///< stop when |g| falls below this
+  double relative_decrease =
+      1e-14;  ///< stop when f falls by less than this times max(|f|, |f_previous|)
+  double first_step =
+      1.0;  ///< length of the first step along the steepest descent, if |g| is larger
+  double max_step =
+      std::numeric_limits<double>::infinity();  ///< longest first trial of an iteration
+  double armijo = 1e-4;                         ///< c1 of the Wolfe conditions
+  double curvature = 0.9;                       ///< c2 of the Wolfe conditions
 };
 
 enum class LbfgsStatus {
-  GradientSmall,    ///< the gradient tolerance is met
-  DecreaseSmall,    ///< f no longer falls
-  IterationLimit,   ///< max_iterations reached
-  LineSearchFailed, ///< no acceptable step along the steepest descent either
-  Stopped,          ///< the caller's stop condition held (a deadline, say)
+  GradientSmall,     ///< the gradient tolerance is met
+  DecreaseSmall,     ///< f no longer falls
+  IterationLimit,    ///< max_iterations reached
+  LineSearchFailed,  ///< no acceptable step along the steepest descent either
+  Stopped,           ///< the caller's stop condition held (a deadline, say)
 };
 
 struct LbfgsResult {
@@ -38,12 +41,13 @@ struct LbfgsResult {
 
 /// Limited-memory BFGS (Nocedal and Wright, Numerical Optimization, Algorithms 7.4 and 7.5).
 ///
-/// The direction comes from the two-loop recursion with initial scaling s.y / y.y. The step satisfies the
-/// weak Wolfe conditions
+/// The direction comes from the two-loop recursion with initial scaling s.y / y.y. The step
+/// satisfies the weak Wolfe conditions
 ///     f(x + t d) <= f(x) + c1 t g.d     and     g(x + t d).d >= c2 g.d,
-/// found by bracketing and safeguarded cubic interpolation (Lewis and Overton's bracket, which also copes
-/// with a kink). A pair enters the memory only when s.y > 1e-10 |s| |y|, so the matrix stays positive
-/// definite. Knows nothing of robots. All memory is taken at construction; `minimize` allocates nothing.
+/// found by bracketing and safeguarded cubic interpolation (Lewis and Overton's bracket, which also
+/// copes with a kink). A pair enters the memory only when s.y > 1e-10 |s| |y|, so the matrix stays
+/// positive definite. Knows nothing of robots. All memory is taken at construction; `minimize`
+/// allocates nothing.
 class Lbfgs {
  public:
   /// @param variables  Number of variables, at least 1.
@@ -52,8 +56,8 @@ class Lbfgs {
 
   /// Minimise from x, in place.
   /// @param evaluate  double(const VectorXd& x, VectorXd& gradient), f and its gradient at x.
-  /// @param stop  bool(const VectorXd& x, double f), asked after every iteration; true ends the run.
-  /// x holds the best point found whatever the status.
+  /// @param stop  bool(const VectorXd& x, double f), asked after every iteration; true ends the
+  /// run. x holds the best point found whatever the status.
   template <class Evaluate, class Stop>
   LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop);
   template <class Evaluate>
@@ -79,7 +83,7 @@ class Lbfgs {
                    LbfgsResult& result);
 
   LbfgsOptions options_;
-  Eigen::MatrixXd S_, Y_;          // (n, memory), columns used as a ring
+  Eigen::MatrixXd S_, Y_;  // (n, memory), columns used as a ring
   Eigen::VectorXd inverse_sy_, alpha_;
   int stored_ = 0, next_ = 0;
   Eigen::VectorXd g_, d_, x_trial_, g_trial_;
@@ -87,8 +91,12 @@ class Lbfgs {
 };
 
 inline Lbfgs::Lbfgs(Eigen::Index variables, const LbfgsOptions& options) : options_(options) {
-  if (variables < 1) throw std::invalid_argument("variables is " + std::to_string(variables) + ", expected at least 1");
-  if (options.memory < 1) throw std::invalid_argument("memory is " + std::to_string(options.memory) + ", expected at least 1");
+  if (variables < 1)
+    throw std::invalid_argument("variables is " + std::to_string(variables) +
+                                ", expected at least 1");
+  if (options.memory < 1)
+    throw std::invalid_argument("memory is " + std::to_string(options.memory) +
+                                ", expected at least 1");
   if (!(0.0 < options.armijo && options.armijo < options.curvature && options.curvature < 1.0)) {
     throw std::invalid_argument("armijo and curvature must satisfy 0 < armijo < curvature < 1");
   }
@@ -152,7 +160,8 @@ bool Lbfgs::line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f, 
       t *= 2.0;
       continue;
     }
-    // The cubic through both ends' values and slopes, kept inside the middle eight tenths of the bracket.
+    // The cubic through both ends' values and slopes, kept inside the middle eight tenths of the
+    // bracket.
     const double width = high - low;
     double step = 0.5;
     const double d1 = slope_low + slope_high - 3.0 * (f_high - f_low) / width;

@@ -10,20 +10,21 @@
 namespace pdoik {
 
 struct LevenbergMarquardtOptions {
-  int max_iterations = 60;            ///< linearisations per run
-  double first_damping = 0.3;        ///< lambda, relative to the largest diagonal entry of the Hessian
-  double damping_decrease = 0.2;      ///< after a step that went as predicted
-  double damping_increase = 5.0;      ///< after a rejected step
-  double max_damping = 1e6;           ///< beyond it the run has stalled
-  double stall_ratio = 0.95;          ///< the run has stalled when `stall_window` steps leave more of f than this
+  int max_iterations = 60;        ///< linearisations per run
+  double first_damping = 0.3;     ///< lambda, relative to the largest diagonal entry of the Hessian
+  double damping_decrease = 0.2;  ///< after a step that went as predicted
+  double damping_increase = 5.0;  ///< after a rejected step
+  double max_damping = 1e6;       ///< beyond it the run has stalled
+  double stall_ratio =
+      0.95;  ///< the run has stalled when `stall_window` steps leave more of f than this
   int stall_window = 4;
 };
 
 enum class LevenbergMarquardtStatus {
-  Done,            ///< the problem says so
-  Stalled,         ///< f falls too slowly to go on: a local minimum, most likely
+  Done,     ///< the problem says so
+  Stalled,  ///< f falls too slowly to go on: a local minimum, most likely
   IterationLimit,
-  Stopped,         ///< the caller's stop condition held
+  Stopped,  ///< the caller's stop condition held
 };
 
 struct LevenbergMarquardtResult {
@@ -38,7 +39,8 @@ namespace detail {
 /// Solve (H + lambda I) d = -g over the free variables, d = 0 elsewhere, by an in-place Cholesky
 /// factorisation. False if the matrix is not positive definite. `L` is scratch of H's size.
 inline bool solve_damped(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, double lambda,
-                         const std::vector<int>& free, int count, Eigen::MatrixXd& L, Eigen::VectorXd& d) {
+                         const std::vector<int>& free, int count, Eigen::MatrixXd& L,
+                         Eigen::VectorXd& d) {
   const Eigen::Index stride = L.rows();
   double* const l = L.data();  // row k of the factor is column k of L
   d.setZero();
@@ -65,7 +67,8 @@ inline bool solve_damped(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, dou
   }
   for (int i = count - 1; i >= 0; --i) {
     double sum = y[i];
-    for (int k = i + 1; k < count; ++k) sum -= l[k * stride + i] * x[free[static_cast<std::size_t>(k)]];
+    for (int k = i + 1; k < count; ++k)
+      sum -= l[k * stride + i] * x[free[static_cast<std::size_t>(k)]];
     x[free[static_cast<std::size_t>(i)]] = sum * l[i * stride + i];
   }
   return true;
@@ -76,13 +79,14 @@ inline bool solve_damped(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, dou
 /// Least squares inside a box by Levenberg and Marquardt's method with an active set.
 ///
 /// At x, variables at a bound whose gradient pushes outwards are held; the rest move by
-/// (H + lambda I) d = -g with the Gauss-Newton Hessian H, the step is clamped to the box, and lambda falls
-/// when f does and grows when it does not. Knows nothing of robots. At most 64 variables. All memory is
-/// taken at construction.
+/// (H + lambda I) d = -g with the Gauss-Newton Hessian H, the step is clamped to the box, and
+/// lambda falls when f does and grows when it does not. Knows nothing of robots. At most 64
+/// variables. All memory is taken at construction.
 class LevenbergMarquardt {
  public:
   /// @throws std::invalid_argument unless 1 <= variables <= 64.
-  explicit LevenbergMarquardt(Eigen::Index variables, const LevenbergMarquardtOptions& options = {});
+  explicit LevenbergMarquardt(Eigen::Index variables,
+                              const LevenbergMarquardtOptions& options = {});
 
   /// A Problem provides
   ///     double evaluate(const VectorXd& x)           f at x; the following calls speak of this x
@@ -90,13 +94,15 @@ class LevenbergMarquardt {
   ///     void linearise(MatrixXd& H, VectorXd& g)     upper triangle of J^T J, and J^T r
   /// @param stop  bool(), asked before every iteration.
   template <class Problem, class Stop>
-  LevenbergMarquardtResult minimize(Problem& problem, Eigen::VectorXd& x, const Eigen::VectorXd& lower,
-                                    const Eigen::VectorXd& upper, Stop&& stop);
+  LevenbergMarquardtResult minimize(Problem& problem, Eigen::VectorXd& x,
+                                    const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                                    Stop&& stop);
 
   const LevenbergMarquardtOptions& options() const { return options_; }
 
  private:
-  int find_free(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+  int find_free(const Eigen::VectorXd& x, const Eigen::VectorXd& lower,
+                const Eigen::VectorXd& upper);
 
   LevenbergMarquardtOptions options_;
   Eigen::MatrixXd H_, L_;
@@ -104,7 +110,8 @@ class LevenbergMarquardt {
   std::vector<int> free_;
 };
 
-inline LevenbergMarquardt::LevenbergMarquardt(Eigen::Index variables, const LevenbergMarquardtOptions& options)
+inline LevenbergMarquardt::LevenbergMarquardt(Eigen::Index variables,
+                                              const LevenbergMarquardtOptions& options)
     : options_(options), free_(static_cast<std::size_t>(std::max<Eigen::Index>(variables, 1))) {
   if (variables < 1 || variables > 64) {
     throw std::invalid_argument("variables is " + std::to_string(variables) + ", expected 1 to 64");

@@ -13,9 +13,9 @@ struct Sphere {
   double radius = 0.0;                               ///< [m]
 };
 
-/// A prolate spheroid between two points of the robot (Eq. link_coll_avoid): the half sum of an obstacle
-/// point's distances to both foci is at least `semi_major`. The foci may sit on different links; where
-/// they come to be farther apart than twice semi_major the spheroid holds nothing.
+/// A prolate spheroid between two points of the robot (Eq. link_coll_avoid): the half sum of an
+/// obstacle point's distances to both foci is at least `semi_major`. The foci may sit on different
+/// links; where they come to be farther apart than twice semi_major the spheroid holds nothing.
 struct Spheroid {
   std::string link_a;
   Eigen::Vector3d focus_a = Eigen::Vector3d::Zero();  ///< in link_a's frame [m]

@@ -33,22 +33,26 @@ struct Options {
   Eigen::Vector3d goal_axis = Eigen::Vector3d::UnitZ();  ///< in the tip frame, for GoalType::Axis
   Method method = Method::Default;
 
-  double position_tolerance = 1e-5;   ///< largest position error of a success [m]
-  double rotation_tolerance = 1e-5;   ///< largest rotation (or axis) error of a success [rad]
-  double clearance = 0.0;             ///< least distance wanted between obstacle points and hulls [m]
+  double position_tolerance = 1e-5;  ///< largest position error of a success [m]
+  double rotation_tolerance = 1e-5;  ///< largest rotation (or axis) error of a success [rad]
+  double clearance = 0.0;  ///< least distance wanted between obstacle points and hulls [m]
   double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
 
-  double max_time = 0.01;     ///< deadline of a solve [s]
-  int max_restarts = 100;     ///< starts after the first; Method::Paper has none
-  std::uint64_t seed = 0;     ///< of the restarts' sequence
+  double max_time = 0.01;  ///< deadline of a solve [s]
+  int max_restarts = 100;  ///< starts after the first; Method::Paper has none
+  std::uint64_t seed = 0;  ///< of the restarts' sequence
 
   InnerMethod inner = InnerMethod::LevenbergMarquardt;  ///< for Method::Default
-  int max_obstacles = 1024;   ///< obstacle points that fit without a further allocation
+  int max_obstacles = 1024;  ///< obstacle points that fit without a further allocation
 
-  double rotation_weight = 0.3;   ///< metres that one radian weighs in Levenberg-Marquardt's residual [m]
-  double collision_weight = 0.5;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
-  double start_inset = 0.01;      ///< starts for the slack variables keep this fraction of a range off the limits
-  double point_distance = 0.5;    ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
+  double rotation_weight =
+      0.3;  ///< metres that one radian weighs in Levenberg-Marquardt's residual [m]
+  double collision_weight =
+      0.5;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
+  double start_inset =
+      0.01;  ///< starts for the slack variables keep this fraction of a range off the limits
+  double point_distance =
+      0.5;  ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
 
   LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 4.0, .curvature = 0.5};
   AugmentedLagrangianOptions augmented_lagrangian;

@@ -9,13 +9,17 @@ namespace pdoik {
 /// Points, one row each, x y z [m].
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// One point, the mean, for each cell of a grid anchored at the origin that holds any (PCL's VoxelGrid).
+/// One point, the mean, for each cell of a grid anchored at the origin that holds any (PCL's
+/// VoxelGrid).
 ///
-/// PCL computes in float32: a point within about 6e-8 times its coordinate of a cell's wall may fall into the
-/// neighbouring cell, and means are off by at most about 1e-6 times the largest coordinate, 1 um per metre.
-/// @param points  (N, 3). Rows with NaN or infinity, as depth cameras give, are left out. May be empty.
+/// PCL computes in float32: a point within about 6e-8 times its coordinate of a cell's wall may
+/// fall into the neighbouring cell, and means are off by at most about 1e-6 times the largest
+/// coordinate, 1 um per metre.
+/// @param points  (N, 3). Rows with NaN or infinity, as depth cameras give, are left out. May be
+/// empty.
 /// @param leaf  Edge of the cubic cells [m].
-/// @throws std::invalid_argument if leaf is not positive and finite, if the shape is wrong, or if the grid
+/// @throws std::invalid_argument if leaf is not positive and finite, if the shape is wrong, or if
+/// the grid
 ///     would have more cells than PCL's 32-bit index holds (PCL returns such a cloud unfiltered).
 Points voxel_downsample(const Obstacles& points, double leaf);
 

@@ -45,9 +45,9 @@ struct JointDescription {
 /// One link as a URDF gives it. The solver of arms ignores masses; they are kept for balance.
 struct LinkDescription {
   std::string name;
-  double mass = 0.0;                                           ///< [kg]
-  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();    ///< in the link frame [m]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();           ///< about the centre of mass [kg m^2]
+  double mass = 0.0;                                         ///< [kg]
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  ///< in the link frame [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();         ///< about the centre of mass [kg m^2]
 };
 
 /// A robot before it has a base: links and joints in any order.
@@ -57,8 +57,8 @@ struct RobotDescription {
   std::vector<JointDescription> joints;
 };
 
-/// A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix with entry (2,4) = -d sin(alpha)):
-/// T = Rx(alpha) Tx(a) Rz(theta) Tz(d). For a prismatic row the variable adds to d.
+/// A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix with entry (2,4) = -d
+/// sin(alpha)): T = Rx(alpha) Tx(a) Rz(theta) Tz(d). For a prismatic row the variable adds to d.
 struct DhRow {
   double alpha = 0.0;         ///< [rad]
   double a = 0.0;             ///< [m]
@@ -69,27 +69,30 @@ struct DhRow {
   bool prismatic = false;
 };
 
-/// A moving frame: its z axis is the axis of the joint that moves it, so that every joint turns about or
-/// slides along its own z, as the proximal DH frames of the paper do. Body 0 is the base and never moves.
+/// A moving frame: its z axis is the axis of the joint that moves it, so that every joint turns
+/// about or slides along its own z, as the proximal DH frames of the paper do. Body 0 is the base
+/// and never moves.
 struct Body {
-  int parent = -1;                                                  ///< a smaller index; -1 for the base
-  Eigen::Isometry3d T_parent_joint = Eigen::Isometry3d::Identity(); ///< at position zero
+  int parent = -1;  ///< a smaller index; -1 for the base
+  Eigen::Isometry3d T_parent_joint = Eigen::Isometry3d::Identity();  ///< at position zero
   bool prismatic = false;
-  int dof = -1;             ///< the entry of q that moves it
-  double multiplier = 1.0;  ///< position = multiplier * q[dof] + offset: other than 1, 0 for mimic joints
+  int dof = -1;  ///< the entry of q that moves it
+  double multiplier =
+      1.0;  ///< position = multiplier * q[dof] + offset: other than 1, 0 for mimic joints
   double offset = 0.0;
 };
 
 /// A robot as the solver sees it: a tree of bodies from a chosen base, with links attached to them.
 ///
-/// `joint_names` are ordered depth first from the base, siblings by joint name (Pinocchio's order); fixed
-/// and mimic joints have no entry in q. Immutable after construction but for its occupancy, so one robot
-/// may serve many threads.
+/// `joint_names` are ordered depth first from the base, siblings by joint name (Pinocchio's order);
+/// fixed and mimic joints have no entry in q. Immutable after construction but for its occupancy,
+/// so one robot may serve many threads.
 class Robot {
  public:
   /// @param base_link  Any link of the tree; empty takes the description's root.
   /// @param tip_links  Links that goals may be given for; empty takes every leaf.
-  /// @throws LoadError naming a missing link, a second parent, a loop, limits out of order, a zero axis.
+  /// @throws LoadError naming a missing link, a second parent, a loop, limits out of order, a zero
+  /// axis.
   explicit Robot(const RobotDescription& description, const std::string& base_link = {},
                  std::vector<std::string> tip_links = {});
 
@@ -99,7 +102,8 @@ class Robot {
   static Robot from_urdf(const std::string& path_or_xml, const std::string& base_link = {},
                          std::vector<std::string> tip_links = {});
 
-  /// A serial arm from DH rows: links link0 ... linkM and `tool` (offset T_last_tool), joints joint1 ... jointM.
+  /// A serial arm from DH rows: links link0 ... linkM and `tool` (offset T_last_tool), joints
+  /// joint1 ... jointM.
   static Robot from_dh(const std::vector<DhRow>& rows,
                        const Eigen::Isometry3d& T_last_tool = Eigen::Isometry3d::Identity());
 
@@ -119,7 +123,8 @@ class Robot {
   /// Joint limits, shape (n,), [rad] or [m]; infinite for continuous joints.
   const Eigen::VectorXd& lower() const { return lower_; }
   const Eigen::VectorXd& upper() const { return upper_; }
-  /// Speed limits of the joints, shape (n,), [rad/s] or [m/s]; infinite where the description gives none.
+  /// Speed limits of the joints, shape (n,), [rad/s] or [m/s]; infinite where the description gives
+  /// none.
   const Eigen::VectorXd& velocity() const { return velocity_; }
   const std::vector<JointType>& joint_types() const { return joint_types_; }
   /// The middle of each joint's range, 0 for joints without limits, shape (n,).
@@ -130,10 +135,12 @@ class Robot {
   /// @param link  An index from `link_index`, or -1 for the (first) tip.
   /// @throws std::invalid_argument on a wrong length.
   Eigen::Isometry3d fk(VectorIn q, int link = -1) const;
-  Eigen::Isometry3d fk(VectorIn q, const std::string& link) const { return fk(q, link_index(link)); }
+  Eigen::Isometry3d fk(VectorIn q, const std::string& link) const {
+    return fk(q, link_index(link));
+  }
 
-  /// Geometric Jacobian of a link's origin, shape (6, n): three linear rows, then three angular ones, both
-  /// in the base frame's axes (Pinocchio's LOCAL_WORLD_ALIGNED).
+  /// Geometric Jacobian of a link's origin, shape (6, n): three linear rows, then three angular
+  /// ones, both in the base frame's axes (Pinocchio's LOCAL_WORLD_ALIGNED).
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(VectorIn q, int link = -1) const;
 
   /// Poses of all bodies in the base frame, into a vector sized beforehand. Allocates nothing.
@@ -154,8 +161,9 @@ class Robot {
 
   /// What the robot fills, as seen by the solver. Empty until set, except for built-in robots.
   const Occupancy& occupancy() const { return occupancy_; }
-  /// @throws std::invalid_argument naming an unknown link, a radius that is not positive and finite, or a
-  /// semi-major axis that is not longer than half the distance between foci on one link.
+  /// @throws std::invalid_argument naming an unknown link, a radius that is not positive and
+  /// finite, or a semi-major axis that is not longer than half the distance between foci on one
+  /// link.
   void set_occupancy(Occupancy occupancy);
 
   /// Oddities of the description that do not stop kinematics (inertias that are not physical, ...).

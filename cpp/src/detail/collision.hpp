@@ -26,19 +26,22 @@ struct Hull {
   bool is_sphere() const { return a == b; }
 };
 
-/// The robot's hulls on their attached points, each point once. Points on a joint's own axis belong to the
-/// body before it, since that joint does not move them; hulls that no joint moves are kept apart.
+/// The robot's hulls on their attached points, each point once. Points on a joint's own axis belong
+/// to the body before it, since that joint does not move them; hulls that no joint moves are kept
+/// apart.
 struct HullModel {
   explicit HullModel(const Robot& robot);
 
   std::vector<AttachedPoint> points;
   std::vector<Hull> moving, fixed;
-  /// No obstacle farther than this from `reach_centre` can touch a moving hull; infinite if unknown.
+  /// No obstacle farther than this from `reach_centre` can touch a moving hull; infinite if
+  /// unknown.
   Eigen::Vector3d reach_centre = Eigen::Vector3d::Zero();
   double reach = std::numeric_limits<double>::infinity();
 };
 
-/// Obstacle points by coordinate: in double, and in single precision relative to an origin for the coarse test.
+/// Obstacle points by coordinate: in double, and in single precision relative to an origin for the
+/// coarse test.
 class ObstacleSet {
  public:
   void reserve(std::size_t count);
@@ -82,11 +85,17 @@ class CollisionState {
  public:
   /// @param tested  The model's moving hulls, or its fixed ones. Both must outlive the state.
   CollisionState(const HullModel& model, const std::vector<Hull>& tested)
-      : model_(model), hulls_(tested), positions_(model.points.size()), queries_(tested.size()), cull_(best_cull()) {
-    for (std::size_t k = 0; k < positions_.size(); ++k) positions_[k] = model.points[k].local;  // right for body 0
+      : model_(model),
+        hulls_(tested),
+        positions_(model.points.size()),
+        queries_(tested.size()),
+        cull_(best_cull()) {
+    for (std::size_t k = 0; k < positions_.size(); ++k)
+      positions_[k] = model.points[k].local;  // right for body 0
   }
 
-  /// Room for this many pairs of hull and obstacle: called at set-up so that nothing allocates later.
+  /// Room for this many pairs of hull and obstacle: called at set-up so that nothing allocates
+  /// later.
   void reserve(int padded_obstacles) {
     const std::size_t pairs = hulls_.size() * static_cast<std::size_t>(padded_obstacles);
     if (pairs_.size() < pairs) pairs_.resize(pairs);
@@ -101,7 +110,8 @@ class CollisionState {
   /// Or where they are by other means.
   void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
 
-  /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a square root.
+  /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a
+  /// square root.
   template <class Grow>
   void find_near(const ObstacleSet& obstacles, Grow&& grow) {
     near_count_ = 0;
@@ -118,7 +128,8 @@ class CollisionState {
       }
       query.semi_major = static_cast<float>(hull.semi_major + grow(h)) + obstacles.coarse_slack();
     }
-    near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()), pairs_.data());
+    near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()),
+                        pairs_.data());
   }
 
   int near_count() const { return near_count_; }
@@ -126,7 +137,9 @@ class CollisionState {
   const Vec4* positions() const { return positions_.data(); }
   const Vec4& position(int point) const { return positions_[static_cast<std::size_t>(point)]; }
   const std::vector<Hull>& hulls() const { return hulls_; }
-  const Hull& hull(const NearPair& pair) const { return hulls_[static_cast<std::size_t>(pair.hull)]; }
+  const Hull& hull(const NearPair& pair) const {
+    return hulls_[static_cast<std::size_t>(pair.hull)];
+  }
   int body_of_point(int point) const { return model_.points[static_cast<std::size_t>(point)].body; }
   void use_baseline() { cull_ = cull_baseline; }
 
@@ -147,29 +160,36 @@ struct Clearance {
   int obstacle = -1;  ///< the obstacle's original row
 };
 
-/// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, by trying every pair.
-Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles, Clearance than = {});
+/// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, by trying
+/// every pair.
+Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles,
+                          Clearance than = {});
 
-/// The same by growing the hulls until obstacles come to lie in them. Changes the state's near pairs.
-Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles, Clearance than = {});
+/// The same by growing the hulls until obstacles come to lie in them. Changes the state's near
+/// pairs.
+Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
+                                     Clearance than = {});
 
 /// The obstacles of one scene, sorted by what the arm can do about them.
 struct Scene {
-  using Points = Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
-                            Eigen::OuterStride<>>;
+  using Points =
+      Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
+                 Eigen::OuterStride<>>;
 
   void reserve(std::size_t count);
   /// @param points  (N, 3) or (N, 4) rows x y z [radius]; radii grow by `margin`.
   /// @param fixed_hulls  A state of the hulls that no joint moves, reserved for these points.
-  void assign(const Points& points, double margin, const HullModel& hulls, CollisionState& fixed_hulls);
-  /// Clearance of every hull, margin included, at the configuration where `state` is placed. Leaves the state's
-  /// near pairs changed.
+  void assign(const Points& points, double margin, const HullModel& hulls,
+              CollisionState& fixed_hulls);
+  /// Clearance of every hull, margin included, at the configuration where `state` is placed. Leaves
+  /// the state's near pairs changed.
   Clearance clearance(CollisionState& state) const;
 
   ObstacleSet near;  ///< within reach of a moving hull: the solver's
   ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these
-  double far_bound = std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
-  Clearance fixed;   ///< of the hulls that no joint moves
+  double far_bound =
+      std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
+  Clearance fixed;                              ///< of the hulls that no joint moves
 };
 
 }  // namespace pdoik::detail

@@ -19,9 +19,10 @@ inline Vec4 unit_from(const Vec4& o, const Vec4& u, double& distance) {
   return distance > 1e-12 ? broadcast(1.0 / distance) * gap : Vec4{};  // the guard of |u - o| = 0
 }
 
-/// Eqs. joint_coll_avoid and link_coll_avoid: c = r - |u - o|, or c = 2a - (|u - o| + |u' - o|), and
-/// dc/du = -(u - o) / |u - o|. A point's radius R makes them r + R and 2(a + R), which keeps the ball out of
-/// the hull because the half sum of distances changes no faster than the point moves.
+/// Eqs. joint_coll_avoid and link_coll_avoid: c = r - |u - o|, or c = 2a - (|u - o| + |u' - o|),
+/// and dc/du = -(u - o) / |u - o|. A point's radius R makes them r + R and 2(a + R), which keeps
+/// the ball out of the hull because the half sum of distances changes no faster than the point
+/// moves.
 inline Constraint paper_constraint(const CollisionState& state, const Hull& hull, const Vec4& o) {
   const double radius = o[3];
   Constraint result;
@@ -37,10 +38,12 @@ inline Constraint paper_constraint(const CollisionState& state, const Hull& hull
   return result;
 }
 
-/// The same zero set in metres of penetration. Points with a radius are held off by their true Euclidean
-/// distance d to the spheroid, whose derivative by a focus is that of its nearest surface point x (envelope
-/// theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
-inline Constraint distance_constraint(const CollisionState& state, const Hull& hull, const Vec4& o) {
+/// The same zero set in metres of penetration. Points with a radius are held off by their true
+/// Euclidean distance d to the spheroid, whose derivative by a focus is that of its nearest surface
+/// point x (envelope theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to
+/// the foci.
+inline Constraint distance_constraint(const CollisionState& state, const Hull& hull,
+                                      const Vec4& o) {
   const double radius = o[3];
   Constraint result = paper_constraint(state, hull, o);
   if (hull.is_sphere()) return result;
@@ -48,10 +51,13 @@ inline Constraint distance_constraint(const CollisionState& state, const Hull& h
   result.c *= 0.5;
   result.dc_da *= half;
   result.dc_db *= half;
-  if (radius <= 0.0 || result.c > radius) return result;  // no radius, or the point itself is inside
-  const Eigen::Vector3d a = to_vector3(state.position(hull.a)), b = to_vector3(state.position(hull.b));
+  if (radius <= 0.0 || result.c > radius)
+    return result;  // no radius, or the point itself is inside
+  const Eigen::Vector3d a = to_vector3(state.position(hull.a)),
+                        b = to_vector3(state.position(hull.b));
   const SpheroidDistance nearest = spheroid_distance(to_vector3(o), a, b, hull.semi_major);
-  const Eigen::Vector3d from_a = (a - nearest.nearest).normalized(), from_b = (b - nearest.nearest).normalized();
+  const Eigen::Vector3d from_a = (a - nearest.nearest).normalized(),
+                        from_b = (b - nearest.nearest).normalized();
   const double slope = (from_a + from_b).norm();
   if (!(slope > 1e-9)) return result;
   result.c = radius - nearest.distance;

@@ -5,7 +5,8 @@
 
 namespace pdoik::detail {
 
-/// The time a solve began and must end; now and then it asks whether somebody wants it to end before.
+/// The time a solve began and must end; now and then it asks whether somebody wants it to end
+/// before.
 class Deadline {
  public:
   Deadline(double seconds, const std::function<bool()>& interrupt)

@@ -2,7 +2,8 @@
 
 #include <Eigen/Geometry>
 
-// These functions are always inlined and never cross a library's border, so how they pass vectors is moot.
+// These functions are always inlined and never cross a library's border, so how they pass vectors
+// is moot.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace pdoik::detail {

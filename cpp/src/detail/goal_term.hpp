@@ -13,7 +13,8 @@ inline Vec4 rotation_error_vector(const Frame& R, const Frame& target) {
   const Vec4 twice_sine = cross3(target.x, R.x) + cross3(target.y, R.y) + cross3(target.z, R.z);
   const double twice_cosine = dot3(target.x, R.x) + dot3(target.y, R.y) + dot3(target.z, R.z) - 1.0;
   const double sine_norm = std::sqrt(dot3(twice_sine, twice_sine));
-  if (sine_norm > 1e-12) return broadcast(std::atan2(sine_norm, twice_cosine) / sine_norm) * twice_sine;
+  if (sine_norm > 1e-12)
+    return broadcast(std::atan2(sine_norm, twice_cosine) / sine_norm) * twice_sine;
   if (twice_cosine > 0.0) return broadcast(0.5) * twice_sine;
   // Half a turn: any target axis's mean with its image lies along the rotation's axis.
   Vec4 longest = R.x + target.x;
@@ -35,8 +36,12 @@ inline Vec4 axis_error_vector(const Vec4& axis, const Vec4& target) {
 /// One tip and its target (Sec. ee-pose), in both forms that the inner methods use.
 class GoalTerm {
  public:
-  GoalTerm(int body, const Eigen::Isometry3d& T_body_tip, GoalType type, const Eigen::Vector3d& axis)
-      : body_(body), T_body_tip_(to_frame(T_body_tip)), type_(type), axis_(to_vec4(axis.normalized())) {
+  GoalTerm(int body, const Eigen::Isometry3d& T_body_tip, GoalType type,
+           const Eigen::Vector3d& axis)
+      : body_(body),
+        T_body_tip_(to_frame(T_body_tip)),
+        type_(type),
+        axis_(to_vec4(axis.normalized())) {
     target_ = to_frame(Eigen::Isometry3d::Identity());
   }
 
@@ -45,9 +50,10 @@ class GoalTerm {
   void place(const Frame& T_base_body) {
     tip_ = compose(T_base_body, T_body_tip_);
     position_error_ = tip_.p - target_.p;
-    rotation_error_ = type_ == GoalType::Pose   ? rotation_error_vector(tip_, target_)
-                      : type_ == GoalType::Axis ? axis_error_vector(rotate(tip_, axis_), rotate(target_, axis_))
-                                                : Vec4{};
+    rotation_error_ = type_ == GoalType::Pose ? rotation_error_vector(tip_, target_)
+                      : type_ == GoalType::Axis
+                          ? axis_error_vector(rotate(tip_, axis_), rotate(target_, axis_))
+                          : Vec4{};
   }
 
   int body() const { return body_; }
@@ -60,8 +66,8 @@ class GoalTerm {
   /// The tip's constrained axis in the base frame (GoalType::Axis).
   Vec4 axis() const { return rotate(tip_, axis_); }
 
-  /// Eq. obj, the trace of (U_e - U*)^T (U_e - U*) halved, and its wrench at the base's origin. The points
-  /// are u_e and one at `distance` along x and y (Pose) or along the named axis (Axis).
+  /// Eq. obj, the trace of (U_e - U*)^T (U_e - U*) halved, and its wrench at the base's origin. The
+  /// points are u_e and one at `distance` along x and y (Pose) or along the named axis (Axis).
   double point_objective(double distance, Vec4& force, Vec4& moment) const {
     double sum = 0.0;
     force = moment = Vec4{};
@@ -72,7 +78,8 @@ class GoalTerm {
     };
     add(tip_.p, position_error_);
     const auto add_on_axis = [&](const Vec4& axis, const Vec4& target_axis) {
-      add(tip_.p + broadcast(distance) * axis, position_error_ + broadcast(distance) * (axis - target_axis));
+      add(tip_.p + broadcast(distance) * axis,
+          position_error_ + broadcast(distance) * (axis - target_axis));
     };
     if (type_ == GoalType::Pose) {
       add_on_axis(tip_.x, target_.x);

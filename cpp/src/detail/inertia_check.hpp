@@ -18,11 +18,13 @@ inline std::string inertia_complaint(const LinkDescription& link) {
   if (link.mass == 0.0 && link.inertia.isZero()) return {};
   if (link.mass == 0.0) return what + "has an inertia but no mass";
   const Eigen::Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(link.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(link.inertia, Eigen::EigenvaluesOnly)
+          .eigenvalues();
   const double slack = 1e-9 * std::max(1e-9, moments.cwiseAbs().maxCoeff());
   if (moments[0] < -slack) return what + "inertia is not physical: a principal moment is negative";
   if (moments[2] > moments[0] + moments[1] + slack) {
-    return what + "inertia is not physical: the largest principal moment exceeds the sum of the others";
+    return what +
+           "inertia is not physical: the largest principal moment exceeds the sum of the others";
   }
   return {};
 }

@@ -9,8 +9,8 @@
 
 namespace pdoik::detail {
 
-/// Says whether a configuration is a solution, from q alone: by Robot's forward kinematics, not by the
-/// rollout the solvers run on.
+/// Says whether a configuration is a solution, from q alone: by Robot's forward kinematics, not by
+/// the rollout the solvers run on.
 class Judge {
  public:
   Judge(const Robot& robot, const Options& options, const HullModel& hulls);
@@ -18,9 +18,10 @@ class Judge {
   /// Room for this many obstacles: called at set-up.
   void reserve(int padded_obstacles) { collision_.reserve(padded_obstacles); }
 
-  /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing when
-  /// result.q has its size.
-  void operator()(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd& q, const Scene& scene, Result& result);
+  /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
+  /// when result.q has its size.
+  void operator()(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd& q, const Scene& scene,
+                  Result& result);
 
  private:
   void pose_errors(const Eigen::Isometry3d& target, Result& result) const;

@@ -13,13 +13,20 @@
 
 namespace pdoik::detail {
 
-/// Eq. AL over the slack variables omega: what AugmentedLagrangian minimises (Algorithms FWD and Jacobian).
+/// Eq. AL over the slack variables omega: what AugmentedLagrangian minimises (Algorithms FWD and
+/// Jacobian).
 class LagrangianProblem {
  public:
   LagrangianProblem(const JointLimitMap& map, Rollout& rollout, std::vector<GoalTerm>& goals,
                     CollisionState& collision, const Scene& scene, double point_distance, int dof)
-      : map_(map), rollout_(rollout), goals_(goals), collision_(collision), scene_(scene),
-        point_distance_(point_distance), state_(map.make_state()), grow_(collision.hulls().size(), 0.0) {
+      : map_(map),
+        rollout_(rollout),
+        goals_(goals),
+        collision_(collision),
+        scene_(scene),
+        point_distance_(point_distance),
+        state_(map.make_state()),
+        grow_(collision.hulls().size(), 0.0) {
     dq_.setZero(dof);
   }
 
@@ -33,7 +40,8 @@ class LagrangianProblem {
     fresh_.reserve(pairs);
   }
 
-  double lagrangian(const Eigen::VectorXd& omega, const Penalty& penalty, Eigen::VectorXd& gradient) {
+  double lagrangian(const Eigen::VectorXd& omega, const Penalty& penalty,
+                    Eigen::VectorXd& gradient) {
     roll_out(omega);
     rollout_.clear_wrenches();
     double value = 0.0;
@@ -44,7 +52,8 @@ class LagrangianProblem {
     }
     max_constraint_ = 0.0;
     find_near(penalty);
-    for (int k = 0; k < collision_.near_count(); ++k) value += add_constraint(collision_.near(k), penalty);
+    for (int k = 0; k < collision_.near_count(); ++k)
+      value += add_constraint(collision_.near(k), penalty);
     rollout_.reverse(dq_.data(), static_cast<int>(dq_.size()));
     map_.pull_back(state_, dq_, gradient);
     return value;
@@ -75,7 +84,8 @@ class LagrangianProblem {
       const NearPair& pair = collision_.near(k);
       fresh_.push_back(penalty.updated_multiplier(constraint(pair).c, multiplier_[slot(pair)]));
     }
-    if (penalty.form == PenaltyForm::Smooth) reset_multipliers();  // the printed update never lowers one
+    if (penalty.form == PenaltyForm::Smooth)
+      reset_multipliers();  // the printed update never lowers one
     for (int k = 0; k < collision_.near_count(); ++k) {
       const double mu = fresh_[static_cast<std::size_t>(k)];
       if (mu <= 0.0) continue;
@@ -102,8 +112,8 @@ class LagrangianProblem {
     for (GoalTerm& goal : goals_) goal.place(rollout_.frame(goal.body()));
   }
 
-  /// Pairs whose penalty acts. In the smooth form those reach mu / rho beyond contact; grow_ holds each hull's
-  /// largest multiplier.
+  /// Pairs whose penalty acts. In the smooth form those reach mu / rho beyond contact; grow_ holds
+  /// each hull's largest multiplier.
   void find_near(const Penalty& penalty) {
     if (scene_.near.count() == 0) return;
     collision_.place(rollout_);

@@ -15,12 +15,12 @@ namespace pdoik::detail {
 /// The same problem as least squares over joint positions: what LevenbergMarquardt minimises.
 ///
 ///     f(q) = 1/2 sum over goals (|dp|^2 + w^2 |e|^2) + 1/2 v^2 sum over constraints max(0, c)^2
-/// with e the rotation vector to the target (or between the axes) and c in metres of penetration. Where a
-/// solution exists f is zero there and no multipliers are needed.
+/// with e the rotation vector to the target (or between the axes) and c in metres of penetration.
+/// Where a solution exists f is zero there and no multipliers are needed.
 class LeastSquaresProblem {
  public:
-  LeastSquaresProblem(Rollout& rollout, std::vector<GoalTerm>& goals, CollisionState& collision, const Scene& scene,
-                      const Options& options, int dof)
+  LeastSquaresProblem(Rollout& rollout, std::vector<GoalTerm>& goals, CollisionState& collision,
+                      const Scene& scene, const Options& options, int dof)
       : rollout_(rollout), goals_(goals), collision_(collision), scene_(scene), options_(options) {
     cosine_.setZero(dof);
     sine_.setZero(dof);
@@ -96,22 +96,24 @@ class LeastSquaresProblem {
     linear_.setZero();
     angular_.setZero();
     const Vec4 axis = goal.type() == GoalType::Axis ? goal.axis() : Vec4{};
-    rollout_.for_each_joint(goal.body(), [&](int dof, double multiplier, bool prismatic, const Frame& frame) {
-      const Vec4 scaled = broadcast(multiplier) * frame.z;
-      if (prismatic) {
-        linear_.col(dof) += to_vector3(scaled);
-        return;
-      }
-      linear_.col(dof) += to_vector3(cross3(scaled, goal.tip().p - frame.p));
-      if (goal.type() == GoalType::Position) return;
-      // Turning about the constrained axis itself changes nothing.
-      angular_.col(dof) += to_vector3(scaled - broadcast(dot3(axis, scaled)) * axis);
-    });
+    rollout_.for_each_joint(
+        goal.body(), [&](int dof, double multiplier, bool prismatic, const Frame& frame) {
+          const Vec4 scaled = broadcast(multiplier) * frame.z;
+          if (prismatic) {
+            linear_.col(dof) += to_vector3(scaled);
+            return;
+          }
+          linear_.col(dof) += to_vector3(cross3(scaled, goal.tip().p - frame.p));
+          if (goal.type() == GoalType::Position) return;
+          // Turning about the constrained axis itself changes nothing.
+          angular_.col(dof) += to_vector3(scaled - broadcast(dot3(axis, scaled)) * axis);
+        });
     const Vec4 e = goal.rotation_error(), p = goal.position_error();
     for (Eigen::Index i = 0; i < g.size(); ++i) {
       const double* li = linear_.data() + 3 * i;
       const double* ai = angular_.data() + 3 * i;
-      g[i] += li[0] * p[0] + li[1] * p[1] + li[2] * p[2] + w2 * (ai[0] * e[0] + ai[1] * e[1] + ai[2] * e[2]);
+      g[i] += li[0] * p[0] + li[1] * p[1] + li[2] * p[2] +
+              w2 * (ai[0] * e[0] + ai[1] * e[1] + ai[2] * e[2]);
       for (Eigen::Index j = 0; j <= i; ++j) {
         const double* lj = linear_.data() + 3 * j;
         const double* aj = angular_.data() + 3 * j;

@@ -6,14 +6,17 @@
 
 namespace pdoik::detail {
 
-/// Roberts' additive recurrence in d dimensions, x_k = frac(offset + k alpha) with alpha_i = phi^-(i+1) and
-/// phi the positive root of x^(d+1) = x + 1. The offset comes from the seed (splitmix64). Any term can be
-/// asked for alone, so restarts give the same starts in whatever order they run.
+/// Roberts' additive recurrence in d dimensions, x_k = frac(offset + k alpha) with alpha_i =
+/// phi^-(i+1) and phi the positive root of x^(d+1) = x + 1. The offset comes from the seed
+/// (splitmix64). Any term can be asked for alone, so restarts give the same starts in whatever
+/// order they run.
 class LowDiscrepancy {
  public:
-  LowDiscrepancy(Eigen::Index dimensions, std::uint64_t seed) : alpha_(dimensions), offset_(dimensions) {
+  LowDiscrepancy(Eigen::Index dimensions, std::uint64_t seed)
+      : alpha_(dimensions), offset_(dimensions) {
     double phi = 2.0;
-    for (int i = 0; i < 64; ++i) phi = std::pow(1.0 + phi, 1.0 / (static_cast<double>(dimensions) + 1.0));
+    for (int i = 0; i < 64; ++i)
+      phi = std::pow(1.0 + phi, 1.0 / (static_cast<double>(dimensions) + 1.0));
     double power = 1.0;
     for (Eigen::Index i = 0; i < dimensions; ++i) {
       power /= phi;

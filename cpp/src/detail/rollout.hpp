@@ -11,18 +11,20 @@ namespace pdoik::detail {
 
 /// Algorithms FWD (lines 1 to 7) and Jacobian (its second loop) for a tree of bodies.
 ///
-/// Forward: T_i = T_parent(i) T_parent_joint Rz(theta_i), each from its parent's. Reverse: a force f on a
-/// point u of body i, f = dL/du, is gathered as a wrench (f, u x f) at the base's origin and handed from
-/// body to parent; a revolute joint reads dL/dtheta_i = z_i . (moment - p_i x force), a prismatic one
-/// z_i . force. The 3x4 matrix dL/dT_i of the paper holds the same: its last column is the force, and its
-/// entries reach dL/dtheta_i only through the moment sum_k column_k(T_i) x column_k(dL/dT_i). Six numbers
-/// per body instead of twelve, and nothing is computed twice.
+/// Forward: T_i = T_parent(i) T_parent_joint Rz(theta_i), each from its parent's. Reverse: a force
+/// f on a point u of body i, f = dL/du, is gathered as a wrench (f, u x f) at the base's origin and
+/// handed from body to parent; a revolute joint reads dL/dtheta_i = z_i . (moment - p_i x force), a
+/// prismatic one z_i . force. The 3x4 matrix dL/dT_i of the paper holds the same: its last column
+/// is the force, and its entries reach dL/dtheta_i only through the moment sum_k column_k(T_i) x
+/// column_k(dL/dT_i). Six numbers per body instead of twelve, and nothing is computed twice.
 class Rollout {
  public:
-  explicit Rollout(const Robot& robot) : frames_(robot.bodies().size()), wrenches_(robot.bodies().size()) {
+  explicit Rollout(const Robot& robot)
+      : frames_(robot.bodies().size()), wrenches_(robot.bodies().size()) {
     for (const Body& body : robot.bodies()) {
-      joints_.push_back({body.parent, body.dof, body.prismatic, body.multiplier == 1.0 && body.offset == 0.0,
-                         body.multiplier, body.offset, to_frame(body.T_parent_joint)});
+      joints_.push_back({body.parent, body.dof, body.prismatic,
+                         body.multiplier == 1.0 && body.offset == 0.0, body.multiplier, body.offset,
+                         to_frame(body.T_parent_joint)});
       needs_angles_ = needs_angles_ || (body.dof >= 0 && !body.prismatic && !joints_.back().plain);
     }
     frames_[0] = to_frame(Eigen::Isometry3d::Identity());
@@ -83,14 +85,16 @@ class Rollout {
     for (std::size_t b = joints_.size() - 1; b > 0; --b) {
       const Joint& joint = joints_[b];
       const Wrench& wrench = wrenches_[b];
-      dq[joint.dof] += joint.multiplier * generalised_force(joint, frames_[b], wrench.force, wrench.moment);
+      dq[joint.dof] +=
+          joint.multiplier * generalised_force(joint, frames_[b], wrench.force, wrench.moment);
       Wrench& parent = wrenches_[static_cast<std::size_t>(joint.parent)];
       parent.force += wrench.force;
       parent.moment += wrench.moment;
     }
   }
 
-  /// Add to row, shape (n,), what a wrench on one body asks of the joints between it and the base: J^T w.
+  /// Add to row, shape (n,), what a wrench on one body asks of the joints between it and the base:
+  /// J^T w.
   void add_row(int body, const Vec4& force, const Vec4& moment, double* row) const {
     for (int b = body; b > 0; b = joints_[static_cast<std::size_t>(b)].parent) {
       const Joint& joint = joints_[static_cast<std::size_t>(b)];

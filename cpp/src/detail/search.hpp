@@ -13,8 +13,8 @@
 #include "detail/low_discrepancy.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/options.hpp"
-#include "pdoik/result.hpp"
 #include "pdoik/point_cloud.hpp"
+#include "pdoik/result.hpp"
 #include "pdoik/solver.hpp"
 
 namespace pdoik::detail {
@@ -36,17 +36,20 @@ class Search {
 
  private:
   void reserve(int padded_obstacles);
-  void run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline, Result& result);
-  void run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, const Deadline& deadline, Result& result);
-  /// Minimise from q_ by the chosen inner method; q_ then holds the end. True if the deadline struck.
+  void run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
+                 const Deadline& deadline, Result& result);
+  void run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
+                   const Deadline& deadline, Result& result);
+  /// Minimise from q_ by the chosen inner method; q_ then holds the end. True if the deadline
+  /// struck.
   bool minimise(const Deadline& deadline, Result& result);
   bool minimise_lagrangian(const Deadline& deadline, Result& result);
   /// The start of restart k >= 1, into q_.
   void restart_configuration(int k);
   /// Judge q_ and keep it in `best` if it is a success or closer to one than what was there.
   void keep_better(const Eigen::Isometry3d& target, Result& best);
-  /// Joints without limits stay within half a turn of the start: by wrapping the answer, or by bounds where a
-  /// mimic joint follows at a rate that a whole turn would not leave unchanged.
+  /// Joints without limits stay within half a turn of the start: by wrapping the answer, or by
+  /// bounds where a mimic joint follows at a rate that a whole turn would not leave unchanged.
   void bound_turns();
   void wrap_to_start();
   bool base_collides() const { return scene_.fixed.distance < -options_.clearance_tolerance; }
@@ -68,7 +71,7 @@ class Search {
   Judge judge_;
   LowDiscrepancy sequence_;
   Eigen::VectorXd lower_, upper_, start_, q_, omega_;
-  std::vector<bool> matters_;   ///< joints that move the tip or a hull
+  std::vector<bool> matters_;  ///< joints that move the tip or a hull
   enum class Turn { Limited, Wrap, Bound };
   std::vector<Turn> turns_;
   Result candidate_;

@@ -14,8 +14,9 @@ struct SpheroidDistance {
 
 /// Nearest point of the ellipse (x/a)^2 + (y/b)^2 = 1 to (px, py), a >= b > 0 and px, py >= 0.
 ///
-/// Solves sum (e_i p_i / (t + e_i^2))^2 = 1 for the multiplier t by bisection-safeguarded Newton (Eberly,
-/// "Distance from a point to an ellipse"), which converges from every point, the centre included.
+/// Solves sum (e_i p_i / (t + e_i^2))^2 = 1 for the multiplier t by bisection-safeguarded Newton
+/// (Eberly, "Distance from a point to an ellipse"), which converges from every point, the centre
+/// included.
 inline Eigen::Vector2d nearest_on_ellipse(double a, double b, double px, double py) {
   const double tiny = 1e-14 * a;
   if (py <= tiny) {
@@ -31,7 +32,7 @@ inline Eigen::Vector2d nearest_on_ellipse(double a, double b, double px, double 
   };
   double low = -b * b + b * py;                       // value(low) >= 0
   double high = -b * b + std::hypot(a * px, b * py);  // value(high) <= 0
-  double t = std::clamp(0.0, low, high);  // the root for a point on the surface
+  double t = std::clamp(0.0, low, high);              // the root for a point on the surface
   for (int i = 0; i < 100; ++i) {
     double slope;
     const double g = value(t, slope);

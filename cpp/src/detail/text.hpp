@@ -14,10 +14,16 @@ inline std::string join(const std::vector<std::string>& words) {
 
 /// Whether a text is well-formed UTF-8 (no overlong forms, surrogates or values beyond U+10FFFF).
 inline bool is_utf8(const std::string& text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const auto byte = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+  };
   for (std::size_t i = 0; i < text.size();) {
     const unsigned first = byte(i);
-    const std::size_t length = first < 0x80 ? 1 : first >> 5 == 0x6 ? 2 : first >> 4 == 0xE ? 3 : first >> 3 == 0x1E ? 4 : 0;
+    const std::size_t length = first < 0x80         ? 1
+                               : first >> 5 == 0x6  ? 2
+                               : first >> 4 == 0xE  ? 3
+                               : first >> 3 == 0x1E ? 4
+                                                    : 0;
     if (length == 0) return false;
     unsigned value = length == 1 ? first : first & (0x7FU >> length);
     for (std::size_t k = 1; k < length; ++k) {

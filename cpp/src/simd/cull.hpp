@@ -4,8 +4,9 @@
 
 namespace pdoik::detail {
 
-/// Obstacle points by coordinate, relative to some origin near the robot, padded to a multiple of kLanes with
-/// points far away that touch nothing. Single precision: the coarse test decides nothing by itself.
+/// Obstacle points by coordinate, relative to some origin near the robot, padded to a multiple of
+/// kLanes with points far away that touch nothing. Single precision: the coarse test decides
+/// nothing by itself.
 struct ObstacleArrays {
   const float* x;
   const float* y;
@@ -14,8 +15,8 @@ struct ObstacleArrays {
   int padded_count;
 };
 
-/// A prolate spheroid for the coarse test, relative to the same origin: half = (focus_b - focus_a) / 2, zero
-/// for a sphere.
+/// A prolate spheroid for the coarse test, relative to the same origin: half = (focus_b - focus_a)
+/// / 2, zero for a sphere.
 struct HullQuery {
   float centre[3];
   float half[3];
@@ -29,12 +30,14 @@ struct NearPair {
 
 constexpr int kLanes = 16;
 
-/// Every (hull, obstacle) whose point lies inside the hull grown by the point's radius: with A = semi_major +
-/// radius, d = o - centre and h = half,
+/// Every (hull, obstacle) whose point lies inside the hull grown by the point's radius: with A =
+/// semi_major + radius, d = o - centre and h = half,
 ///     (|d|^2 - A^2 + |h|^2) A^2 < (d.h)^2,
-/// which needs no square root. Rounding moves the border by less than 2e-5 m for arms of a few metres: callers
-/// grow the hulls by that and test again in double. Returns the number of pairs; `pairs` has room for hull_count * padded_count.
-using CullFunction = int (*)(const ObstacleArrays&, const HullQuery* hulls, int hull_count, NearPair* pairs);
+/// which needs no square root. Rounding moves the border by less than 2e-5 m for arms of a few
+/// metres: callers grow the hulls by that and test again in double. Returns the number of pairs;
+/// `pairs` has room for hull_count * padded_count.
+using CullFunction = int (*)(const ObstacleArrays&, const HullQuery* hulls, int hull_count,
+                             NearPair* pairs);
 
 int cull_baseline(const ObstacleArrays&, const HullQuery*, int, NearPair*);
 int cull_avx2(const ObstacleArrays&, const HullQuery*, int, NearPair*);

@@ -14,7 +14,8 @@ struct Lanes {
 
 }  // namespace
 
-int cull_baseline(const ObstacleArrays& o, const HullQuery* hulls, int hull_count, NearPair* pairs) {
+int cull_baseline(const ObstacleArrays& o, const HullQuery* hulls, int hull_count,
+                  NearPair* pairs) {
   return cull_with_lanes(o, hulls, hull_count, pairs);
 }
 

@@ -7,11 +7,12 @@ enum class Level { Baseline, Avx2, Avx512 };
 
 Level level() {
 #ifndef PDOIK_NO_X86_SIMD
-  static const Level found = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                                     __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
-                                 ? Level::Avx512
-                             : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? Level::Avx2
-                                                                                               : Level::Baseline;
+  static const Level found =
+      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+              __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
+          ? Level::Avx512
+      : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? Level::Avx2
+                                                                        : Level::Baseline;
   return found;
 #else
   return Level::Baseline;
