@@ -48,6 +48,7 @@ stage_consumer() {
   cmake -S tests/consumer -B build/consumer -G Ninja --log-level=WARNING -D CMAKE_PREFIX_PATH="$PWD/build/install"
   cmake --build build/consumer
   build/consumer/consumer
+  build/consumer/readme
 }
 
 stage_python() {

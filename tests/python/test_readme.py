@@ -1,0 +1,68 @@
+"""The README's code runs as it stands."""
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+REPOSITORY = Path(__file__).parents[2]
+README = (REPOSITORY / "README.md").read_text()
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+
+
+def run_python_blocks(folder: Path) -> None:
+    program = "\n".join(blocks("python"))
+    subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=folder, check=True)
+
+
+def test_the_python_examples_run_one_after_the_other(tmp_path: Path) -> None:
+    assert len(blocks("python")) == 2
+    run_python_blocks(tmp_path)
+
+
+def test_the_command_lines_run_and_solve(tmp_path: Path) -> None:
+    pdoik = shutil.which("pdoik", path=str(Path(sys.executable).parent))
+    if pdoik is None:
+        pytest.skip("the command pdoik is not installed beside this Python")
+    run_python_blocks(tmp_path)  # writes arm.urdf
+    points = np.random.default_rng(0).uniform([0.5, -0.6, 0.0], [0.8, -0.3, 0.3], (500, 3))
+    header = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 500\nHEIGHT 1\n"
+    rows = "\n".join(" ".join(map(str, row)) for row in points)
+    (tmp_path / "scan.pcd").write_text(
+        f"{header}VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 500\nDATA ascii\n{rows}\n"
+    )
+    lines = [
+        line for block in blocks("bash") for line in block.splitlines() if line.startswith("pdoik ")
+    ]
+    assert {shlex.split(line)[1] for line in lines} == {"info", "solve", "occupancy", "bench"}
+    for line in lines:
+        words = shlex.split(line, comments=True)[1:]
+        if words[0] == "bench":
+            words += ["--targets", "20"]
+        subprocess.run([pdoik, *words], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    assert (tmp_path / "out.png").exists()
+    assert (tmp_path / "arm.occupancy.yaml").exists()
+
+
+def test_the_cpp_example_is_the_one_that_the_consumer_compiles() -> None:
+    (example,) = blocks("cpp")
+    compiled = (REPOSITORY / "tests/consumer/readme.cpp").read_text()
+    lines = [line.strip() for line in example.splitlines() if line.strip()]
+    program = [line.strip() for line in compiled.splitlines()]
+    at = program.index(lines[1])
+    assert lines[0] in program
+    assert program[at : at + len(lines) - 1] == lines[1:]
+
+
+def test_every_link_into_the_repository_leads_somewhere() -> None:
+    links = re.findall(r"\]\(([^)#]+)\)", README)
+    assert links
+    assert not [link for link in links if "://" not in link and not (REPOSITORY / link).exists()]
