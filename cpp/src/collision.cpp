@@ -118,7 +118,7 @@ void ObstacleSet::finish() {
     extent = std::max({extent, std::abs(coarse_x_[k]), std::abs(coarse_y_[k]),
                        std::abs(coarse_z_[k]), coarse_radius_[k]});
   }
-  coarse_slack_ = 1e-5F * extent;
+  extent_ = static_cast<double>(extent);
   for (auto k = static_cast<std::size_t>(count_); k < static_cast<std::size_t>(padded_); ++k) {
     coarse_x_[k] = coarse_y_[k] = coarse_z_[k] = kFarAway;
     coarse_radius_[k] = 0.0F;
@@ -180,9 +180,9 @@ double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4&
 
 }  // namespace
 
-Clearance Scene::clearance(CollisionState& state) const {
+Clearance Scene::clearance(CollisionState& state, bool within_limits) const {
   const Clearance least = least_clearance_by_growing(state, near, fixed);
-  return least.distance <= far_bound ? least : least_clearance(state, far, least);
+  return within_limits && least.distance <= far_bound ? least : least_clearance(state, far, least);
 }
 
 Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,

@@ -51,12 +51,12 @@ void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q
     collision_.place(
         k, to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local)));
   }
-  const Clearance least = scene.clearance(collision_);
+  WorstConstraint& worst = result.worst;
+  limits(q, result, worst);
+  const Clearance least = scene.clearance(collision_, result.limit_violation == 0.0);
   result.clearance =
       least.distance + options_.clearance;  // obstacle radii include the clearance wanted
 
-  WorstConstraint& worst = result.worst;
-  limits(q, result, worst);
   double worst_length = worst.violation;  // radians of the tip weigh as metres do in the search
   result.success = worst.violation <= 0.0;
   const auto compare = [&](WorstConstraint::Kind kind, double violation, int index, int obstacle) {

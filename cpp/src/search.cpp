@@ -232,7 +232,9 @@ void Search::bound_turns() {
 
 void Search::wrap_to_start() {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    if (turns_[static_cast<std::size_t>(i)] != Turn::Wrap) continue;
+    const Turn turn = turns_[static_cast<std::size_t>(i)];
+    if (turn == Turn::Bound) q_[i] = std::clamp(q_[i], start_[i] - M_PI, start_[i] + M_PI);
+    if (turn != Turn::Wrap) continue;
     q_[i] = start_[i] + std::remainder(q_[i] - start_[i], 2.0 * M_PI);
   }
 }

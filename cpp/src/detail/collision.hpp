@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -68,8 +70,8 @@ class ObstacleSet {
   const Vec4& operator[](int j) const { return points_[static_cast<std::size_t>(j)]; }
   double radius(int j) const { return (*this)[j][3]; }
   int original_index(int j) const { return index_[static_cast<std::size_t>(j)]; }
-  /// By how much hulls must grow so that the coarse test misses nothing [m].
-  float coarse_slack() const { return coarse_slack_; }
+  /// The largest number among coarse coordinates and radii, at least 1 [m].
+  double extent() const { return extent_; }
 
  private:
   std::vector<Vec4> points_;
@@ -77,8 +79,21 @@ class ObstacleSet {
   std::vector<int> index_;
   Vec4 origin_{};
   int count_ = 0, padded_ = 0;
-  float coarse_slack_ = 0.0F;
+  double extent_ = 1.0;
 };
+
+/// By how much a hull must grow so that rounding in the coarse test misses nothing [m].
+///
+/// Single precision errs in (|d|^2 - A^2 + |h|^2) A^2 - (d.h)^2 by at most E, say; growing A by s
+/// takes 2 A s (b^2 + 2 A s) from it at the tip, where it takes least. Either term alone gives an s
+/// that suffices.
+inline double coarse_slack(double A, double half_squared, double extent) {
+  constexpr double kEpsilon = 4.0 * 6e-8;
+  const double E = kEpsilon * A * A * A * (2.0 * A + extent);
+  const double b2 = A * A - half_squared;
+  const double thin = std::sqrt(E) / (2.0 * A);
+  return 1e-6 * extent + (b2 > 0.0 ? std::min(thin, E / (2.0 * A * b2)) : thin);
+}
 
 /// Distances between the robot's points and the obstacles at one configuration.
 class CollisionState {
@@ -126,7 +141,9 @@ class CollisionState {
         query.centre[i] = static_cast<float>(centre[i]);
         query.half[i] = static_cast<float>(half[i]);
       }
-      query.semi_major = static_cast<float>(hull.semi_major + grow(h)) + obstacles.coarse_slack();
+      const double A = hull.semi_major + grow(h);
+      query.semi_major =
+          static_cast<float>(A + coarse_slack(A, dot3(half, half), obstacles.extent()));
     }
     near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()),
                         pairs_.data());
@@ -183,7 +200,8 @@ struct Scene {
               CollisionState& fixed_hulls);
   /// Clearance of every hull, margin included, at the configuration where `state` is placed. Leaves
   /// the state's near pairs changed.
-  Clearance clearance(CollisionState& state) const;
+  /// @param within_limits  Whether the joints are, so that what is out of reach stays so.
+  Clearance clearance(CollisionState& state, bool within_limits = true) const;
 
   ObstacleSet near;  ///< within reach of a moving hull: the solver's
   ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these

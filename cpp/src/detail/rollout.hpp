@@ -22,10 +22,13 @@ class Rollout {
   explicit Rollout(const Robot& robot)
       : frames_(robot.bodies().size()), wrenches_(robot.bodies().size()) {
     for (const Body& body : robot.bodies()) {
-      joints_.push_back({body.parent, body.dof, body.prismatic,
-                         body.multiplier == 1.0 && body.offset == 0.0, body.multiplier, body.offset,
+      const bool slides =
+          body.dof >= 0 &&
+          robot.joint_types()[static_cast<std::size_t>(body.dof)] == JointType::Prismatic;
+      const bool plain = body.multiplier == 1.0 && body.offset == 0.0 && slides == body.prismatic;
+      joints_.push_back({body.parent, body.dof, body.prismatic, plain, body.multiplier, body.offset,
                          to_frame(body.T_parent_joint)});
-      needs_angles_ = needs_angles_ || (body.dof >= 0 && !body.prismatic && !joints_.back().plain);
+      needs_angles_ = needs_angles_ || (body.dof >= 0 && !plain);
     }
     frames_[0] = to_frame(Eigen::Isometry3d::Identity());
   }

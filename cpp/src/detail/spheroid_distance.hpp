@@ -25,24 +25,26 @@ inline Eigen::Vector2d nearest_on_ellipse(double a, double b, double px, double 
     const double x = px * a * a / (a * a - b * b);
     return {x, b * std::sqrt(std::max(0.0, 1.0 - (x / a) * (x / a)))};
   }
-  const auto value = [&](double t, double& slope) {
-    const double ra = a * px / (t + a * a), rb = b * py / (t + b * b);
-    slope = -2.0 * (ra * ra / (t + a * a) + rb * rb / (t + b * b));
+  // In s = t + b^2, which is small near the axis where t itself would lose all its digits.
+  const double gap = (a - b) * (a + b);
+  const auto value = [&](double s, double& slope) {
+    const double ra = a * px / (s + gap), rb = b * py / s;
+    slope = -2.0 * (ra * ra / (s + gap) + rb * rb / s);
     return ra * ra + rb * rb - 1.0;
   };
-  double low = -b * b + b * py;                       // value(low) >= 0
-  double high = -b * b + std::hypot(a * px, b * py);  // value(high) <= 0
-  double t = std::clamp(0.0, low, high);              // the root for a point on the surface
+  double low = b * py;                       // value(low) >= 0
+  double high = std::hypot(a * px, b * py);  // value(high) <= 0
+  double s = std::clamp(b * b, low, high);   // the root for a point on the surface
   for (int i = 0; i < 100; ++i) {
     double slope;
-    const double g = value(t, slope);
-    (g > 0.0 ? low : high) = t;
-    double next = t - g / slope;
+    const double g = value(s, slope);
+    (g > 0.0 ? low : high) = s;
+    double next = s - g / slope;
     if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-    if (std::abs(next - t) <= 1e-16 * (b * b + std::abs(t))) break;
-    t = next;
+    if (std::abs(next - s) <= 1e-16 * s) break;
+    s = next;
   }
-  return {a * a * px / (t + a * a), b * b * py / (t + b * b)};
+  return {a * a * px / (s + gap), b * b * py / s};
 }
 
 /// @param f1, f2  Foci [m].
