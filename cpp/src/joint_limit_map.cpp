@@ -24,7 +24,7 @@ JointLimitMap::JointLimitMap(const Robot& robot, Slack slack) {
     Joint joint{};
     joint.first = static_cast<int>(size_);
     joint.count = joint.copies = 1;
-    joint.scale = 1.0;
+    joint.scale = joint.inverse_scale = 1.0;
     joint.lower = robot.lower()[i];
     joint.upper = robot.upper()[i];
     const double range = joint.upper - joint.lower;
@@ -39,6 +39,7 @@ JointLimitMap::JointLimitMap(const Robot& robot, Slack slack) {
       const int K = std::max(1, static_cast<int>(std::ceil(range / M_PI - 1e-9)));
       (slack == Slack::Shared ? joint.copies : joint.count) = K;
       joint.scale = std::sqrt(joint.copies);
+      joint.inverse_scale = 1.0 / joint.scale;
       joint.sub_range = std::min(range / K, M_PI);
       const double half = std::sin(0.5 * joint.sub_range);
       joint.L_max = joint.sub_range > M_PI - 1e-9 ? 2.0 : 2.0 * half * half;
@@ -79,7 +80,7 @@ void JointLimitMap::forward(const Eigen::VectorXd& omega, State& state, bool ang
     }
     double re = joint.cos_lower, im = joint.sin_lower, angle = joint.lower;
     for (int m = joint.first; m < joint.first + joint.count; ++m) {
-      const auto [s, complement] = sigmoid(omega[m] / joint.scale);
+      const auto [s, complement] = sigmoid(omega[m] * joint.inverse_scale);
       const double L = joint.L_max * s;                                     // Eq. squash1
       const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;  // 2 - L
       const double root_L = std::sqrt(L), root_rest = std::sqrt(rest);
@@ -109,7 +110,7 @@ void JointLimitMap::positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) 
       continue;
     }
     for (int m = joint.first; m < joint.first + joint.count; ++m) {
-      const auto [s, complement] = sigmoid(omega[m] / joint.scale);
+      const auto [s, complement] = sigmoid(omega[m] * joint.inverse_scale);
       const double L = joint.L_max * s;
       const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
       position += joint.kind == Kind::Sigmoid

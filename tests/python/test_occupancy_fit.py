@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pdoik import LoadError, Occupancy
-from pdoik.occupancy_fit import OccupancyFit, fit_occupancy
+from pdoik.occupancy_fit import OccupancyFit, fit_occupancy, split
 from pdoik.occupancy_fit.hulls import half_sum, smallest_shape
 from pdoik.occupancy_fit.split import clip, union_volume
 
@@ -239,6 +239,24 @@ def test_splitting_stops_within_the_factor_and_the_budget(bent: OccupancyFit) ->
     assert len(bent.spheres) + len(bent.spheroids) == len(bent.report.hulls) <= 3
     tight = fit_occupancy(l_shaped_link(), max_volume_factor=1, max_parts=3, max_hulls=2)
     assert len(tight.report.hulls) == 2
+
+
+def test_splitting_ends_where_refinement_pushes_the_plane_off_the_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(split, "_refine", lambda _, plane: plane + np.eye(4)[3])
+    fit = fit_occupancy(one_link(collision('<box size="0.2 0.2 0.2"/>')), (), 1, max_parts=3)
+    assert clearance(fit, np.array([[0.1, 0.1, 0.1], [0, 0, 0], [-0.1, 0.1, 0.1]])).max() < 0
+
+
+def test_every_cut_leaves_two_parts_or_none() -> None:
+    box = trimesh.creation.box((0.1, 0.2, 0.3)).triangles
+    parts = split.cover_stages(np.asarray(box), 1.0, 2)[-1]
+    for part in parts:
+        for piece in split._split(part):
+            assert len(piece.triangles)
+    point = np.zeros((1, 3, 3))
+    assert split._split(split.Part(point, smallest_shape(point[0]))) == []
 
 
 def test_a_round_part_is_held_by_a_sphere() -> None:

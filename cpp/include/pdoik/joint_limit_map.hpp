@@ -67,13 +67,13 @@ class JointLimitMap {
   enum class Kind { Direct, Sigmoid, Distance };
   struct Joint {
     Kind kind;
-    int first;            // of its slack variables
-    int count;            // of its slack variables
-    int copies;           // sub-angles per slack variable
-    double scale;         // sqrt(copies)
-    double lower, upper;  // [rad] or [m]
-    double sub_range;     // range / K
-    double L_max;         // of each sub-angle
+    int first;                    // of its slack variables
+    int count;                    // of its slack variables
+    int copies;                   // sub-angles per slack variable
+    double scale, inverse_scale;  // sqrt(copies)
+    double lower, upper;          // [rad] or [m]
+    double sub_range;             // range / K
+    double L_max;                 // of each sub-angle
     double cos_lower, sin_lower;
   };
   std::vector<Joint> joints_;

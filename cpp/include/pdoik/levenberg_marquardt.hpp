@@ -36,40 +36,39 @@ struct LevenbergMarquardtResult {
 
 namespace detail {
 
-/// Solve (H + lambda I) d = -g over the free variables, d = 0 elsewhere, by an in-place Cholesky
+/// Solve (H + lambda I) d = -g over the free variables, d = 0 elsewhere, by an L D L^T
 /// factorisation. False if the matrix is not positive definite. `L` is scratch of H's size.
 inline bool solve_damped(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, double lambda,
                          const std::vector<int>& free, int count, Eigen::MatrixXd& L,
                          Eigen::VectorXd& d) {
+  const auto at = [&](int i) { return free[static_cast<std::size_t>(i)]; };
   const Eigen::Index stride = L.rows();
-  double* const l = L.data();  // row k of the factor is column k of L
-  d.setZero();
-  double* const x = d.data();
-  double y[64];
-  for (int i = 0; i < count; ++i) {
-    double* const row = l + i * stride;
-    const int fi = free[static_cast<std::size_t>(i)];
-    double rhs = -g[fi];
-    for (int j = 0; j <= i; ++j) {
-      const double* const other = l + j * stride;
-      double sum = H(free[static_cast<std::size_t>(j)], fi);
-      if (i == j) sum += lambda;
-      for (int k = 0; k < j; ++k) sum -= row[k] * other[k];
-      if (i == j) {
-        if (!(sum > 0.0)) return false;
-        row[i] = 1.0 / std::sqrt(sum);  // the diagonal holds its inverse
-      } else {
-        row[j] = sum * other[j];
-        rhs -= row[j] * y[j];
-      }
-    }
-    y[i] = rhs * row[i];
+  double* const l = L.data();  // by columns, the lower triangle
+  double y[64], inverse_pivot[64];
+  for (int j = 0; j < count; ++j) {
+    for (int i = j; i < count; ++i) l[j * stride + i] = H(at(j), at(i));
+    l[j * stride + j] += lambda;
+    y[j] = -g[at(j)];
   }
-  for (int i = count - 1; i >= 0; --i) {
-    double sum = y[i];
-    for (int k = i + 1; k < count; ++k)
-      sum -= l[k * stride + i] * x[free[static_cast<std::size_t>(k)]];
-    x[free[static_cast<std::size_t>(i)]] = sum * l[i * stride + i];
+  // Each column is taken from those after it: many short independent updates, where sums of
+  // products would wait for one another.
+  for (int k = 0; k < count; ++k) {
+    double* const column = l + k * stride;
+    if (!(column[k] > 0.0)) return false;
+    inverse_pivot[k] = 1.0 / column[k];
+    for (int j = k + 1; j < count; ++j) {
+      const double factor = column[j] * inverse_pivot[k];
+      double* const later = l + j * stride;
+      for (int i = j; i < count; ++i) later[i] -= factor * column[i];
+      y[j] -= factor * y[k];
+    }
+  }
+  d.setZero();
+  for (int k = count - 1; k >= 0; --k) {
+    double sum = y[k];
+    for (int i = k + 1; i < count; ++i) sum -= l[k * stride + i] * y[i];
+    y[k] = sum * inverse_pivot[k];
+    d[at(k)] = y[k];
   }
   return true;
 }

@@ -46,23 +46,27 @@ class GoalTerm {
   }
 
   void set_target(const Eigen::Isometry3d& T) { target_ = to_frame(T); }
-  /// Take the tip from its body's frame and measure its errors.
+  /// Take the tip from its body's frame.
   void place(const Frame& T_base_body) {
     tip_ = compose(T_base_body, T_body_tip_);
     position_error_ = tip_.p - target_.p;
-    rotation_error_ = type_ == GoalType::Pose ? rotation_error_vector(tip_, target_)
-                      : type_ == GoalType::Axis
-                          ? axis_error_vector(rotate(tip_, axis_), rotate(target_, axis_))
-                          : Vec4{};
+  }
+  /// The rotation vector from the target to the tip where it was placed [rad].
+  Vec4 rotation_error() const {
+    if (type_ == GoalType::Pose) return rotation_error_vector(tip_, target_);
+    if (type_ == GoalType::Axis) return axis_error_vector(axis(), rotate(target_, axis_));
+    return Vec4{};
   }
 
   int body() const { return body_; }
   GoalType type() const { return type_; }
   const Frame& tip() const { return tip_; }
   const Vec4& position_error() const { return position_error_; }  ///< [m]
-  const Vec4& rotation_error() const { return rotation_error_; }  ///< rotation vector [rad]
   double position_distance() const { return std::sqrt(dot3(position_error_, position_error_)); }
-  double rotation_distance() const { return std::sqrt(dot3(rotation_error_, rotation_error_)); }
+  double rotation_distance() const {
+    const Vec4 error = rotation_error();
+    return std::sqrt(dot3(error, error));
+  }
   /// The tip's constrained axis in the base frame (GoalType::Axis).
   Vec4 axis() const { return rotate(tip_, axis_); }
 
@@ -96,7 +100,7 @@ class GoalTerm {
   GoalType type_;
   Vec4 axis_;
   Frame target_, tip_{};
-  Vec4 position_error_{}, rotation_error_{};
+  Vec4 position_error_{};
 };
 
 }  // namespace pdoik::detail

@@ -25,14 +25,14 @@ class LeastSquaresProblem {
     cosine_.setZero(dof);
     sine_.setZero(dof);
     row_.setZero(dof);
-    linear_.setZero(3, dof);
-    angular_.setZero(3, dof);
+    columns_.resize(static_cast<std::size_t>(dof));
   }
 
   double evaluate(const Eigen::VectorXd& q) {
     for (Eigen::Index i = 0; i < q.size(); ++i) {
-      cosine_[i] = std::cos(q[i]);
-      sine_[i] = std::sin(q[i]);
+      const double angle = q[i];  // read once, so that the two calls become one
+      cosine_[i] = std::cos(angle);
+      sine_[i] = std::sin(angle);
     }
     rollout_.forward(cosine_.data(), sine_.data(), q.data());
     double sum = 0.0;
@@ -41,7 +41,8 @@ class LeastSquaresProblem {
     for (GoalTerm& goal : goals_) {
       goal.place(rollout_.frame(goal.body()));
       const double p2 = dot3(goal.position_error(), goal.position_error());
-      const double r2 = dot3(goal.rotation_error(), goal.rotation_error());
+      const Vec4 e = goal.rotation_error();
+      const double r2 = dot3(e, e);
       sum += p2 + w2 * r2;
       position_error_ = std::max(position_error_, p2);
       rotation_error_ = std::max(rotation_error_, r2);
@@ -69,6 +70,8 @@ class LeastSquaresProblem {
   }
 
  private:
+  static double sum4(const Vec4& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+
   /// Aim this far beyond contact, so that reaching it to rounding is clear of it [m].
   static constexpr double kContactGap = 1e-8;
 
@@ -92,33 +95,31 @@ class LeastSquaresProblem {
   }
 
   void add_goal(const GoalTerm& goal, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const double w2 = options_.rotation_weight * options_.rotation_weight;
-    linear_.setZero();
-    angular_.setZero();
+    for (Column& column : columns_) column = Column{};
+    const Vec4 w = broadcast(options_.rotation_weight);
     const Vec4 axis = goal.type() == GoalType::Axis ? goal.axis() : Vec4{};
-    rollout_.for_each_joint(
-        goal.body(), [&](int dof, double multiplier, bool prismatic, const Frame& frame) {
-          const Vec4 scaled = broadcast(multiplier) * frame.z;
-          if (prismatic) {
-            linear_.col(dof) += to_vector3(scaled);
-            return;
-          }
-          linear_.col(dof) += to_vector3(cross3(scaled, goal.tip().p - frame.p));
-          if (goal.type() == GoalType::Position) return;
-          // Turning about the constrained axis itself changes nothing.
-          angular_.col(dof) += to_vector3(scaled - broadcast(dot3(axis, scaled)) * axis);
-        });
-    const Vec4 e = goal.rotation_error(), p = goal.position_error();
-    for (Eigen::Index i = 0; i < g.size(); ++i) {
-      const double* li = linear_.data() + 3 * i;
-      const double* ai = angular_.data() + 3 * i;
-      g[i] += li[0] * p[0] + li[1] * p[1] + li[2] * p[2] +
-              w2 * (ai[0] * e[0] + ai[1] * e[1] + ai[2] * e[2]);
-      for (Eigen::Index j = 0; j <= i; ++j) {
-        const double* lj = linear_.data() + 3 * j;
-        const double* aj = angular_.data() + 3 * j;
-        H(j, i) += li[0] * lj[0] + li[1] * lj[1] + li[2] * lj[2] +
-                   w2 * (ai[0] * aj[0] + ai[1] * aj[1] + ai[2] * aj[2]);
+    const bool turns = goal.type() != GoalType::Position;
+    rollout_.for_each_joint(goal.body(),
+                            [&](int dof, double multiplier, bool prismatic, const Frame& frame) {
+                              const Vec4 scaled = broadcast(multiplier) * frame.z;
+                              Column& column = columns_[static_cast<std::size_t>(dof)];
+                              if (prismatic) {
+                                column.linear += scaled;
+                                return;
+                              }
+                              column.linear += cross3(scaled, goal.tip().p - frame.p);
+                              if (!turns) return;
+                              // Turning about the constrained axis itself changes nothing.
+                              column.angular += w * (scaled - broadcast(dot3(axis, scaled)) * axis);
+                            });
+    const Vec4 p = goal.position_error(), e = w * goal.rotation_error();
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const Column& column = columns_[i];
+      g[row] += sum4(column.linear * p + column.angular * e);
+      double* const h = H.data() + row * H.rows();  // column i, filled down to the diagonal
+      for (std::size_t k = 0; k <= i; ++k) {
+        h[k] += sum4(column.linear * columns_[k].linear + column.angular * columns_[k].angular);
       }
     }
   }
@@ -147,7 +148,12 @@ class LeastSquaresProblem {
   const Scene& scene_;
   const Options& options_;
   Eigen::VectorXd cosine_, sine_, row_;
-  Eigen::Matrix3Xd linear_, angular_;
+  /// How the tip's position and orientation (weighted) follow one joint; the fourth entries are
+  /// zero.
+  struct Column {
+    Vec4 linear{}, angular{};
+  };
+  std::vector<Column> columns_;
   double position_error_ = 0.0, rotation_error_ = 0.0;  // squared
   bool touching_ = false;
 };

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <vector>
 
 #include "detail/frame.hpp"
 #include "pdoik/robot.hpp"
+#include "simd/roll_out.hpp"
 
 namespace pdoik::detail {
 
@@ -39,31 +39,7 @@ class Rollout {
   /// @param cosine, sine  of each joint's angle, shape (n,).
   /// @param q  positions, shape (n,): read for prismatic joints, and for all where needs_angles().
   void forward(const double* cosine, const double* sine, const double* q) {
-    for (std::size_t b = 1; b < joints_.size(); ++b) {
-      const Joint& joint = joints_[b];
-      const Frame& parent = frames_[static_cast<std::size_t>(joint.parent)];
-      Frame& frame = frames_[b];
-      const Vec4 x = rotate(parent, joint.fixed.x), y = rotate(parent, joint.fixed.y);
-      frame.z = rotate(parent, joint.fixed.z);
-      frame.p = transform(parent, joint.fixed.p);
-      if (joint.prismatic) {
-        frame.x = x;
-        frame.y = y;
-        frame.p += frame.z * broadcast(joint.multiplier * q[joint.dof] + joint.offset);
-        continue;
-      }
-      double c, s;
-      if (joint.plain) {
-        c = cosine[joint.dof];
-        s = sine[joint.dof];
-      } else {
-        const double angle = joint.multiplier * q[joint.dof] + joint.offset;
-        c = std::cos(angle);
-        s = std::sin(angle);
-      }
-      frame.x = x * broadcast(c) + y * broadcast(s);
-      frame.y = y * broadcast(c) - x * broadcast(s);
-    }
+    roll_out_(joints_.data(), static_cast<int>(joints_.size()), cosine, sine, q, frames_.data());
   }
 
   const Frame& frame(int body) const { return frames_[static_cast<std::size_t>(body)]; }
@@ -115,12 +91,7 @@ class Rollout {
   }
 
  private:
-  struct Joint {
-    int parent, dof;
-    bool prismatic, plain;
-    double multiplier, offset;
-    Frame fixed;
-  };
+  using Joint = RolloutJoint;
   struct Wrench {
     Vec4 force{}, moment{};
   };
@@ -134,6 +105,7 @@ class Rollout {
   std::vector<Frame> frames_;
   std::vector<Wrench> wrenches_;
   bool needs_angles_ = false;
+  RollOutFunction roll_out_ = best_roll_out();
 };
 
 }  // namespace pdoik::detail

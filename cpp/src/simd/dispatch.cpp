@@ -1,4 +1,5 @@
 #include "simd/cull.hpp"
+#include "simd/roll_out.hpp"
 
 namespace pdoik::detail {
 namespace {
@@ -27,6 +28,13 @@ CullFunction best_cull() {
   if (level() == Level::Avx2) return cull_avx2;
 #endif
   return cull_baseline;
+}
+
+RollOutFunction best_roll_out() {
+#ifndef PDOIK_NO_X86_SIMD
+  if (level() != Level::Baseline) return roll_out_avx2;
+#endif
+  return roll_out_baseline;
 }
 
 const char* simd_name() {

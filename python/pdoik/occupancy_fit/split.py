@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from .hulls import FloatArray, Shape, convex_volume, smallest_shape
+from .hulls import FloatArray, Shape, convex_volume, extreme_points, smallest_shape
 
 _OFFSETS = (0.2, 0.35, 0.5, 0.65, 0.8)  # where along its normal a part is first cut
 _COARSE_SAMPLES, _FINE_SAMPLES = 4_000, 60_000
@@ -86,17 +86,16 @@ def cover_stages(
     parts = [Part(triangles, smallest_shape(triangles.reshape(-1, 3)))]
     volume = parts[0].shape.volume
     kept, kept_volume = [parts], volume
-    halves: dict[int, list[Part]] = {}  # of a part, by its identity: each is split once
+    cuts: list[list[Part] | None] = [None]  # of each part; found when first asked for, then kept
     while volume > limit and len(parts) < max_parts:
-        options = []
-        for index, part in enumerate(parts):
-            if id(part) not in halves:
-                halves[id(part)] = _split(part)
-            options.append(parts[:index] + halves[id(part)] + parts[index + 1 :])
-        volumes = [union_volume([part.shape for part in option]) for option in options]
-        parts, volume = options[int(np.argmin(volumes))], min(volumes)
-        if len(parts) == len(kept[-1]):
-            break  # no plane cuts it: a flat sheet
+        cuts = [_split(part) if cut is None else cut for part, cut in zip(parts, cuts, strict=True)]
+        options = {i: parts[:i] + cut + parts[i + 1 :] for i, cut in enumerate(cuts) if cut}
+        if not options:
+            break
+        volumes = {i: union_volume([p.shape for p in option]) for i, option in options.items()}
+        best = min(volumes, key=lambda index: volumes[index])
+        parts, volume = options[best], volumes[best]
+        cuts[best : best + 1] = [None, None]
         if volume < (1 - _MIN_GAIN) ** (len(parts) - len(kept[-1])) * kept_volume:
             kept.append(parts)
             kept_volume = volume
@@ -104,7 +103,7 @@ def cover_stages(
 
 
 def _split(part: Part) -> list[Part]:
-    """The part cut by the plane that leaves the smallest union of two hulls."""
+    """Two parts, cut by the plane that leaves the smallest union of their hulls, or none."""
     points = part.points
     _, _, principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     diagonals = [np.roll([1.0, sign, 0.0], k) / np.sqrt(2) for k in range(3) for sign in (1, -1)]
@@ -114,26 +113,27 @@ def _split(part: Part) -> list[Part]:
         low, high = heights.min(), heights.max()
         planes += [np.append(normal, low + share * (high - low)) for share in _OFFSETS]
     scored = sorted((_cut_volume(part, plane), index) for index, plane in enumerate(planes))
-
-    best, best_volume = planes[scored[0][1]], scored[0][0]
-    for _, index in scored[:2]:
-        refined = _refine(part, planes[index])
-        volume = _cut_volume(part, refined)
-        if volume < best_volume:
-            best, best_volume = refined, volume
-    halves = _halves(part, best)
-    return [Part(half, smallest_shape(half.reshape(-1, 3))) for half in halves]
+    finalists = [planes[index] for volume, index in scored[:2] if np.isfinite(volume)]
+    finalists += [_refine(part, plane) for plane in finalists]
+    if not finalists:
+        return []
+    best = min(finalists, key=lambda plane: _cut_volume(part, plane))
+    return [Part(half, smallest_shape(half.reshape(-1, 3))) for half in _halves(part, best)]
 
 
 def _halves(part: Part, plane: FloatArray) -> list[FloatArray]:
     normal = plane[:3] / np.linalg.norm(plane[:3])
-    halves = [clip(part.triangles, normal, plane[3]), clip(part.triangles, -normal, -plane[3])]
-    return [half for half in halves if len(half)]
+    return [clip(part.triangles, normal, plane[3]), clip(part.triangles, -normal, -plane[3])]
 
 
 def _cut_volume(part: Part, plane: FloatArray) -> float:
-    """Union of the hulls on both sides of the plane, by quick fits, [m^3]."""
+    """Union of the hulls on both sides of the plane, by quick fits, [m^3]; inf if it cuts nothing.
+
+    A plane through a vertex or along a face leaves that much on its other side: no cut either.
+    """
     halves = _halves(part, plane)
+    if any(len(extreme_points(half.reshape(-1, 3))) < 4 for half in halves):
+        return np.inf
     shapes = [smallest_shape(half.reshape(-1, 3), quick=True) for half in halves]
     return union_volume(shapes, _COARSE_SAMPLES)
 

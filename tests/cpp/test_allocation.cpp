@@ -1,0 +1,195 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "arms.hpp"
+
+// Every allocation of the whole test program passes through these, since a program's own malloc
+// takes precedence over the C library's; operator new and Eigen call malloc. Sanitizers bring their
+// own and are left alone.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GLIBC__)
+#define PDOIK_COUNTS_ALLOCATIONS 1
+
+namespace {
+thread_local bool counting = false;
+thread_local int counted = 0;
+void note() {
+  if (counting) ++counted;
+}
+}  // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void __libc_free(void*);
+
+void* malloc(std::size_t size) { return note(), __libc_malloc(size); }
+void* calloc(std::size_t count, std::size_t size) { return note(), __libc_calloc(count, size); }
+void* realloc(void* old, std::size_t size) { return note(), __libc_realloc(old, size); }
+void* memalign(std::size_t alignment, std::size_t size) {
+  return note(), __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  return note(), __libc_memalign(alignment, size);
+}
+int posix_memalign(void** result, std::size_t alignment, std::size_t size) {
+  note();
+  *result = __libc_memalign(alignment, size);
+  return *result == nullptr ? 12 : 0;  // ENOMEM
+}
+void free(void* p) {
+  if (p != nullptr) note();  // releasing memory takes the allocator's lock as well
+  __libc_free(p);
+}
+}
+#endif
+
+namespace pdoik {
+namespace {
+
+#ifdef PDOIK_COUNTS_ALLOCATIONS
+
+using namespace pdoik::testing;
+
+/// Allocations and releases while `work` runs.
+template <class Work>
+int allocations(Work&& work) {
+  counted = 0;
+  counting = true;
+  work();
+  counting = false;
+  return counted;
+}
+
+TEST(Allocation, the_counter_counts_every_way_of_allocating) {
+  void* volatile p = nullptr;
+  EXPECT_EQ(allocations([&] { p = std::malloc(10); }), 1);
+  EXPECT_EQ(allocations([&] { p = std::realloc(p, 100000); }), 1);
+  EXPECT_EQ(allocations([&] { std::free(p); }), 1);
+  EXPECT_EQ(allocations([&] {
+              int* volatile one = new int;
+              delete one;
+            }),
+            2);
+  EXPECT_EQ(allocations([] {
+              struct alignas(64) Wide {
+                char c[64];
+              };
+              Wide* volatile wide = new Wide;
+              delete wide;
+            }),
+            2);
+  EXPECT_EQ(allocations([] {
+              Eigen::VectorXd v(100);
+              v.setZero();
+            }),
+            2);
+  EXPECT_EQ(allocations([] { std::vector<Eigen::Isometry3d> v(3); }), 2);
+  EXPECT_EQ(allocations([] {
+              Eigen::Vector3d v(1.0, 2.0, 3.0);
+              v.normalize();
+            }),
+            0);
+}
+
+/// Solves with a result that has been used once.
+int allocations_of_solves(const Robot& robot, const Options& options, int obstacles,
+                          double radius) {
+  Random random(21);
+  Solver solver(robot, options);
+  Result result;
+  int sum = 0, solved = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Problem problem = solvable_problem(robot, random, obstacles, radius);
+    const Eigen::VectorXd q0 = random_configuration(robot, random);
+    Eigen::Isometry3d target = problem.target;
+    if (k % 5 == 4)
+      target.translation() += Eigen::Vector3d(9.0, 0.0, 0.0);  // also when there is no solution
+    solver.set_obstacles(problem.obstacles);
+    if (k == 0) solver.solve(target, &q0, result);
+    sum += allocations([&] { solver.solve(target, k % 2 == 0 ? &q0 : nullptr, result); });
+    solved += result.success;
+  }
+  EXPECT_GT(solved, 3);
+  return sum;
+}
+
+TEST(Allocation, a_solve_after_set_up_allocates_nothing_whatever_the_method_goal_and_obstacles) {
+  for (const std::string& arm : arm_names()) {
+    const Robot robot = with_hulls(Robot::builtin(arm));
+    for (const GoalType goal : {GoalType::Pose, GoalType::Axis, GoalType::Position}) {
+      for (const auto& [method, inner] :
+           {std::pair(Method::Default, InnerMethod::LevenbergMarquardt),
+            std::pair(Method::Default, InnerMethod::Lbfgs),
+            std::pair(Method::Paper, InnerMethod::Lbfgs)}) {
+        for (const auto& [obstacles, radius] :
+             {std::pair(0, 0.0), std::pair(30, 0.0), std::pair(30, 0.05)}) {
+          SCOPED_TRACE(arm + ", " + name_of(goal) + ", " +
+                       (method == Method::Paper ? "paper, " : "default, ") +
+                       std::to_string(obstacles) + " obstacles of radius " +
+                       std::to_string(radius));
+          Options options = timeless(goal, method, inner);
+          options.max_restarts = 5;
+          EXPECT_EQ(allocations_of_solves(robot, options, obstacles, radius), 0);
+        }
+      }
+    }
+  }
+}
+
+TEST(Allocation, a_solve_of_a_robot_with_followers_slides_and_turns_allocates_nothing) {
+  Random random(4);
+  Robot robot =
+      random_robot(random, {.joints = 8, .prismatic = 0.3, .continuous = 0.3, .mimic = 0.3});
+  robot.set_occupancy(random_occupancy(robot, random, 2, 2));
+  Options options = timeless(GoalType::Position);
+  options.max_restarts = 5;
+  EXPECT_EQ(allocations_of_solves(robot, options, 10, 0.02), 0);
+}
+
+TEST(Allocation, new_obstacles_allocate_only_when_there_are_more_than_ever_before) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Random random(5);
+  Options options = timeless();
+  options.max_obstacles = 100;
+  Solver solver(robot, options);
+  for (const int count : {100, 0, 37, 99, 100}) {
+    const ObstacleMatrix points = random_obstacles(random, count, 1.0, 0.01);
+    EXPECT_EQ(allocations([&] { solver.set_obstacles(points); }), 0) << count;
+  }
+  const ObstacleMatrix many = random_obstacles(random, 300, 1.0, 0.01);
+  EXPECT_GT(allocations([&] { solver.set_obstacles(many); }), 0);
+  EXPECT_EQ(allocations([&] { solver.set_obstacles(many); }), 0);
+  Result result;
+  const Eigen::Isometry3d target = robot.fk(robot.mid_configuration());
+  solver.solve(target, nullptr, result);
+  EXPECT_EQ(allocations([&] { solver.solve(target, nullptr, result); }), 0);
+}
+
+TEST(Allocation, minimisers_and_kinematics_take_their_memory_at_construction) {
+  const Robot robot = Robot::builtin("iiwa14");
+  const Eigen::VectorXd q = robot.mid_configuration();
+  std::vector<Eigen::Isometry3d> poses(robot.bodies().size());
+  EXPECT_EQ(allocations([&] { robot.body_poses(q, poses); }), 0);
+  Lbfgs lbfgs(12);
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(12, 3.0);
+  const auto bowl = [](const Eigen::VectorXd& at, Eigen::VectorXd& g) {
+    return g = at, 0.5 * at.squaredNorm();
+  };
+  EXPECT_EQ(allocations([&] { lbfgs.minimize(bowl, x); }), 0);
+  EXPECT_LT(x.norm(), 1e-6);
+}
+
+#else
+
+TEST(Allocation, a_solve_after_set_up_allocates_nothing) {
+  GTEST_SKIP() << "the sanitizers' own malloc is in place";
+}
+
+#endif
+
+}  // namespace
+}  // namespace pdoik

@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+
+#include "arms.hpp"
+
+namespace pdoik {
+namespace {
+
+using namespace pdoik::testing;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The call must throw invalid_argument with every one of `words` in its message.
+template <class Call>
+void expect_invalid(Call&& call, const std::vector<std::string>& words) {
+  try {
+    call();
+    ADD_FAILURE() << "accepted; expected an invalid_argument with '" << words.front() << "'";
+  } catch (const std::invalid_argument& error) {
+    for (const std::string& word : words) {
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << error.what() << " lacks " << word;
+    }
+  }
+}
+
+TEST(SolverMisuse, options_out_of_range_are_refused_by_name) {
+  const Robot robot = Robot::builtin("panda");
+  const auto refused = [&](const char* name, auto&& change) {
+    Options options;
+    change(options);
+    expect_invalid([&] { Solver(robot, options); }, {name});
+  };
+  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+    refused("position_tolerance", [&](Options& o) { o.position_tolerance = bad; });
+    refused("rotation_tolerance", [&](Options& o) { o.rotation_tolerance = bad; });
+    refused("rotation_weight", [&](Options& o) { o.rotation_weight = bad; });
+    refused("collision_weight", [&](Options& o) { o.collision_weight = bad; });
+    refused("point_distance", [&](Options& o) { o.point_distance = bad; });
+  }
+  for (const double bad : {kNan, kInfinity, -kInfinity})
+    refused("clearance", [&](Options& o) { o.clearance = bad; });
+  for (const double bad : {-1e-9, kNan, kInfinity}) {
+    refused("clearance_tolerance", [&](Options& o) { o.clearance_tolerance = bad; });
+  }
+  for (const double bad : {0.0, -1.0, kNan})
+    refused("max_time", [&](Options& o) { o.max_time = bad; });
+  for (const double bad : {0.0, 0.5, -0.1, kNan})
+    refused("start_inset", [&](Options& o) { o.start_inset = bad; });
+  refused("max_restarts", [](Options& o) { o.max_restarts = -1; });
+  refused("max_obstacles", [](Options& o) { o.max_obstacles = -1; });
+  refused("memory", [](Options& o) { o.lbfgs.memory = 0; });
+  refused("armijo", [](Options& o) { o.lbfgs.armijo = 2.0; });
+  for (const Eigen::Vector3d& bad :
+       {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNan, 0.0, 1.0)}) {
+    refused("goal_axis", [&](Options& o) { o.goal_axis = bad; });
+  }
+}
+
+TEST(SolverMisuse, robots_it_cannot_take_are_refused) {
+  RobotDescription description;
+  description.links = {{.name = "a"}, {.name = "b"}, {.name = "c"}};
+  description.joints = {joint_between("a", "b", "j", JointType::Revolute),
+                        joint_between("a", "c", "k", JointType::Revolute)};
+  expect_invalid([&] { Solver(Robot{description}); }, {"2 tips", "b", "c"});
+  EXPECT_NO_THROW(Solver(Robot(description, {}, {"c"})));
+  RobotDescription rigid;
+  rigid.links = {{.name = "a"}, {.name = "b"}};
+  rigid.joints = {joint_between("a", "b", "j")};
+  expect_invalid([&] { Solver(Robot{rigid}); }, {"0 joints"});
+  expect_invalid(
+      [] {
+        Solver(
+            Robot::from_dh(std::vector<DhRow>(65, DhRow{.a = 0.1, .lower = -1.0, .upper = 1.0})));
+      },
+      {"65"});
+  EXPECT_NO_THROW(
+      Solver(Robot::from_dh(std::vector<DhRow>(64, DhRow{.a = 0.1, .lower = -1.0, .upper = 1.0}))));
+}
+
+TEST(SolverMisuse,
+     targets_starts_and_obstacles_that_make_no_sense_are_refused_and_leave_the_solver_usable) {
+  const Robot robot = Robot::builtin("ur10");
+  Solver solver(robot, timeless());
+  const Eigen::Isometry3d good = robot.fk(Eigen::VectorXd::Constant(6, 0.5));
+  Eigen::Isometry3d nan = good, sheared = good, mirrored = good, scaled = good;
+  nan.translation().y() = kNan;
+  sheared.linear()(0, 1) += 1e-3;
+  mirrored.linear().col(0) *= -1.0;
+  scaled.linear() *= 1.01;
+  expect_invalid([&] { solver.solve(nan); }, {"T_base_tip", "NaN"});
+  for (const Eigen::Isometry3d& bad : {sheared, mirrored, scaled})
+    expect_invalid([&] { solver.solve(bad); }, {"T_base_tip", "rigid"});
+  expect_invalid([&] { solver.solve(good, Eigen::VectorXd::Zero(5)); }, {"q0", "5", "6"});
+  expect_invalid([&] { solver.solve(good, Eigen::VectorXd::Constant(6, kNan)); }, {"q0", "NaN"});
+  expect_invalid([&] { solver.set_obstacles(ObstacleMatrix::Zero(4, 2)); }, {"(4, 2)"});
+  expect_invalid([&] { solver.set_obstacles(ObstacleMatrix::Zero(1, 5)); }, {"(1, 5)"});
+  ObstacleMatrix points = ObstacleMatrix::Zero(3, 4);
+  points(2, 3) = -0.1;
+  expect_invalid([&] { solver.set_obstacles(points); }, {"negative", "row 2"});
+  points(1, 0) = kInfinity;
+  expect_invalid([&] { solver.set_obstacles(points); }, {"infinity", "row 1"});
+  const std::vector<Eigen::Isometry3d> targets{good, nan};
+  const std::vector<Eigen::VectorXd> starts(3, Eigen::VectorXd::Zero(6));
+  expect_invalid([&] { (void)solver.solve_batch(targets); }, {"NaN"});
+  expect_invalid([&] { (void)solver.solve_batch({targets.data(), 1}, starts); }, {"q0", "3"});
+  expect_invalid([&] { (void)solver.solve_batch({targets.data(), 1}, {}, -1); }, {"threads", "-1"});
+  EXPECT_TRUE(solver.solve(good).success);
+}
+
+TEST(SolverMisuse, a_target_off_rigid_by_less_than_its_tolerance_is_solved_to_it) {
+  const Robot robot = Robot::builtin("ur10");
+  Eigen::Isometry3d target = robot.fk(Eigen::VectorXd::Constant(6, 0.5));
+  target.linear()(0, 1) += 4e-7;
+  EXPECT_TRUE(Solver(robot, timeless()).solve(target).success);
+}
+
+/// Values so large that a follower's angle overflows: no pose, so no success.
+TEST(SolverMisuse, a_configuration_without_a_pose_is_never_a_success) {
+  RobotDescription description;
+  description.links = {{.name = "a"}, {.name = "b"}, {.name = "c"}};
+  JointDescription follower = joint_between("b", "c", "follow", JointType::Continuous);
+  follower.mimic = Mimic{"turn", 3.0, 0.0};
+  follower.T_parent_child.translation().x() = 0.3;
+  description.joints = {joint_between("a", "b", "turn", JointType::Continuous), follower};
+  const Robot robot(description);
+  const Eigen::VectorXd huge = Eigen::VectorXd::Constant(1, 1e308);
+  Eigen::Isometry3d target = Eigen::Isometry3d::Identity();
+  target.translation().z() = 1.0;  // not on the plane that the tip moves in
+  for (const GoalType goal : {GoalType::Pose, GoalType::Axis, GoalType::Position}) {
+    for (const Method method : {Method::Default, Method::Paper}) {
+      Solver solver(robot, timeless(goal, method));
+      Result result;
+      solver.judge(target, huge, result);
+      EXPECT_FALSE(result.success);
+      EXPECT_FALSE(solver.solve(target, huge).success);
+    }
+  }
+}
+
+TEST(SolverMisuse,
+     obstacles_as_large_or_as_small_as_it_takes_do_no_harm_and_larger_ones_are_refused) {
+  const Robot robot = with_hulls(Robot::builtin("iiwa14"));
+  ObstacleMatrix far(6, 4);
+  far << 1e6, 0, 0, 0, 0, -1e6, 0, 1e-300, 1e5, 1e5, 1e5, 0, 1e3, 0, 0, 1, 0, 30, 0, 0, 5, 5, 5,
+      1e-320;
+  for (const Method method : {Method::Default, Method::Paper}) {
+    Solver solver(robot, timeless(GoalType::Pose, method));
+    const Eigen::Isometry3d target = robot.fk(Eigen::VectorXd::Constant(7, 0.2));
+    const Result alone = solver.solve(target);
+    solver.set_obstacles(far);
+    const Result result = solver.solve(target);
+    EXPECT_EQ(result.q, alone.q);
+    EXPECT_NEAR(result.clearance, brute_force_clearance(robot, result.q, far, 100), 1e-9);
+    Eigen::Isometry3d distant = target;
+    distant.translation().x() = 1e200;
+    EXPECT_FALSE(solver.solve(distant).success);
+    ObstacleMatrix everything(1, 4);
+    everything << 0.0, 0.0, 0.0, 1e5;  // a ball that holds the robot
+    solver.set_obstacles(everything);
+    EXPECT_EQ(solver.solve(target).status, Status::BaseCollision);
+    for (const double beyond : {1.1e6, 1e30, 1e300}) {
+      ObstacleMatrix points = far;
+      points(3, 1) = beyond;
+      expect_invalid([&] { solver.set_obstacles(points); }, {"row 3"});
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pdoik
