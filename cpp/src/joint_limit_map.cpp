@@ -6,6 +6,9 @@
 namespace pdoik {
 namespace {
 
+/// Wider joints would take more than 64 sub-angles [rad].
+constexpr double kWidestRange = 64.0 * M_PI;
+
 struct Sigmoid {
   double s;           ///< sigmoid(omega)
   double complement;  ///< 1 - s = sigmoid(-omega), without cancellation
@@ -31,8 +34,8 @@ JointLimitMap::JointLimitMap(const Robot& robot, Slack slack) {
     const JointType type = robot.joint_types()[static_cast<std::size_t>(i)];
     if (!std::isfinite(range)) {
       joint.kind = Kind::Direct;
-    } else if (type == JointType::Prismatic) {
-      joint.kind = Kind::Sigmoid;
+    } else if (type == JointType::Prismatic || range > kWidestRange) {
+      joint.kind = type == JointType::Prismatic ? Kind::Sigmoid : Kind::AngleSigmoid;
       joint.sub_range = range;
     } else {
       joint.kind = Kind::Distance;
@@ -72,10 +75,13 @@ void JointLimitMap::forward(const Eigen::VectorXd& omega, State& state, bool ang
       state.slope[joint.first] = 1.0;
       continue;
     }
-    if (joint.kind == Kind::Sigmoid) {
+    if (joint.kind == Kind::Sigmoid || joint.kind == Kind::AngleSigmoid) {
       const auto [s, complement] = sigmoid(omega[joint.first]);
       state.q[i] = std::clamp(joint.lower + joint.sub_range * s, joint.lower, joint.upper);
       state.slope[joint.first] = joint.sub_range * s * complement;
+      if (joint.kind == Kind::Sigmoid) continue;
+      state.cosine[i] = std::cos(state.q[i]);
+      state.sine[i] = std::sin(state.q[i]);
       continue;
     }
     double re = joint.cos_lower, im = joint.sin_lower, angle = joint.lower;
@@ -113,7 +119,7 @@ void JointLimitMap::positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) 
       const auto [s, complement] = sigmoid(omega[m] * joint.inverse_scale);
       const double L = joint.L_max * s;
       const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
-      position += joint.kind == Kind::Sigmoid
+      position += joint.kind != Kind::Distance
                       ? joint.sub_range * s
                       : joint.copies * 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
     }
@@ -142,7 +148,7 @@ void JointLimitMap::inverse(VectorIn q, Eigen::VectorXd& omega, double inset) co
     const double fraction =
         range > 0.0 ? std::clamp((position - joint.lower) / range, inset, 1.0 - inset) : 0.5;
     double slack = 0.0;
-    if (joint.kind == Kind::Sigmoid) {
+    if (joint.kind != Kind::Distance) {
       slack = std::log(fraction) - std::log1p(-fraction);
     } else {
       // s : 1 - s = (1 - cos theta) : (cos theta - cos sub_range), both as products of sines.

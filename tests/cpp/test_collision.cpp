@@ -74,7 +74,7 @@ TEST(Collision, the_near_pairs_include_every_hull_that_an_obstacle_touches) {
 
 /// Points just inside a thin spheroid's surface, at its poles, equator and between.
 TEST(Collision, the_near_pairs_miss_no_point_just_inside_a_thin_spheroid) {
-  for (const double ratio : {0.5, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01}) {  // b / a
+  for (const double ratio : {0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 1e-3, 1e-4}) {  // b / a
     for (const double a : {0.1, 0.3, 0.5}) {
       SCOPED_TRACE("b / a = " + std::to_string(ratio) + ", a = " + std::to_string(a));
       Random random(static_cast<std::uint64_t>(1000.0 * ratio * a));
@@ -100,8 +100,9 @@ TEST(Collision, the_near_pairs_miss_no_point_just_inside_a_thin_spheroid) {
       bench.set_obstacles(points);
       bench.roll_out(q);
       bench.moving.find_near(bench.scene.near, [](std::size_t) { return 0.0; });
-      ASSERT_GT(paper_constraints(robot, q, points).minCoeff(), 0.0);
-      ASSERT_EQ(bench.moving.near_count(), points.rows());
+      const Eigen::ArrayXXd c = paper_constraints(robot, q, points).array();
+      ASSERT_GE(bench.moving.near_count(), (c > 1e-12).count());  // rounding in double apart
+      ASSERT_GT((c > 1e-12).count(), 15);
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include "pdoik/solver.hpp"
 #include "simd/cull.hpp"
+#include "simd/roll_out.hpp"
 #include "workbench.hpp"
 
 namespace pdoik::detail {
@@ -102,6 +103,61 @@ TEST(Simd, every_kernel_finds_the_pairs_that_a_plain_loop_in_double_finds) {
     }
   }
   EXPECT_GT(found_in_all, 1000);
+}
+
+TEST(Simd, no_kernel_finds_a_padding_point_however_near_a_hull_is_to_vanishing) {
+  for (int seed = 1; seed <= 200; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    Coarse coarse(random, 1, 1, false);
+    HullQuery& hull = coarse.hulls.front();
+    const float side = static_cast<float>(random.uniform(0.01, 0.5));
+    for (float& h : hull.half) h = side;  // towards the padding points
+    const float half = side * std::sqrt(3.0F);
+    for (float a = half * (1.0F - 4e-6F); a < half * (1.0F + 4e-6F); a = std::nextafter(a, 1e9F)) {
+      hull.semi_major = a;
+      for (const Kernel& kernel : kernels()) {
+        for (const auto& pair : coarse.run(kernel.cull)) ASSERT_EQ(pair.second, 0) << kernel.name;
+      }
+    }
+  }
+}
+
+TEST(Simd, every_rollout_kernel_gives_the_frames_of_robot_fk) {
+  std::vector<RollOutFunction> roll_outs{roll_out_baseline};
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    roll_outs.push_back(roll_out_avx2);
+#endif
+  EXPECT_EQ(best_roll_out(), roll_outs.back());
+  for (int seed = 1; seed <= 40; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    const Robot robot = random_robot(random, kMixedTree);
+    const Eigen::VectorXd q = random_configuration(robot, random);
+    const Eigen::VectorXd cosine = q.array().cos(), sine = q.array().sin();
+    std::vector<RolloutJoint> joints;
+    for (const Body& body : robot.bodies()) {
+      joints.push_back({body.parent, body.dof, body.prismatic, false, body.multiplier, body.offset,
+                        to_frame(body.T_parent_joint)});
+      const bool turns =
+          !body.prismatic && body.dof >= 0 &&
+          robot.joint_types()[static_cast<std::size_t>(body.dof)] != JointType::Prismatic;
+      joints.back().plain = turns && body.multiplier == 1.0 && body.offset == 0.0;
+    }
+    std::vector<Eigen::Isometry3d> expected(joints.size());
+    robot.body_poses(q, expected);
+    for (const RollOutFunction roll_out : roll_outs) {
+      std::vector<Frame> frames(joints.size(), to_frame(Eigen::Isometry3d::Identity()));
+      roll_out(joints.data(), static_cast<int>(joints.size()), cosine.data(), sine.data(), q.data(),
+               frames.data());
+      for (std::size_t b = 0; b < joints.size(); ++b) {
+        Eigen::Matrix3d R;
+        R << to_vector3(frames[b].x), to_vector3(frames[b].y), to_vector3(frames[b].z);
+        ASSERT_LT((R - expected[b].linear()).cwiseAbs().maxCoeff(), 1e-13) << "seed " << seed;
+        const double scale = 1.0 + expected[b].translation().norm();
+        ASSERT_LT((to_vector3(frames[b].p) - expected[b].translation()).norm(), 1e-13 * scale);
+      }
+    }
+  }
 }
 
 TEST(Simd, the_kernel_chosen_is_the_widest_that_this_processor_runs) {

@@ -64,7 +64,7 @@ class JointLimitMap {
   void inverse(VectorIn q, Eigen::VectorXd& omega, double inset = 0.01) const;
 
  private:
-  enum class Kind { Direct, Sigmoid, Distance };
+  enum class Kind { Direct, Sigmoid, AngleSigmoid, Distance };
   struct Joint {
     Kind kind;
     int first;                    // of its slack variables

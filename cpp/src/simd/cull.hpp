@@ -32,7 +32,7 @@ constexpr int kLanes = 16;
 
 /// Every (hull, obstacle) whose point lies inside the hull grown by the point's radius: with A =
 /// semi_major + radius, d = o - centre and h = half,
-///     (|d|^2 - A^2 + |h|^2) A^2 < (d.h)^2    and    |h| < A,
+///     (|d|^2 - A^2 + |h|^2) A^2 < (d.h)^2,    |d| < A,    |h| < A,
 /// which needs no square root. Rounding moves the border by a little: callers grow the hulls by
 /// `coarse_slack` and test again in double. Returns the number of pairs; `pairs` has room for
 /// hull_count * padded_count.

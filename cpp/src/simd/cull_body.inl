@@ -20,9 +20,10 @@ static inline int cull_with_lanes(const ObstacleArrays& o, const HullQuery* hull
       const auto A2 = A * A;
       const auto d2 = dx * dx + dy * dy + dz * dz;
       const auto dh = dx * hx + dy * hy + dz * hz;
-      // The second condition: foci farther apart than 2 A leave nothing inside.
-      unsigned mask =
-          Lanes::less((d2 - A2 + half_squared) * A2, dh * dh) & Lanes::less(half_squared, A2);
+      // Within A of the centre, which padding is not; and foci farther apart than 2 A leave nothing
+      // inside.
+      unsigned mask = Lanes::less((d2 - A2 + half_squared) * A2, dh * dh) & Lanes::less(d2, A2) &
+                      Lanes::less(half_squared, A2);
       while (mask != 0) {
         pairs[count++] = {h, j + __builtin_ctz(mask)};
         mask &= mask - 1;
