@@ -245,11 +245,29 @@ TEST(JointLimitMap, the_number_of_sub_angles_is_the_range_in_half_turns_rounded_
   EXPECT_EQ(JointLimitMap(one_joint(-kInfinity, kInfinity)).size(), 1);
 }
 
-TEST(JointLimitMap, limits_that_mean_no_limits_are_no_reason_to_run_out_of_memory) {
-  for (const double wide : {1e4, 1e9, 1e16, 1e300}) {  // files write such numbers for "unlimited"
-    const JointLimitMap map(one_joint(-wide, wide));
-    EXPECT_LT(map.size(), 100000) << wide;
-    EXPECT_GE(map.size(), 1) << wide;
+TEST(JointLimitMap, limits_that_mean_no_limits_are_no_reason_to_run_out_of_memory_or_precision) {
+  Random random(4);
+  for (const double wide : {300.0, 1e4, 1e9, 1e16}) {  // files write such numbers for "unlimited"
+    SCOPED_TRACE(wide);
+    const Robot robot = one_joint(-wide, 1.5 * wide);
+    for (const auto slack : {JointLimitMap::Slack::PerSubAngle, JointLimitMap::Slack::Shared}) {
+      const JointLimitMap map(robot, slack);
+      ASSERT_GE(map.size(), 1);
+      ASSERT_LT(map.size(), 1000);
+      JointLimitMap::State state = map.make_state();
+      Eigen::VectorXd omega(map.size());
+      for (int k = 0; k < 20; ++k) {
+        const double q = wide * random.uniform(-0.95, 1.4);
+        map.inverse(Eigen::VectorXd::Constant(1, q), omega);
+        EXPECT_NEAR(position(map, omega), q, 1e-12 * wide);
+        map.forward(omega, state, true);
+        EXPECT_NEAR(state.cosine[0], std::cos(state.q[0]), 1e-9);
+        EXPECT_NEAR(state.sine[0], std::sin(state.q[0]), 1e-9);
+        const auto recovered = [&](const Eigen::VectorXd& at) { return position(map, at); };
+        const Eigen::VectorXd difference = central_gradient(recovered, omega, 1e-4);
+        EXPECT_LT((state.slope - difference).lpNorm<Eigen::Infinity>(), 1e-7 * wide);
+      }
+    }
   }
 }
 
