@@ -179,7 +179,9 @@ TEST(Collision, clearance_is_the_brute_force_least_distance_over_all_pairs) {
       with_one.set_occupancy(alone);
       ASSERT_NEAR(brute_force_clearance(with_one, q, one) - bench->options.clearance, expected,
                   1e-9 * std::max(1.0, extent));
-      inside += expected<0.0, outside += expected> 0.0, far_away += bench->scene.far.count() > 0;
+      if (expected < 0.0) ++inside;
+      if (expected > 0.0) ++outside;
+      if (bench->scene.far.count() > 0) ++far_away;
     }
   });
   EXPECT_GT(inside, 20);

@@ -132,11 +132,8 @@ TEST(RobotErrors, mimicking_nobody_oneself_a_circle_or_a_fixed_joint_is_refused)
 }
 
 TEST(RobotErrors, followers_whose_limits_exclude_their_leaders_are_refused) {
-  expect_refused(
-      [](RobotDescription& d) {
-        d.joints[2].mimic = Mimic{"elbow", 1.0, 5.0};
-      },
-      {"wrist", "elbow", "limit"});
+  expect_refused([](RobotDescription& d) { d.joints[2].mimic = Mimic{"elbow", 1.0, 5.0}; },
+                 {"wrist", "elbow", "limit"});
 }
 
 TEST(RobotErrors, misuse_of_a_robot_throws_invalid_argument) {
