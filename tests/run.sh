@@ -37,7 +37,8 @@ stage_cpp() {
 stage_asan() {
   configure_and_build build/asan -D PDOIK_SANITIZE=address,undefined \
     -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
-  UBSAN_OPTIONS=print_stacktrace=1 run_ctest build/asan "$@"
+  UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 \
+    run_ctest build/asan "$@"
 }
 
 # A project of its own that finds the installed library.
