@@ -220,6 +220,34 @@ TEST(Collision, no_obstacle_dropped_as_out_of_reach_comes_nearer_than_the_bound)
   EXPECT_GT(dropped, 100);
 }
 
+TEST(Collision, a_stretched_arms_farthest_point_is_in_reach_and_what_lies_well_beyond_is_not) {
+  // Links of 0.3 m in a row along x after a base of 0.5 m along z.
+  std::vector<DhRow> rows(4, DhRow{.a = 0.3, .lower = -2.0, .upper = 2.0});
+  rows[0].a = 0.0, rows[0].d = 0.5;
+  Robot robot = Robot::from_dh(rows, Eigen::Isometry3d(Eigen::Translation3d(0.3, 0.0, 0.0)));
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  for (const bool sphere : {true, false}) {
+    Occupancy occupancy;
+    if (sphere)
+      occupancy.spheres.push_back({"tool", Eigen::Vector3d::Zero(), 0.1});
+    else
+      occupancy.spheroids.push_back({"tool", -0.2 * x, "tool", 0.05 * x, 0.25});
+    robot.set_occupancy(occupancy);
+    Workbench bench(robot, {});
+    const double farthest = 1.2 + (sphere ? 0.1 : -0.075 + 0.25);
+    for (const double radius : {0.0, 0.2}) {
+      ObstacleMatrix points(2, 4);
+      points << farthest + radius - 1e-6, 0.0, 0.5, radius, 2.0 * farthest + radius, 0.0, 0.5,
+          radius;
+      bench.set_obstacles(points);
+      ASSERT_EQ(bench.scene.near.count(), 1) << sphere << " " << radius;
+      EXPECT_EQ(bench.scene.near.original_index(0), 0);
+      bench.roll_out(Eigen::VectorXd::Zero(4));
+      EXPECT_NEAR(bench.scene.clearance(bench.moving).distance, -1e-6, 1e-9);
+    }
+  }
+}
+
 TEST(Collision, hulls_that_no_joint_moves_are_kept_apart_from_those_that_some_joint_moves) {
   int fixed_ones = 0;
   for_seeds(40, [&](int seed, Random& random) {

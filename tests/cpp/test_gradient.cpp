@@ -53,17 +53,26 @@ std::unique_ptr<Workbench> bench_of(const Case& c, Random& random) {
 Eigen::VectorXd omega_of(const Case& c, Workbench& bench, Random& random) {
   const double extent = c.seed % 7 == 0 ? 12.0 : 2.0;
   Eigen::VectorXd omega = random.vector(bench.map.size(), -extent, extent);
-  const std::string link = bench.robot.occupancy().spheres.front().link;
-  if (c.seed % 4 == 1 && bench.obstacles.cols() == 3) {
-    const Sphere& s = bench.robot.occupancy().spheres.front();
-    const Eigen::Vector3d centre = bench.robot.fk(bench.positions(omega), link) * s.center;
-    ObstacleMatrix obstacles = bench.obstacles;
-    const double depth =
-        c.form == PenaltyForm::Printed ? 1e-4 : 0.0;  // the printed form has a kink at contact
-    obstacles.row(0) =
-        (centre + (s.radius + bench.options.clearance - depth) * random.direction()).transpose();
-    bench.set_obstacles(obstacles);
+  // Half of the points lie a little inside or outside of some hull.
+  ObstacleMatrix obstacles = bench.obstacles;
+  const Eigen::VectorXd q = bench.positions(omega);
+  const Occupancy& occupancy = bench.robot.occupancy();
+  for (Eigen::Index k = 1; k < obstacles.rows() / 2; ++k) {
+    const Sphere& s = occupancy.spheres[static_cast<std::size_t>(k) % occupancy.spheres.size()];
+    const double distance = s.radius + random.uniform(-0.06, 0.06);
+    const Eigen::Vector3d centre = bench.robot.fk(q, s.link) * s.center;
+    obstacles.row(k).head<3>() = (centre + distance * random.direction()).transpose();
+    if (obstacles.cols() > 3) obstacles(k, 3) = 0.0;
   }
+  if (c.seed % 4 == 1 && obstacles.cols() == 3) {
+    const Sphere& s = occupancy.spheres.front();
+    const Eigen::Vector3d centre = bench.robot.fk(q, s.link) * s.center;
+    const double depth =
+        c.form == PenaltyForm::Printed ? 1e-4 : 0.0;  // the printed form has a kink there
+    const double distance = s.radius + bench.options.clearance - depth;
+    obstacles.row(0) = (centre + distance * random.direction()).transpose();
+  }
+  bench.set_obstacles(obstacles);
   return omega;
 }
 
@@ -116,6 +125,16 @@ struct PlainLagrangian {
     }
     return least;
   }
+  /// How many pairs act though they are clearly apart, and would be missed by looking for contact.
+  int acting_apart(const Eigen::VectorXd& omega, const Penalty& penalty) const {
+    const Eigen::MatrixXd c = constraints(omega);
+    int count = 0;
+    for (Eigen::Index i = 0; i < c.rows(); ++i) {
+      for (Eigen::Index j = 0; j < c.cols(); ++j)
+        count += c(i, j) < -5e-4 && penalty.term(c(i, j), mu(i, j)).slope > 0.0;
+    }
+    return count;
+  }
   const Workbench& bench;
   std::vector<bool> moves;
   Eigen::MatrixXd mu;
@@ -123,7 +142,7 @@ struct PlainLagrangian {
 
 TEST(Gradient,
      of_the_augmented_lagrangian_is_its_central_difference_and_its_value_that_of_plain_loops) {
-  int with_multipliers = 0, skipped = 0, checked = 0;
+  int with_multipliers = 0, acting_apart = 0, skipped = 0, checked = 0;
   for_cases(60, [&](const Case& c) {
     Random random(static_cast<std::uint64_t>(c.seed));
     const auto bench = bench_of(c, random);
@@ -131,7 +150,7 @@ TEST(Gradient,
     PlainLagrangian plain(*bench);
     bench->lagrangian.reset_multipliers();
     Penalty penalty{c.form, random.uniform(0.5, 20.0)};
-    for (int outer = 0; outer < 3; ++outer) {  // with no multipliers, with some, with updated ones
+    for (int outer = 0; outer < 4; ++outer) {  // with no multipliers, with some, with updated ones
       const double value = plain.value(omega, penalty);
       Eigen::VectorXd gradient(omega.size());
       ASSERT_NEAR(bench->lagrangian.lagrangian(omega, penalty, gradient), value,
@@ -154,14 +173,18 @@ TEST(Gradient,
             << "outer iteration " << outer;
         ++checked;
       }
-      const Eigen::VectorXd elsewhere = omega + random.vector(omega.size(), -0.02, 0.02);
+      // Multipliers from a little or a good way off: then some pairs act though they are apart.
+      const double away = outer % 2 == 0 ? 0.2 : 0.05;
+      const Eigen::VectorXd elsewhere = omega + random.vector(omega.size(), -away, away);
       bench->lagrangian.update_multipliers(elsewhere, penalty);
       plain.update(elsewhere, penalty);
       with_multipliers += plain.mu.maxCoeff() > 0.0;
-      penalty.rho *= random.uniform(1.0, 5.0);
+      penalty.rho *= random.uniform(0.5, 3.0);
+      acting_apart += plain.acting_apart(omega, penalty);
     }
   });
   EXPECT_GT(with_multipliers, 100);
+  EXPECT_GT(acting_apart, 20);
   EXPECT_LT(skipped, checked / 5);
 }
 

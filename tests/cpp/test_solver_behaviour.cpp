@@ -114,5 +114,41 @@ TEST(SolverBehaviour, a_point_in_a_hull_that_no_joint_moves_is_a_base_collision)
   });
 }
 
+TEST(SolverBehaviour, joints_that_move_neither_tip_nor_hull_stay_where_they_start) {
+  RobotDescription description;  // two arms at one base; only one of them is asked for
+  description.links = {{.name = "base"}};
+  for (const std::string side : {"left", "right"}) {
+    for (int i = 0; i < 4; ++i) {
+      const std::string child = side + std::to_string(i);
+      const std::string parent = i == 0 ? "base" : side + std::to_string(i - 1);
+      JointDescription joint =
+          joint_between(parent, child, child + "_joint", JointType::Revolute, -2.0, 2.5);
+      joint.axis = i % 2 == 0 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+      joint.T_parent_child.translation().x() = 0.3;
+      description.links.push_back({.name = child});
+      description.joints.push_back(joint);
+    }
+  }
+  const Robot robot(description, "base", {"right3"});
+  int restarts = 0;
+  for_settings([&](const Options& all) {
+    Options options = all;
+    options.goal = GoalType::Position;
+    options.max_restarts = 5;
+    Random random(16);
+    Solver solver(robot, options);
+    for (int k = 0; k < 20; ++k) {
+      Eigen::Isometry3d target = robot.fk(random_configuration(robot, random));
+      if (k % 2 == 0) target.translation() *= 3.0;  // out of reach: restarts
+      const Eigen::VectorXd q0 = random_configuration(robot, random, 0.05);
+      const Result result = solver.solve(target, q0);
+      restarts += result.restarts;
+      EXPECT_LT((result.q - q0).head(4).lpNorm<Eigen::Infinity>(), 1e-12) << "the left arm moved";
+      EXPECT_GT((result.q - q0).tail(4).norm(), 1e-6);
+    }
+  });
+  EXPECT_GT(restarts, 50);
+}
+
 }  // namespace
 }  // namespace pdoik

@@ -46,6 +46,7 @@ TEST(SolverRepeats, does_not_carry_bounds_of_turning_joints_from_one_start_to_th
                                                  : "LM");
       const Options options = timeless(GoalType::Position, method, inner);
       Solver used(robot, options);
+      int solved = 0;
       for (int k = 0; k < 30; ++k) {
         const Eigen::VectorXd q0 = Eigen::Vector2d(random.uniform(-20.0, 20.0), 0.2);
         const Eigen::Isometry3d target =
@@ -56,7 +57,9 @@ TEST(SolverRepeats, does_not_carry_bounds_of_turning_joints_from_one_start_to_th
         EXPECT_LE(std::abs(result.q[0] - q0[0]), M_PI + 1e-9)
             << "joints without limits stay within half a turn";
         if (::testing::Test::HasFailure()) break;
+        solved += result.success;
       }
+      EXPECT_GT(solved, method == Method::Paper ? 5 : 27);
     }
   }
 }
@@ -143,6 +146,34 @@ TEST(SolverRepeats, copies_and_moved_solvers_answer_like_the_original) {
   expect_same(copy.solve(problem.target), expected);
   Solver moved_to(std::move(copy));
   expect_same(moved_to.solve(problem.target), expected);
+}
+
+TEST(SolverRepeats, more_restarts_never_make_the_best_found_worse) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Random random(15);
+  int improved = 0;
+  for (int k = 0; k < 15; ++k) {
+    const Problem problem = solvable_problem(robot, random, 15);
+    Eigen::Isometry3d target = problem.target;
+    target.translation() *= 1.6;  // mostly a little out of reach, never solved
+    double last = std::numeric_limits<double>::infinity();
+    for (const int restarts : {0, 1, 2, 5, 10, 20}) {
+      Options options = timeless();
+      options.max_restarts = restarts;
+      Solver solver(robot, options);
+      solver.set_obstacles(problem.obstacles);
+      const Result result = solver.solve(target);
+      if (result.success) break;
+      const double rotation = options.rotation_weight * result.rotation_error;
+      const double depth = std::max(0.0, -result.clearance);
+      const double shortfall =
+          result.position_error * result.position_error + rotation * rotation + depth * depth;
+      EXPECT_LE(shortfall, last * (1.0 + 1e-12));
+      improved += shortfall < 0.99 * last && restarts > 0;
+      last = shortfall;
+    }
+  }
+  EXPECT_GT(improved, 10);
 }
 
 TEST(SolverRepeats, the_seed_changes_the_restarts_and_nothing_else) {
