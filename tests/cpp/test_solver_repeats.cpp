@@ -28,6 +28,21 @@ TEST(SolverRepeats, gives_the_same_answer_whatever_it_solved_before) {
   });
 }
 
+TEST(SolverRepeats, forgets_the_points_when_there_are_none_any_more) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  for_settings([&](const Options& options) {
+    Random random(8);
+    Solver used(robot, options), fresh(robot, options);
+    for (int k = 0; k < 20; ++k) {
+      used.set_obstacles(random_obstacles(random, 40, 0.8, 0.2));  // some inside the arm
+      used.solve(robot.fk(random_configuration(robot, random)));
+      used.clear_obstacles();
+      const Eigen::Isometry3d target = robot.fk(random_configuration(robot, random));
+      expect_same(used.solve(target), fresh.solve(target));
+    }
+  });
+}
+
 TEST(SolverRepeats, does_not_carry_bounds_of_turning_joints_from_one_start_to_the_next) {
   RobotDescription description;  // a turntable whose follower turns half as fast, then two slides
   description.links = {{.name = "a"}, {.name = "b"}, {.name = "c"}, {.name = "d"}};

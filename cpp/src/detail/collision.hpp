@@ -68,7 +68,6 @@ class ObstacleSet {
   }
   /// x, y, z, radius.
   const Vec4& operator[](int j) const { return points_[static_cast<std::size_t>(j)]; }
-  double radius(int j) const { return (*this)[j][3]; }
   int original_index(int j) const { return index_[static_cast<std::size_t>(j)]; }
   /// The largest number among coarse coordinates and radii, at least 1 [m].
   double extent() const { return extent_; }
@@ -126,7 +125,7 @@ class CollisionState {
   void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
 
   /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a
-  /// square root.
+  /// square root: none if there are no obstacles.
   template <class Grow>
   void find_near(const ObstacleSet& obstacles, Grow&& grow) {
     near_count_ = 0;

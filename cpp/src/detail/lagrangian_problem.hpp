@@ -115,8 +115,7 @@ class LagrangianProblem {
   /// Pairs whose penalty acts. In the smooth form those reach mu / rho beyond contact; grow_ holds
   /// each hull's largest multiplier.
   void find_near(const Penalty& penalty) {
-    if (scene_.near.count() == 0) return;
-    collision_.place(rollout_);
+    if (scene_.near.count() > 0) collision_.place(rollout_);
     collision_.find_near(scene_.near, [&](std::size_t h) { return penalty.reach(grow_[h]); });
   }
 

@@ -81,8 +81,7 @@ class LeastSquaresProblem {
 
   double penetration() {
     touching_ = false;
-    if (scene_.near.count() == 0) return 0.0;
-    collision_.place(rollout_);
+    if (scene_.near.count() > 0) collision_.place(rollout_);
     collision_.find_near(scene_.near, [](std::size_t) { return kContactGap; });
     double sum = 0.0;
     for (int k = 0; k < collision_.near_count(); ++k) {
