@@ -32,7 +32,7 @@ JointLimitMap::JointLimitMap(const Robot& robot, Slack slack) {
     joint.upper = robot.upper()[i];
     const double range = joint.upper - joint.lower;
     const JointType type = robot.joint_types()[static_cast<std::size_t>(i)];
-    if (!std::isfinite(range)) {
+    if (!std::isfinite(range) || slack == Slack::None) {
       joint.kind = Kind::Direct;
     } else if (type == JointType::Prismatic || range > kWidestRange) {
       joint.kind = type == JointType::Prismatic ? Kind::Sigmoid : Kind::AngleSigmoid;

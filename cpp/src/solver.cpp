@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <exception>
 #include <mutex>
-#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
 
+#include "detail/check_input.hpp"
 #include "detail/check_options.hpp"
-#include "detail/collision.hpp"
 #include "detail/search.hpp"
-#include "detail/text.hpp"
 
 namespace pdoik {
 
@@ -33,63 +30,6 @@ const char* to_string(Status status) {
   return "unknown";
 }
 
-namespace {
-
-void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_tip") {
-  if (!T.matrix().allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
-  const Eigen::Matrix3d R = T.linear();
-  const double gap = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (gap <= 1e-6 && R.determinant() > 0.0) return;
-  std::ostringstream message;
-  message << name
-          << " is not a rigid transform: its 3x3 part times its transpose is off the identity by "
-          << gap << ", its determinant is " << R.determinant() << ", expected 1";
-  throw std::invalid_argument(message.str());
-}
-
-void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name) {
-  if (q.size() != dof) {
-    throw std::invalid_argument(name + " has " + std::to_string(q.size()) +
-                                " entries, the robot has " + std::to_string(dof) + " joints");
-  }
-  if (!q.allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
-}
-
-/// Beyond this rounding would blur distances to the arm [m].
-constexpr double kLargestCoordinate = 1e6;
-
-void check_obstacles(const Obstacles& points) {
-  if (points.rows() == 0) return;
-  if (points.cols() != 3 && points.cols() != 4) {
-    throw std::invalid_argument("obstacles has shape (" + std::to_string(points.rows()) + ", " +
-                                std::to_string(points.cols()) + "), expected (N, 3) or (N, 4)");
-  }
-  // Zero times a finite number is zero: one pass without a branch finds whether anything is wrong.
-  double poison = 0.0, least_radius = 0.0, largest = 0.0;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    for (Eigen::Index j = 0; j < points.cols(); ++j) {
-      poison += 0.0 * points(i, j);
-      largest = std::max(largest, std::abs(points(i, j)));
-    }
-    if (points.cols() == 4) least_radius = std::min(least_radius, points(i, 3));
-  }
-  if (poison == 0.0 && least_radius >= 0.0 && largest <= kLargestCoordinate) return;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (!points.row(i).allFinite()) {
-      throw std::invalid_argument("obstacles holds NaN or infinity in row " + std::to_string(i));
-    }
-    if (points.row(i).cwiseAbs().maxCoeff() > kLargestCoordinate) {
-      throw std::invalid_argument("obstacles has a number beyond 1e6 m in row " +
-                                  std::to_string(i));
-    }
-    if (points.cols() == 4 && points(i, 3) < 0.0) {
-      throw std::invalid_argument("obstacles has a negative radius in row " + std::to_string(i));
-    }
-  }
-}
-
-}  // namespace
-
 /// The robot and options a search refers to, kept at one address.
 struct Solver::Implementation {
   Implementation(const Robot& robot_in, const Options& options_in)
@@ -106,15 +46,7 @@ struct Solver::Implementation {
 
 Solver::Solver(const Robot& robot, const Options& options) {
   detail::check_options(options);
-  if (robot.tips().size() != 1) {
-    throw std::invalid_argument("the robot has " + std::to_string(robot.tips().size()) +
-                                " tips, expected one: choose tip_link among " +
-                                detail::join(robot.tip_links()));
-  }
-  if (robot.dof() < 1 || robot.dof() > 64) {
-    throw std::invalid_argument("the robot has " + std::to_string(robot.dof()) +
-                                " joints, expected 1 to 64");
-  }
+  detail::check_robot(robot);
   impl_ = std::make_unique<Implementation>(robot, options);
 }
 Solver::Solver(Solver&&) noexcept = default;
@@ -126,7 +58,7 @@ const Robot& Solver::robot() const { return impl_->robot; }
 const Options& Solver::options() const { return impl_->options; }
 
 void Solver::set_obstacles(const Obstacles& points) {
-  check_obstacles(points);
+  detail::check_obstacles(points);
   impl_->search.set_obstacles(points);
 }
 
@@ -137,8 +69,8 @@ void Solver::set_interrupt(std::function<bool()> wanted) {
 void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
 
 void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result) {
-  check_target(T_base_tip);
-  if (q0 != nullptr) check_configuration(*q0, robot().dof(), "q0");
+  detail::check_target(T_base_tip);
+  if (q0 != nullptr) detail::check_configuration(*q0, robot().dof(), "q0");
   impl_->search.run(T_base_tip, q0, result);
 }
 
@@ -158,11 +90,11 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
                                 std::to_string(targets.size()));
   }
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    check_target(targets[i], "T_base_tip[" + std::to_string(i) + "]");
+    detail::check_target(targets[i], "T_base_tip[" + std::to_string(i) + "]");
   }
   for (std::size_t i = 0; i < q0.size(); ++i) {
-    check_configuration(q0[i], robot().dof(),
-                        q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
+    detail::check_configuration(q0[i], robot().dof(),
+                                q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
   }
   std::vector<Result> results(targets.size());
   std::atomic<std::size_t> next{0};
@@ -197,9 +129,9 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
 }
 
 void Solver::judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const {
-  check_target(T_base_tip);
+  detail::check_target(T_base_tip);
   const Eigen::VectorXd configuration = q;
-  check_configuration(configuration, robot().dof(), "q");
+  detail::check_configuration(configuration, robot().dof(), "q");
   impl_->search.judge(T_base_tip, configuration, result);
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }

@@ -12,6 +12,7 @@ void bind_robot(py::module_& module);
 void bind_options(py::module_& module);
 void bind_result(py::module_& module);
 void bind_solver(py::module_& module);
+void bind_lagrangian(py::module_& module);
 void bind_point_cloud(py::module_& module);
 
 }  // namespace pdoik::python

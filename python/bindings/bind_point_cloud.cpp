@@ -7,12 +7,16 @@ namespace pdoik::python {
 void bind_point_cloud(py::module_& module) {
   module.def(
       "voxel_downsample",
-      [](const ArrayLike& points, double leaf) {
+      [](const ArrayLike& points, double leaf, bool radii) {
         const CloudView cloud(points, "points");
         const py::gil_scoped_release release;
-        return voxel_downsample(cloud, leaf);
+        const Points kept = voxel_downsample(cloud, leaf);
+        RowMatrix result(kept.rows(), radii ? 4 : 3);
+        result.leftCols<3>() = kept;
+        if (radii) result.col(3) = covering_radii(cloud, kept, leaf);
+        return result;
       },
-      py::arg("points"), py::arg("leaf"),
+      py::arg("points"), py::arg("leaf"), py::arg("radii") = false,
       R"(Replace the points of each occupied cell of a grid by their mean (PCL's VoxelGrid).
 
 The cells are cubes, one with a corner at the origin. PCL computes in float32: means are off by up to about
@@ -22,9 +26,11 @@ Args:
     points: Shape (N, 3) [m]. Rows with NaN or infinity, as depth cameras give, are left out. Float64 in C
         order is read in place.
     leaf: Edge of the cells [m].
+    radii: Also give each kept point the radius of a ball such that the balls hold every point of the cloud.
+        Clearance is then kept to the cloud as it was, not only to the means.
 
 Returns:
-    The means, shape (K, 3) with K <= N [m].
+    The means, shape (K, 3) with K <= N, or (K, 4) with a radius in the fourth column [m].
 
 Raises:
     ValueError: The shape is wrong, leaf is not positive and finite, or the cloud is so wide that the grid

@@ -9,5 +9,6 @@ PYBIND11_MODULE(_core, module) {
   bind_options(module);
   bind_result(module);
   bind_solver(module);
+  bind_lagrangian(module);
   bind_point_cloud(module);
 }

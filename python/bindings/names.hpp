@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "pdoik/lagrangian.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
@@ -32,6 +33,10 @@ inline constexpr std::array names<InnerMethod>{
 template <>
 inline constexpr std::array names<PenaltyForm>{std::pair{PenaltyForm::Printed, "printed"},
                                                std::pair{PenaltyForm::Smooth, "smooth"}};
+template <>
+inline constexpr std::array names<Lagrangian::Variables>{
+    std::pair{Lagrangian::Variables::Slack, "slack"},
+    std::pair{Lagrangian::Variables::Positions, "positions"}};
 template <>
 inline constexpr std::array names<JointType>{
     std::pair{JointType::Fixed, "fixed"}, std::pair{JointType::Revolute, "revolute"},

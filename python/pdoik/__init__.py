@@ -13,6 +13,7 @@ from importlib.metadata import version
 import pdoik._import_core  # noqa: F401  # says what to install if a library is missing
 from pdoik._core import BatchResult, DhRow, Occupancy, Result, Robot, voxel_downsample
 from pdoik.errors import LoadError, PdoikError, RobotWarning
+from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
     AugmentedLagrangianOptions,
     LbfgsOptions,
@@ -27,6 +28,7 @@ __all__ = [
     "AugmentedLagrangianOptions",
     "BatchResult",
     "DhRow",
+    "Lagrangian",
     "LbfgsOptions",
     "LevenbergMarquardtOptions",
     "LoadError",

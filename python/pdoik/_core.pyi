@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import os
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BatchResult', 'DhRow', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BatchResult', 'DhRow', 'Lagrangian', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -714,7 +714,84 @@ class Solver:
         """
         A copy of the robot this solver was made for, as it was then.
         """
-def voxel_downsample(points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+class Lagrangian:
+    def __call__(self, x: numpy.typing.ArrayLike, rho: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+        """
+        Eq. AL and its gradient, with the multipliers as they are.
+        
+        Args:
+            x: Variables, shape (size,).
+            rho: Penalty weight.
+        
+        Returns:
+            The value [m^2] and the gradient, shape (size,).
+        
+        Raises:
+            ValueError: x has another shape or holds NaN or infinity, or rho is not positive.
+        """
+    def __init__(self, robot: Robot, options: Options, variables: str) -> None:
+        ...
+    def max_constraint(self, x: numpy.typing.ArrayLike) -> float:
+        """
+        The largest violation at x, at least 0 [m]; of a spheroid twice the depth, as in the paper.
+        """
+    def positions(self, x: numpy.typing.ArrayLike) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Joint positions at x, shape (n,) [rad] or [m].
+        """
+    def reset_multipliers(self) -> None:
+        """
+        Set all multipliers to zero.
+        """
+    def set_obstacles(self, points: numpy.typing.ArrayLike | None) -> None:
+        """
+        Take points x y z, or x y z radius, shape (N, 3) or (N, 4) [m], and forget the multipliers.
+        
+        Raises:
+            ValueError: A shape is wrong, a radius is negative, or something is NaN or infinite.
+        """
+    def set_target(self, T_base_tip: numpy.typing.ArrayLike) -> None:
+        """
+        Take a target, shape (4, 4) [m], and forget the multipliers.
+        
+        Raises:
+            ValueError: It is not rigid to 1e-6.
+        """
+    def update_multipliers(self, x: numpy.typing.ArrayLike, rho: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Algorithm IK, line 9, at x.
+        """
+    def variables(self, q: numpy.typing.ArrayLike) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        The variables at q, shape (size,); as slack, q is first moved a little inside its limits.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m].
+        
+        Raises:
+            ValueError: q has another shape or holds NaN or infinity.
+        """
+    @property
+    def last_max_constraint(self) -> float:
+        """
+        The largest violation there, at least 0 [m].
+        """
+    @property
+    def last_position_error(self) -> float:
+        """
+        Of the tip where the value was last asked for [m].
+        """
+    @property
+    def last_rotation_error(self) -> float:
+        """
+        Of the tip, or of its axis, there [rad].
+        """
+    @property
+    def size(self) -> int:
+        """
+        The number of variables.
+        """
+def voxel_downsample(points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex, radii: bool = False) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
     Replace the points of each occupied cell of a grid by their mean (PCL's VoxelGrid).
     
@@ -725,9 +802,11 @@ def voxel_downsample(points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat 
         points: Shape (N, 3) [m]. Rows with NaN or infinity, as depth cameras give, are left out. Float64 in C
             order is read in place.
         leaf: Edge of the cells [m].
+        radii: Also give each kept point the radius of a ball such that the balls hold every point of the cloud.
+            Clearance is then kept to the cloud as it was, not only to the means.
     
     Returns:
-        The means, shape (K, 3) with K <= N [m].
+        The means, shape (K, 3) with K <= N, or (K, 4) with a radius in the fourth column [m].
     
     Raises:
         ValueError: The shape is wrong, leaf is not positive and finite, or the cloud is so wide that the grid

@@ -94,3 +94,28 @@ def test_a_leaf_too_small_for_the_cloud_is_refused_rather_than_the_cloud_returne
 def test_a_cloud_of_another_shape_is_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="points has shape"):
         pdoik.voxel_downsample(np.ones(shape), 0.1)
+
+
+@given(seed=st.integers(0, 2**32), leaf=st.sampled_from([0.01, 0.05, 0.1, 0.37]))
+def test_balls_of_the_covering_radii_hold_the_whole_cloud(seed: int, leaf: float) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.normal(0, rng.choice([0.02, 0.2, 1.0]), (rng.integers(1, 2000), 3))
+    points[rng.uniform(size=len(points)) < 0.05] = np.nan
+    balls = pdoik.voxel_downsample(points, leaf, radii=True)
+    np.testing.assert_array_equal(balls[:, :3], pdoik.voxel_downsample(points, leaf))
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) == 0:
+        assert balls.shape == (0, 4)
+        return
+    distances = np.linalg.norm(points[:, None] - balls[None, :, :3], axis=2)
+    nearest = distances.argmin(axis=1)
+    assert (distances <= balls[None, :, 3] + 1e-12).any(axis=1).all()
+    # No larger than needed: each ball ends at a point that has no nearer centre.
+    expected = np.zeros(len(balls))
+    np.maximum.at(expected, nearest, distances.min(axis=1))
+    np.testing.assert_allclose(balls[:, 3], expected, atol=1e-12)
+    assert balls[:, 3].max() <= np.sqrt(3) * leaf
+
+
+def test_a_cloud_without_points_has_no_balls() -> None:
+    assert pdoik.voxel_downsample(np.empty((0, 3)), 0.1, radii=True).shape == (0, 4)

@@ -35,6 +35,8 @@ class JointLimitMap {
     /// inner products, so L-BFGS takes the same steps (up to rounding) with M variables instead of
     /// M'.
     Shared,
+    /// The joint positions themselves, limits left to the caller: for comparison.
+    None,
   };
 
   explicit JointLimitMap(const Robot& robot, Slack slack = Slack::PerSubAngle);

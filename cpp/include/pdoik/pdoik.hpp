@@ -5,6 +5,7 @@
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/joint_limit_map.hpp"
+#include "pdoik/lagrangian.hpp"
 #include "pdoik/lbfgs.hpp"
 #include "pdoik/levenberg_marquardt.hpp"
 #include "pdoik/occupancy.hpp"

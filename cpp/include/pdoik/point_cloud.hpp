@@ -23,4 +23,14 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 ///     would have more cells than PCL's 32-bit index holds (PCL returns such a cloud unfiltered).
 Points voxel_downsample(const Obstacles& points, double leaf);
 
+/// For each kept point the radius of a ball about it, such that the balls hold every point of the
+/// cloud that it stands for: so a solver keeps off all of them, not only off those kept.
+/// @param points  (N, 3), the cloud before thinning; rows with NaN or infinity are left out.
+/// @param kept  (K, 3), such as voxel_downsample's. Each point belongs to the nearest of those in
+/// its own cell and the 26 around it.
+/// @param leaf  Edge of the cells that find neighbours [m].
+/// @returns (K,) [m], 0 where nothing belongs to a kept point.
+/// @throws std::invalid_argument as voxel_downsample does, and if some point has no kept one near.
+Eigen::VectorXd covering_radii(const Obstacles& points, const Points& kept, double leaf);
+
 }  // namespace pdoik

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+
+#include "pdoik/augmented_lagrangian.hpp"
+#include "pdoik/options.hpp"
+#include "pdoik/robot.hpp"
+#include "pdoik/solver.hpp"
+
+namespace pdoik {
+
+/// What `Method::Paper` minimises (Eq. AL), for an optimiser of the user's own: the distance to a
+/// target, obstacles by multiplier and penalty, and the gradient by reverse accumulation.
+///
+/// It is a problem as `AugmentedLagrangian` wants one:
+///     pdoik::Lagrangian problem(robot, options);
+///     problem.set_target(T_base_tip);
+///     problem.set_obstacles(points);
+///     Eigen::VectorXd x = problem.variables(q0);
+///     pdoik::AugmentedLagrangian(problem.size()).minimize(problem, x);
+/// A Lagrangian belongs to one thread, and allocates nothing but in its constructor and where
+/// `set_obstacles` of a Solver would.
+class Lagrangian {
+ public:
+  enum class Variables {
+    Slack,      ///< the paper's: omega, from which limits hold; one per joint, see JointLimitMap
+    Positions,  ///< q itself; limits are the optimiser's to hold
+  };
+
+  /// @param options  Goal, clearance and point_distance count; the rest belongs to solvers.
+  /// @throws std::invalid_argument as Solver's constructor does.
+  explicit Lagrangian(const Robot& robot, const Options& options = {},
+                      Variables variables = Variables::Slack);
+  Lagrangian(Lagrangian&&) noexcept;
+  Lagrangian& operator=(Lagrangian&&) noexcept;
+  ~Lagrangian();
+
+  const Robot& robot() const;
+  const Options& options() const;
+
+  /// Both forget the multipliers. @throws std::invalid_argument as Solver's functions do.
+  void set_target(const Eigen::Isometry3d& T_base_tip);
+  void set_obstacles(const Obstacles& points);
+
+  /// The number of variables.
+  Eigen::Index size() const;
+  /// Variables at q, shape (size(),). As slack, q is moved options.start_inset of each range off
+  /// its limits.
+  Eigen::VectorXd variables(VectorIn q) const;
+  /// Joint positions at x, shape (n,).
+  Eigen::VectorXd positions(const Eigen::VectorXd& x) const;
+
+  /// Eq. AL at x with the multipliers as they are, and its gradient, resized to (size(),).
+  double lagrangian(const Eigen::VectorXd& x, const Penalty& penalty, Eigen::VectorXd& gradient);
+  /// max(0, max_j c_j(x)): of Eq. joint_coll_avoid and, being a sum of two distances, twice the
+  /// depth of Eq. link_coll_avoid [m].
+  double max_constraint(const Eigen::VectorXd& x);
+  void reset_multipliers();
+  void update_multipliers(const Eigen::VectorXd& x, const Penalty& penalty);
+
+  /// Where `lagrangian` was last evaluated: the tip's errors [m], [rad] and the largest constraint,
+  /// at least 0 [m].
+  double last_position_error() const;
+  double last_rotation_error() const;
+  double last_max_constraint() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> impl_;
+};
+
+}  // namespace pdoik

@@ -1,0 +1,115 @@
+#include "pdoik/lagrangian.hpp"
+
+#include <vector>
+
+#include "detail/check_input.hpp"
+#include "detail/check_options.hpp"
+#include "detail/lagrangian_problem.hpp"
+#include "pdoik/point_cloud.hpp"
+
+namespace pdoik {
+namespace {
+
+JointLimitMap::Slack slack_of(Lagrangian::Variables variables) {
+  return variables == Lagrangian::Variables::Slack ? JointLimitMap::Slack::Shared
+                                                   : JointLimitMap::Slack::None;
+}
+
+}  // namespace
+
+/// The solver's parts without its searches, kept at one address.
+struct Lagrangian::Implementation {
+  Implementation(const Robot& robot_in, const Options& options_in, Variables variables)
+      : robot(robot_in),
+        options(options_in),
+        hulls(robot),
+        collision(hulls, hulls.moving),
+        fixed(hulls, hulls.fixed),
+        rollout(robot),
+        map(robot, slack_of(variables)),
+        problem(map, rollout, goals, collision, scene, options.point_distance, robot.dof()) {
+    const int tip = robot.tips().front();
+    goals.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal,
+                       options.goal_axis);
+    scene.reserve(static_cast<std::size_t>(options.max_obstacles));
+    set_obstacles(Points(0, 3));
+  }
+
+  void set_obstacles(const Obstacles& points) {
+    problem.reset_multipliers();
+    scene.assign(points, options.clearance, hulls, fixed);
+    collision.reserve(scene.near.padded());
+    fixed.reserve(scene.near.padded());
+    problem.reserve(scene.near.padded());
+  }
+
+  Robot robot;
+  Options options;
+  detail::HullModel hulls;
+  detail::Scene scene;
+  detail::CollisionState collision, fixed;
+  detail::Rollout rollout;
+  std::vector<detail::GoalTerm> goals;
+  JointLimitMap map;
+  detail::LagrangianProblem problem;
+};
+
+Lagrangian::Lagrangian(const Robot& robot, const Options& options, Variables variables) {
+  detail::check_options(options);
+  detail::check_robot(robot);
+  impl_ = std::make_unique<Implementation>(robot, options, variables);
+}
+Lagrangian::Lagrangian(Lagrangian&&) noexcept = default;
+Lagrangian& Lagrangian::operator=(Lagrangian&&) noexcept = default;
+Lagrangian::~Lagrangian() = default;
+
+const Robot& Lagrangian::robot() const { return impl_->robot; }
+const Options& Lagrangian::options() const { return impl_->options; }
+
+void Lagrangian::set_target(const Eigen::Isometry3d& T_base_tip) {
+  detail::check_target(T_base_tip);
+  impl_->goals.front().set_target(T_base_tip);
+  impl_->problem.reset_multipliers();
+}
+
+void Lagrangian::set_obstacles(const Obstacles& points) {
+  detail::check_obstacles(points);
+  impl_->set_obstacles(points);
+}
+
+Eigen::Index Lagrangian::size() const { return impl_->map.size(); }
+
+Eigen::VectorXd Lagrangian::variables(VectorIn q) const {
+  detail::check_configuration(q, impl_->robot.dof(), "q");
+  Eigen::VectorXd x(size());
+  impl_->map.inverse(q, x, impl_->options.start_inset);
+  return x;
+}
+
+Eigen::VectorXd Lagrangian::positions(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd q(impl_->robot.dof());
+  impl_->map.positions(x, q);
+  return q;
+}
+
+double Lagrangian::lagrangian(const Eigen::VectorXd& x, const Penalty& penalty,
+                              Eigen::VectorXd& gradient) {
+  gradient.resize(size());
+  return impl_->problem.lagrangian(x, penalty, gradient);
+}
+
+double Lagrangian::max_constraint(const Eigen::VectorXd& x) {
+  return impl_->problem.max_constraint(x);
+}
+
+void Lagrangian::reset_multipliers() { impl_->problem.reset_multipliers(); }
+
+void Lagrangian::update_multipliers(const Eigen::VectorXd& x, const Penalty& penalty) {
+  impl_->problem.update_multipliers(x, penalty);
+}
+
+double Lagrangian::last_position_error() const { return impl_->goals.front().position_distance(); }
+double Lagrangian::last_rotation_error() const { return impl_->goals.front().rotation_distance(); }
+double Lagrangian::last_max_constraint() const { return impl_->problem.last_max_constraint(); }
+
+}  // namespace pdoik
