@@ -9,8 +9,11 @@ from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
+import trimesh
 
 FloatArray = npt.NDArray[np.float64]
+
+SIDES = 48  # of the polygon that stands for a circle in a mesh
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +32,11 @@ class Rectangle:
         u, v = rng.uniform(-1, 1, (2, n, 1))
         points: FloatArray = np.array(self.center) + u * np.array(self.a) + v * np.array(self.b)
         return points
+
+    def mesh(self) -> FloatArray:
+        center, a, b = np.array(self.center), np.array(self.a), np.array(self.b)
+        corners = np.array([center - a - b, center + a - b, center + a + b, center - a + b])
+        return corners[[[0, 1, 2], [0, 2, 3]]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +60,19 @@ class Frustum:
         z = self.z[0] + t * (self.z[1] - self.z[0])
         return np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
 
+    def mesh(self) -> FloatArray:
+        angle = np.linspace(0, 2 * np.pi, SIDES + 1)
+        circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(SIDES + 1)])
+        low, high = (r * circle + [0, 0, z] for r, z in zip(self.radius, self.z, strict=True))
+        faces = np.concatenate(
+            [
+                np.stack([low[:-1], low[1:], high[1:]], axis=1),
+                np.stack([low[:-1], high[1:], high[:-1]], axis=1),
+            ]
+        )
+        edges = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+        return faces[np.linalg.norm(edges, axis=1) > 1e-15]  # a rim may be a point
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ball:
@@ -68,6 +89,10 @@ class Ball:
         direction *= self.radius / np.linalg.norm(direction, axis=1, keepdims=True)
         return direction
 
+    def mesh(self) -> FloatArray:
+        sphere = trimesh.creation.icosphere(subdivisions=3, radius=self.radius)
+        return np.asarray(sphere.triangles, dtype=np.float64)
+
 
 Patch = Rectangle | Frustum | Ball
 
@@ -79,6 +104,11 @@ def sample_surface(patches: Sequence[Patch], n: int, rng: np.random.Generator) -
     return np.concatenate(
         [patch.sample(int(count), rng) for patch, count in zip(patches, counts, strict=True)]
     )
+
+
+def surface_mesh(patches: Sequence[Patch]) -> FloatArray:
+    """Triangles of the patches, round ones by inscribed facets, (T, 3, 3) [m]."""
+    return np.concatenate([patch.mesh() for patch in patches])
 
 
 def box(x: float, y: float, z: float) -> tuple[Patch, ...]:

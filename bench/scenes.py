@@ -8,15 +8,16 @@ with their clouds is at hand.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import trimesh
 
 import pdoik
 from pdoik.clouds import load_cloud
-from primitives import EVERYDAY_OBJECTS, sample_surface
+from primitives import EVERYDAY_OBJECTS, sample_surface, surface_mesh
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,10 +33,12 @@ class SceneError(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ObjectModel:
-    """An object as a cloud of its surface about the centre of its bounding box."""
+    """An object as a cloud of its surface, about the middle of the cloud's bounding box."""
 
     name: str
     points: FloatArray  # (N, 3), [m]
+    triangles: FloatArray = field(default_factory=lambda: np.empty((0, 3, 3)))
+    """Its surface as a mesh in the same frame, (T, 3, 3) [m], where one is known."""
 
     @property
     def size(self) -> FloatArray:
@@ -54,8 +57,16 @@ class PlacedObject:
     @property
     def points(self) -> FloatArray:
         """Its surface in the base frame, (N, 3) [m]."""
+        return self._placed(self.model.points)
+
+    @property
+    def triangles(self) -> FloatArray:
+        """Its mesh in the base frame, (T, 3, 3) [m]."""
+        return self._placed(self.model.triangles)
+
+    def _placed(self, points: FloatArray) -> FloatArray:
         R, center = self.T_base_object[:3, :3], self.T_base_object[:3, 3]
-        return self.scale * self.model.points @ R.T + center
+        return np.asarray(self.scale * points @ R.T + center)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,22 +91,32 @@ def primitive_models(seed: int = 0, n_points: int = POINTS_PER_OBJECT) -> tuple[
     """Boxes, cans, bottles, balls, plates and cups of everyday size, their surfaces sampled."""
     rng = np.random.default_rng(seed)
     return tuple(
-        ObjectModel(name=name, points=_centered(sample_surface(patches, n_points, rng)))
+        _centered(name, sample_surface(patches, n_points, rng), surface_mesh(patches))
         for name, patches in EVERYDAY_OBJECTS.items()
     )
 
 
 def ycb_models(folder: str | Path) -> tuple[ObjectModel, ...]:
-    """The scanned objects of folder/cloud_vertices/*.pcd, by name.
+    """The scanned objects of folder/cloud_vertices/*.pcd and folder/mesh/*.stl, by name.
 
     Raises:
         SceneError: There are none.
         pdoik.LoadError: One of them cannot be read.
     """
-    files = sorted((Path(folder) / "cloud_vertices").glob("*.pcd"))
+    folder = Path(folder)
+    files = sorted((folder / "cloud_vertices").glob("*.pcd"))
     if not files:
         raise SceneError(f"{folder}: expected point clouds in cloud_vertices/*.pcd, got none")
-    return tuple(ObjectModel(name=file.stem, points=_centered(load_cloud(file))) for file in files)
+    return tuple(
+        _centered(file.stem, load_cloud(file), _read_mesh(folder / "mesh" / f"{file.stem}.stl"))
+        for file in files
+    )
+
+
+def _read_mesh(file: Path) -> FloatArray:
+    if not file.is_file():
+        return np.empty((0, 3, 3))
+    return np.asarray(trimesh.load_mesh(file).triangles, dtype=np.float64)
 
 
 def random_rotation(rng: np.random.Generator) -> FloatArray:
@@ -155,6 +176,6 @@ def random_scene(
     return scene
 
 
-def _centered(points: FloatArray) -> FloatArray:
+def _centered(name: str, points: FloatArray, triangles: FloatArray) -> ObjectModel:
     center: FloatArray = (points.min(axis=0) + points.max(axis=0)) / 2
-    return np.asarray(points - center)
+    return ObjectModel(name=name, points=points - center, triangles=triangles - center)

@@ -7,6 +7,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+import trimesh
 from pypcd4 import PointCloud
 
 BENCH = Path(__file__).parents[2] / "bench"
@@ -147,3 +148,12 @@ def test_scans_are_read_from_a_folder(tmp_path: Path, models: tuple) -> None:
 def test_a_folder_without_scans_is_refused(tmp_path: Path) -> None:
     with pytest.raises(scenes.SceneError, match="cloud_vertices"):
         scenes.ycb_models(tmp_path)
+
+
+def test_meshes_are_the_surfaces_that_the_points_are_on(models: tuple) -> None:
+    for model in models:
+        low, high = model.triangles.min(axis=(0, 1)), model.triangles.max(axis=(0, 1))
+        np.testing.assert_allclose(high - low, model.size, rtol=0.03, atol=2e-3)
+        mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(model.triangles), process=False)
+        _, distances, _ = trimesh.proximity.closest_point_naive(mesh, model.points[:50])
+        assert distances.max() < 0.01 * model.size.max(), model.name

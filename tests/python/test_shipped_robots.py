@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, distribution
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,6 +20,7 @@ from numpy.typing import NDArray
 from pdoik.occupancy_fit.geometry import load_geometry
 from pdoik.occupancy_fit.hulls import Shape, convex_volume, half_sum
 from pdoik.occupancy_fit.split import union_volume
+from test_scenes import bench_module
 
 SEED = 20240917
 ROBOTS = Path(str(files("pdoik"))) / "robots"
@@ -30,60 +29,15 @@ TAU = 6.283185307179586
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublicRobot:
-    """Somebody else's description of a shipped robot, with collision meshes."""
-
-    xml: str
-    package_dirs: list[Path]
-    links: dict[str, str]  # theirs -> ours, of every link with a mesh
+arm_meshes = bench_module("arm_meshes")
 
 
-def example_robot_data_share() -> Path:
-    """The folder of its package:// addresses; the wheel has data only, no module to import."""
+def public_robot(name: str, folder: Path) -> Any:
+    """Somebody else's description, with meshes; the test is skipped where it is not installed."""
     try:
-        share = Path(str(distribution("example-robot-data").locate_file("cmeel.prefix/share")))
-    except PackageNotFoundError:
-        pytest.skip("needs the Python package example-robot-data")
-    if not (share / "example-robot-data").is_dir():
-        pytest.skip(f"example-robot-data is installed, but not as a wheel with {share}")
-    return share
-
-
-def rtbdata_folder() -> Path:
-    spec = importlib.util.find_spec("rtbdata")
-    if spec is None or not spec.submodule_search_locations:
-        pytest.skip("needs the Python package rtb-data")
-    return Path(next(iter(spec.submodule_search_locations)))
-
-
-def public_panda(_: Path) -> PublicRobot:
-    share = example_robot_data_share()
-    urdf = share / "example-robot-data/robots/panda_description/urdf/panda.urdf"
-    links = {f"panda_link{i}": f"panda_link{i}" for i in range(8)}
-    return PublicRobot(xml=urdf.read_text("utf-8"), package_dirs=[share], links=links)
-
-
-def public_ur10(_: Path) -> PublicRobot:
-    """Frames of before 2020: joint axes along y, link frames at other places on the axes."""
-    share = example_robot_data_share()
-    urdf = share / "example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
-    same = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"]
-    links = {"base_link": "base_link_inertia"} | {f"{name}_link": f"{name}_link" for name in same}
-    return PublicRobot(xml=urdf.read_text("utf-8"), package_dirs=[share], links=links)
-
-
-def public_iiwa14(folder: Path) -> PublicRobot:
-    root = rtbdata_folder() / "xacro/kuka_description/kuka_lbr_iiwa"
-    package = folder / "kuka_lbr_iiwa_support"  # as its package:// addresses call it
-    if not package.exists():
-        package.symlink_to(root, target_is_directory=True)
-    links = {f"link_{i}": f"iiwa_link_{i}" for i in range(1, 8)} | {"base_link": "iiwa_link_0"}
-    xml = (root / "urdf/lbr_iiwa_14_r820.urdf").read_text("utf-8")
-    return PublicRobot(xml=xml, package_dirs=[folder], links=links)
-
-
-PUBLIC = {"panda": public_panda, "ur10": public_ur10, "iiwa14": public_iiwa14}
+        return arm_meshes.public_robot(name, folder)
+    except arm_meshes.MissingDescriptionError as missing:
+        pytest.skip(str(missing))
 
 
 class Kinematics:
@@ -115,7 +69,7 @@ def our_xml(name: str) -> str:
     return (ROBOTS / f"{name}.urdf").read_text("utf-8")
 
 
-def mesh_frames(public: PublicRobot, ours: Kinematics, theirs: Kinematics, q: Array) -> Any:
+def mesh_frames(public: Any, ours: Kinematics, theirs: Kinematics, q: Array) -> Any:
     """T_ours_theirs of each mesh-carrying link's two frames at q."""
     a, b = ours.place(q), theirs.place(q)
     return {link: np.linalg.inv(a[our]) @ b[link] for link, our in public.links.items()}
@@ -127,7 +81,7 @@ def worst_displacement(name: str, folder: Path, public_xml: str | None = None) -
     A link's frame may sit anywhere on the link, so the two frames may differ by a constant; it is
     taken at q = 0 and must then hold at every q.
     """
-    public = PUBLIC[name](folder)
+    public = public_robot(name, folder)
     ours, theirs = Kinematics(our_xml(name)), Kinematics(public_xml or public.xml)
     offsets = mesh_frames(public, ours, theirs, np.zeros(ours.model.nq))
     corners = np.vstack([0.5 * np.eye(4, 3), [-0.5, -0.5, -0.5]])
@@ -151,7 +105,7 @@ def test_iiwa14_moves_as_in_the_public_description_but_for_its_known_offset(tmp_
     No other description of this arm does: in those of Drake, iiwa_stack and MuJoCo Menagerie its
     axes meet. Without the shift both agree; with it they stay within twice its size.
     """
-    xml = public_iiwa14(tmp_path).xml
+    xml = public_robot("iiwa14", tmp_path).xml
     assert xml.count("0.00043624") == 2
     assert worst_displacement("iiwa14", tmp_path, xml.replace("0.00043624", "0")) < 1e-6
     assert 1e-4 < worst_displacement("iiwa14", tmp_path) < 2 * 0.00043625
@@ -283,7 +237,7 @@ def shipped_hulls(name: str) -> list[PlacedHull]:
 
 def link_meshes(name: str, folder: Path) -> dict[str, Array]:
     """The public collision triangles (T, 3, 3) of each link, by their link's name."""
-    public = PUBLIC[name](folder)
+    public = public_robot(name, folder)
     geometry = load_geometry(public.xml, public.package_dirs)
     meshes = {g.name: g.triangles for g in geometry if g.name in public.links}
     assert all(len(triangles) for triangles in meshes.values())
@@ -298,7 +252,7 @@ def test_hulls_hold_every_public_collision_mesh_in_motion(name: str, tmp_path: P
     Meshes are placed by the public description (the iiwa's without its 0.436 mm offset, see
     above), hulls by ours. 1e-8 m absorbs the pi / 2 that the public UR10 rounds to 11 digits.
     """
-    public = PUBLIC[name](tmp_path)
+    public = public_robot(name, tmp_path)
     ours = Kinematics(our_xml(name))
     theirs = Kinematics(public.xml.replace("0.00043624", "0"))
     hulls = shipped_hulls(name)
@@ -320,7 +274,7 @@ def test_hulls_hold_every_public_collision_mesh_in_motion(name: str, tmp_path: P
 @pytest.mark.parametrize(("name", "factor"), [("panda", 1.6), ("ur10", 1.15), ("iiwa14", 1.5)])
 def test_hulls_are_few_and_tight(name: str, factor: float, tmp_path: Path) -> None:
     """Volume of each link's hulls over that of the mesh's convex hull, overlaps counted once."""
-    public = PUBLIC[name](tmp_path)
+    public = public_robot(name, tmp_path)
     hulls = shipped_hulls(name)
     covered = geometry = 0.0
     for link, triangles in link_meshes(name, tmp_path).items():
