@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import subprocess
 import sys
-from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_void_p
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_uint, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -44,6 +44,7 @@ class _Setup(ctypes.Structure):
         ("rotation_tolerance", c_double),
         ("clearance_tolerance", c_double),
         ("max_time", c_double),
+        ("seed", c_uint),
     )
 
 
@@ -53,6 +54,7 @@ class _Problem(ctypes.Structure):
         ("q0", POINTER(c_double)),
         ("obstacles", POINTER(c_double)),
         ("obstacle_count", c_int),
+        ("obstacle_columns", c_int),
     )
 
 
@@ -62,6 +64,7 @@ class _Answer(ctypes.Structure):
         ("time", c_double),
         ("success", c_int),
         ("iterations", c_int),
+        ("evaluations", c_int),
         ("restarts", c_int),
     )
 
@@ -74,6 +77,7 @@ class PeerAnswer:
     success: bool  # in its own opinion, and within max_time
     time: float  # [s]
     iterations: int
+    evaluations: int  # forward kinematics; those of an obstacle check apart
     restarts: int
 
 
@@ -87,8 +91,9 @@ class PeerSetup:
     goal: Literal["pose", "axis"] = "pose"  # "axis": position and direction of the tip's z
     position_tolerance: float  # [m]
     rotation_tolerance: float  # [rad]
-    clearance_tolerance: float = 1e-6  # [m]
+    clearance_tolerance: float = 1e-6  # for peers that may come this near; others keep clear [m]
     max_time: float  # [s]
+    seed: int = 1  # of the starts it draws
 
 
 class Peer:
@@ -120,6 +125,7 @@ class Peer:
                     setup.rotation_tolerance,
                     setup.clearance_tolerance,
                     setup.max_time,
+                    setup.seed,
                 )
             )
         )
@@ -138,11 +144,19 @@ class Peer:
         Args:
             T_base_tip: The target, (4, 4).
             q0: The first start, (n,) [rad]; None for the peer's own.
-            obstacles: Points, (N, 3) [m].
+            obstacles: Points, (N, 3), or (N, 4) with a radius each [m].
+
+        Raises:
+            ValueError: The obstacles have another shape, or q0 has.
+            RuntimeError: The peer does not know this kind of problem.
         """
         T, start, points = (_contiguous(array) for array in (T_base_tip, q0, obstacles))
-        count = 0 if points is None else len(points)
-        problem = _Problem(_pointer(T), _pointer(start), _pointer(points), count)
+        if start is not None and start.shape != self._q.shape:
+            raise ValueError(f"q0 has shape {start.shape}, expected {self._q.shape}")
+        if points is not None and (points.ndim != 2 or points.shape[1] not in (3, 4)):
+            raise ValueError(f"obstacles has shape {points.shape}, expected (N, 3) or (N, 4)")
+        count, columns = (0, 3) if points is None else points.shape
+        problem = _Problem(_pointer(T), _pointer(start), _pointer(points), count, columns)
         answer = _Answer(_pointer(self._q))
         if self._functions.peer_solve(self._handle, byref(problem), byref(answer)) != 0:
             raise RuntimeError("the peer does not know this kind of problem")
@@ -151,6 +165,7 @@ class Peer:
             success=bool(answer.success),
             time=float(answer.time),
             iterations=int(answer.iterations),
+            evaluations=int(answer.evaluations),
             restarts=int(answer.restarts),
         )
 

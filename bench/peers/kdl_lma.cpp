@@ -1,12 +1,17 @@
 // KDL's ChainIkSolverPos_LMA with random restarts. It knows no limits: an attempt counts when its
-// answer, each joint turned by whole turns to inside its range, holds them.
+// answer, each joint turned by whole turns to inside its range, holds them and the hulls are clear
+// of the obstacles, which it does not know either: MoveIt hands such a check to its kinematics
+// plugins.
 #include <algorithm>
-#include <exception>
 #include <kdl/chain.hpp>
+#include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainiksolverpos_lma.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "interface.hpp"
+#include "obstacle_check.hpp"
 #include "pdoik/robot.hpp"
 #include "restarts.hpp"
 
@@ -49,59 +54,82 @@ Eigen::Matrix<double, 6, 1> weights() {
   return weights;
 }
 
-}  // namespace
-}  // namespace pdoik::bench
-
-struct Peer {
-  Peer(const pdoik::Robot& robot, double eps, double max_time)
+class KdlLma : public Peer {
+ public:
+  KdlLma(const Robot& robot, const PeerSetup& setup)
       : lower(robot.lower()),
         upper(robot.upper()),
-        chain(pdoik::bench::chain_of(robot)),
-        solver(chain, pdoik::bench::weights(), eps, pdoik::bench::kMaxIterations),
-        restarts(lower, upper, max_time),
+        chain(chain_of(robot)),
+        solver(chain, weights(), eps(setup), kMaxIterations),
+        kinematics(chain),
+        frames(chain.getNrOfSegments()),
+        check(setup.occupancy_yaml,
+              [&robot](const std::string& link) { return carrier(robot, link); }),
+        restarts(lower, upper, setup),
         start(static_cast<unsigned>(robot.dof())),
-        answer(start) {}
+        result(start) {}
 
-  bool attempt(const KDL::Frame& target, Eigen::VectorXd& q, int& iterations) {
+  bool solve(const PeerProblem& problem, PeerAnswer& answer) override {
+    Eigen::Isometry3d T;
+    T.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(problem.T_base_tip);
+    const KDL::Frame target = to_kdl(T);
+    restarts.run(
+        problem, answer, [&] { check.set_points(problem); },
+        [&](Eigen::VectorXd& q, const Stopwatch&, PeerAnswer& count) {
+          return attempt(target, q, count) && (problem.obstacle_count == 0 || is_clear());
+        });
+    return true;
+  }
+
+ private:
+  static double eps(const PeerSetup& setup) {
+    return std::min(setup.position_tolerance, kRotationWeight * setup.rotation_tolerance);
+  }
+
+  /// Segment b ends at the joint after body b.
+  static ObstacleCheck::Carrier carrier(const Robot& robot, const std::string& name) {
+    const int link = robot.link_index(name);
+    const auto body = static_cast<std::size_t>(robot.body_of_link(link));
+    const bool last = body + 1 == robot.bodies().size();
+    const Eigen::Isometry3d& T_body_end =
+        last ? robot.T_body_link(robot.tips().front()) : robot.bodies()[body + 1].T_parent_joint;
+    return {static_cast<int>(body), T_body_end.inverse() * robot.T_body_link(link)};
+  }
+
+  bool attempt(const KDL::Frame& target, Eigen::VectorXd& q, PeerAnswer& count) {
     start.data = q;
-    const int outcome = solver.CartToJnt(start, target, answer);
-    iterations += solver.lastNrOfIter;
-    q = answer.data;
-    return outcome == KDL::SolverI::E_NOERROR && pdoik::bench::wrap_into_limits(q, lower, upper);
+    const int outcome = solver.CartToJnt(start, target, result);
+    count.iterations += solver.lastNrOfIter;
+    count.evaluations += solver.lastNrOfIter + 1;
+    q = result.data;
+    return outcome == KDL::SolverI::E_NOERROR && wrap_into_limits(q, lower, upper);
+  }
+
+  /// Of obstacles, at the last result: whole turns do not matter.
+  bool is_clear() {
+    kinematics.JntToCart(result, frames);
+    return !check.touches([this](int segment, const Eigen::Vector3d& local) {
+      const KDL::Vector p =
+          frames[static_cast<std::size_t>(segment)] * KDL::Vector(local.x(), local.y(), local.z());
+      return Eigen::Vector3d(p.x(), p.y(), p.z());
+    });
   }
 
   Eigen::VectorXd lower, upper;
   KDL::Chain chain;
   KDL::ChainIkSolverPos_LMA solver;
-  pdoik::bench::Restarts restarts;
-  KDL::JntArray start, answer;
+  KDL::ChainFkSolverPos_recursive kinematics;
+  std::vector<KDL::Frame> frames;
+  ObstacleCheck check;
+  Restarts restarts;
+  KDL::JntArray start, result;
 };
 
-static std::string last_error;
+}  // namespace
 
-Peer* peer_create(const PeerSetup* setup) try {
-  if (setup->axis_goal != 0) throw std::invalid_argument("KDL's LMA knows whole poses only");
-  const auto robot = pdoik::Robot::from_urdf(setup->urdf_path, {}, {setup->tip_link});
-  const double eps = std::min(setup->position_tolerance,
-                              pdoik::bench::kRotationWeight * setup->rotation_tolerance);
-  return new Peer(robot, eps, setup->max_time);
-} catch (const std::exception& error) {
-  last_error = error.what();
-  return nullptr;
+std::unique_ptr<Peer> make_peer(const PeerSetup& setup) {
+  if (setup.axis_goal != 0) throw std::invalid_argument("KDL's LMA knows whole poses only");
+  return std::make_unique<KdlLma>(Robot::from_urdf(setup.urdf_path, {}, {setup.tip_link}), setup);
 }
 
-void peer_destroy(Peer* peer) { delete peer; }
-
-const char* peer_error() { return last_error.c_str(); }
-
-int peer_solve(Peer* peer, const PeerProblem* problem, PeerAnswer* answer) {
-  using pdoik::bench::Stopwatch;
-  if (problem->obstacle_count > 0) return -1;
-  Eigen::Isometry3d T;
-  T.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(problem->T_base_tip);
-  const KDL::Frame target = pdoik::bench::to_kdl(T);
-  peer->restarts.run(*problem, *answer, [&](Eigen::VectorXd& q, const Stopwatch&, int& iterations) {
-    return peer->attempt(target, q, iterations);
-  });
-  return 0;
-}
+}  // namespace pdoik::bench

@@ -26,19 +26,21 @@ class Stopwatch {
 /// up.
 class Restarts {
  public:
-  Restarts(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double max_time)
-      : lower_(lower), upper_(upper), max_time_(max_time), q_(lower) {}
+  Restarts(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, const PeerSetup& setup)
+      : lower_(lower), upper_(upper), max_time_(setup.max_time), q_(lower), engine_(setup.seed) {}
 
-  /// @param attempt  bool(VectorXd& q, const Stopwatch&, int& iterations), from q to an answer in
-  /// q.
-  template <class Attempt>
-  void run(const PeerProblem& problem, PeerAnswer& answer, Attempt&& attempt) {
+  /// @param prepare  void(), before the first start.
+  /// @param attempt  bool(VectorXd& q, const Stopwatch&, PeerAnswer&), from q to an answer in q; it
+  /// counts its iterations and evaluations.
+  template <class Prepare, class Attempt>
+  void run(const PeerProblem& problem, PeerAnswer& answer, Prepare&& prepare, Attempt&& attempt) {
     const Stopwatch watch(max_time_);
-    answer.success = answer.iterations = 0;
+    prepare();
+    answer.success = answer.iterations = answer.evaluations = 0;
     q_ = 0.5 * (lower_ + upper_);
     if (problem.q0 != nullptr) q_ = Eigen::Map<const Eigen::VectorXd>(problem.q0, q_.size());
     for (answer.restarts = 0;; ++answer.restarts) {
-      const bool found = attempt(q_, watch, answer.iterations);
+      const bool found = attempt(q_, watch, answer);
       answer.time = watch.elapsed();
       const bool late = answer.time >= max_time_;
       if (found || late) {
@@ -55,7 +57,7 @@ class Restarts {
   Eigen::VectorXd lower_, upper_;
   double max_time_;
   Eigen::VectorXd q_;
-  std::mt19937_64 engine_{1};
+  std::mt19937_64 engine_;
   std::uniform_real_distribution<double> uniform_{0.0, 1.0};
 };
 
