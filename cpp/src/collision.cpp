@@ -91,6 +91,11 @@ HullModel::HullModel(const Robot& robot) {
   if (root < 0) return;
   reach_centre = robot.bodies()[static_cast<std::size_t>(root)].T_parent_joint.translation();
   reach = farthest * (1.0 + 1e-9);
+  const Vec4 centre = to_vec4(reach_centre);
+  for (const Hull& hull : fixed) {
+    const Vec4 from = points[static_cast<std::size_t>(hull.a)].local - centre;
+    fixed_reach = std::max(fixed_reach, std::sqrt(dot3(from, from)) + 2.0 * hull.semi_major);
+  }
 }
 
 void ObstacleSet::reserve(std::size_t count) {
@@ -138,7 +143,7 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
   const Eigen::Vector3d& root = hulls.reach_centre;
   near.begin(count, root);
   far.begin(count, root);
-  far_bound = std::numeric_limits<double>::infinity();
+  far_bound = fixed_far_bound = std::numeric_limits<double>::infinity();
   for (int i = 0; i < count; ++i) {
     const double x = points(i, 0), y = points(i, 1), z = points(i, 2);
     const double radius = (has_radius ? points(i, 3) : 0.0) + margin;
@@ -148,28 +153,35 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
     if (beyond > 0.0) {
       far.add(x, y, z, radius, i);
       far_bound = std::min(far_bound, beyond);
+      fixed_far_bound = far_bound + hulls.reach - hulls.fixed_reach;
     } else {
       near.add(x, y, z, radius, i);
     }
   }
   near.finish();
   far.finish();
-  fixed_hulls.reserve(near.padded());
-  fixed = least_clearance_by_growing(fixed_hulls, near);
-  fixed = least_clearance(fixed_hulls, far, fixed);
+  fixed_hulls.reserve(std::max(near.padded(), far.padded()));
+  fixed = least_clearance_within(fixed_hulls, near, 0.0, {});
+  if (hulls.fixed_reach > hulls.reach) fixed = least_clearance_within(fixed_hulls, far, 0.0, fixed);
 }
 
 namespace {
 
+/// Half the sum of a point's distances to the foci, less the semi-major axis. It changes no faster
+/// than the point moves: outside it is a lower bound of the distance, of a sphere the distance.
+double half_sum_gap(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) {
+  const Vec4 to_a = o - a;
+  const double distance = std::sqrt(dot3(to_a, to_a));
+  if (hull.is_sphere()) return distance - hull.semi_major;
+  const Vec4 to_b = o - b;
+  return 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
+}
+
 /// Distance from a ball to a hull's surface, or any number above `than` where that is larger.
 double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than) {
   const double radius = o[3];
-  const Vec4 to_a = o - a;
-  const double distance = std::sqrt(dot3(to_a, to_a));
-  if (hull.is_sphere()) return distance - hull.semi_major - radius;
-  const Vec4 to_b = o - b;
-  // The half sum of distances changes no faster than the point moves: a lower bound outside.
-  const double bound = 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
+  const double bound = half_sum_gap(hull, a, b, o);
+  if (hull.is_sphere()) return bound - radius;
   const Vec4 half = broadcast(0.5) * (b - a);
   const bool hollow =
       !(hull.semi_major * hull.semi_major > dot3(half, half));  // foci too far apart: empty
@@ -180,28 +192,51 @@ double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4&
 
 }  // namespace
 
-Clearance Scene::clearance(CollisionState& state, bool within_limits) const {
-  const Clearance least = least_clearance_by_growing(state, near, fixed);
-  return within_limits && least.distance <= far_bound ? least : least_clearance(state, far, least);
+Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls,
+                           bool within_limits) const {
+  Clearance least = least_clearance_by_growing(moving, near, {});
+  least = least_clearance_by_growing(fixed_hulls, near, least);
+  if (!within_limits || least.distance > far_bound) least = least_clearance(moving, far, least);
+  if (least.distance > fixed_far_bound) least = least_clearance(fixed_hulls, far, least);
+  return least;
 }
 
 Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
                                      Clearance least) {
   if (state.hulls().empty() || obstacles.count() == 0) return least;
-  // Points nearer than g to a hull lie in it when it is grown by g, so once the least is below g it
-  // is found.
   for (double g = 0.02; g < 1e3; g *= 2.0) {
-    state.find_near(obstacles, [g](std::size_t) { return g; });
-    for (int k = 0; k < state.near_count(); ++k) {
-      const Hull& hull = state.hull(state.near(k));
-      const int j = state.near(k).obstacle;
-      const double distance = hull_distance(hull, state.position(hull.a), state.position(hull.b),
-                                            obstacles[j], least.distance);
-      if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
-    }
+    const double within = std::min(g, std::max(least.distance, 0.0));
+    least = least_clearance_within(state, obstacles, within, least);
     if (least.distance <= g) return least;
   }
   return least_clearance(state, obstacles, least);
+}
+
+Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
+                                 Clearance least) {
+  state.find_near(obstacles, [g](std::size_t) { return g; });
+  const auto try_pair = [&](int k) {
+    const Hull& hull = state.hull(state.near(k));
+    const int j = state.near(k).obstacle;
+    const double distance = hull_distance(hull, state.position(hull.a), state.position(hull.b),
+                                          obstacles[j], least.distance);
+    if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
+  };
+  // The most promising pair first: most of the others need no exact distance then.
+  int first = -1;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < state.near_count(); ++k) {
+    const Hull& hull = state.hull(state.near(k));
+    const Vec4& o = obstacles[state.near(k).obstacle];
+    const double gap = half_sum_gap(hull, state.position(hull.a), state.position(hull.b), o) - o[3];
+    if (gap < lowest) {
+      lowest = gap;
+      first = k;
+    }
+  }
+  if (first >= 0) try_pair(first);
+  for (int k = 0; k < state.near_count(); ++k) try_pair(k);
+  return least;
 }
 
 Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles,

@@ -10,7 +10,8 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
       options_(options),
       hulls_(hulls),
       T_base_body_(robot.bodies().size()),
-      collision_(hulls, hulls.moving) {}
+      collision_(hulls, hulls.moving),
+      fixed_hulls_(hulls, hulls.fixed) {}
 
 void Judge::pose_errors(const Eigen::Isometry3d& target, Result& result) const {
   const int tip = robot_.tips().front();
@@ -53,7 +54,7 @@ void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q
   }
   WorstConstraint& worst = result.worst;
   limits(q, result, worst);
-  const Clearance least = scene.clearance(collision_, result.limit_violation == 0.0);
+  const Clearance least = scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0);
   result.clearance =
       least.distance + options_.clearance;  // obstacle radii include the clearance wanted
 

@@ -24,6 +24,18 @@ std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls)
   return matters;
 }
 
+int goal_dimensions(GoalType goal) {
+  return goal == GoalType::Pose ? 6 : goal == GoalType::Axis ? 5 : 3;
+}
+
+/// What the solve may spend on bringing answers clear of obstacles, of what it spends on finding
+/// answers.
+constexpr double kRepairShare = 0.1;
+/// Obstacles this far from the hulls are left out while that is done [m].
+constexpr double kRepairMargin = 0.1;
+/// Looking at this many obstacles costs about as much as evaluating the goal.
+double cost_of(int obstacles) { return obstacles / 60.0; }
+
 }  // namespace
 
 Search::Search(const Robot& robot, const Options& options)
@@ -40,6 +52,7 @@ Search::Search(const Robot& robot, const Options& options)
       levenberg_marquardt_(robot.dof(), options.levenberg_marquardt),
       judge_(robot, options_, hulls_),
       sequence_(robot.dof(), options.seed),
+      candidates_(robot.dof()),
       lower_(robot.lower()),
       upper_(robot.upper()),
       matters_(joints_that_matter(robot, hulls_)) {
@@ -57,10 +70,10 @@ Search::Search(const Robot& robot, const Options& options)
   const int tip = robot.tips().front();
   goals_.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal,
                       options.goal_axis);
+  redundant_ = std::count(matters_.begin(), matters_.end(), true) > goal_dimensions(options.goal);
   start_.setZero(robot.dof());
   q_.setZero(robot.dof());
   omega_.setZero(map_.size());
-  candidate_.q.setZero(robot.dof());
   Points none(0, 3);
   scene_.reserve(static_cast<std::size_t>(options.max_obstacles));
   const int padded = (options.max_obstacles + kLanes - 1) / kLanes * kLanes;
@@ -86,6 +99,7 @@ void Search::reserve(int padded_obstacles) {
   collision_.reserve(padded_obstacles);
   fixed_hulls_.reserve(padded_obstacles);
   lagrangian_.reserve(padded_obstacles);
+  least_squares_.reserve(padded_obstacles);
   judge_.reserve(padded_obstacles);
 }
 
@@ -156,19 +170,53 @@ bool Search::minimise_lagrangian(const Deadline& deadline, Result& result) {
   return struck;
 }
 
-bool Search::minimise(const Deadline& deadline, Result& result) {
-  if (options_.inner == InnerMethod::Lbfgs) {
-    map_.inverse(q_, omega_, options_.start_inset);
-    const bool struck = minimise_lagrangian(deadline, result);
-    map_.positions(omega_, q_);
-    return struck;
-  }
-  bool struck = false;
+double Search::minimise_least_squares(const Deadline& deadline, Result& result, bool& struck) {
   const LevenbergMarquardtResult inner = levenberg_marquardt_.minimize(
       least_squares_, q_, lower_, upper_, [&] { return struck = deadline.passed(); });
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
-  return struck;
+  return inner.value;
+}
+
+Search::Trial Search::try_least_squares(bool first, const Deadline& deadline, Result& result) {
+  Trial trial;
+  least_squares_.heed_none();
+  const int before = result.evaluations;
+  double value = minimise_least_squares(deadline, result, trial.struck);
+  wrap_to_start();
+  search_cost_ += result.evaluations - before;
+  const int points = scene_.near.count();
+  if (least_squares_.done()) {
+    search_cost_ += cost_of(points);
+    trial.solves = points == 0 || !least_squares_.touches();
+    trial.shortfall = value;
+    if (trial.solves || trial.struck) return trial;
+    // The first one always, so that answers stay near the start where they can.
+    const bool pays = first || repair_cost_ < kRepairShare * search_cost_;
+    if (redundant_ && pays) {
+      const int at = result.evaluations;
+      least_squares_.heed_those_about(kRepairMargin);
+      value = minimise_least_squares(deadline, result, trial.struck);
+      wrap_to_start();
+      least_squares_.evaluate(q_);  // its last step may have been taken back
+      const double each = 1.0 + cost_of(least_squares_.heeded());
+      repair_cost_ += 2.0 * cost_of(points) + each * (result.evaluations - at);
+      trial.solves = least_squares_.reached() && !least_squares_.touches();
+    }
+  }
+  trial.shortfall = value;
+  return trial;
+}
+
+Search::Trial Search::try_lagrangian(const Deadline& deadline, Result& result) {
+  Trial trial;
+  map_.inverse(q_, omega_, options_.start_inset);
+  trial.struck = minimise_lagrangian(deadline, result);
+  map_.positions(omega_, q_);
+  wrap_to_start();
+  trial.solves = true;  // perhaps: the judge will say
+  trial.shortfall = 0.0;
+  return trial;
 }
 
 void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
@@ -180,6 +228,9 @@ void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd*
                               : 0.0;
   }
   bound_turns();
+  search_cost_ = repair_cost_ = 0.0;
+  candidates_.clear();
+  result.status = Status::Exhausted;
   for (int k = 0; k <= options_.max_restarts; ++k) {
     if (k == 0) {
       q_ = start_;
@@ -187,26 +238,26 @@ void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd*
       restart_configuration(k);
       result.restarts = k;
     }
-    const bool struck = minimise(deadline, result);
-    wrap_to_start();
-    if (k == 0) {
+    const Trial trial = options_.inner == InnerMethod::LevenbergMarquardt
+                            ? try_least_squares(k == 0, deadline, result)
+                            : try_lagrangian(deadline, result);
+    if (trial.solves) {
       judge_(target, q_, scene_, result);
-    } else {
-      keep_better(target, result);
+      if (result.success) {
+        result.status = Status::Solved;
+        return;
+      }
     }
-    if (result.success) {
-      result.status = Status::Solved;
-      return;
-    }
-    if (struck) {
+    candidates_.add(q_, trial.shortfall);
+    if (trial.struck) {
       result.status = Status::TimeLimit;
-      return;
-    }
-    if (base_collides() && options_.inner == InnerMethod::LevenbergMarquardt &&
-        least_squares_.done())
       break;
+    }
+    if (trial.solves && base_collides()) break;  // nothing better can be found
   }
-  result.status = Status::Exhausted;
+  least_squares_.heed_all();
+  judge_(target, candidates_.best([&](const auto& q) { return least_squares_.evaluate(q); }),
+         scene_, result);
 }
 
 void Search::restart_configuration(int k) {
@@ -237,24 +288,6 @@ void Search::wrap_to_start() {
     if (turn != Turn::Wrap) continue;
     q_[i] = start_[i] + std::remainder(q_[i] - start_[i], 2.0 * M_PI);
   }
-}
-
-double Search::shortfall(const Result& result) const {
-  const double p = result.position_error, r = options_.rotation_weight * result.rotation_error;
-  const double depth = std::max(0.0, options_.clearance - result.clearance);
-  return p * p + r * r + depth * depth;
-}
-
-void Search::keep_better(const Eigen::Isometry3d& target, Result& best) {
-  judge_(target, q_, scene_, candidate_);
-  if (!candidate_.success && shortfall(candidate_) >= shortfall(best)) return;
-  best.q = candidate_.q;
-  best.success = candidate_.success;
-  best.position_error = candidate_.position_error;
-  best.rotation_error = candidate_.rotation_error;
-  best.clearance = candidate_.clearance;
-  best.limit_violation = candidate_.limit_violation;
-  best.worst = candidate_.worst;
 }
 
 }  // namespace pdoik::detail

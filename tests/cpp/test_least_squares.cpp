@@ -245,5 +245,63 @@ TEST(LeastSquares, the_distance_constraints_derivatives_by_the_foci_are_central_
   EXPECT_GT(with_radius, 50);
 }
 
+TEST(LeastSquares, touches_where_some_point_is_in_some_hull) {
+  Random random(21);
+  int touched = 0, clear = 0;
+  for (int k = 0; k < 200; ++k) {
+    Workbench bench(Robot::builtin(k % 2 == 0 ? "panda" : "ur10"), Options{});
+    bench.set_obstacles(random_obstacles(random, 12, 0.7, k % 3 == 0 ? 0.0 : 0.1));
+    const Eigen::VectorXd q = random_configuration(bench.robot, random);
+    bench.least_squares.heed_none();
+    const double alone = bench.least_squares.evaluate(q);
+    const bool touches = bench.least_squares.touches();
+    bench.roll_out(q);
+    const Clearance least = bench.scene.clearance(bench.moving, bench.fixed);
+    if (std::abs(least.distance) < 1e-9) continue;
+    const bool fixed = bench.scene.fixed.distance < 0.0;  // moving hulls are asked alone
+    if (!fixed) {
+      EXPECT_EQ(touches, least.distance < 0.0);
+    }
+    (touches ? touched : clear) += 1;
+    bench.least_squares.heed_all();
+    const double with_all = bench.least_squares.evaluate(q);
+    if (touches) {
+      EXPECT_GT(with_all, alone);
+    } else {
+      EXPECT_NEAR(with_all, alone, 1e-12);
+    }
+  }
+  EXPECT_GT(touched, 30);
+  EXPECT_GT(clear, 30);
+}
+
+TEST(LeastSquares, about_a_configuration_counts_the_same_points_and_never_less) {
+  Random random(22);
+  int counted = 0;
+  for (int k = 0; k < 100; ++k) {
+    Workbench bench(Robot::builtin("panda"), Options{});
+    const bool radii = k % 2 == 1;
+    bench.set_obstacles(random_obstacles(random, 120, 0.6, radii ? 0.05 : 0.0));
+    const Eigen::VectorXd q = random_configuration(bench.robot, random);
+    const double all = bench.least_squares.evaluate(q);
+    bench.least_squares.heed_those_about(0.1);
+    EXPECT_LE(bench.least_squares.heeded(), bench.scene.near.count());
+    const double about = bench.least_squares.evaluate(q);
+    if (radii) {
+      EXPECT_GE(about, all * (1.0 - 1e-12)) << "the safe side";
+    } else {
+      EXPECT_NEAR(about, all, 1e-12 * (1.0 + all));
+    }
+    counted += bench.least_squares.heeded();
+    Eigen::MatrixXd H(q.size(), q.size());
+    Eigen::VectorXd g(q.size());
+    bench.least_squares.linearise(H, g);
+    const Eigen::VectorXd difference = central_gradient(
+        [&](const Eigen::VectorXd& at) { return bench.least_squares.evaluate(at); }, q, 1e-6);
+    EXPECT_LT((g - difference).norm(), 1e-5 * (1.0 + g.norm()));
+  }
+  EXPECT_GT(counted, 500);
+}
+
 }  // namespace
 }  // namespace pdoik::detail

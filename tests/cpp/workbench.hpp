@@ -46,7 +46,9 @@ class Workbench {
     obstacles = points;
     scene.assign(points, options.clearance, hulls, fixed);
     moving.reserve(scene.near.padded());
+    fixed.reserve(scene.near.padded());
     lagrangian.reserve(scene.near.padded());
+    least_squares.reserve(scene.near.padded());
   }
   void set_target(const Eigen::Isometry3d& T) {
     target = T;

@@ -38,9 +38,9 @@ struct Options {
   double clearance = 0.0;  ///< least distance wanted between obstacle points and hulls [m]
   double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
 
-  double max_time = 0.01;  ///< deadline of a solve [s]
-  int max_restarts = 100;  ///< starts after the first; Method::Paper has none
-  std::uint64_t seed = 0;  ///< of the restarts' sequence
+  double max_time = 0.01;   ///< deadline of a solve [s]
+  int max_restarts = 1000;  ///< starts after the first; Method::Paper has none
+  std::uint64_t seed = 0;   ///< of the restarts' sequence
 
   InnerMethod inner = InnerMethod::LevenbergMarquardt;  ///< for Method::Default
   int max_obstacles = 1024;  ///< obstacle points that fit without a further allocation

@@ -40,6 +40,8 @@ struct HullModel {
   /// unknown.
   Eigen::Vector3d reach_centre = Eigen::Vector3d::Zero();
   double reach = std::numeric_limits<double>::infinity();
+  /// The fixed hulls lie within this distance of `reach_centre`.
+  double fixed_reach = 0.0;
 };
 
 /// Obstacle points by coordinate: in double, and in single precision relative to an origin for the
@@ -130,22 +132,32 @@ class CollisionState {
   void find_near(const ObstacleSet& obstacles, Grow&& grow) {
     near_count_ = 0;
     if (obstacles.count() == 0) return;
-    const Vec4& origin = obstacles.origin();
-    for (std::size_t h = 0; h < queries_.size(); ++h) {
-      const Hull& hull = hulls_[h];
-      const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - origin;
-      const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
-      HullQuery& query = queries_[h];
-      for (int i = 0; i < 3; ++i) {
-        query.centre[i] = static_cast<float>(centre[i]);
-        query.half[i] = static_cast<float>(half[i]);
-      }
-      const double A = hull.semi_major + grow(h);
-      query.semi_major =
-          static_cast<float>(A + coarse_slack(A, dot3(half, half), obstacles.extent()));
-    }
+    for (std::size_t h = 0; h < queries_.size(); ++h) set_query(h, obstacles, grow(h));
     near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()),
                         pairs_.data());
+  }
+
+  /// Whether `test` holds for any pair that may touch. Hulls are asked one after the other, the one
+  /// that answered yes last time first, and of each hull's pairs first those that `surely` holds
+  /// for, a cheaper test. Changes the near pairs.
+  template <class Surely, class Test>
+  bool any_near(const ObstacleSet& obstacles, Surely&& surely, Test&& test) {
+    near_count_ = 0;
+    if (obstacles.count() == 0) return false;
+    for (std::size_t k = 0; k < queries_.size(); ++k) {
+      const std::size_t h = k == 0 ? first_asked_ : k - (k <= first_asked_ ? 1 : 0);
+      set_query(h, obstacles, 0.0);
+      near_count_ = cull_(obstacles.arrays(), &queries_[h], 1, pairs_.data());
+      NearPair* const end = pairs_.data() + near_count_;
+      for (NearPair* pair = pairs_.data(); pair != end; ++pair)
+        pair->hull = static_cast<std::int32_t>(h);
+      if (std::any_of(pairs_.data(), end, surely) || std::any_of(pairs_.data(), end, test)) {
+        first_asked_ = h;
+        return true;
+      }
+    }
+    near_count_ = 0;
+    return false;
   }
 
   int near_count() const { return near_count_; }
@@ -160,12 +172,27 @@ class CollisionState {
   void use_baseline() { cull_ = cull_baseline; }
 
  private:
+  void set_query(std::size_t h, const ObstacleSet& obstacles, double grow) {
+    const Hull& hull = hulls_[h];
+    const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles.origin();
+    const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
+    HullQuery& query = queries_[h];
+    for (int i = 0; i < 3; ++i) {
+      query.centre[i] = static_cast<float>(centre[i]);
+      query.half[i] = static_cast<float>(half[i]);
+    }
+    const double A = hull.semi_major + grow;
+    query.semi_major =
+        static_cast<float>(A + coarse_slack(A, dot3(half, half), obstacles.extent()));
+  }
+
   const HullModel& model_;
   const std::vector<Hull>& hulls_;
   std::vector<Vec4> positions_;
   std::vector<HullQuery> queries_;
   std::vector<NearPair> pairs_;
   int near_count_ = 0;
+  std::size_t first_asked_ = 0;
   CullFunction cull_;
 };
 
@@ -181,8 +208,13 @@ struct Clearance {
 Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles,
                           Clearance than = {});
 
-/// The same by growing the hulls until obstacles come to lie in them. Changes the state's near
+/// The same among the pairs that are within g of each other, at least. Changes the state's near
 /// pairs.
+Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
+                                 Clearance than = {});
+
+/// The same by growing the hulls until obstacles come to lie in them: points nearer than g to a
+/// hull lie in it when it is grown by g, so once the least is below g it is found.
 Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
                                      Clearance than = {});
 
@@ -197,16 +229,19 @@ struct Scene {
   /// @param fixed_hulls  A state of the hulls that no joint moves, reserved for these points.
   void assign(const Points& points, double margin, const HullModel& hulls,
               CollisionState& fixed_hulls);
-  /// Clearance of every hull, margin included, at the configuration where `state` is placed. Leaves
-  /// the state's near pairs changed.
+  /// Clearance of every hull, margin included, at the configuration where `moving` is placed.
+  /// Leaves the states' near pairs changed; both need room for the obstacles.
   /// @param within_limits  Whether the joints are, so that what is out of reach stays so.
-  Clearance clearance(CollisionState& state, bool within_limits = true) const;
+  Clearance clearance(CollisionState& moving, CollisionState& fixed_hulls,
+                      bool within_limits = true) const;
 
   ObstacleSet near;  ///< within reach of a moving hull: the solver's
   ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these
   double far_bound =
       std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
-  Clearance fixed;                              ///< of the hulls that no joint moves
+  double fixed_far_bound =
+      std::numeric_limits<double>::infinity();  ///< nor as close to a hull that no joint moves
+  Clearance fixed;  ///< the deepest obstacle in a hull that no joint moves, if there is any
 };
 
 }  // namespace pdoik::detail

@@ -38,19 +38,27 @@ inline Constraint paper_constraint(const CollisionState& state, const Hull& hull
   return result;
 }
 
-/// The same zero set in metres of penetration. Points with a radius are held off by their true
-/// Euclidean distance d to the spheroid, whose derivative by a focus is that of its nearest surface
-/// point x (envelope theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to
-/// the foci.
-inline Constraint distance_constraint(const CollisionState& state, const Hull& hull,
+/// The same zero set in metres of penetration. A point with a radius r is held off by the confocal
+/// spheroid whose axis is longer by r, which is at least r away from the hull everywhere.
+inline Constraint half_sum_constraint(const CollisionState& state, const Hull& hull,
                                       const Vec4& o) {
-  const double radius = o[3];
   Constraint result = paper_constraint(state, hull, o);
   if (hull.is_sphere()) return result;
   const Vec4 half = broadcast(0.5);
   result.c *= 0.5;
   result.dc_da *= half;
   result.dc_db *= half;
+  return result;
+}
+
+/// The same, but points with a radius are held off by their true Euclidean distance d to the
+/// spheroid, whose derivative by a focus is that of its nearest surface point x (envelope theorem):
+/// dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
+inline Constraint distance_constraint(const CollisionState& state, const Hull& hull,
+                                      const Vec4& o) {
+  const double radius = o[3];
+  Constraint result = half_sum_constraint(state, hull, o);
+  if (hull.is_sphere()) return result;
   if (radius <= 0.0 || result.c > radius)
     return result;  // no radius, or the point itself is inside
   const Eigen::Vector3d a = to_vector3(state.position(hull.a)),

@@ -16,7 +16,10 @@ class Judge {
   Judge(const Robot& robot, const Options& options, const HullModel& hulls);
 
   /// Room for this many obstacles: called at set-up.
-  void reserve(int padded_obstacles) { collision_.reserve(padded_obstacles); }
+  void reserve(int padded_obstacles) {
+    collision_.reserve(padded_obstacles);
+    fixed_hulls_.reserve(padded_obstacles);
+  }
 
   /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
   /// when result.q has its size.
@@ -31,7 +34,7 @@ class Judge {
   const Options& options_;
   const HullModel& hulls_;
   std::vector<Eigen::Isometry3d> T_base_body_;
-  CollisionState collision_;
+  CollisionState collision_, fixed_hulls_;
 };
 
 }  // namespace pdoik::detail

@@ -16,16 +16,67 @@ namespace pdoik::detail {
 ///
 ///     f(q) = 1/2 sum over goals (|dp|^2 + w^2 |e|^2) + 1/2 v^2 sum over constraints max(0, c)^2
 /// with e the rotation vector to the target (or between the axes) and c in metres of penetration.
-/// Where a solution exists f is zero there and no multipliers are needed.
+/// Where a solution exists f is zero there and no multipliers are needed. Which obstacles count is
+/// for the caller to say: all of the scene's near ones, those about one configuration, or none.
 class LeastSquaresProblem {
  public:
   LeastSquaresProblem(Rollout& rollout, std::vector<GoalTerm>& goals, CollisionState& collision,
                       const Scene& scene, const Options& options, int dof)
-      : rollout_(rollout), goals_(goals), collision_(collision), scene_(scene), options_(options) {
+      : rollout_(rollout),
+        goals_(goals),
+        collision_(collision),
+        scene_(scene),
+        options_(options),
+        obstacles_(&scene.near) {
     cosine_.setZero(dof);
     sine_.setZero(dof);
     row_.setZero(dof);
     columns_.resize(static_cast<std::size_t>(dof));
+  }
+
+  /// Room for copies of this many obstacles: called at set-up.
+  void reserve(int padded_obstacles) {
+    const auto count = static_cast<std::size_t>(padded_obstacles);
+    about_.reserve(count);
+    if (is_about_.size() < count) is_about_.resize(count);
+  }
+
+  void heed_all() { obstacles_ = &scene_.near; }
+  void heed_none() { obstacles_ = &none_; }
+  /// Heed those that are within `margin` of a hull where f was last evaluated [m]. Points with a
+  /// radius are then held off by half_sum_constraint, which errs to the safe side.
+  void heed_those_about(double margin) {
+    const ObstacleSet& all = scene_.near;
+    const auto count = static_cast<std::size_t>(all.count());
+    collision_.place(rollout_);
+    collision_.find_near(all, [margin](std::size_t) { return margin; });
+    std::fill_n(is_about_.begin(), count, char{0});
+    for (int k = 0; k < collision_.near_count(); ++k)
+      is_about_[static_cast<std::size_t>(collision_.near(k).obstacle)] = 1;
+    about_.begin(all.count(), to_vector3(all.origin()));
+    for (int j = 0; j < all.count(); ++j) {
+      if (is_about_[static_cast<std::size_t>(j)] == 0) continue;
+      const Vec4& o = all[j];
+      about_.add(o[0], o[1], o[2], o[3], all.original_index(j));
+    }
+    about_.finish();
+    obstacles_ = &about_;
+  }
+  int heeded() const { return obstacles_->count(); }
+
+  /// Whether any of the scene's near obstacles is in a hull where f was last evaluated.
+  bool touches() {
+    collision_.place(rollout_);
+    const ObstacleSet& all = scene_.near;
+    return collision_.any_near(
+        all,
+        [&](const NearPair& pair) {  // the point itself, whatever its radius
+          const Vec4& o = all[pair.obstacle];
+          return paper_constraint(collision_, collision_.hull(pair), o).c > 2.0 * o[3];
+        },
+        [&](const NearPair& pair) {
+          return distance_constraint(collision_, collision_.hull(pair), all[pair.obstacle]).c > 0.0;
+        });
   }
 
   double evaluate(const Eigen::VectorXd& q) {
@@ -50,9 +101,11 @@ class LeastSquaresProblem {
     return 0.5 * (sum + penetration());
   }
 
-  bool done() const {
+  bool done() const { return reached() && !touching_; }
+  /// Whether the goals are, where f was last evaluated.
+  bool reached() const {
     const double p = options_.position_tolerance, r = options_.rotation_tolerance;
-    return position_error_ < p * p && rotation_error_ < r * r && !touching_;
+    return position_error_ < p * p && rotation_error_ < r * r;
   }
 
   void linearise(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
@@ -76,13 +129,15 @@ class LeastSquaresProblem {
   static constexpr double kContactGap = 1e-8;
 
   Constraint constraint(const NearPair& pair) const {
-    return distance_constraint(collision_, collision_.hull(pair), scene_.near[pair.obstacle]);
+    if (obstacles_ == &about_)
+      return half_sum_constraint(collision_, collision_.hull(pair), about_[pair.obstacle]);
+    return distance_constraint(collision_, collision_.hull(pair), (*obstacles_)[pair.obstacle]);
   }
 
   double penetration() {
     touching_ = false;
-    if (scene_.near.count() > 0) collision_.place(rollout_);
-    collision_.find_near(scene_.near, [](std::size_t) { return kContactGap; });
+    if (obstacles_->count() > 0) collision_.place(rollout_);
+    collision_.find_near(*obstacles_, [](std::size_t) { return kContactGap; });
     double sum = 0.0;
     for (int k = 0; k < collision_.near_count(); ++k) {
       const double c = constraint(collision_.near(k)).c;
@@ -146,6 +201,9 @@ class LeastSquaresProblem {
   CollisionState& collision_;
   const Scene& scene_;
   const Options& options_;
+  const ObstacleSet* obstacles_;
+  ObstacleSet about_, none_;
+  std::vector<char> is_about_;
   Eigen::VectorXd cosine_, sine_, row_;
   /// How the tip's position and orientation (weighted) follow one joint; the fourth entries are
   /// zero.

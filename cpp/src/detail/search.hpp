@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "detail/candidates.hpp"
 #include "detail/collision.hpp"
 #include "detail/deadline.hpp"
 #include "detail/goal_term.hpp"
@@ -40,21 +41,27 @@ class Search {
                  const Deadline& deadline, Result& result);
   void run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
                    const Deadline& deadline, Result& result);
-  /// Minimise from q_ by the chosen inner method; q_ then holds the end. True if the deadline
-  /// struck.
-  bool minimise(const Deadline& deadline, Result& result);
+  /// What one start of the default method came to, with its end in q_.
+  struct Trial {
+    bool struck = false;     ///< by the deadline
+    bool solves = false;     ///< in the minimiser's opinion
+    double shortfall = 0.0;  ///< how far it is from solving, at least: obstacles may be left out
+  };
+  /// The goal alone, which is cheap; obstacles only if the answer touches some, while that pays.
+  Trial try_least_squares(bool first, const Deadline& deadline, Result& result);
+  /// The paper's formulation.
+  Trial try_lagrangian(const Deadline& deadline, Result& result);
+  /// Minimise least squares from q_; its value at the end, which q_ then holds.
+  double minimise_least_squares(const Deadline& deadline, Result& result, bool& struck);
   bool minimise_lagrangian(const Deadline& deadline, Result& result);
   /// The start of restart k >= 1, into q_.
   void restart_configuration(int k);
-  /// Judge q_ and keep it in `best` if it is a success or closer to one than what was there.
-  void keep_better(const Eigen::Isometry3d& target, Result& best);
   /// Joints without limits stay within half a turn of the start: by wrapping the answer, or by
   /// bounds where a mimic joint follows at a rate that a whole turn would not leave unchanged.
   void bound_turns();
   void wrap_to_start();
   bool base_collides() const { return scene_.fixed.distance < -options_.clearance_tolerance; }
   bool out_of_reach(const Eigen::Isometry3d& target) const;
-  double shortfall(const Result& result) const;
 
   const Robot& robot_;
   const Options& options_;
@@ -70,11 +77,13 @@ class Search {
   LevenbergMarquardt levenberg_marquardt_;
   Judge judge_;
   LowDiscrepancy sequence_;
+  Candidates candidates_;
   Eigen::VectorXd lower_, upper_, start_, q_, omega_;
   std::vector<bool> matters_;  ///< joints that move the tip or a hull
+  bool redundant_ = false;     ///< more joints move tip or hulls than the goal fixes
+  double search_cost_ = 0.0, repair_cost_ = 0.0;  ///< of this solve, in evaluations of the goal
   enum class Turn { Limited, Wrap, Bound };
   std::vector<Turn> turns_;
-  Result candidate_;
   std::function<bool()> interrupt_;
   Eigen::Vector3d reach_root_;
   double reach_ = 0.0;
