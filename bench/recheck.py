@@ -7,7 +7,7 @@ defect of one of the two.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,7 +26,9 @@ class Verdict:
     position_error: float  # [m]
     rotation_error: float  # [rad]
     limit_violation: float  # [rad]
-    clearance: float  # least of half the sum of a point's distances to the foci, minus a [m]
+    clearance: float
+    """Least of half the sum of a point's distances to the foci, minus a; of points with a radius
+    their distance to the hull, minus the radius [m]."""
 
     def confirms(self, options: pdoik.Options) -> bool:
         """Whether a solver with these options may call it a solution, up to rounding."""
@@ -81,27 +83,74 @@ def recheck(
     q: FloatArray,
     points: FloatArray,
 ) -> Verdict:
-    """Errors, limits and the inside test |u1 - o| + |u2 - o| >= 2 a for every hull and point."""
+    """Errors, limits and the inside test |u1 - o| + |u2 - o| >= 2 a for every hull and point.
+
+    Args:
+        chain: Of the robot's description.
+        robot: For its hulls and the names of its links.
+        options: What is asked for.
+        T_base_tip: The target, (4, 4).
+        q: The configuration, (n,) [rad].
+        points: (N, 3), or (N, 4) with a radius each [m].
+    """
     T = chain.fk(q, robot.tip_links[0])
-    gaps = [np.inf]
+    clearance = np.inf
     if len(points):
         poses = {link: chain.fk(q, link) for link in robot.link_names}
-
-        def distance(link: str, local: tuple[float, float, float]) -> FloatArray:
-            place = poses[link][:3, :3] @ np.array(local) + poses[link][:3, 3]
-            return np.asarray(np.linalg.norm(points - place, axis=1), dtype=np.float64)
-
-        for link, center, radius in robot.occupancy.spheres:
-            gaps.append(float((distance(link, center) - radius).min()))
-        for link_a, focus_a, link_b, focus_b, semi_major in robot.occupancy.spheroids:
-            half_sum = (distance(link_a, focus_a) + distance(link_b, focus_b)) / 2
-            gaps.append(float((half_sum - semi_major).min()))
+        clearance = hull_clearance(robot.occupancy, poses, points)
     return Verdict(
         position_error=float(np.linalg.norm(T[:3, 3] - T_base_tip[:3, 3])),
         rotation_error=_rotation_error(options, T[:3, :3], T_base_tip[:3, :3]),
         limit_violation=float(np.max([chain.limits[:, 0] - q, q - chain.limits[:, 1], 0 * q])),
-        clearance=min(gaps),
+        clearance=clearance,
     )
+
+
+def hull_clearance(
+    occupancy: pdoik.Occupancy, poses: Mapping[str, FloatArray], points: FloatArray
+) -> float:
+    """The least over all hulls and points, see Verdict [m]."""
+    centres = points[:, :3]
+    radii = points[:, 3] if points.shape[1] == 4 else np.zeros(len(points))
+
+    def place(link: str, local: tuple[float, float, float]) -> FloatArray:
+        return np.asarray(poses[link][:3, :3] @ np.array(local) + poses[link][:3, 3])
+
+    least = np.inf
+    for link, center, radius in occupancy.spheres:
+        distances = np.linalg.norm(centres - place(link, center), axis=1)
+        least = min(least, float((distances - radius - radii).min()))
+    for link_a, focus_a, link_b, focus_b, semi_major in occupancy.spheroids:
+        a, b = place(link_a, focus_a), place(link_b, focus_b)
+        gaps = sum(np.linalg.norm(centres - focus, axis=1) for focus in (a, b)) / 2 - semi_major
+        # A gap is never more than the distance, so only those below the radius need the latter.
+        near = (radii > 0) & (gaps > 0) & (gaps < radii)
+        if near.any():
+            gaps[near] = spheroid_distance(centres[near], a, b, semi_major)
+        least = min(least, float((gaps - radii).min()))
+    return least
+
+
+def spheroid_distance(
+    points: FloatArray, a: FloatArray, b: FloatArray, semi_major: float
+) -> FloatArray:
+    """From points outside a prolate spheroid with foci a and b to its surface, by a search [m]."""
+    half = float(np.linalg.norm(b - a)) / 2
+    axis = (b - a) / (2 * half) if half > 0 else np.array([1.0, 0.0, 0.0])
+    semi_minor = np.sqrt(semi_major**2 - half**2)
+    offset = points - (a + b) / 2
+    along = offset @ axis
+    radial = np.linalg.norm(offset - along[:, None] * axis, axis=1)
+    t, width = np.full(len(points), np.pi / 2), np.pi / 2
+    for _ in range(9):  # each round looks ten times closer
+        tries = np.clip(t[:, None] + width * np.linspace(-1, 1, 41), 0, np.pi)
+        distances = np.hypot(
+            along[:, None] - semi_major * np.cos(tries),
+            radial[:, None] - semi_minor * np.sin(tries),
+        )
+        best = distances.argmin(axis=1)
+        t, width = tries[np.arange(len(t)), best], width / 10
+    return np.asarray(distances.min(axis=1))
 
 
 def _rotation_error(options: pdoik.Options, R_is: FloatArray, R_wanted: FloatArray) -> float:

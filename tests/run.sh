@@ -63,7 +63,7 @@ if (($#)); then
   shift
 fi
 
-bash third_party/setup.sh --extras test
+bash third_party/setup.sh --extras test,bench
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 
 summary=()

@@ -3,7 +3,7 @@
 #   1. the Debian packages of debian.txt that are missing,
 #   2. .venv, with the Python packages of pyproject.toml,
 #   3. pdoik itself, built from this tree and installed into .venv; again whenever a source changed.
-# bash third_party/setup.sh [--extras NAME[,NAME...]]      extras of pyproject.toml: test, bench
+# bash third_party/setup.sh [--extras NAME[,NAME...]]      extras of pyproject.toml: test, bench, peers
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root=$PWD

@@ -31,6 +31,7 @@ METHODS: Mapping[str, str] = MappingProxyType(
         "PDO-IK": "methods.ours:PdoIk",
         "PDO-IK, omega = 0": "methods.ours:PdoIkFromZeroSlack",
         "pdoik": "methods.ours:PdoikDefault",
+        "pdoik, one start": "methods.ours:PdoikOneStart",
         "pdoik, L-BFGS": "methods.ours:PdoikLbfgs",
         "Angle-LBFGS-B": "methods.scipy_lagrangian:AngleLbfgsB",
         "Slack-LBFGS": "methods.scipy_lagrangian:SlackLbfgs",

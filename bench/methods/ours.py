@@ -87,6 +87,15 @@ class PdoikDefault(_Pdoik):
         super().__init__(arm, default_options(terms))
 
 
+class PdoikOneStart(_Pdoik):
+    """`max_restarts=0`: the answer nearest the start, or none."""
+
+    name = "pdoik, one start"
+
+    def __init__(self, arm: Arm, terms: Terms) -> None:
+        super().__init__(arm, dataclasses.replace(default_options(terms), max_restarts=0))
+
+
 class PdoikLbfgs(_Pdoik):
     """`inner="lbfgs"`: the paper's formulation from the default method's starts."""
 

@@ -55,7 +55,7 @@ Reach reach_of(const Robot& robot, const AttachedPoint& point) {
 
 }  // namespace
 
-HullModel::HullModel(const Robot& robot) {
+HullModel::HullModel(const Robot& robot, bool heed_fixed) {
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
     const int index = robot.link_index(link);
     return add_point(points,
@@ -75,6 +75,8 @@ HullModel::HullModel(const Robot& robot) {
     const int a = attach(s.link_a, s.focus_a), b = attach(s.link_b, s.focus_b);
     add(a, b, s.semi_major);
   }
+
+  if (!heed_fixed) fixed.clear();
 
   double farthest = 0.0;
   int root = -1;

@@ -41,7 +41,7 @@ double cost_of(int obstacles) { return obstacles / 60.0; }
 Search::Search(const Robot& robot, const Options& options)
     : robot_(robot),
       options_(options),
-      hulls_(robot),
+      hulls_(robot, options.heed_fixed_hulls),
       collision_(hulls_, hulls_.moving),
       fixed_hulls_(hulls_, hulls_.fixed),
       rollout_(robot),

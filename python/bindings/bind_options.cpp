@@ -76,6 +76,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("max_time", &Options::max_time)
       .def_readwrite("max_restarts", &Options::max_restarts)
       .def_readwrite("seed", &Options::seed)
+      .def_readwrite("heed_fixed_hulls", &Options::heed_fixed_hulls)
       .def_readwrite("max_obstacles", &Options::max_obstacles)
       .def_readwrite("rotation_weight", &Options::rotation_weight)
       .def_readwrite("collision_weight", &Options::collision_weight)

@@ -416,6 +416,7 @@ class Options:
     """
     augmented_lagrangian: AugmentedLagrangianOptions
     goal: str
+    heed_fixed_hulls: bool
     inner: str
     lbfgs: LbfgsOptions
     levenberg_marquardt: LevenbergMarquardtOptions

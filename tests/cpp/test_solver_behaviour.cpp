@@ -93,6 +93,32 @@ TEST(SolverBehaviour, targets_out_of_reach_are_called_so_and_targets_in_reach_ar
   }
 }
 
+TEST(SolverBehaviour, a_point_in_a_hull_that_no_joint_moves_may_be_let_pass) {
+  const Robot robot = Robot::builtin("panda");
+  Options options;
+  options.heed_fixed_hulls = false;
+  Solver solver(robot, options);
+  ObstacleMatrix points(2, 3);
+  points << 0.0, 0.0, 0.05, 0.5, 0.5, 0.9;  // in the foot, and somewhere
+  Random random(4);
+  int solved = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Isometry3d target = robot.fk(random_configuration(robot, random));
+    solver.set_obstacles(points.bottomRows(1));
+    const Result without = solver.solve(target);
+    solver.set_obstacles(points);
+    const Result with = solver.solve(target);
+    EXPECT_EQ(with.q, without.q);
+    EXPECT_EQ(with.success, without.success);
+    EXPECT_EQ(with.clearance > 0.0, with.success) << "that of the hulls that count";
+    solved += with.success;
+    // What moves is still held off.
+    solver.set_obstacles(target.translation().transpose());
+    EXPECT_FALSE(solver.solve(target).success);
+  }
+  EXPECT_GT(solved, 10);
+}
+
 TEST(SolverBehaviour, a_point_in_a_hull_that_no_joint_moves_is_a_base_collision) {
   const Robot robot = with_hulls(Robot::builtin("panda"));
   for_settings([&](Options options) {

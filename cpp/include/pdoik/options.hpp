@@ -38,6 +38,10 @@ struct Options {
   double clearance = 0.0;  ///< least distance wanted between obstacle points and hulls [m]
   double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
 
+  /// Whether an obstacle in a hull that no joint moves, about which no answer can do anything,
+  /// makes a solve fail. Off for clouds that show the table the robot stands on.
+  bool heed_fixed_hulls = true;
+
   double max_time = 0.01;   ///< deadline of a solve [s]
   int max_restarts = 1000;  ///< starts after the first; Method::Paper has none
   std::uint64_t seed = 0;   ///< of the restarts' sequence

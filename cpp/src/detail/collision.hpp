@@ -32,7 +32,8 @@ struct Hull {
 /// to the body before it, since that joint does not move them; hulls that no joint moves are kept
 /// apart.
 struct HullModel {
-  explicit HullModel(const Robot& robot);
+  /// @param heed_fixed  Leave out the hulls that no joint moves if false.
+  explicit HullModel(const Robot& robot, bool heed_fixed = true);
 
   std::vector<AttachedPoint> points;
   std::vector<Hull> moving, fixed;

@@ -1,0 +1,178 @@
+"""Long experiments: jobs spread by Dask, results kept as they come, continued where stopped.
+
+A campaign lives in a folder: settings.json, one Parquet file per finished job in parts/, and
+trials.parquet once all are there. A part is written to a temporary name and renamed, so what is
+there is whole; starting the same campaign again runs the jobs whose parts are missing.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from dask.distributed import Client, Future, LocalCluster, as_completed
+from distributed.diagnostics.plugin import UploadDirectory
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+Row = dict[str, Any]
+Job = Mapping[str, Any]
+
+
+class CampaignError(Exception):
+    """The campaign cannot run, or some of its jobs failed."""
+
+
+class Campaign:
+    """A folder of results.
+
+    Args:
+        folder: Made if it is not there.
+        settings: What the results depend on; JSON must keep them as they are.
+
+    Raises:
+        CampaignError: The folder holds results of other settings.
+    """
+
+    def __init__(self, folder: Path, settings: Mapping[str, Any]) -> None:
+        self.folder = folder
+        self._parts = folder / "parts"
+        self._parts.mkdir(parents=True, exist_ok=True)
+        path = folder / "settings.json"
+        text = json.dumps(settings, indent=1, sort_keys=True) + "\n"
+        if path.is_file() and path.read_text() != text:
+            old = json.loads(path.read_text())
+            changed = sorted(k for k in {*old, *settings} if old.get(k) != settings.get(k))
+            raise CampaignError(
+                f"{folder} holds results of other settings ({', '.join(changed)}): "
+                "choose another --out, or remove it"
+            )
+        _write(path, lambda temporary: temporary.write_text(text))
+
+    def run(
+        self,
+        function: Callable[[Job], list[Row]],
+        jobs: Mapping[str, Job],
+        client: Client,
+        console: Console,
+    ) -> pd.DataFrame:
+        """Run the jobs whose parts are missing; all rows of all jobs.
+
+        Args:
+            function: Turns a job into rows, on a worker. It must be importable there.
+            jobs: By a name that is good for a file.
+            client: Of a Dask cluster.
+            console: For the progress bar.
+
+        Raises:
+            CampaignError: Jobs failed; what the others gave is kept.
+        """
+        missing = [name for name in jobs if not self._part(name).is_file()]
+        if len(missing) < len(jobs):
+            console.print(f"{len(jobs) - len(missing)} of {len(jobs)} jobs are done already")
+        failures = []
+        with _progress(console) as progress:
+            task = progress.add_task("jobs", total=len(jobs), completed=len(jobs) - len(missing))
+            futures: dict[Future, str] = {
+                client.submit(function, jobs[name], pure=False): name for name in missing
+            }
+            for future in as_completed(list(futures)):
+                name = futures.pop(future)
+                try:
+                    self._keep(name, future.result())
+                except Exception as error:  # whatever the job met
+                    failures.append(f"{name}: {type(error).__name__}: {error}")
+                future.release()
+                progress.advance(task)
+        if failures:
+            raise CampaignError(
+                f"{len(failures)} of {len(jobs)} jobs failed; the same command tries them again\n"
+                + "\n".join(failures[:5])
+            )
+        return self._gather(list(jobs))
+
+    def _part(self, name: str) -> Path:
+        return self._parts / f"{name}.parquet"
+
+    def _keep(self, name: str, rows: Sequence[Row]) -> None:
+        table = pd.DataFrame(rows)
+        _write(self._part(name), lambda temporary: table.to_parquet(temporary, index=False))
+
+    def _gather(self, names: Sequence[str]) -> pd.DataFrame:
+        parts = [pd.read_parquet(self._part(name)) for name in names]
+        table = pd.concat([part for part in parts if len(part)], ignore_index=True)
+        _write(
+            self.folder / "trials.parquet",
+            lambda temporary: table.to_parquet(temporary, index=False),
+        )
+        return table
+
+
+@contextmanager
+def dask_client(scheduler: str | None, workers: int | None = None) -> Iterator[Client]:
+    """A client of the scheduler at an address, or of a cluster of processes on this machine.
+
+    A foreign cluster's workers get bench/ sent; the Python packages must be installed there.
+
+    Args:
+        scheduler: Such as "tcp://host:8786"; None for a cluster of its own, on loopback only.
+        workers: Processes of such a cluster; None for one per processor.
+
+    Raises:
+        CampaignError: Nobody answers at the address.
+    """
+    if scheduler is None:
+        with (
+            LocalCluster(
+                n_workers=workers or os.cpu_count() or 1,
+                threads_per_worker=1,
+                host="127.0.0.1",
+                dashboard_address=None,
+                silence_logs="ERROR",
+            ) as cluster,
+            Client(cluster) as client,
+        ):
+            yield client
+        return
+    try:
+        client = Client(scheduler, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise CampaignError(f"no Dask scheduler at {scheduler}: {error}") from error
+    with client:
+        client.register_plugin(
+            UploadDirectory(str(Path(__file__).parent), restart_workers=True, update_path=True)
+        )
+        yield client
+
+
+def _progress(console: Console) -> Progress:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    return Progress(*columns, console=console, transient=True)
+
+
+def _write(path: Path, write: Callable[[Path], object]) -> None:
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        write(temporary)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,162 @@
+"""Hard scenes: this library and the peers users would pick, on the same targets in the same run.
+
+    .venv/bin/python bench/hard.py --ycb DIR --out build/bench/hard
+
+Seven families of scenes (bench/hard_scenes.py), whole poses to 1e-4 m and rad, one second each.
+Peers whose packages are missing are skipped with a line. Results are kept as they come, and the
+same command continues where it was stopped. --quick is a two-minute version.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+import typer
+from rich.console import Console
+
+from campaign import Campaign, CampaignError, dask_client
+from experiment import ARMS, Arm
+from hard_scenes import FAMILIES
+from hard_trials import TOLERANCE, run_block
+from intervals import duration, share
+from markdown import markdown_table
+from methods import COMPILED, PEERS, Terms, make_method
+from peer_library import ROOT, build_peers
+from provenance import provenance
+from scenes import SceneError
+
+console = Console(width=None if sys.stdout.isatty() else 160)
+
+BLOCK = 10  # problems of a job
+SLOW = ("ik_LM", "Drake SNOPT", "mink")
+OURS = ("pdoik", "pdoik, L-BFGS", "PDO-IK, omega = 0")
+
+
+def main(
+    ycb: Annotated[
+        Path | None,
+        typer.Option(help="Folder with the YCB objects: cloud_vertices/*.pcd and mesh/*.stl."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the results.")] = ROOT
+    / "build"
+    / "bench"
+    / "hard",
+    quick: Annotated[bool, typer.Option("--quick", help="A two-minute version.")] = False,
+    problems: Annotated[int, typer.Option(min=1, help="Per arm and family.")] = 200,
+    slow_problems: Annotated[
+        int, typer.Option(min=0, help="The same for peers called from Python.")
+    ] = 50,
+    max_time: Annotated[float, typer.Option(help="Of one solve [s].")] = 1.0,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    build: Annotated[Path, typer.Option(help="CMake's folder for the peers.")] = ROOT
+    / "build"
+    / "bench",
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler; without it, one of its own.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes on this machine; one per processor.")
+    ] = None,
+) -> None:
+    """Compare on hard scenes."""
+    if quick:
+        problems, slow_problems, out = 10, 3, out.with_name(out.name + "-quick")
+    try:
+        with console.status("building the peers"):
+            libraries = build_peers(build)
+        methods = [
+            (name, min(problems, slow_problems) if name in SLOW else problems)
+            for name in available((*OURS, *PEERS), libraries)
+        ]
+        settings = {
+            "experiment": "hard",
+            "ycb": str(ycb.resolve()) if ycb else None,
+            "slow_problems": slow_problems,
+            "methods": [name for name, _ in methods],
+            "libraries": str(libraries),
+            "max_time": max_time,
+            "seed": seed,
+        }
+        jobs = {
+            f"{robot}-{family.replace(' ', '_')}-{first:04d}": {
+                **settings,
+                "robot": robot,
+                "family": family,
+                "first": first,
+                "count": min(BLOCK, problems - first),
+                "methods": methods,
+            }
+            for first in range(0, problems, BLOCK)
+            for family in FAMILIES
+            for robot in ARMS
+        }
+        campaign = Campaign(out, settings)
+        with dask_client(scheduler, workers) as client:
+            trials = campaign.run(run_block, jobs, client, console)
+    except (CampaignError, SceneError, RuntimeError) as error:
+        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        raise typer.Exit(1) from error
+    except KeyboardInterrupt:
+        Console(stderr=True).print("stopped; the same command goes on from here")
+        raise typer.Exit(130) from None
+    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(build).items())
+    source = "YCB scans" if ycb else "shapes made from primitives (no --ycb given)"
+    intro = f"{TOLERANCE:g} m and rad, {max_time:g} s. Seed {seed}. The camera sees: {source}."
+    table = hard_table(trials)
+    (out / "tables.md").write_text(f"{facts}\n\n{intro}\n\n{table}")
+    console.print(table, highlight=False, soft_wrap=True, markup=False)
+    console.print(f"tables: {out}/tables.md; trials: trials.parquet")
+    if (trials.method.isin(OURS) & trials.claimed & ~trials.confirmed).any():
+        raise typer.Exit(1)
+
+
+def available(names: Sequence[str], libraries: Path) -> list[str]:
+    """Those methods that can be made here; a line for each other."""
+    available = []
+    for name in names:
+        try:
+            make_method(name, Arm.builtin("panda"), Terms(goal="pose"), libraries)
+        except ImportError as error:
+            console.print(f"without {name}: {error}", highlight=False)
+            if name in COMPILED:
+                raise
+        else:
+            available.append(name)
+    return available
+
+
+def hard_table(trials: pd.DataFrame) -> str:
+    """One row per family, arm and method; ratios are to pdoik on the same problems."""
+    header = ["family", "arm", "method", "n", "solved [95%]", "median", "p95", "max"]
+    header += ["median x", "p95 x", "restarts", "false claims", "solved, but meshes touch"]
+    key = ["robot", "family", "index"]
+    ours = trials[trials.method == "pdoik"].set_index(key).time
+    rows = []
+    for (family, robot, method), some in trials.groupby(["family", "robot", "method"], sort=False):
+        same = ours.loc[pd.MultiIndex.from_frame(some[key])]
+        quantiles = some.time.quantile([0.5, 0.95]).to_numpy()
+        ratios = quantiles / same.quantile([0.5, 0.95]).to_numpy()
+        rows.append(
+            [
+                family,
+                robot,
+                method,
+                len(some),
+                share(some.solved),
+                *(duration(value) for value in (*quantiles, some.time.max())),
+                *(f"{ratio:.2f}" if ratio < 10 else f"{ratio:.0f}" for ratio in ratios),
+                f"{some.restarts.mean():.1f}",
+                int((some.claimed & ~some.confirmed).sum()),
+                int((some.solved & (some.mesh_collision != "")).sum()),
+            ]
+        )
+    rows.sort(key=lambda row: (list(FAMILIES).index(row[0]), ARMS.index(row[1])))
+    return markdown_table(header, rows)
+
+
+if __name__ == "__main__":
+    typer.run(main)
