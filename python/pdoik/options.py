@@ -106,9 +106,9 @@ class Options:
         rotation_tolerance: Largest rotation (or axis) error of a success [rad].
         clearance: Least distance wanted between obstacle points and hulls [m].
         clearance_tolerance: By how much a success may miss `clearance` [m].
-        heed_fixed_hulls: Whether an obstacle in a hull that no joint moves, about which no answer can
-            do anything, makes a solve fail. False for clouds that show the table the robot stands
-            on; clearance is then that of the other hulls.
+        heed_fixed_hulls: Whether an obstacle in a hull that no joint moves, about which no answer
+            can do anything, makes a solve fail. False for clouds that show the table the robot
+            stands on; clearance is then that of the other hulls.
         max_time: Deadline of a solve [s]; may be infinite.
         max_restarts: Starts after the first.
         seed: Of the restarts' sequence.

@@ -24,7 +24,7 @@ def run_python_blocks(folder: Path) -> None:
 
 
 def test_the_python_examples_run_one_after_the_other(tmp_path: Path) -> None:
-    assert len(blocks("python")) == 2
+    assert len(blocks("python")) == 3
     run_python_blocks(tmp_path)
 
 

@@ -200,6 +200,35 @@ def test_an_obstacle_in_the_foot_is_a_base_collision(
         confirm(result, solver, pinocchio, target, obstacles)
 
 
+def test_an_obstacle_in_the_foot_may_be_let_pass(
+    robot: pdoik.Robot, pinocchio: PinocchioRobot, rng: np.random.Generator
+) -> None:
+    q = rng.uniform(robot.lower, robot.upper)
+    moves = {
+        link: not np.allclose(robot.fk(q, link), robot.fk(robot.mid_configuration(), link))
+        for link in robot.link_names
+    }
+    moving = pdoik.Occupancy(
+        spheres=[hull for hull in robot.occupancy.spheres if moves[hull[0]]],
+        spheroids=[hull for hull in robot.occupancy.spheroids if moves[hull[0]] or moves[hull[2]]],
+    )
+    robot.occupancy = pdoik.Occupancy(
+        spheres=[(robot.base_link, (0, 0, 0.05), 1.0), *robot.occupancy.spheres],
+        spheroids=robot.occupancy.spheroids,
+    )
+    solver = pdoik.Solver(robot, pdoik.Options(**PATIENT, heed_fixed_hulls=False))
+    obstacles = np.array([[5.0, 0.0, 0.0], [0.9, 0.0, 0.06]])
+    solved = 0
+    for target in reachable_targets(robot, rng, 10):
+        result = solver.solve(target, obstacles=obstacles)
+        assert result.status != "base_collision"
+        if result.success:
+            robot.occupancy = moving
+            confirm(result, pdoik.Solver(robot, solver.options), pinocchio, target, obstacles)
+            solved += 1
+    assert solved > 5
+
+
 @pytest.mark.parametrize(
     "empty", [None, [], np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3), dtype=np.float32)]
 )

@@ -93,7 +93,8 @@ def print_report(solution: Solution) -> None:
         missing = wanted - solution.surface_clearance
         warn(
             f"points that --leaf {obstacles.leaf:g} left out are {length_text(missing)} nearer than"
-            f" wanted: try a smaller --leaf, or --clearance {_rounded_up(wanted + missing)}"
+            " wanted: try --radii, a smaller --leaf,"
+            f" or --clearance {_rounded_up(wanted + missing)}"
         )
 
 
@@ -172,7 +173,8 @@ def advice(solution: Solution) -> list[str]:
     elif result.status == "base_collision":
         tips.append(
             "removing the robot's own points from the cloud, and checking that the cloud is in the"
-            f" frame of {solution.robot.base_link}, in metres"
+            f" frame of {solution.robot.base_link}, in metres; or --no-heed-fixed-hulls, if the"
+            " robot stands on what it shows"
         )
     else:
         if options.method == "paper":

@@ -81,7 +81,19 @@ def solve(
             help="Edge of the cells the cloud is thinned to, metres; 0 keeps every point.",
             rich_help_panel=_OBSTACLES,
         ),
-    ] = 0.1,
+    ] = 0.02,
+    radii: Annotated[
+        bool,
+        typer.Option(
+            help="Keep off the points that thinning leaves out, too.", rich_help_panel=_OBSTACLES
+        ),
+    ] = True,
+    heed_fixed_hulls: Annotated[
+        bool,
+        typer.Option(
+            help="Fail where a point is in a hull that no joint moves.", rich_help_panel=_OBSTACLES
+        ),
+    ] = _DEFAULTS.heed_fixed_hulls,
     clearance: Annotated[
         float,
         typer.Option(
@@ -143,7 +155,7 @@ def solve(
                 f"--cloud: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
                 " (pdoik occupancy FILE.urdf --out FILE.yaml makes one)"
             )
-        obstacles = load_obstacles(cloud, leaf)
+        obstacles = load_obstacles(cloud, leaf, radii)
     with misuse_fails():
         options = pdoik.Options(
             goal=goal,
@@ -151,6 +163,7 @@ def solve(
             position_tolerance=position_tolerance,
             rotation_tolerance=rotation_tolerance,
             clearance=clearance,
+            heed_fixed_hulls=heed_fixed_hulls,
             max_time=max_time,
             max_restarts=max_restarts,
             seed=seed,
@@ -212,6 +225,6 @@ def _draw(picture: Path, solution: Solution) -> None:
             solution.robot,
             solution.result,
             solution.T_base_tip,
-            cloud=None if obstacles is None else obstacles.cloud,
+            cloud=None if obstacles is None else obstacles.cloud[:, :3],
             surface=None if obstacles is None or obstacles.leaf == 0 else obstacles.surface,
         )
