@@ -9,27 +9,37 @@ same command continues where it was stopped. --quick is a two-minute version.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import pandas as pd
 import typer
-from rich.console import Console
 
-from campaign import Campaign, CampaignError, dask_client
+from campaign_cli import (
+    BUILD,
+    BuildFolder,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    YcbFolder,
+    console,
+    plain_errors,
+    run_campaign,
+    setting_of,
+    show,
+    source_of,
+)
 from experiment import ARMS, Arm
 from hard_scenes import FAMILIES
 from hard_trials import TOLERANCE, run_block
 from intervals import duration, share
 from markdown import markdown_table
 from methods import COMPILED, PEERS, Terms, make_method
-from peer_library import ROOT, build_peers
+from peer_library import build_peers
 from provenance import provenance
-from scenes import SceneError
-
-console = Console(width=None if sys.stdout.isatty() else 160)
 
 BLOCK = 10  # problems of a job
 SLOW = ("ik_LM", "Drake SNOPT", "mink")
@@ -37,35 +47,23 @@ OURS = ("pdoik", "pdoik, L-BFGS", "PDO-IK, omega = 0")
 
 
 def main(
-    ycb: Annotated[
-        Path | None,
-        typer.Option(help="Folder with the YCB objects: cloud_vertices/*.pcd and mesh/*.stl."),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the results.")] = ROOT
-    / "build"
-    / "bench"
-    / "hard",
-    quick: Annotated[bool, typer.Option("--quick", help="A two-minute version.")] = False,
+    ycb: YcbFolder = None,
+    out: OutFolder = BUILD / "hard",
+    quick: Quick = False,
     problems: Annotated[int, typer.Option(min=1, help="Per arm and family.")] = 200,
     slow_problems: Annotated[
         int, typer.Option(min=0, help="The same for peers called from Python.")
     ] = 50,
     max_time: Annotated[float, typer.Option(help="Of one solve [s].")] = 1.0,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
-    build: Annotated[Path, typer.Option(help="CMake's folder for the peers.")] = ROOT
-    / "build"
-    / "bench",
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler; without it, one of its own.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine; one per processor.")
-    ] = None,
+    seed: Seed = 0,
+    build: BuildFolder = BUILD,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
 ) -> None:
     """Compare on hard scenes."""
     if quick:
         problems, slow_problems, out = 10, 3, out.with_name(out.name + "-quick")
-    try:
+    with plain_errors():
         with console.status("building the peers"):
             libraries = build_peers(build)
         methods = [
@@ -74,7 +72,7 @@ def main(
         ]
         settings = {
             "experiment": "hard",
-            "ycb": str(ycb.resolve()) if ycb else None,
+            "ycb": setting_of(ycb),
             "slow_problems": slow_problems,
             "methods": [name for name, _ in methods],
             "libraries": str(libraries),
@@ -94,21 +92,13 @@ def main(
             for family in FAMILIES
             for robot in ARMS
         }
-        campaign = Campaign(out, settings)
-        with dask_client(scheduler, workers) as client:
-            trials = campaign.run(run_block, jobs, client, console)
-    except (CampaignError, SceneError, RuntimeError) as error:
-        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
-        raise typer.Exit(1) from error
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; the same command goes on from here")
-        raise typer.Exit(130) from None
+        trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
     facts = "\n".join(f"- {name}: {value}" for name, value in provenance(build).items())
-    source = "YCB scans" if ycb else "shapes made from primitives (no --ycb given)"
+    source = source_of(ycb)
     intro = f"{TOLERANCE:g} m and rad, {max_time:g} s. Seed {seed}. The camera sees: {source}."
     table = hard_table(trials)
     (out / "tables.md").write_text(f"{facts}\n\n{intro}\n\n{table}")
-    console.print(table, highlight=False, soft_wrap=True, markup=False)
+    show(table)
     console.print(f"tables: {out}/tables.md; trials: trials.parquet")
     if (trials.method.isin(OURS) & trials.claimed & ~trials.confirmed).any():
         raise typer.Exit(1)

@@ -10,53 +10,49 @@ Finding the covers takes some minutes per arm, once.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import matplotlib as mpl
 import pandas as pd
 import typer
-from rich.console import Console
 
 import pdoik
-from campaign import Campaign, CampaignError, dask_client
+from campaign_cli import (
+    BUILD,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    YcbFolder,
+    console,
+    plain_errors,
+    run_campaign,
+    setting_of,
+    show,
+    source_of,
+)
 from experiment import ARMS, Arm
 from hull_fits import hull_stages
 from hull_trials import BASE_LEFT_OUT, CLOUDS, HULLS, OBJECTS, SHIPPED, run_block
 from intervals import duration, share
 from markdown import markdown_table
-from peer_library import ROOT
-from scenes import SceneError
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
-
-console = Console(width=None if sys.stdout.isatty() else 160)
 
 BLOCK = 10
 
 
 def main(
-    ycb: Annotated[
-        Path | None,
-        typer.Option(help="Folder with the YCB objects: cloud_vertices/*.pcd and mesh/*.stl."),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the results.")] = ROOT
-    / "build"
-    / "bench"
-    / "hulls",
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Ten scenes, the shipped hulls only.")
-    ] = False,
+    ycb: YcbFolder = None,
+    out: OutFolder = BUILD / "hulls",
+    quick: Quick = False,
     scenarios: Annotated[int, typer.Option(min=1, help="Per arm.")] = 200,
-    seed: Annotated[int, typer.Option(min=0)] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler; without it, one of its own.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine; one per processor.")
-    ] = None,
+    seed: Seed = 1,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
 ) -> None:
     """Find how many hulls are worth having."""
     hulls = HULLS
@@ -64,14 +60,13 @@ def main(
         scenarios, hulls, out = 10, (SHIPPED, BASE_LEFT_OUT), out.with_name(out.name + "-quick")
     settings = {
         "experiment": "hulls",
-        "ycb": str(ycb.resolve()) if ycb else None,
+        "ycb": setting_of(ycb),
         "seed": seed,
         "hulls": list(hulls),
         "clouds": [list(cloud) for cloud in CLOUDS],
         "shipped": {robot: pdoik.Robot.builtin(robot).occupancy.to_yaml() for robot in ARMS},
     }
-    try:
-        campaign = Campaign(out, settings)
+    with plain_errors():
         if not quick:
             with console.status("fitting hulls, which takes some minutes per arm the first time"):
                 for robot in ARMS:
@@ -89,19 +84,12 @@ def main(
             for first in range(0, scenarios, BLOCK)
             for robot in ARMS
         }
-        with dask_client(scheduler, workers) as client:
-            trials = campaign.run(run_block, jobs, client, console)
-    except (CampaignError, SceneError) as error:
-        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
-        raise typer.Exit(1) from error
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; the same command goes on from here")
-        raise typer.Exit(130) from None
-    source = "YCB scans" if ycb else "shapes made from primitives (no --ycb given)"
+        trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
+    source = source_of(ycb)
     table = hull_table(trials)
     (out / "tables.md").write_text(f"Objects: {source}. Seed {seed}.\n\n{table}")
     draw(trials, out / "hulls.png", f"{OBJECTS} objects, {source}, default method")
-    console.print(table, highlight=False, soft_wrap=True, markup=False)
+    show(table)
     console.print(f"tables and figure: {out}/tables.md, hulls.png; trials: trials.parquet")
 
 

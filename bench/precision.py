@@ -9,7 +9,6 @@ the paper.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -17,19 +16,28 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import typer
-from rich.console import Console
 
-from campaign import Campaign, CampaignError, dask_client
+from campaign_cli import (
+    BUILD,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    YcbFolder,
+    console,
+    plain_errors,
+    run_campaign,
+    setting_of,
+    show,
+    source_of,
+)
 from intervals import wilson
 from markdown import markdown_table
-from peer_library import ROOT
-from scenes import SceneError
 from success_trials import run_block
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
-
-console = Console(width=None if sys.stdout.isatty() else 160)
 
 ROBOTS = ("iiwa14", "ur10")
 OBJECTS = (1, 3)
@@ -40,31 +48,21 @@ ERRORS = {"position_error": "position [m]", "rotation_error": "rotation [rad]"}
 
 
 def main(
-    ycb: Annotated[
-        Path | None,
-        typer.Option(help="Folder with the YCB objects: cloud_vertices/*.pcd and mesh/*.stl."),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the results.")] = ROOT
-    / "build"
-    / "bench"
-    / "precision",
-    quick: Annotated[bool, typer.Option("--quick", help="A two-minute version.")] = False,
+    ycb: YcbFolder = None,
+    out: OutFolder = BUILD / "precision",
+    quick: Quick = False,
     scenarios: Annotated[int, typer.Option(min=1, help="Per arm and number of objects.")] = 200,
     slow_scenarios: Annotated[int, typer.Option(min=0, help="The same for R-TR and R-CG.")] = 50,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler; without it, one of its own.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine; one per processor.")
-    ] = None,
+    seed: Seed = 0,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
 ) -> None:
     """Repeat the paper's second experiment."""
     if quick:
         scenarios, slow_scenarios, out = 20, 4, out.with_name(out.name + "-quick")
     settings = {
         "experiment": "precision",
-        "ycb": str(ycb.resolve()) if ycb else None,
+        "ycb": setting_of(ycb),
         "slow_scenarios": slow_scenarios,
         "seed": seed,
         "leaf": 0.1,
@@ -88,23 +86,15 @@ def main(
         for count in OBJECTS
         for robot in ROBOTS
     }
-    try:
-        campaign = Campaign(out, settings)
-        with dask_client(scheduler, workers) as client:
-            trials = campaign.run(run_block, jobs, client, console)
-    except (CampaignError, SceneError) as error:
-        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
-        raise typer.Exit(1) from error
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; the same command goes on from here")
-        raise typer.Exit(130) from None
-    source = "YCB scans" if ycb else "shapes made from primitives (no --ycb given)"
+    with plain_errors():
+        trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
+    source = source_of(ycb)
     tables = f"Objects: {source}. Seed {seed}.\n\n" + "\n\n".join(
         f"**{label}**\n\n{share_table(trials, error)}" for error, label in ERRORS.items()
     )
     (out / "tables.md").write_text(tables)
     draw(trials, out / "precision.png", f"Sec. exp2, {source}")
-    console.print(tables, highlight=False, soft_wrap=True, markup=False)
+    show(tables)
     console.print(f"tables and figure: {out}/tables.md, precision.png; trials: trials.parquet")
 
 

@@ -8,20 +8,30 @@ continues where it was stopped. --quick is a two-minute version.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import pandas as pd
 import typer
-from rich.console import Console
 
-from campaign import Campaign, CampaignError, dask_client
+from campaign_cli import (
+    BUILD,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    YcbFolder,
+    console,
+    plain_errors,
+    run_campaign,
+    setting_of,
+    show,
+)
 from experiment import ARMS
 from methods import PAPER_METHODS
 from peer_library import ROOT
 from provenance import provenance
-from scenes import SceneError
 from success_report import (
     draw,
     full_table,
@@ -32,8 +42,6 @@ from success_report import (
 )
 from success_trials import run_block
 
-console = Console(width=None if sys.stdout.isatty() else 160)
-
 LEAF = 0.1  # [m]
 TOLERANCE = 0.01  # [m] and [rad]
 MAX_TIME = 60.0  # [s]
@@ -43,27 +51,17 @@ WITH_TIP_X = ("PDO-IK", "PDO-IK, omega = 0", "pdoik", "Angle-LBFGS-B", "Slack-LB
 
 
 def main(
-    ycb: Annotated[
-        Path | None,
-        typer.Option(help="Folder with the YCB objects: cloud_vertices/*.pcd and mesh/*.stl."),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the results.")] = ROOT
-    / "build"
-    / "bench"
-    / "success",
-    quick: Annotated[bool, typer.Option("--quick", help="A two-minute version.")] = False,
+    ycb: YcbFolder = None,
+    out: OutFolder = BUILD / "success",
+    quick: Quick = False,
     scenarios: Annotated[int, typer.Option(min=1, help="Per arm and number of objects.")] = 200,
     slow_scenarios: Annotated[
         int, typer.Option(min=0, help="The same for R-TR and R-CG, which take long.")
     ] = 200,
     most_objects: Annotated[int, typer.Option(min=1, max=9)] = 9,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler; without it, one of its own.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine; one per processor.")
-    ] = None,
+    seed: Seed = 0,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
 ) -> None:
     """Repeat the paper's first experiment."""
     counts = range(1, most_objects + 1)
@@ -72,7 +70,7 @@ def main(
         out = out.with_name(out.name + "-quick")
     settings = {
         "experiment": "success",
-        "ycb": str(ycb.resolve()) if ycb else None,
+        "ycb": setting_of(ycb),
         "slow_scenarios": slow_scenarios,
         "seed": seed,
         "leaf": LEAF,
@@ -96,16 +94,8 @@ def main(
         for count in counts
         for robot in ARMS
     }
-    try:
-        campaign = Campaign(out, settings)
-        with dask_client(scheduler, workers) as client:
-            trials = campaign.run(run_block, jobs, client, console)
-    except (CampaignError, SceneError) as error:
-        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
-        raise typer.Exit(1) from error
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; the same command goes on from here")
-        raise typer.Exit(130) from None
+    with plain_errors():
+        trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
     report(trials, out, settings)
 
 
@@ -130,7 +120,7 @@ def report(trials: pd.DataFrame, out: Path, settings: dict[str, Any]) -> None:
     (out / "tables.md").write_text("\n\n".join(sections))
     draw(tip_z, out / "success.png", f"Sec. exp1, {source}, goals with the tip's z")
     for section in sections[1:4]:
-        console.print(section, highlight=False, soft_wrap=True, markup=False)
+        show(section)
     console.print(f"tables and figure: {out}/tables.md, success.png; trials: trials.parquet")
 
 

@@ -9,53 +9,50 @@ a two-minute version.
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Annotated
 
 import pandas as pd
 import typer
-from rich.console import Console
 
-from campaign import Campaign, CampaignError, dask_client
+from campaign_cli import (
+    BUILD,
+    BuildFolder,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    console,
+    plain_errors,
+    run_campaign,
+    show,
+)
 from experiment import ARMS
 from hard import available
 from intervals import duration
 from markdown import markdown_table
 from methods import PEERS
-from peer_library import ROOT, build_peers
-from scenes import SceneError
+from peer_library import build_peers
 from tracking_trials import DURATION, JUMP, PERIOD, SPHERES, TOLERANCE, run_method
-
-console = Console(width=None if sys.stdout.isatty() else 160)
 
 OURS = ("pdoik, one start", "pdoik")
 
 
 def main(
-    out: Annotated[Path, typer.Option(help="Folder of the results.")] = ROOT
-    / "build"
-    / "bench"
-    / "tracking",
-    quick: Annotated[bool, typer.Option("--quick", help="Two runs per arm.")] = False,
+    out: OutFolder = BUILD / "tracking",
+    quick: Quick = False,
     runs: Annotated[int, typer.Option(min=1, help="Per arm.")] = 10,
     slow_runs: Annotated[int, typer.Option(min=0, help="The same for Drake and mink.")] = 2,
     max_time: Annotated[float, typer.Option(help="Of one solve [s].")] = 0.1,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
-    build: Annotated[Path, typer.Option(help="CMake's folder for the peers.")] = ROOT
-    / "build"
-    / "bench",
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler; without it, one of its own.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine; one per processor.")
-    ] = None,
+    seed: Seed = 0,
+    build: BuildFolder = BUILD,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
 ) -> None:
     """Compare at 1 kHz."""
     if quick:
         runs, slow_runs, out = 2, 0, out.with_name(out.name + "-quick")
-    try:
+    with plain_errors():
         with console.status("building the peers"):
             libraries = build_peers(build)
         names = available((*OURS, *PEERS), libraries)
@@ -78,15 +75,7 @@ def main(
             for index in range(runs)
             for robot in ARMS
         }
-        campaign = Campaign(out, settings)
-        with dask_client(scheduler, workers) as client:
-            trials = campaign.run(run_method, jobs, client, console)
-    except (CampaignError, SceneError, RuntimeError) as error:
-        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
-        raise typer.Exit(1) from error
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; the same command goes on from here")
-        raise typer.Exit(130) from None
+        trials = run_campaign(out, settings, run_method, jobs, scheduler, workers)
     steps = round(DURATION / PERIOD)
     intro = (
         f"Runs of {steps} steps, {SPHERES} spheres each, {TOLERANCE:g} m and rad. A jump is a step "
@@ -94,7 +83,7 @@ def main(
     )
     table = tracking_table(trials)
     (out / "tables.md").write_text(f"{intro}\n\n{table}")
-    console.print(f"{intro}\n\n{table}", highlight=False, soft_wrap=True, markup=False)
+    show(f"{intro}\n\n{table}")
     console.print(f"tables: {out}/tables.md; trials: trials.parquet")
 
 
