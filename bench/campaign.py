@@ -124,7 +124,8 @@ class Campaign:
 def dask_client(scheduler: str | None, workers: int | None = None) -> Iterator[Client]:
     """A client of the scheduler at an address, or of a cluster of processes on this machine.
 
-    A foreign cluster's workers get bench/ sent; the Python packages must be installed there.
+    A foreign cluster's workers get bench/ sent and are restarted with it; the Python packages must
+    be installed there.
 
     Args:
         scheduler: Such as "tcp://host:8786"; None for a cluster of its own, on loopback only.

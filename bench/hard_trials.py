@@ -50,7 +50,12 @@ def solve_and_judge(
     """One method's answer to one problem, judged by NumPy from the URDF and, on meshes, by coal."""
     robot = maker.arm.robot
     answer = method.solve(
-        Problem(T_base_tip=problem.T_base_tip, q0=robot.mid_configuration(), points=problem.points)
+        Problem(
+            T_base_tip=problem.T_base_tip,
+            q0=robot.mid_configuration(),
+            points=problem.points,
+            near_q0=False,
+        )
     )
     options = pdoik.Options(
         position_tolerance=TOLERANCE, rotation_tolerance=TOLERANCE, clearance_tolerance=ROUNDING

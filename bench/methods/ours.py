@@ -53,7 +53,7 @@ class _Pdoik:
         self._solver = pdoik.Solver(arm.robot, options)
 
     def solve(self, problem: Problem) -> Answer:
-        return self._timed(problem, problem.q0)
+        return self._timed(problem, problem.q0 if problem.near_q0 else None)
 
     def _timed(self, problem: Problem, q0: FloatArray | None) -> Answer:
         started = time.perf_counter()

@@ -33,6 +33,8 @@ class Problem:
     q0: FloatArray  # where to start, (n,) [rad]
     points: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     """(K, 3), or (K, 4) with a radius each [m]; base frame."""
+    near_q0: bool = True
+    """Whether answers near q0 are preferred; if not, q0 is mid-range, where all start anyway."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -206,7 +206,7 @@ Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls,
 Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
                                      Clearance least) {
   if (state.hulls().empty() || obstacles.count() == 0) return least;
-  for (double g = 0.02; g < 1e3; g *= 2.0) {
+  for (double g = 0.05; g < 1e3; g *= 2.0) {
     const double within = std::min(g, std::max(least.distance, 0.0));
     least = least_clearance_within(state, obstacles, within, least);
     if (least.distance <= g) return least;

@@ -24,6 +24,13 @@ std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls)
   return matters;
 }
 
+/// Where only one start will do, slow progress is still progress.
+LevenbergMarquardtOptions patient(LevenbergMarquardtOptions options) {
+  options.stall_ratio = std::max(options.stall_ratio, 0.95);
+  options.stall_window = std::max(options.stall_window, 4);
+  return options;
+}
+
 int goal_dimensions(GoalType goal) {
   return goal == GoalType::Pose ? 6 : goal == GoalType::Axis ? 5 : 3;
 }
@@ -50,6 +57,7 @@ Search::Search(const Robot& robot, const Options& options)
       least_squares_(rollout_, goals_, collision_, scene_, options_, robot.dof()),
       augmented_lagrangian_(map_.size(), lagrangian_options(options), options.lbfgs),
       levenberg_marquardt_(robot.dof(), options.levenberg_marquardt),
+      patient_(robot.dof(), patient(options.levenberg_marquardt)),
       judge_(robot, options_, hulls_),
       sequence_(robot.dof(), options.seed),
       candidates_(robot.dof()),
@@ -170,19 +178,20 @@ bool Search::minimise_lagrangian(const Deadline& deadline, Result& result) {
   return struck;
 }
 
-double Search::minimise_least_squares(const Deadline& deadline, Result& result, bool& struck) {
-  const LevenbergMarquardtResult inner = levenberg_marquardt_.minimize(
+double Search::minimise_least_squares(LevenbergMarquardt& minimiser, const Deadline& deadline,
+                                      Result& result, bool& struck) {
+  const LevenbergMarquardtResult inner = minimiser.minimize(
       least_squares_, q_, lower_, upper_, [&] { return struck = deadline.passed(); });
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
   return inner.value;
 }
 
-Search::Trial Search::try_least_squares(bool first, const Deadline& deadline, Result& result) {
+Search::Trial Search::try_least_squares(bool stay_near, const Deadline& deadline, Result& result) {
   Trial trial;
   least_squares_.heed_none();
   const int before = result.evaluations;
-  double value = minimise_least_squares(deadline, result, trial.struck);
+  double value = minimise_least_squares(levenberg_marquardt_, deadline, result, trial.struck);
   wrap_to_start();
   search_cost_ += result.evaluations - before;
   const int points = scene_.near.count();
@@ -191,12 +200,11 @@ Search::Trial Search::try_least_squares(bool first, const Deadline& deadline, Re
     trial.solves = points == 0 || !least_squares_.touches();
     trial.shortfall = value;
     if (trial.solves || trial.struck) return trial;
-    // The first one always, so that answers stay near the start where they can.
-    const bool pays = first || repair_cost_ < kRepairShare * search_cost_;
-    if (redundant_ && pays) {
+    if (redundant_ && (stay_near || repair_pays(points))) {
       const int at = result.evaluations;
       least_squares_.heed_those_about(kRepairMargin);
-      value = minimise_least_squares(deadline, result, trial.struck);
+      value = minimise_least_squares(stay_near ? patient_ : levenberg_marquardt_, deadline, result,
+                                     trial.struck);
       wrap_to_start();
       least_squares_.evaluate(q_);  // its last step may have been taken back
       const double each = 1.0 + cost_of(least_squares_.heeded());
@@ -206,6 +214,13 @@ Search::Trial Search::try_least_squares(bool first, const Deadline& deadline, Re
   }
   trial.shortfall = value;
   return trial;
+}
+
+bool Search::repair_pays(int points) const {
+  constexpr int kUsualEvaluations = 8, kUsuallyAbout = 200;
+  const double usual =
+      2.0 * cost_of(points) + kUsualEvaluations * (1.0 + cost_of(std::min(points, kUsuallyAbout)));
+  return repair_cost_ + usual < kRepairShare * search_cost_;
 }
 
 Search::Trial Search::try_lagrangian(const Deadline& deadline, Result& result) {
@@ -239,7 +254,7 @@ void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd*
       result.restarts = k;
     }
     const Trial trial = options_.inner == InnerMethod::LevenbergMarquardt
-                            ? try_least_squares(k == 0, deadline, result)
+                            ? try_least_squares(k == 0 && q0 != nullptr, deadline, result)
                             : try_lagrangian(deadline, result);
     if (trial.solves) {
       judge_(target, q_, scene_, result);

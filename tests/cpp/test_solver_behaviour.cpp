@@ -140,6 +140,35 @@ TEST(SolverBehaviour, a_point_in_a_hull_that_no_joint_moves_is_a_base_collision)
   });
 }
 
+TEST(SolverBehaviour, with_a_start_given_answers_stay_near_it_where_they_can) {
+  // The known configuration lies a little beside the start, a point in the start's way.
+  const Robot robot = Robot::builtin("iiwa14");
+  Random random(12);
+  Options options;
+  options.goal = GoalType::Axis;
+  options.max_time = std::numeric_limits<double>::infinity();
+  Solver solver(robot, options);
+  double with_start = 0.0, without = 0.0;
+  int counted = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Eigen::VectorXd q0 = random_configuration(robot, random);
+    const Eigen::Isometry3d target = robot.fk(q0);
+    ObstacleMatrix point(1, 4);
+    const Spheroid& hull = robot.occupancy().spheroids[8];
+    point << (robot.fk(q0, hull.link_a) * hull.focus_a).transpose() +
+                 Eigen::RowVector3d(0.09, 0, 0),
+        0.02;
+    solver.set_obstacles(point);
+    const Result near = solver.solve(target, q0), any = solver.solve(target);
+    if (!near.success || !any.success) continue;
+    ++counted;
+    with_start += (near.q - q0).cwiseAbs().maxCoeff();
+    without += (any.q - q0).cwiseAbs().maxCoeff();
+  }
+  EXPECT_GT(counted, 40);
+  EXPECT_LT(with_start, 0.4 * without);
+}
+
 TEST(SolverBehaviour, joints_that_move_neither_tip_nor_hull_stay_where_they_start) {
   RobotDescription description;  // two arms at one base; only one of them is asked for
   description.links = {{.name = "base"}};

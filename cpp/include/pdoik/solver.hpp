@@ -57,9 +57,8 @@ class Solver {
   /// Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of
   /// obstacles.
   /// @param T_base_tip  The target, rigid to 1e-6.
-  /// @param q0  Where to start, shape (n,), moved inside the limits; none for the middle of the
-  /// ranges
-  ///     (Method::Paper: omega = 0).
+  /// @param q0  Where to start, shape (n,), moved inside the limits; answers near it are preferred.
+  ///     None for the middle of the ranges (Method::Paper: omega = 0), and any answer.
   /// @throws std::invalid_argument on NaN, infinity, a target that is not rigid, a wrong length.
   Result solve(const Eigen::Isometry3d& T_base_tip,
                const std::optional<Eigen::VectorXd>& q0 = std::nullopt);

@@ -47,12 +47,15 @@ class Search {
     bool solves = false;     ///< in the minimiser's opinion
     double shortfall = 0.0;  ///< how far it is from solving, at least: obstacles may be left out
   };
-  /// The goal alone, which is cheap; obstacles only if the answer touches some, while that pays.
-  Trial try_least_squares(bool first, const Deadline& deadline, Result& result);
+  /// The goal alone, which is cheap; obstacles only if the answer touches some, and then if it is
+  /// to stay near or while that pays.
+  Trial try_least_squares(bool stay_near, const Deadline& deadline, Result& result);
+  bool repair_pays(int points) const;
   /// The paper's formulation.
   Trial try_lagrangian(const Deadline& deadline, Result& result);
   /// Minimise least squares from q_; its value at the end, which q_ then holds.
-  double minimise_least_squares(const Deadline& deadline, Result& result, bool& struck);
+  double minimise_least_squares(LevenbergMarquardt& minimiser, const Deadline& deadline,
+                                Result& result, bool& struck);
   bool minimise_lagrangian(const Deadline& deadline, Result& result);
   /// The start of restart k >= 1, into q_.
   void restart_configuration(int k);
@@ -74,7 +77,7 @@ class Search {
   LagrangianProblem lagrangian_;
   LeastSquaresProblem least_squares_;
   AugmentedLagrangian augmented_lagrangian_;
-  LevenbergMarquardt levenberg_marquardt_;
+  LevenbergMarquardt levenberg_marquardt_, patient_;
   Judge judge_;
   LowDiscrepancy sequence_;
   Candidates candidates_;
