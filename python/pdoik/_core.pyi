@@ -682,8 +682,9 @@ class Solver:
         
         Args:
             T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m].
-            q0: Where to start, shape (n,) [rad] or [m], moved inside the limits. None for the middle of the ranges
-                (method "paper": omega = 0). Continuous joints' answers are within pi of it.
+            q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
+                None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
+                answers are within pi of it.
             obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
                 order is read in place. None or empty: there are none, whatever the call before had.
         
