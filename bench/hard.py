@@ -54,6 +54,12 @@ def main(
     slow_problems: Annotated[
         int, typer.Option(min=0, help="The same for peers called from Python.")
     ] = 50,
+    method: Annotated[
+        list[str] | None, typer.Option(help="Compare these only; repeatable, pdoik among them.")
+    ] = None,
+    repeats: Annotated[
+        int, typer.Option(min=1, help="Solve each problem with this many seeds of a method.")
+    ] = 1,
     max_time: Annotated[float, typer.Option(help="Of one solve [s].")] = 1.0,
     seed: Seed = 0,
     build: BuildFolder = BUILD,
@@ -68,7 +74,7 @@ def main(
             libraries = build_peers(build)
         methods = [
             (name, min(problems, slow_problems) if name in SLOW else problems)
-            for name in available((*OURS, *PEERS), libraries)
+            for name in available(method or (*OURS, *PEERS), libraries)
         ]
         settings = {
             "experiment": "hard",
@@ -77,6 +83,7 @@ def main(
             "methods": [name for name, _ in methods],
             "libraries": str(libraries),
             "max_time": max_time,
+            "repeats": repeats,
             "seed": seed,
         }
         jobs = {
@@ -124,10 +131,10 @@ def hard_table(trials: pd.DataFrame) -> str:
     header = ["family", "arm", "method", "n", "solved [95%]", "median", "p95", "max"]
     header += ["median x", "p95 x", "restarts", "false claims", "solved, but meshes touch"]
     key = ["robot", "family", "index"]
-    ours = trials[trials.method == "pdoik"].set_index(key).time
+    ours = trials[trials.method == "pdoik"].groupby(key).time
     rows = []
     for (family, robot, method), some in trials.groupby(["family", "robot", "method"], sort=False):
-        same = ours.loc[pd.MultiIndex.from_frame(some[key])]
+        same = pd.concat([ours.get_group(each) for each in some.groupby(key).groups])
         quantiles = some.time.quantile([0.5, 0.95]).to_numpy()
         ratios = quantiles / same.quantile([0.5, 0.95]).to_numpy()
         rows.append(

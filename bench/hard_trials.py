@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,7 @@ def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
 
     Args:
         job: robot, family, first, count, seed, ycb, max_time, libraries; and methods, a list of
-            (name, number of problems that it takes part in).
+            (name, number of problems that it takes part in). Each is solved with `repeats` seeds.
     """
     maker, chain = _maker(job["robot"], job["ycb"]), _chain(job["robot"])
     problems = [
@@ -34,13 +34,14 @@ def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
         for index in range(job["first"], job["first"] + job["count"])
     ]
     rows = []
-    for name, count in job["methods"]:
-        method = _method(name, job["robot"], job["max_time"], job["libraries"])
-        for index, problem in enumerate(problems, start=job["first"]):
-            if index < count:
-                outcome = solve_and_judge(maker, chain, method, problem, job["max_time"])
-                head = {"robot": job["robot"], "family": job["family"], "index": index}
-                rows.append({**head, "method": name, **outcome})
+    for seed in range(job["repeats"]):
+        for name, count in job["methods"]:
+            method = _method(name, job["robot"], job["max_time"], job["libraries"], seed)
+            for index, problem in enumerate(problems, start=job["first"]):
+                if index < count:
+                    outcome = solve_and_judge(maker, chain, method, problem, job["max_time"])
+                    head = {"robot": job["robot"], "family": job["family"], "index": index}
+                    rows.append({**head, "method": name, "repeat": seed, **outcome})
     return rows
 
 
@@ -102,12 +103,16 @@ def _maker(robot: str, ycb: str | None) -> Maker:
     return Maker.of(_arm(robot), MeshJudge(_arm(robot)), models)
 
 
-@lru_cache
-def _method(name: str, robot: str, max_time: float, libraries: str) -> Method:
+@cache
+def _method(name: str, robot: str, max_time: float, libraries: str, seed: int) -> Method:
     """A method that has solved one easy problem, so that no trial pays for its first call."""
     arm = _arm(robot)
     terms = Terms(
-        goal="pose", position_tolerance=TOLERANCE, rotation_tolerance=TOLERANCE, max_time=max_time
+        goal="pose",
+        position_tolerance=TOLERANCE,
+        rotation_tolerance=TOLERANCE,
+        max_time=max_time,
+        seed=seed,
     )
     method = make_method(name, arm, terms, libraries=Path(libraries))
     q0 = arm.robot.mid_configuration()
