@@ -64,7 +64,7 @@ def _pdoik(arm: Arm, judge: PinocchioJudge) -> Method:
     solver = pdoik.Solver(arm.robot, options)
 
     def solve(target: Target) -> Solve:
-        result = solver.solve(target.T_base_tip, q0=target.q0)
+        result = solver.solve(target.T_base_tip)  # from mid-range, as q0 is
         return Solve(
             claimed=result.success,
             confirmed=judge(target.T_base_tip, result.q),

@@ -191,7 +191,8 @@ Search::Trial Search::try_least_squares(bool stay_near, const Deadline& deadline
   Trial trial;
   least_squares_.heed_none();
   const int before = result.evaluations;
-  double value = minimise_least_squares(levenberg_marquardt_, deadline, result, trial.struck);
+  LevenbergMarquardt& minimiser = stay_near ? patient_ : levenberg_marquardt_;
+  double value = minimise_least_squares(minimiser, deadline, result, trial.struck);
   wrap_to_start();
   search_cost_ += result.evaluations - before;
   const int points = scene_.near.count();
@@ -203,8 +204,7 @@ Search::Trial Search::try_least_squares(bool stay_near, const Deadline& deadline
     if (redundant_ && (stay_near || repair_pays(points))) {
       const int at = result.evaluations;
       least_squares_.heed_those_about(kRepairMargin);
-      value = minimise_least_squares(stay_near ? patient_ : levenberg_marquardt_, deadline, result,
-                                     trial.struck);
+      value = minimise_least_squares(minimiser, deadline, result, trial.struck);
       wrap_to_start();
       least_squares_.evaluate(q_);  // its last step may have been taken back
       const double each = 1.0 + cost_of(least_squares_.heeded());
