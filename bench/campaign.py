@@ -140,7 +140,7 @@ def dask_client(scheduler: str | None, workers: int | None = None) -> Iterator[C
                 n_workers=workers or os.cpu_count() or 1,
                 threads_per_worker=1,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",
                 silence_logs="ERROR",
             ) as cluster,
             Client(cluster) as client,
