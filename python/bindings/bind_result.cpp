@@ -108,7 +108,7 @@ obstacle point lies in a hull that no joint moves. In all but the first, q is th
       .def_readonly("iterations", &R::iterations, "Of the inner minimisers, in all.")
       .def_readonly("evaluations", &R::evaluations, "Forward kinematics computed, in all.")
       .def_readonly("restarts", &R::restarts, "Starts beyond the first.")
-      .def_readonly("time", &R::time, "[s]")
+      .def_readonly("time", &R::time, "Of the solve, taking in the obstacles included [s].")
       .def("__repr__", &repr)
       .def(py::pickle(&state, &from_state));
 }

@@ -41,8 +41,12 @@ NamedResult solve(SharedSolver& self, const ArrayLike& T_base_tip,
   {
     const py::gil_scoped_release release;
     const std::lock_guard<std::mutex> lock(self.mutex);
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point started = Clock::now();
     self.solver.set_obstacles(cloud);
-    result = named(self.solver, self.solver.solve(target, start));
+    Result solved = self.solver.solve(target, start);
+    solved.time = std::chrono::duration<double>(Clock::now() - started).count();  // with the cloud
+    result = named(self.solver, std::move(solved));
   }
   if (PyErr_Occurred() != nullptr) throw py::error_already_set();  // Ctrl-C ended it
   return result;

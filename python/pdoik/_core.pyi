@@ -570,7 +570,7 @@ class Result:
     @property
     def time(self) -> float:
         """
-        [s]
+        Of the solve, taking in the obstacles included [s].
         """
     @property
     def worst_constraint(self) -> str:
