@@ -20,7 +20,13 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-u
 
 from arm_meshes import arm_meshes
 from experiment import ARMS, FloatArray
-from success_trials import arm_named, mesh_judge, models_of, random_scene_around
+from success_trials import (
+    arm_named,
+    mesh_judge,
+    models_of,
+    random_scene_around,
+    scenario_seed,
+)
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
@@ -57,14 +63,10 @@ def main(
 
 def _panel(ax: plt.Axes, trial: pd.Series, settings: dict, cause: str) -> None:
     arm, judge = arm_named(trial.robot), mesh_judge(trial.robot)
-    seed = [
-        settings["seed"],
-        sorted(ARMS).index(trial.robot),
-        trial.n_objects,
-        trial["index"],
-    ]
+    n_objects = int(trial.n_objects)
+    seed = scenario_seed(settings["seed"], trial.robot, n_objects, trial["index"])
     models = models_of(settings["ycb"])
-    q_known, scene, bodies = random_scene_around(arm, judge, models, int(trial.n_objects), seed)
+    q_known, scene, bodies = random_scene_around(arm, judge, models, n_objects, seed)
     q, cloud = np.asarray(trial.q), scene.cloud(settings["leaf"])
     links = {}
     for link, triangles in arm_meshes(arm).items():

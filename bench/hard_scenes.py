@@ -18,7 +18,8 @@ import pdoik
 from camera import depth_view
 from experiment import Arm, FloatArray
 from mesh_judge import Body, MeshJudge
-from scenes import ObjectModel, SceneError, random_scene
+from scenes import ObjectModel, SceneError
+from success_trials import random_scene_around
 
 SPHERES = 9
 GAPS = (0.01, 0.05)  # from the arm's hulls to a sphere's surface [m]
@@ -160,23 +161,12 @@ def bars(maker: Maker, rng: np.random.Generator) -> HardProblem:
 def camera(maker: Maker, rng: np.random.Generator) -> HardProblem:
     """Nine objects as one depth camera sees them: noise, dropouts, no backs, nothing hidden."""
     for _ in range(DRAWS):
-        q = maker.arm.random_configuration(rng)
-        bodies: list[Body] = []
-
-        def is_clear(scene: object, q: FloatArray = q, bodies: list[Body] = bodies) -> bool:
-            placed = scene.objects[-1]  # type: ignore[attr-defined]
-            body = Body.of(placed.model.name, placed.triangles)
-            if maker.judge.collision(q, [body]) is not None:
-                return False
-            bodies.append(body)
-            return True
-
-        random_scene(rng, maker.models, OBJECTS, is_clear)
+        q, _, bodies = random_scene_around(maker.arm, maker.judge, maker.models, OBJECTS, rng)
         seen = depth_view([body.triangles for body in bodies], rng)
         points = pdoik.voxel_downsample(seen, CAMERA_LEAF, radii=True)
         points[:, 3] += CAMERA_GROWTH
         if maker.clearance(q, points) > 0.0:
-            return maker.problem(q, points, tuple(bodies))
+            return maker.problem(q, points, bodies)
     raise SceneError(f"camera: {DRAWS} scenes, none of them clear")
 
 

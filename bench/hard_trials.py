@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 import pdoik
-from experiment import ARMS, Arm
+from experiment import ARMS
 from hard_scenes import FAMILIES, HardProblem, Maker
-from mesh_judge import MeshJudge
 from methods import Method, Problem, Terms, make_method
 from recheck import UrdfChain, recheck
-from scenes import primitive_models, ycb_models
+from success_trials import arm_named, mesh_judge, models_of
 
 TOLERANCE = 1e-4  # [m] and [rad]
 ROUNDING = 1e-6  # by which an answer may touch the hulls [m]
@@ -36,7 +35,7 @@ def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
     rows = []
     for seed in range(job["repeats"]):
         for name, count in job["methods"]:
-            method = _method(name, job["robot"], job["max_time"], job["libraries"], seed)
+            method = prepared_method(name, job["robot"], job["max_time"], job["libraries"], seed)
             for index, problem in enumerate(problems, start=job["first"]):
                 if index < count:
                     outcome = solve_and_judge(maker, chain, method, problem, job["max_time"])
@@ -87,26 +86,20 @@ def _seed(job: Mapping[str, Any], index: int) -> list[int]:
 
 
 @lru_cache
-def _arm(robot: str) -> Arm:
-    return Arm.builtin(robot)
-
-
-@lru_cache
 def _chain(robot: str) -> UrdfChain:
-    arm = _arm(robot)
+    arm = arm_named(robot)
     return UrdfChain(arm.urdf, arm.robot.joint_names)
 
 
 @lru_cache
 def _maker(robot: str, ycb: str | None) -> Maker:
-    models = primitive_models() if ycb is None else ycb_models(Path(ycb))
-    return Maker.of(_arm(robot), MeshJudge(_arm(robot)), models)
+    return Maker.of(arm_named(robot), mesh_judge(robot), models_of(ycb))
 
 
 @cache
-def _method(name: str, robot: str, max_time: float, libraries: str, seed: int) -> Method:
+def prepared_method(name: str, robot: str, max_time: float, libraries: str, seed: int) -> Method:
     """A method that has solved one easy problem, so that no trial pays for its first call."""
-    arm = _arm(robot)
+    arm = arm_named(robot)
     terms = Terms(
         goal="pose",
         position_tolerance=TOLERANCE,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from experiment import Arm
+from experiment import ARMS, Arm
 from mesh_judge import Body, MeshJudge
 from methods import Answer, Method, Problem, Terms, make_method
 from recheck import UrdfChain
@@ -75,6 +75,11 @@ def random_scene_around(
     return q, random_scene(rng, models, n_objects, is_clear), tuple(bodies)
 
 
+def scenario_seed(seed: int, robot: str, n_objects: int, index: int) -> list[int]:
+    """What one scenario of the campaign with this seed is drawn from."""
+    return [seed, sorted(ARMS).index(robot), n_objects, index]
+
+
 def start_configuration(arm: Arm) -> FloatArray:
     """Zero, moved off the limits, (n,) [rad]."""
     inset = START_INSET * (arm.robot.upper - arm.robot.lower)
@@ -135,7 +140,7 @@ def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
     q0 = start_configuration(arm)
     rows = []
     for index in range(job["first"], job["first"] + job["count"]):
-        seed = [job["seed"], _number(job["robot"]), job["n_objects"], index]
+        seed = scenario_seed(job["seed"], arm.name, job["n_objects"], index)
         scenario = random_scenario(arm, criteria.judge, models, job["n_objects"], job["leaf"], seed)
         problem = Problem(T_base_tip=scenario.T_base_tip, q0=q0, points=scenario.cloud)
         for name, axis, count in job["methods"]:
@@ -197,7 +202,3 @@ def _method(name: str, robot: str, terms: Terms) -> Method:
     q0 = start_configuration(arm)
     method.solve(Problem(T_base_tip=arm.robot.fk(q0 + 0.01), q0=q0))
     return method
-
-
-def _number(robot: str) -> int:
-    return sorted(("panda", "ur10", "iiwa14")).index(robot)

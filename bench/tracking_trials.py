@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,8 @@ import numpy.typing as npt
 
 import pdoik
 from experiment import ARMS
-from methods import Method, Problem, Terms, make_method
+from hard_trials import TOLERANCE, prepared_method
+from methods import Problem
 from recheck import UrdfChain, recheck
 from scenes import SceneError
 from success_trials import arm_named
@@ -28,7 +27,6 @@ RADIUS = 0.05  # [m]
 APPROACH = 0.5  # speed of a sphere towards the arm, and then away from it [m/s]
 GAPS = (0.01, 0.03)  # from the arm's hulls where a sphere is closest [m]
 LEAST_CLEARANCE = 0.005  # of the known motion, always [m]
-TOLERANCE = 1e-4  # [m] and [rad]
 JUMP = 0.05  # a joint that moves by more in one step jumps: fifty times its speed [rad]
 DRAWS = 2000
 
@@ -111,7 +109,7 @@ def run_method(job: Mapping[str, Any]) -> list[dict[str, Any]]:
     reference = float(np.abs(np.diff(run.q, axis=0)).max())
     rows = []
     for name in job["methods"]:
-        method = _method(name, arm.name, job["max_time"], job["libraries"])
+        method = prepared_method(name, arm.name, job["max_time"], job["libraries"], 0)
         q, steps, times, solved = run.q[0].copy(), [], [], []
         for target, balls in zip(run.q, run.spheres, strict=True):
             T_base_tip = arm.robot.fk(target)
@@ -140,16 +138,3 @@ def run_method(job: Mapping[str, Any]) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-@lru_cache
-def _method(name: str, robot: str, max_time: float, libraries: str) -> Method:
-    terms = Terms(
-        goal="pose", position_tolerance=TOLERANCE, rotation_tolerance=TOLERANCE, max_time=max_time
-    )
-    arm = arm_named(robot)
-    method = make_method(name, arm, terms, libraries=Path(libraries))
-    q0 = arm.robot.mid_configuration()
-    point = np.array([[0.0, 0.0, 5.0, 0.01]])
-    method.solve(Problem(T_base_tip=arm.robot.fk(q0 + 0.01), q0=q0, points=point))
-    return method
