@@ -70,6 +70,9 @@ void check_options(const Options& o) {
   require(std::isfinite(o.clearance), "clearance", o.clearance, "a finite length [m]");
   require(o.clearance_tolerance >= 0.0 && std::isfinite(o.clearance_tolerance),
           "clearance_tolerance", o.clearance_tolerance, "a finite length of at least 0 [m]");
+  require(std::isfinite(o.self_clearance), "self_clearance", o.self_clearance,
+          "a finite length [m]");
+  require_positive("posture_weight", o.posture_weight);
   require(o.max_time > 0.0, "max_time", o.max_time, "a positive time [s]");  // infinity is fine
   require(o.max_restarts >= 0, "max_restarts", o.max_restarts, "at least 0");
   require(o.max_obstacles >= 0 && o.max_obstacles <= 10'000'000, "max_obstacles", o.max_obstacles,

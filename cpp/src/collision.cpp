@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detail/reach.hpp"
 #include "detail/spheroid_distance.hpp"
 
 namespace pdoik::detail {
@@ -28,29 +29,6 @@ int add_point(std::vector<AttachedPoint>& points, const AttachedPoint& point) {
   }
   points.push_back(point);
   return static_cast<int>(points.size()) - 1;
-}
-
-/// An upper bound on how far a point gets from the origin of the first moving body above it, and
-/// that body.
-struct Reach {
-  int root;
-  double distance;
-};
-
-Reach reach_of(const Robot& robot, const AttachedPoint& point) {
-  Reach reach{0, std::sqrt(dot3(point.local, point.local))};
-  for (int b = point.body; b > 0;) {
-    const Body& body = robot.bodies()[static_cast<std::size_t>(b)];
-    if (body.prismatic) {
-      const double low = body.multiplier * robot.lower()[body.dof] + body.offset;
-      const double high = body.multiplier * robot.upper()[body.dof] + body.offset;
-      reach.distance += std::max(std::abs(low), std::abs(high));
-    }
-    reach.root = b;
-    b = body.parent;
-    if (b > 0) reach.distance += body.T_parent_joint.translation().norm();
-  }
-  return reach;
 }
 
 }  // namespace
@@ -84,14 +62,14 @@ HullModel::HullModel(const Robot& robot, bool heed_fixed) {
     for (const int k : {hull.a, hull.b}) {
       const AttachedPoint& point = points[static_cast<std::size_t>(k)];
       if (point.body == 0) continue;
-      const Reach r = reach_of(robot, point);
+      const Reach r = reach_of(robot, point.body, std::sqrt(dot3(point.local, point.local)));
       if (root >= 0 && r.root != root) return;  // several branches at the base: no common centre
       root = r.root;
       farthest = std::max(farthest, r.distance + 2.0 * hull.semi_major);
     }
   }
   if (root < 0) return;
-  reach_centre = robot.bodies()[static_cast<std::size_t>(root)].T_parent_joint.translation();
+  reach_centre = Reach{root}.centre(robot);
   reach = farthest * (1.0 + 1e-9);
   const Vec4 centre = to_vec4(reach_centre);
   for (const Hull& hull : fixed) {

@@ -4,6 +4,49 @@
 #include <cmath>
 
 namespace pdoik::detail {
+namespace {
+
+/// By how much each component is beyond its slack.
+Eigen::Vector3d beyond(const Eigen::Vector3d& error, const Eigen::Vector3d& slack) {
+  return (error.cwiseAbs() - slack).cwiseMax(0.0);
+}
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// The angle of a rotation, or where there is slack the length of what its vector has beyond it.
+double pose_rotation_error(const Eigen::Matrix3d& R, const Eigen::Vector3d& slack) {
+  const Eigen::Vector3d twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  if (slack.isZero(0.0)) return std::atan2(twice_sine.norm(), R.trace() - 1.0);
+  const Eigen::AngleAxisd turn(R);
+  return beyond(turn.angle() * turn.axis(), slack).norm();
+}
+
+}  // namespace
+
+class Judge::Verdict {
+ public:
+  Verdict(Result& result, double rotation_weight)
+      : result_(result), rotation_weight_(rotation_weight) {
+    worst_length_ = result.worst.violation;  // of limits, which come first
+    result.success = result.worst.violation <= 0.0;
+  }
+
+  /// @param violation  Beyond its tolerance [m] or [rad]; radians of a tip weigh as in the search.
+  void add(WorstConstraint::Kind kind, double violation, int index, int obstacle = -1) {
+    result_.success = result_.success && violation <= 0.0;
+    const double length =
+        kind == WorstConstraint::Kind::Rotation ? rotation_weight_ * violation : violation;
+    if (length <= worst_length_) return;
+    result_.worst = {kind, index, obstacle, violation};
+    worst_length_ = length;
+  }
+
+ private:
+  Result& result_;
+  double rotation_weight_, worst_length_;
+};
 
 Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
     : robot_(robot),
@@ -11,26 +54,38 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
       hulls_(hulls),
       T_base_body_(robot.bodies().size()),
       collision_(hulls, hulls.moving),
-      fixed_hulls_(hulls, hulls.fixed) {}
-
-void Judge::pose_errors(const Eigen::Isometry3d& target, Result& result) const {
-  const int tip = robot_.tips().front();
-  const Eigen::Isometry3d T =
-      T_base_body_[static_cast<std::size_t>(robot_.body_of_link(tip))] * robot_.T_body_link(tip);
-  result.position_error = (T.translation() - target.translation()).norm();
-  result.rotation_error = 0.0;
-  if (options_.goal == GoalType::Pose) {
-    const Eigen::Matrix3d R = target.linear().transpose() * T.linear();
-    const Eigen::Vector3d twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-    result.rotation_error = std::atan2(twice_sine.norm(), R.trace() - 1.0);
-  } else if (options_.goal == GoalType::Axis) {
-    const Eigen::Vector3d axis = options_.goal_axis.normalized();
-    const Eigen::Vector3d is = T.linear() * axis, wanted = target.linear() * axis;
-    result.rotation_error = std::atan2(is.cross(wanted).norm(), is.dot(wanted));
-  }
+      fixed_hulls_(hulls, hulls.fixed),
+      balance_(robot, options.balance) {
+  if (options.self_collision) self_.emplace(robot, HullModel(robot), options.self_clearance);
 }
 
-void Judge::limits(const Eigen::VectorXd& q, Result& result, WorstConstraint& worst) const {
+void Judge::judge_goal(const Goal& goal, Verdict& verdict, Result& result) const {
+  const int link = robot_.tips()[static_cast<std::size_t>(goal.tip)];
+  const Eigen::Isometry3d T =
+      T_base_body_[static_cast<std::size_t>(robot_.body_of_link(link))] * robot_.T_body_link(link);
+  const Eigen::Isometry3d& target = goal.T_base_tip;
+  const Eigen::Vector3d off = T.translation() - target.translation();
+  const double position_error =
+      goal.position_slack.isZero(0.0)
+          ? off.norm()
+          : beyond(target.linear().transpose() * off, goal.position_slack).norm();
+  result.position_error = std::max(result.position_error, position_error);
+  verdict.add(WorstConstraint::Kind::Position, position_error - options_.position_tolerance,
+              goal.tip);
+  if (goal.type == GoalType::Position) return;
+  const Eigen::Vector3d axis = goal.axis.normalized();
+  const double rotation_error =
+      goal.type == GoalType::Pose
+          ? pose_rotation_error(target.linear().transpose() * T.linear(), goal.rotation_slack)
+          : std::max(0.0, angle_between(T.linear() * axis, target.linear() * axis) -
+                              goal.rotation_slack.maxCoeff());
+  result.rotation_error = std::max(result.rotation_error, rotation_error);
+  verdict.add(WorstConstraint::Kind::Rotation, rotation_error - options_.rotation_tolerance,
+              goal.tip);
+}
+
+void Judge::judge_limits(const Eigen::VectorXd& q, Result& result) const {
+  WorstConstraint& worst = result.worst;
   worst = {WorstConstraint::Kind::Limit, -1, -1, -std::numeric_limits<double>::infinity()};
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const double violation = std::max(robot_.lower()[i] - q[i], q[i] - robot_.upper()[i]);
@@ -42,40 +97,51 @@ void Judge::limits(const Eigen::VectorXd& q, Result& result, WorstConstraint& wo
   result.limit_violation = std::max(0.0, worst.violation);
 }
 
-void Judge::operator()(const Eigen::Isometry3d& target, const Eigen::VectorXd& q,
-                       const Scene& scene, Result& result) {
+void Judge::judge_balance(Verdict& verdict, Result& result) {
+  if (!balance_.wanted()) return;
+  balance_.place([&](int body) { return to_frame(T_base_body_[static_cast<std::size_t>(body)]); });
+  result.center_of_mass = to_vector3(balance_.com());
+  result.balance_violation = 0.0;
+  balance_.for_each([](int) { return std::numeric_limits<double>::infinity(); },
+                    [&](const Balance::Term& term) {
+                      result.balance_violation = std::max(result.balance_violation, term.c);
+                      verdict.add(WorstConstraint::Kind::Balance,
+                                  term.c - options_.clearance_tolerance,
+                                  std::min(term.slot, Balance::kBox));
+                    });
+}
+
+void Judge::judge_hulls(Verdict& verdict, Result& result) {
+  if (!self_) return;
+  self_->place(collision_.positions());
+  const SelfCollision::Least least = self_->least();
+  result.self_distance = least.distance;
+  if (least.pair < 0) return;
+  const auto& [one, other] = self_->pair(least.pair).source;
+  verdict.add(WorstConstraint::Kind::SelfCollision,
+              options_.self_clearance - least.distance - options_.clearance_tolerance, one, other);
+}
+
+void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
+                       Result& result) {
   result.q = q;
   robot_.body_poses(q, T_base_body_);
-  pose_errors(target, result);
   for (std::size_t k = 0; k < hulls_.points.size(); ++k) {
     const AttachedPoint& point = hulls_.points[k];
     collision_.place(
         k, to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local)));
   }
-  WorstConstraint& worst = result.worst;
-  limits(q, result, worst);
+  judge_limits(q, result);
+  Verdict verdict(result, options_.rotation_weight);
   const Clearance least = scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0);
   result.clearance =
       least.distance + options_.clearance;  // obstacle radii include the clearance wanted
-
-  double worst_length = worst.violation;  // radians of the tip weigh as metres do in the search
-  result.success = worst.violation <= 0.0;
-  const auto compare = [&](WorstConstraint::Kind kind, double violation, int index, int obstacle) {
-    result.success = result.success && violation <= 0.0;
-    const double length =
-        kind == WorstConstraint::Kind::Rotation ? options_.rotation_weight * violation : violation;
-    if (length <= worst_length) return;
-    worst = {kind, index, obstacle, violation};
-    worst_length = length;
-  };
-  compare(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
-          least.source, least.obstacle);
-  compare(WorstConstraint::Kind::Position, result.position_error - options_.position_tolerance, -1,
-          -1);
-  if (options_.goal != GoalType::Position) {
-    compare(WorstConstraint::Kind::Rotation, result.rotation_error - options_.rotation_tolerance,
-            -1, -1);
-  }
+  verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
+              least.source, least.obstacle);
+  result.position_error = result.rotation_error = 0.0;
+  for (const Goal& goal : goals) judge_goal(goal, verdict, result);
+  judge_balance(verdict, result);
+  judge_hulls(verdict, result);
 }
 
 }  // namespace pdoik::detail

@@ -1,5 +1,6 @@
 #include "pdoik/lagrangian.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "detail/check_input.hpp"
@@ -25,12 +26,15 @@ struct Lagrangian::Implementation {
         hulls(robot),
         collision(hulls, hulls.moving),
         fixed(hulls, hulls.fixed),
+        own(robot, options),
         rollout(robot),
         map(robot, slack_of(variables)),
-        problem(map, rollout, goals, collision, scene, options.point_distance, robot.dof()) {
-    const int tip = robot.tips().front();
-    goals.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal,
-                       options.goal_axis);
+        problem(map, rollout, goals, collision, own, scene, options.point_distance, robot.dof()) {
+    goals.reserve(robot.tips().size());
+    Goal goal;  // until set_target or set_goals
+    goal.type = options.goal;
+    goal.axis = options.goal_axis;
+    goals.emplace_back(robot, goal);
     scene.reserve(static_cast<std::size_t>(options.max_obstacles));
     set_obstacles(Points(0, 3));
   }
@@ -48,6 +52,7 @@ struct Lagrangian::Implementation {
   detail::HullModel hulls;
   detail::Scene scene;
   detail::CollisionState collision, fixed;
+  detail::OwnConstraints own;
   detail::Rollout rollout;
   std::vector<detail::GoalTerm> goals;
   JointLimitMap map;
@@ -67,8 +72,18 @@ const Robot& Lagrangian::robot() const { return impl_->robot; }
 const Options& Lagrangian::options() const { return impl_->options; }
 
 void Lagrangian::set_target(const Eigen::Isometry3d& T_base_tip) {
+  detail::check_one_tip(robot());
   detail::check_target(T_base_tip);
   impl_->goals.front().set_target(T_base_tip);
+  impl_->problem.reset_multipliers();
+}
+
+void Lagrangian::set_goals(std::span<const Goal> goals) {
+  Options points = options();  // its goals are points, which know no slack
+  points.method = Method::Paper;
+  detail::check_goals(goals, robot(), points);
+  impl_->goals.clear();
+  for (const Goal& goal : goals) impl_->goals.emplace_back(robot(), goal);
   impl_->problem.reset_multipliers();
 }
 
@@ -108,8 +123,18 @@ void Lagrangian::update_multipliers(const Eigen::VectorXd& x, const Penalty& pen
   impl_->problem.update_multipliers(x, penalty);
 }
 
-double Lagrangian::last_position_error() const { return impl_->goals.front().position_distance(); }
-double Lagrangian::last_rotation_error() const { return impl_->goals.front().rotation_distance(); }
+double Lagrangian::last_position_error() const {
+  double worst = 0.0;
+  for (const auto& goal : impl_->goals) worst = std::max(worst, goal.position_distance());
+  return worst;
+}
+
+double Lagrangian::last_rotation_error() const {
+  double worst = 0.0;
+  for (const auto& goal : impl_->goals) worst = std::max(worst, goal.rotation_distance());
+  return worst;
+}
+
 double Lagrangian::last_max_constraint() const { return impl_->problem.last_max_constraint(); }
 
 }  // namespace pdoik

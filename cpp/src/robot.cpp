@@ -7,6 +7,7 @@
 #include "detail/embedded_robots.hpp"
 #include "detail/text.hpp"
 #include "detail/tree_builder.hpp"
+#include "pdoik/collision_pairs.hpp"
 #include "pdoik/errors.hpp"
 
 namespace pdoik {
@@ -31,6 +32,7 @@ Robot::Robot(const RobotDescription& description, const std::string& base_link,
   lower_ = std::move(tree.lower);
   upper_ = std::move(tree.upper);
   velocity_ = std::move(tree.velocity);
+  effort_ = std::move(tree.effort);
   links_ = std::move(tree.links);
   link_body_ = std::move(tree.link_body);
   T_body_link_ = std::move(tree.T_body_link);
@@ -93,16 +95,29 @@ std::vector<std::string> Robot::builtin_names() {
   return names;
 }
 
-Robot Robot::builtin(const std::string& name) {
+namespace {
+
+const detail::EmbeddedRobot& embedded_robot(const std::string& name) {
   for (std::size_t i = 0; i < detail::embedded_robot_count; ++i) {
-    const detail::EmbeddedRobot& embedded = detail::embedded_robots[i];
-    if (name != embedded.name) continue;
-    Robot robot = from_urdf(embedded.urdf);
-    if (*embedded.occupancy != 0) robot.set_occupancy(load_occupancy(embedded.occupancy));
-    return robot;
+    if (name == detail::embedded_robots[i].name) return detail::embedded_robots[i];
   }
   throw std::invalid_argument("name is '" + name + "', expected one of " +
-                              detail::join(builtin_names()));
+                              detail::join(Robot::builtin_names()));
+}
+
+}  // namespace
+
+RobotDescription builtin_description(const std::string& name) {
+  return load_urdf(embedded_robot(name).urdf);
+}
+
+Robot Robot::builtin(const std::string& name, const std::string& base_link,
+                     std::vector<std::string> tip_links) {
+  const detail::EmbeddedRobot& embedded = embedded_robot(name);
+  Robot robot(load_urdf(embedded.urdf), base_link, std::move(tip_links));
+  if (*embedded.occupancy != 0) robot.set_occupancy(load_occupancy(embedded.occupancy));
+  if (*embedded.srdf != 0) robot.set_ignored_pairs(load_srdf_pairs(embedded.srdf));
+  return robot;
 }
 
 std::vector<std::string> Robot::tip_links() const {
@@ -214,6 +229,18 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Robot::jacobian(VectorIn q, int link) c
     }
   }
   return J;
+}
+
+void Robot::set_ignored_pairs(std::vector<LinkPair> pairs) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    for (const std::string& link : {pairs[i].first, pairs[i].second}) {
+      if (find_link(link)) continue;
+      throw std::invalid_argument("pairs[" + std::to_string(i) + "]: link '" + link +
+                                  "' is not a link of '" + name_ +
+                                  "' (links: " + detail::join(link_names_) + ")");
+    }
+  }
+  ignored_pairs_ = std::move(pairs);
 }
 
 void Robot::set_occupancy(Occupancy occupancy) {

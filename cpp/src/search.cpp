@@ -12,8 +12,8 @@ AugmentedLagrangianOptions lagrangian_options(const Options& options) {
   return result;
 }
 
-std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls) {
-  std::vector<bool> matters(static_cast<std::size_t>(robot.dof()), false);
+std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls, bool balance) {
+  std::vector<bool> matters(static_cast<std::size_t>(robot.dof()), balance);
   const auto mark = [&](int body) {
     for (int b = body; b > 0; b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
       matters[static_cast<std::size_t>(robot.bodies()[static_cast<std::size_t>(b)].dof)] = true;
@@ -31,8 +31,20 @@ LevenbergMarquardtOptions patient(LevenbergMarquardtOptions options) {
   return options;
 }
 
+/// Where the cost has no zero, it goes on while there is anything to gain.
+LevenbergMarquardtOptions settling(LevenbergMarquardtOptions options) {
+  options.first_damping = 1e-3;
+  options.stall_ratio = 0.999;
+  options.stall_window = 2;
+  return options;
+}
+
 int goal_dimensions(GoalType goal) {
   return goal == GoalType::Pose ? 6 : goal == GoalType::Axis ? 5 : 3;
+}
+
+double squared_distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return (a - b).squaredNorm();
 }
 
 /// What the solve may spend on bringing answers clear of obstacles, of what it spends on finding
@@ -40,6 +52,8 @@ int goal_dimensions(GoalType goal) {
 constexpr double kRepairShare = 0.1;
 /// Obstacles this far from the hulls are left out while that is done [m].
 constexpr double kRepairMargin = 0.1;
+/// What goals weigh against constraints when both cannot be had.
+constexpr double kYieldingGoals = 1e-4;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
 double cost_of(int obstacles) { return obstacles / 60.0; }
 
@@ -51,19 +65,23 @@ Search::Search(const Robot& robot, const Options& options)
       hulls_(robot, options.heed_fixed_hulls),
       collision_(hulls_, hulls_.moving),
       fixed_hulls_(hulls_, hulls_.fixed),
+      own_(robot, options),
       rollout_(robot),
       map_(robot, JointLimitMap::Slack::Shared),
-      lagrangian_(map_, rollout_, goals_, collision_, scene_, options_.point_distance, robot.dof()),
-      least_squares_(rollout_, goals_, collision_, scene_, options_, robot.dof()),
+      lagrangian_(map_, rollout_, goals_, collision_, own_, scene_, options_.point_distance,
+                  robot.dof()),
+      least_squares_(rollout_, goals_, collision_, own_, scene_, options_, robot.dof()),
       augmented_lagrangian_(map_.size(), lagrangian_options(options), options.lbfgs),
       levenberg_marquardt_(robot.dof(), options.levenberg_marquardt),
       patient_(robot.dof(), patient(options.levenberg_marquardt)),
+      settling_(robot.dof(), settling(options.levenberg_marquardt)),
       judge_(robot, options_, hulls_),
       sequence_(robot.dof(), options.seed),
       candidates_(robot.dof()),
       lower_(robot.lower()),
       upper_(robot.upper()),
-      matters_(joints_that_matter(robot, hulls_)) {
+      matters_(joints_that_matter(robot, hulls_, options.balance.wanted())),
+      matter_count_(std::count(matters_.begin(), matters_.end(), true)) {
   for (Eigen::Index i = 0; i < robot.dof(); ++i) {
     const bool turns = std::isinf(lower_[i]) &&
                        robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Continuous;
@@ -75,32 +93,31 @@ Search::Search(const Robot& robot, const Options& options)
     Turn& turn = turns_[static_cast<std::size_t>(body.dof)];
     if (turn == Turn::Wrap) turn = Turn::Bound;
   }
-  const int tip = robot.tips().front();
-  goals_.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal,
-                      options.goal_axis);
-  redundant_ = std::count(matters_.begin(), matters_.end(), true) > goal_dimensions(options.goal);
+  goals_.reserve(robot.tips().size());
+  for (const int tip : robot.tips()) {
+    tip_reach_.push_back(
+        reach_of(robot, robot.body_of_link(tip), robot.T_body_link(tip).translation().norm()));
+  }
   start_.setZero(robot.dof());
   q_.setZero(robot.dof());
+  best_.setZero(robot.dof());
+  pull_.setConstant(robot.dof(), options.posture_weight);
   omega_.setZero(map_.size());
   Points none(0, 3);
   scene_.reserve(static_cast<std::size_t>(options.max_obstacles));
   const int padded = (options.max_obstacles + kLanes - 1) / kLanes * kLanes;
   reserve(padded);
   set_obstacles(none);
+}
 
-  reach_root_ = Eigen::Vector3d::Zero();
-  double length = robot.T_body_link(tip).translation().norm();
-  for (int b = robot.body_of_link(tip); b > 0;) {
-    const Body& body = robot.bodies()[static_cast<std::size_t>(b)];
-    if (body.prismatic) {
-      length += std::max(std::abs(body.multiplier * lower_[body.dof] + body.offset),
-                         std::abs(body.multiplier * upper_[body.dof] + body.offset));
-    }
-    reach_root_ = body.T_parent_joint.translation();
-    b = body.parent;
-    if (b > 0) length += body.T_parent_joint.translation().norm();
+void Search::set_goals(std::span<const Goal> goals) {
+  goals_.clear();
+  int fixed = 0;
+  for (const Goal& goal : goals) {
+    goals_.emplace_back(robot_, goal);
+    fixed += goal_dimensions(goal.type);
   }
-  reach_ = length;
+  redundant_ = matter_count_ > fixed;
 }
 
 void Search::reserve(int padded_obstacles) {
@@ -122,33 +139,36 @@ void Search::copy_scene(const Search& other) {
   reserve(scene_.near.padded());
 }
 
-bool Search::out_of_reach(const Eigen::Isometry3d& target) const {
-  const double slack = options_.position_tolerance + 1e-9 * reach_;
-  return (target.translation() - reach_root_).norm() > reach_ + slack;
+bool Search::out_of_reach(const Goal& goal) const {
+  const Reach& reach = tip_reach_[static_cast<std::size_t>(goal.tip)];
+  const double slack =
+      options_.position_tolerance + 1e-9 * reach.distance + goal.position_slack.norm();
+  return (goal.T_base_tip.translation() - reach.centre(robot_)).norm() > reach.distance + slack;
 }
 
-void Search::run(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0, Result& result) {
+void Search::run(const Request& request, Result& result) {
   const Deadline deadline(options_.max_time, interrupt_);
-  goals_.front().set_target(target);
+  set_goals(request.goals);
   result.iterations = result.evaluations = result.restarts = 0;
   result.success = false;
   if (options_.method == Method::Paper) {
-    run_paper(target, q0, deadline, result);
+    run_paper(request, deadline, result);
   } else {
-    run_default(target, q0, deadline, result);
+    run_default(request, deadline, result);
   }
-  if (!result.success && base_collides())
+  if (!result.success && base_collides()) {
     result.status = Status::BaseCollision;
-  else if (!result.success && out_of_reach(target))
+  } else if (!result.success && std::any_of(request.goals.begin(), request.goals.end(),
+                                            [&](const Goal& g) { return out_of_reach(g); })) {
     result.status = Status::OutOfReach;
+  }
   result.time = deadline.elapsed();
 }
 
-void Search::run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
-                       const Deadline& deadline, Result& result) {
-  if (q0 != nullptr) {
-    map_.inverse(*q0, omega_, options_.start_inset);
-    start_ = *q0;
+void Search::run_paper(const Request& request, const Deadline& deadline, Result& result) {
+  if (request.q0 != nullptr) {
+    map_.inverse(*request.q0, omega_, options_.start_inset);
+    start_ = *request.q0;
   } else {
     omega_.setZero();  // Algorithm IK, line 1
     map_.positions(omega_, start_);
@@ -156,7 +176,7 @@ void Search::run_paper(const Eigen::Isometry3d& target, const Eigen::VectorXd* q
   const bool struck = minimise_lagrangian(deadline, result);
   map_.positions(omega_, q_);  // Eq. recovery
   wrap_to_start();
-  judge_(target, q_, scene_, result);
+  judge_(request.goals, q_, scene_, result);
   result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
 }
 
@@ -164,9 +184,10 @@ bool Search::minimise_lagrangian(const Deadline& deadline, Result& result) {
   bool struck = false;
   const double p = options_.position_tolerance, r = options_.rotation_tolerance;
   const auto stop = [&](const Eigen::VectorXd&, double) {
-    const GoalTerm& goal = goals_.front();
-    if (goal.position_distance() < p && goal.rotation_distance() < r &&
-        lagrangian_.last_max_constraint() <= 0.5 * options_.clearance_tolerance) {
+    if (lagrangian_.last_max_constraint() <= 0.5 * options_.clearance_tolerance &&
+        std::all_of(goals_.begin(), goals_.end(), [&](const GoalTerm& goal) {
+          return goal.position_distance() < p && goal.rotation_distance() < r;
+        })) {
       return true;
     }
     struck = deadline.passed();
@@ -234,48 +255,121 @@ Search::Trial Search::try_lagrangian(const Deadline& deadline, Result& result) {
   return trial;
 }
 
-void Search::run_default(const Eigen::Isometry3d& target, const Eigen::VectorXd* q0,
-                         const Deadline& deadline, Result& result) {
+void Search::set_start(const Request& request) {
+  lower_ = robot_.lower();
+  upper_ = robot_.upper();
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    const bool bounded = std::isfinite(robot_.lower()[i]) && std::isfinite(robot_.upper()[i]);
-    start_[i] = q0 != nullptr ? std::clamp((*q0)[i], robot_.lower()[i], robot_.upper()[i])
-                : bounded     ? 0.5 * (robot_.lower()[i] + robot_.upper()[i])
-                              : 0.0;
+    const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
+    start_[i] = request.q0 != nullptr ? std::clamp((*request.q0)[i], lower_[i], upper_[i])
+                : bounded             ? 0.5 * (lower_[i] + upper_[i])
+                                      : 0.0;
+    if (turns_[static_cast<std::size_t>(i)] == Turn::Bound) {
+      lower_[i] = start_[i] - M_PI;
+      upper_[i] = start_[i] + M_PI;
+    }
+    if (request.max_step == nullptr) continue;
+    lower_[i] = std::max(lower_[i], start_[i] - (*request.max_step)[i]);
+    upper_[i] = std::min(upper_[i], start_[i] + (*request.max_step)[i]);
   }
-  bound_turns();
+}
+
+void Search::run_default(const Request& request, const Deadline& deadline, Result& result) {
+  set_start(request);
   search_cost_ = repair_cost_ = 0.0;
   candidates_.clear();
   result.status = Status::Exhausted;
+  const bool nearest = options_.prefer == Prefer::Nearest;
+  const Eigen::VectorXd* wanted = request.posture != nullptr ? request.posture : &start_;
+  double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k <= options_.max_restarts; ++k) {
     if (k == 0) {
       q_ = start_;
     } else {
-      restart_configuration(k);
+      restart_configuration(k, nearest ? wanted : nullptr);
       result.restarts = k;
     }
+    const bool stay_near = nearest || (k == 0 && request.q0 != nullptr);
     const Trial trial = options_.inner == InnerMethod::LevenbergMarquardt
-                            ? try_least_squares(k == 0 && q0 != nullptr, deadline, result)
+                            ? try_least_squares(stay_near, deadline, result)
                             : try_lagrangian(deadline, result);
     if (trial.solves) {
-      judge_(target, q_, scene_, result);
+      judge_(request.goals, q_, scene_, result);
       if (result.success) {
         result.status = Status::Solved;
-        return;
+        if (request.posture != nullptr || nearest) settle(request.goals, *wanted, deadline, result);
+        if (!nearest) return;
+        const double distance = squared_distance(result.q, *wanted);
+        if (distance < least) {
+          least = distance;
+          best_ = result.q;
+        }
+        if (deadline.passed()) break;
+        continue;
       }
     }
-    candidates_.add(q_, trial.shortfall);
+    if (std::isinf(least)) candidates_.add(q_, trial.shortfall);
     if (trial.struck) {
       result.status = Status::TimeLimit;
       break;
     }
     if (trial.solves && base_collides()) break;  // nothing better can be found
   }
+  if (std::isfinite(least)) {
+    judge_(request.goals, best_, scene_, result);
+    result.status = Status::Solved;
+    return;
+  }
   least_squares_.heed_all();
-  judge_(target, candidates_.best([&](const auto& q) { return least_squares_.evaluate(q); }),
+  judge_(request.goals, candidates_.best([&](const auto& q) { return least_squares_.evaluate(q); }),
          scene_, result);
 }
 
-void Search::restart_configuration(int k) {
+void Search::settle(std::span<const Goal> goals, const Eigen::VectorXd& posture,
+                    const Deadline& deadline, Result& result) {
+  unsettled_ = result.q;
+  const double before = squared_distance(result.q, posture);
+  bool struck = false;
+  least_squares_.heed_all();
+  least_squares_.pull_towards(&posture, &pull_);
+  minimise_least_squares(settling_, deadline, result, struck);
+  least_squares_.pull_towards(nullptr, nullptr);
+  minimise_least_squares(patient_, deadline, result, struck);
+  wrap_to_start();
+  judge_(goals, q_, scene_, result);
+  if (result.success && squared_distance(q_, posture) < before) return;
+  judge_(goals, unsettled_, scene_, result);
+}
+
+void Search::follow(const Following& step, Result& result) {
+  const Deadline deadline(step.max_time, interrupt_);
+  set_goals(step.goals);
+  result.iterations = result.evaluations = result.restarts = 0;
+  lower_ = *step.lower;
+  upper_ = *step.upper;
+  q_ = *step.from;
+  least_squares_.pull_towards(nullptr, nullptr);
+  least_squares_.heed_none();
+  least_squares_.evaluate(q_);
+  if (scene_.near.count() > 0) least_squares_.heed_those_about(step.margin, true);
+  bool struck = false;
+  if (step.pull_to != nullptr) {
+    least_squares_.pull_towards(step.pull_to, step.pull);
+    minimise_least_squares(settling_, deadline, result, struck);
+    least_squares_.pull_towards(nullptr, nullptr);
+  }
+  if (!struck) minimise_least_squares(patient_, deadline, result, struck);
+  if (!struck && !least_squares_.holds()) {
+    // Not everything can be had: a goal that is far must not push the robot through a constraint.
+    least_squares_.scale_goals(kYieldingGoals);
+    minimise_least_squares(settling_, deadline, result, struck);
+    least_squares_.scale_goals(1.0);
+  }
+  judge_(step.goals, q_, scene_, result);
+  result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
+  result.time = deadline.elapsed();
+}
+
+void Search::restart_configuration(int k, const Eigen::VectorXd* near) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     if (!matters_[static_cast<std::size_t>(i)]) {
       q_[i] = start_[i];
@@ -285,14 +379,10 @@ void Search::restart_configuration(int k) {
     const double low = bounded ? lower_[i] : start_[i] - M_PI,
                  high = bounded ? upper_[i] : start_[i] + M_PI;
     q_[i] = low + sequence_(k, i) * (high - low);
-  }
-}
-
-void Search::bound_turns() {
-  for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    if (turns_[static_cast<std::size_t>(i)] != Turn::Bound) continue;
-    lower_[i] = start_[i] - M_PI;
-    upper_[i] = start_[i] + M_PI;
+    if (near == nullptr) continue;
+    // Close to what is wanted as often as far from it: the whole range, half of it, a quarter, ...
+    constexpr double kScales[] = {0.5, 0.25, 0.125, 1.0};
+    q_[i] = std::clamp((*near)[i] + kScales[k % 4] * (q_[i] - 0.5 * (low + high)), low, high);
   }
 }
 

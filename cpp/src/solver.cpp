@@ -68,10 +68,24 @@ void Solver::set_interrupt(std::function<bool()> wanted) {
 
 void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
 
+Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
+  Goal result;
+  result.tip = tip;
+  result.T_base_tip = T_base_tip;
+  result.type = options().goal;
+  result.axis = options().goal_axis;
+  return result;
+}
+
+void Solver::solve(const Request& request, Result& result) {
+  detail::check_request(request, robot(), options());
+  impl_->search.run(request, result);
+}
+
 void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result) {
-  detail::check_target(T_base_tip);
-  if (q0 != nullptr) detail::check_configuration(*q0, robot().dof(), "q0");
-  impl_->search.run(T_base_tip, q0, result);
+  detail::check_one_tip(robot());
+  const Goal only = goal(T_base_tip);
+  solve({.goals = {&only, 1}, .q0 = q0}, result);
 }
 
 Result Solver::solve(const Eigen::Isometry3d& T_base_tip,
@@ -83,29 +97,40 @@ Result Solver::solve(const Eigen::Isometry3d& T_base_tip,
 
 std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targets,
                                         std::span<const Eigen::VectorXd> q0, int threads) const {
-  if (threads < 0)
-    throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
-  if (!q0.empty() && q0.size() != 1 && q0.size() != targets.size()) {
-    throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " rows, expected 1 or " +
-                                std::to_string(targets.size()));
-  }
+  detail::check_one_tip(robot());
+  std::vector<std::vector<Goal>> goals;
+  goals.reserve(targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) {
     detail::check_target(targets[i], "T_base_tip[" + std::to_string(i) + "]");
+    goals.push_back({goal(targets[i])});
   }
+  return solve_goals_batch(goals, q0, threads);
+}
+
+std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>> goals,
+                                              std::span<const Eigen::VectorXd> q0,
+                                              int threads) const {
+  if (threads < 0)
+    throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
+  if (!q0.empty() && q0.size() != 1 && q0.size() != goals.size()) {
+    throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " rows, expected 1 or " +
+                                std::to_string(goals.size()));
+  }
+  for (const std::vector<Goal>& each : goals) detail::check_goals(each, robot(), options());
   for (std::size_t i = 0; i < q0.size(); ++i) {
     detail::check_configuration(q0[i], robot().dof(),
                                 q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
   }
-  std::vector<Result> results(targets.size());
+  std::vector<Result> results(goals.size());
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
   const auto work = [&] {
     try {
       Solver own(*this);
-      for (std::size_t i = next++; i < targets.size(); i = next++) {
+      for (std::size_t i = next++; i < goals.size(); i = next++) {
         const Eigen::VectorXd* start = q0.empty() ? nullptr : &q0[q0.size() == 1 ? 0 : i];
-        own.solve(targets[i], start, results[i]);
+        own.solve({.goals = goals[i], .q0 = start}, results[i]);
       }
     } catch (...) {
       const std::lock_guard<std::mutex> lock(failure_mutex);
@@ -115,7 +140,7 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
   const std::size_t wanted =
       threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
   const std::size_t count =
-      std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(targets.size(), 1));
+      std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(goals.size(), 1));
   std::vector<std::thread> pool;
   try {
     for (std::size_t t = 1; t < count; ++t) pool.emplace_back(work);
@@ -129,39 +154,68 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
 }
 
 void Solver::judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const {
-  detail::check_target(T_base_tip);
+  detail::check_one_tip(robot());
+  const Goal only = goal(T_base_tip);
+  judge({&only, 1}, q, result);
+}
+
+void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) const {
+  detail::check_goals(goals, robot(), options());
   const Eigen::VectorXd configuration = q;
   detail::check_configuration(configuration, robot().dof(), "q");
-  impl_->search.judge(T_base_tip, configuration, result);
+  impl_->search.judge(goals, configuration, result);
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }
 
+namespace {
+
+/// "link (sphere 3)" of a hull by its place in the occupancy.
+std::string hull_name(const Occupancy& occupancy, int index) {
+  const auto hull = static_cast<std::size_t>(index);
+  if (hull < occupancy.spheres.size())
+    return occupancy.spheres[hull].link + " (sphere " + std::to_string(hull) + ")";
+  const std::size_t k = hull - occupancy.spheres.size();
+  const Spheroid& s = occupancy.spheroids[k];
+  return s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
+         std::to_string(k) + ")";
+}
+
+std::string balance_name(int index) {
+  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
+                                    "upper y", "lower z", "upper z"};
+  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
+                   : "support polygon of the centre of mass";
+}
+
+}  // namespace
+
 std::string Solver::describe(const WorstConstraint& worst) const {
   using Kind = WorstConstraint::Kind;
+  const Occupancy& occupancy = robot().occupancy();
+  const auto of_tip = [&] {  // where there is but one, all know which
+    return robot().tips().size() == 1
+               ? std::string()
+               : " of " + robot().tip_links()[static_cast<std::size_t>(worst.index)];
+  };
   switch (worst.kind) {
     case Kind::None:
       return "none";
     case Kind::Position:
-      return "position";
+      return "position" + of_tip();
     case Kind::Rotation:
-      return "rotation";
+      return "rotation" + of_tip();
     case Kind::Limit:
       return "limit of " + robot().joint_names()[static_cast<std::size_t>(worst.index)];
     case Kind::Clearance:
-      break;
+      return "clearance of " + hull_name(occupancy, worst.index) + " to obstacle " +
+             std::to_string(worst.obstacle);
+    case Kind::Balance:
+      return balance_name(worst.index);
+    case Kind::SelfCollision:
+      return "clearance of " + hull_name(occupancy, worst.index) + " to " +
+             hull_name(occupancy, worst.obstacle);
   }
-  const Occupancy& occupancy = robot().occupancy();
-  const auto hull = static_cast<std::size_t>(worst.index);
-  std::string where;
-  if (hull < occupancy.spheres.size()) {
-    where = occupancy.spheres[hull].link + " (sphere " + std::to_string(hull) + ")";
-  } else {
-    const std::size_t k = hull - occupancy.spheres.size();
-    const Spheroid& s = occupancy.spheroids[k];
-    where = s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
-            std::to_string(k) + ")";
-  }
-  return "clearance of " + where + " to obstacle " + std::to_string(worst.obstacle);
+  return "none";
 }
 
 }  // namespace pdoik

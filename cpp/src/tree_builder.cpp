@@ -228,7 +228,7 @@ class TreeBuilder {
 
   void assign_dofs() {
     std::map<std::size_t, int> dof_of_joint;
-    std::vector<double> lower, upper, velocity;
+    std::vector<double> lower, upper, velocity, effort;
     for (const std::size_t j : body_joint_) {
       const JointDescription& joint = description_.joints[j];
       if (joint.mimic) continue;
@@ -239,6 +239,7 @@ class TreeBuilder {
       lower.push_back(limited ? joint.lower : -std::numeric_limits<double>::infinity());
       upper.push_back(limited ? joint.upper : std::numeric_limits<double>::infinity());
       velocity.push_back(joint.velocity);
+      effort.push_back(joint.effort);
     }
     for (std::size_t b = 0; b < body_joint_.size(); ++b) {
       const Source source = source_of(body_joint_[b]);
@@ -254,6 +255,7 @@ class TreeBuilder {
     tree_.lower = Eigen::Map<Eigen::VectorXd>(lower.data(), size);
     tree_.upper = Eigen::Map<Eigen::VectorXd>(upper.data(), size);
     tree_.velocity = Eigen::Map<Eigen::VectorXd>(velocity.data(), size);
+    tree_.effort = Eigen::Map<Eigen::VectorXd>(effort.data(), size);
   }
 
   /// A follower's limits hold too: they narrow those of the joint it follows.

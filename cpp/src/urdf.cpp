@@ -2,12 +2,9 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <cctype>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 
-#include "detail/text.hpp"
+#include "detail/xml_text.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/robot.hpp"
 
@@ -110,60 +107,19 @@ JointDescription convert(const urdf::Joint& joint, const std::string& source) {
   return result;
 }
 
-/// What the parser behind urdfdom recurses on, bounded before it sees the text.
-void check_text(const std::string& xml, const std::string& source) {
-  constexpr int kDeepest = 500, kMostJoints = 5000;
-  if (!detail::is_utf8(xml)) throw LoadError(source + " is not UTF-8 text");
-  if (xml.find('\0') != std::string::npos) throw LoadError(source + " holds a NUL character");
-  int depth = 0, joints = 0;
-  for (std::size_t i = xml.find('<'); i != std::string::npos; i = xml.find('<', i + 1)) {
-    if (xml.compare(i, 4, "<!--") == 0) {
-      i = xml.find("-->", i);
-      if (i == std::string::npos) break;
-      continue;
-    }
-    const char next = i + 1 < xml.size() ? xml[i + 1] : ' ';
-    if (next == '?' || next == '!') continue;
-    const std::size_t end = xml.find('>', i);
-    const bool closed = end != std::string::npos && xml[end - 1] == '/';
-    depth += next == '/' ? -1 : closed ? 0 : 1;
-    joints += xml.compare(i, 6, "<joint") == 0 ? 1 : 0;
-    if (depth > kDeepest)
-      throw LoadError(source + " is nested more than " + std::to_string(kDeepest) + " deep");
-    if (joints > kMostJoints)
-      throw LoadError(source + " has more than " + std::to_string(kMostJoints) + " joints");
-  }
-}
-
-bool is_xml(const std::string& text) {
-  for (const char c : text) {
-    if (!std::isspace(static_cast<unsigned char>(c)) && c != '\xEF' && c != '\xBB' && c != '\xBF') {
-      return c == '<';
-    }
-  }
-  return text.find('\n') != std::string::npos;
-}
-
-std::string read_file(const std::string& path) {
-  if (path.find('\0') != std::string::npos)
-    throw LoadError("the URDF's path holds a NUL character");
-  if (path.empty())
-    throw LoadError("the URDF is an empty string, expected a file's path or XML text");
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || !text) throw LoadError("cannot read the URDF file '" + path + "'");
-  return text.str();
+void check_joint_count(const std::string& xml, const std::string& source) {
+  constexpr int kMostJoints = 5000;
+  int joints = 0;
+  detail::for_each_tag(xml, [&](std::size_t at) { joints += xml.compare(at, 6, "<joint") == 0; });
+  if (joints > kMostJoints)
+    throw LoadError(source + " has more than " + std::to_string(kMostJoints) + " joints");
 }
 
 }  // namespace
 
-Robot Robot::from_urdf(const std::string& path_or_xml, const std::string& base_link,
-                       std::vector<std::string> tip_links) {
-  const bool text = is_xml(path_or_xml);
-  const std::string source = text ? "the URDF text" : "'" + path_or_xml + "'";
-  const std::string xml = text ? path_or_xml : read_file(path_or_xml);
-  check_text(xml, source);
+RobotDescription load_urdf(const std::string& path_or_xml) {
+  const auto [xml, source] = detail::read_xml(path_or_xml, "URDF");
+  check_joint_count(xml, source);
   const urdf::ModelInterfaceSharedPtr model = parse(xml, source);
   RobotDescription description;
   description.name = model->getName();
@@ -171,7 +127,12 @@ Robot Robot::from_urdf(const std::string& path_or_xml, const std::string& base_l
   for (const auto& [name, joint] : model->joints_) {
     description.joints.push_back(convert(*joint, source));
   }
-  return Robot(description, base_link, std::move(tip_links));
+  return description;
+}
+
+Robot Robot::from_urdf(const std::string& path_or_xml, const std::string& base_link,
+                       std::vector<std::string> tip_links) {
+  return Robot(load_urdf(path_or_xml), base_link, std::move(tip_links));
 }
 
 }  // namespace pdoik

@@ -10,8 +10,10 @@ void bind_errors(py::module_& module);
 void bind_occupancy(py::module_& module);
 void bind_robot(py::module_& module);
 void bind_options(py::module_& module);
+void bind_goal(py::module_& module);
 void bind_result(py::module_& module);
 void bind_solver(py::module_& module);
+void bind_tracker(py::module_& module);
 void bind_lagrangian(py::module_& module);
 void bind_point_cloud(py::module_& module);
 

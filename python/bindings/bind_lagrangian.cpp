@@ -6,6 +6,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "goals.hpp"
 #include "names.hpp"
 #include "pdoik/lagrangian.hpp"
 
@@ -52,6 +53,16 @@ void bind_lagrangian(py::module_& module) {
 
 Raises:
     ValueError: It is not rigid to 1e-6.)")
+      .def(
+          "set_goals",
+          [](P& self, const GoalsLike& goals) {
+            self.problem.set_goals(to_goals(goals, self.problem.robot(), self.problem.options()));
+          },
+          py::arg("goals"),
+          R"(Take goals as Solver.solve does, without slack, and forget the multipliers.
+
+Raises:
+    ValueError: As in Solver.solve, or a goal has slack.)")
       .def(
           "set_obstacles",
           [](P& self, const std::optional<ArrayLike>& points) {

@@ -1,5 +1,8 @@
 #include <pybind11/stl.h>
 
+#include <map>
+#include <vector>
+
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "names.hpp"
@@ -60,12 +63,34 @@ void bind_levenberg_marquardt(py::module_& module) {
       .def_readwrite("stall_window", &O::stall_window);
 }
 
+void bind_balance(py::module_& module) {
+  using B = BalanceOptions;
+  py::class_<B>(module, "BalanceOptions")
+      .def(py::init<>())
+      .def_readwrite("com_lower", &B::com_lower)
+      .def_readwrite("com_upper", &B::com_upper)
+      .def_property(
+          "contacts",
+          [](const B& self) {
+            std::map<std::string, std::vector<Eigen::Vector3d>> contacts;
+            for (const Contact& contact : self.contacts) contacts[contact.link] = contact.points;
+            return contacts;
+          },
+          [](B& self, const std::map<std::string, std::vector<Eigen::Vector3d>>& contacts) {
+            self.contacts.clear();
+            for (const auto& [link, points] : contacts) self.contacts.push_back({link, points});
+          })
+      .def_readwrite("support_margin", &B::support_margin)
+      .def_readwrite("up", &B::up);
+}
+
 }  // namespace
 
 void bind_options(py::module_& module) {
   bind_lbfgs(module);
   bind_augmented_lagrangian(module);
   bind_levenberg_marquardt(module);
+  bind_balance(module);
   py::class_<Options> options(module, "Options", "The C++ options, which pdoik.Options fills.");
   options.def(py::init<>())
       .def_readwrite("goal_axis", &Options::goal_axis)
@@ -77,6 +102,10 @@ void bind_options(py::module_& module) {
       .def_readwrite("max_restarts", &Options::max_restarts)
       .def_readwrite("seed", &Options::seed)
       .def_readwrite("heed_fixed_hulls", &Options::heed_fixed_hulls)
+      .def_readwrite("balance", &Options::balance)
+      .def_readwrite("self_collision", &Options::self_collision)
+      .def_readwrite("self_clearance", &Options::self_clearance)
+      .def_readwrite("posture_weight", &Options::posture_weight)
       .def_readwrite("max_obstacles", &Options::max_obstacles)
       .def_readwrite("rotation_weight", &Options::rotation_weight)
       .def_readwrite("collision_weight", &Options::collision_weight)
@@ -88,6 +117,7 @@ void bind_options(py::module_& module) {
   def_name<&Options::goal>(options, "goal");
   def_name<&Options::method>(options, "method");
   def_name<&Options::inner>(options, "inner");
+  def_name<&Options::prefer>(options, "prefer");
 }
 
 }  // namespace pdoik::python

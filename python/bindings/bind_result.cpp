@@ -57,7 +57,8 @@ std::string batch_repr(const BatchResult& batch) {
 AnyTuple state(const NamedResult& r) {
   return py::make_tuple(r.q, r.success, static_cast<int>(r.status), r.position_error,
                         r.rotation_error, r.clearance, r.limit_violation, r.worst.violation,
-                        r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time);
+                        r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time,
+                        r.center_of_mass, r.balance_violation, r.self_distance);
 }
 
 NamedResult from_state(const AnyTuple& t) {
@@ -75,6 +76,9 @@ NamedResult from_state(const AnyTuple& t) {
   r.evaluations = t[10].cast<int>();
   r.restarts = t[11].cast<int>();
   r.time = t[12].cast<double>();
+  r.center_of_mass = t[13].cast<Eigen::Vector3d>();
+  r.balance_violation = t[14].cast<double>();
+  r.self_distance = t[15].cast<double>();
   return r;
 }
 
@@ -91,14 +95,24 @@ Every error is recomputed from q alone, so that a success can be judged without 
 `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
 `out_of_reach`: the target lies farther from the arm's root than its links stretch; `base_collision`: an
 obstacle point lies in a hull that no joint moves. In all but the first, q is the best found.)")
-      .def_readonly("position_error", &R::position_error, "[m]")
-      .def_readonly("rotation_error", &R::rotation_error,
-                    "[rad]; of the axis for axis goals, 0 for position goals.")
+      .def_readonly("position_error", &R::position_error, "Largest over the goals [m].")
+      .def_readonly(
+          "rotation_error", &R::rotation_error,
+          "Largest over the goals [rad]; of the axis for axis goals, 0 for position goals.")
       .def_readonly("clearance", &R::clearance,
                     "Least distance from an obstacle point, less its radius, to a hull: negative "
                     "inside, infinite "
                     "without obstacles or hulls [m].")
       .def_readonly("limit_violation", &R::limit_violation, "Largest over the joints [rad] or [m].")
+      .def_property_readonly(
+          "center_of_mass", [](const R& r) { return r.center_of_mass; },
+          "In the base frame, shape (3,) [m]; zero where balance is not asked for.")
+      .def_readonly("balance_violation", &R::balance_violation,
+                    "How far the centre of mass is outside its region, 0 inside [m].")
+      .def_readonly("self_distance", &R::self_distance,
+                    "Least distance between hulls of links that are not adjacent, where "
+                    "self_collision is asked for: of the capsules that hold them, never more than "
+                    "that of the hulls [m].")
       .def_readonly("worst_constraint", &R::worst_constraint,
                     "What is missed by most, or comes nearest to that.")
       .def_property_readonly(
@@ -149,6 +163,16 @@ A column is a new array each time it is asked for.)")
             return column<double>(b, [](const R& r) { return r.limit_violation; });
           },
           "Shape (B,) [rad] or [m].")
+      .def_property_readonly(
+          "balance_violation",
+          [](const B& b) {
+            return column<double>(b, [](const R& r) { return r.balance_violation; });
+          },
+          "Shape (B,) [m].")
+      .def_property_readonly(
+          "self_distance",
+          [](const B& b) { return column<double>(b, [](const R& r) { return r.self_distance; }); },
+          "Shape (B,) [m].")
       .def_property_readonly(
           "worst_constraint",
           [](const B& b) { return str_column(b, [](const R& r) { return r.worst_constraint; }); },

@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "goals.hpp"
 #include "pdoik/solver.hpp"
 #include "result.hpp"
 
@@ -31,11 +32,21 @@ struct SharedSolver {
   }
 };
 
-NamedResult solve(SharedSolver& self, const ArrayLike& T_base_tip,
-                  const std::optional<ArrayLike>& q0, const std::optional<ArrayLike>& obstacles) {
-  const Eigen::Isometry3d target = to_isometry(T_base_tip, "T_base_tip");
-  std::optional<Eigen::VectorXd> start;
-  if (q0) start = to_vector(*q0, "q0", self.solver.robot().dof());
+NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
+                  const std::optional<ArrayLike>& q0, const std::optional<ArrayLike>& obstacles,
+                  const std::optional<ArrayLike>& posture,
+                  const std::optional<ArrayLike>& max_step) {
+  const Robot& robot = self.solver.robot();
+  const std::vector<Goal> goals = to_goals(T_base_tip, robot, self.solver.options());
+  const auto vector = [&](const std::optional<ArrayLike>& values, const char* name) {
+    std::optional<Eigen::VectorXd> result;
+    if (values) result = to_vector(*values, name, robot.dof());
+    return result;
+  };
+  const std::optional<Eigen::VectorXd> start = vector(q0, "q0"), near = vector(posture, "posture"),
+                                       step = vector(max_step, "max_step");
+  const auto address = [](const std::optional<Eigen::VectorXd>& v) { return v ? &*v : nullptr; };
+  const Request request{goals, address(start), address(near), address(step)};
   const CloudView cloud(obstacles, "obstacles");
   NamedResult result;
   {
@@ -44,7 +55,8 @@ NamedResult solve(SharedSolver& self, const ArrayLike& T_base_tip,
     using Clock = std::chrono::steady_clock;
     const Clock::time_point started = Clock::now();
     self.solver.set_obstacles(cloud);
-    Result solved = self.solver.solve(target, start);
+    Result solved;
+    self.solver.solve(request, solved);
     solved.time = std::chrono::duration<double>(Clock::now() - started).count();  // with the cloud
     result = named(self.solver, std::move(solved));
   }
@@ -52,16 +64,16 @@ NamedResult solve(SharedSolver& self, const ArrayLike& T_base_tip,
   return result;
 }
 
-NamedResult judge(SharedSolver& self, const ArrayLike& T_base_tip, const ArrayLike& q,
+NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLike& q,
                   const std::optional<ArrayLike>& obstacles) {
-  const Eigen::Isometry3d target = to_isometry(T_base_tip, "T_base_tip");
+  const std::vector<Goal> goals = to_goals(T_base_tip, self.solver.robot(), self.solver.options());
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
   const CloudView cloud(obstacles, "obstacles");
   const py::gil_scoped_release release;
   const std::lock_guard<std::mutex> lock(self.mutex);
   self.solver.set_obstacles(cloud);
   Result result;
-  self.solver.judge(target, configuration, result);
+  self.solver.judge(goals, configuration, result);
   return named(self.solver, std::move(result));
 }
 
@@ -71,16 +83,17 @@ void raise_if_interrupted() {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
-BatchResult solve_batch(SharedSolver& self, const ArrayLike& T_base_tip,
+BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
                         const std::optional<ArrayLike>& q0,
                         const std::optional<ArrayLike>& obstacles, int threads) {
   using Clock = std::chrono::steady_clock;
-  const std::vector<Eigen::Isometry3d> targets = to_isometries(T_base_tip, "T_base_tip");
+  const std::vector<std::vector<Goal>> goals =
+      to_goals_batch(T_base_tip, self.solver.robot(), self.solver.options());
   std::vector<Eigen::VectorXd> starts;
   if (q0) starts = to_vectors(*q0, "q0", self.solver.robot().dof());
-  if (q0 && starts.size() != 1 && starts.size() != targets.size()) {
+  if (q0 && starts.size() != 1 && starts.size() != goals.size()) {
     throw std::invalid_argument("q0 has " + std::to_string(starts.size()) +
-                                " rows, expected 1 or " + std::to_string(targets.size()));
+                                " rows, expected 1 or " + std::to_string(goals.size()));
   }
   const CloudView cloud(obstacles, "obstacles");
   BatchResult batch;
@@ -92,17 +105,17 @@ BatchResult solve_batch(SharedSolver& self, const ArrayLike& T_base_tip,
   std::size_t done = 0, slice = 64;
   do {
     const Clock::time_point started = Clock::now();
-    const std::size_t count = std::min(slice, targets.size() - done);
+    const std::size_t count = std::min(slice, goals.size() - done);
     const auto own_starts =
         starts.size() > 1 ? std::span(starts).subspan(done, count) : std::span(starts);
     for (Result& result :
-         solver.solve_batch(std::span(targets).subspan(done, count), own_starts, threads)) {
+         solver.solve_goals_batch(std::span(goals).subspan(done, count), own_starts, threads)) {
       batch.results.push_back(named(solver, std::move(result)));
     }
     raise_if_interrupted();
     done += count;
     if (Clock::now() - started < std::chrono::milliseconds(100)) slice *= 2;
-  } while (done < targets.size());
+  } while (done < goals.size());
   return batch;
 }
 
@@ -114,25 +127,31 @@ void bind_solver(py::module_& module) {
       .def_property_readonly(
           "robot", [](const SharedSolver& self) { return self.solver.robot(); },
           "A copy of the robot this solver was made for, as it was then.")
-      .def(
-          "solve", &solve, py::arg("T_base_tip"), py::arg("q0") = py::none(),
-          py::arg("obstacles") = py::none(),
-          R"(Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of obstacles.
+      .def("solve", &solve, py::arg("T_base_tip"), py::arg("q0") = py::none(),
+           py::arg("obstacles") = py::none(), py::arg("posture") = py::none(),
+           py::arg("max_step") = py::none(),
+           R"(Find q so that the tips meet their goals, inside joint limits, clear of obstacles.
+
+Balance and distance from itself are kept where the options ask for them.
 
 Args:
-    T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m].
+    T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m]; or a
+        Goal; or for several tips a dict of such by tip link. Tips without a goal are free.
     q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
         None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
         answers are within pi of it.
     obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
         order is read in place. None or empty: there are none, whatever the call before had.
+    posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
+        the first solution found, shape (n,) [rad] or [m].
+    max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
 
 Returns:
     The result; not being able to is a status, not an exception.
 
 Raises:
-    ValueError: A shape is wrong, the target is not rigid, a radius is negative, or something is NaN or
-        infinite.)")
+    ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative, or
+        something is NaN or infinite.)")
       .def("solve_batch", &solve_batch, py::arg("T_base_tip"), py::arg("q0") = py::none(),
            py::arg("obstacles") = py::none(), py::arg("threads") = 0,
            R"(Solve many targets among the same obstacles, on several threads, each as `solve` does.
@@ -141,7 +160,7 @@ The answers are the same on any number of threads, but for those that max_time s
 between targets.
 
 Args:
-    T_base_tip: The targets, shape (B, 4, 4) [m].
+    T_base_tip: The targets, shape (B, 4, 4) [m], or a dict of such by tip link.
     q0: One start for all, shape (n,), or one each, shape (B, n). None as in `solve`.
     obstacles: As in `solve`.
     threads: 0 for one per processor.
@@ -152,7 +171,7 @@ Raises:
            R"(Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
 
 Args:
-    T_base_tip: The target, shape (4, 4) [m].
+    T_base_tip: As in `solve`.
     q: Joint positions, shape (n,) [rad] or [m].
     obstacles: As in `solve`.
 

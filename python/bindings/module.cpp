@@ -7,8 +7,10 @@ PYBIND11_MODULE(_core, module) {
   bind_occupancy(module);
   bind_robot(module);
   bind_options(module);
+  bind_goal(module);
   bind_result(module);
   bind_solver(module);
+  bind_tracker(module);
   bind_lagrangian(module);
   bind_point_cloud(module);
 }

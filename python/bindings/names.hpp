@@ -27,6 +27,9 @@ template <>
 inline constexpr std::array names<Method>{std::pair{Method::Default, "default"},
                                           std::pair{Method::Paper, "paper"}};
 template <>
+inline constexpr std::array names<Prefer>{std::pair{Prefer::First, "first"},
+                                          std::pair{Prefer::Nearest, "nearest"}};
+template <>
 inline constexpr std::array names<InnerMethod>{
     std::pair{InnerMethod::LevenbergMarquardt, "levenberg_marquardt"},
     std::pair{InnerMethod::Lbfgs, "lbfgs"}};

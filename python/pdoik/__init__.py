@@ -11,24 +11,39 @@ True
 from importlib.metadata import version
 
 import pdoik._import_core  # noqa: F401  # says what to install if a library is missing
-from pdoik._core import BatchResult, DhRow, Occupancy, Result, Robot, voxel_downsample
+from pdoik._core import (
+    BatchResult,
+    DhRow,
+    Goal,
+    LatencyHistogram,
+    Occupancy,
+    Result,
+    Robot,
+    TrackerResult,
+    voxel_downsample,
+)
 from pdoik.errors import LoadError, PdoikError, RobotWarning
 from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
     AugmentedLagrangianOptions,
+    Balance,
     LbfgsOptions,
     LevenbergMarquardtOptions,
     Options,
 )
 from pdoik.solver import Solver
+from pdoik.tracker import Tracker
 
 __version__ = version("pdoik")
 
 __all__ = [
     "AugmentedLagrangianOptions",
+    "Balance",
     "BatchResult",
     "DhRow",
+    "Goal",
     "Lagrangian",
+    "LatencyHistogram",
     "LbfgsOptions",
     "LevenbergMarquardtOptions",
     "LoadError",
@@ -39,5 +54,7 @@ __all__ = [
     "Robot",
     "RobotWarning",
     "Solver",
+    "Tracker",
+    "TrackerResult",
     "voxel_downsample",
 ]

@@ -67,10 +67,10 @@ def gaps(hulls: list[PlacedHull], points: FloatArray) -> FloatArray:
     return nearest
 
 
-def skeleton(robot: Robot, q: FloatArray, tip: str) -> FloatArray:
-    """Origins of base, first link behind each joint on the way to the tip, and tip.
+def way_to(robot: Robot, q: FloatArray, tip: str) -> list[str]:
+    """Base, first link behind each joint on the way to the tip, and tip.
 
-    A link lies on the way when only joints that move the tip move it. Shape (K, 3) [m].
+    A link lies on the way when only joints that move the tip move it.
     """
 
     def movers(link: str) -> frozenset[int]:
@@ -84,7 +84,11 @@ def skeleton(robot: Robot, q: FloatArray, tip: str) -> FloatArray:
         joints = movers(link)
         if joints <= tip_movers:
             first.setdefault(joints, link)
-    way = [first[joints] for joints in sorted(first, key=len)] + [tip]
-    origins = np.array([robot.fk(q, link)[:3, 3] for link in way])
+    return [first[joints] for joints in sorted(first, key=len)] + [tip]
+
+
+def skeleton(robot: Robot, q: FloatArray, tip: str) -> FloatArray:
+    """Origins of the links on the way to the tip that do not coincide, (K, 3) [m]."""
+    origins = np.array([robot.fk(q, link)[:3, 3] for link in way_to(robot, q, tip)])
     moved = np.linalg.norm(np.diff(origins, axis=0), axis=1) > 1e-9
     return np.asarray(origins[np.concatenate([[True], moved])])

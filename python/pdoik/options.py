@@ -1,8 +1,8 @@
 """The options of a solver, with their defaults and units."""
 
 import dataclasses
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +17,13 @@ _LBFGS = _DEFAULT.lbfgs
 _LAGRANGIAN = _DEFAULT.augmented_lagrangian
 _LM = _DEFAULT.levenberg_marquardt
 _AXES: dict[Axis, tuple[float, float, float]] = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+
+
+def _to_vector(values: Vector3, name: str) -> tuple[float, ...]:
+    vector = np.asarray(values, dtype=np.float64)
+    if vector.shape != (3,):
+        raise ValueError(f"{name} has shape {vector.shape}, expected (3,)")
+    return tuple(vector.tolist())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,6 +100,49 @@ class LevenbergMarquardtOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Balance:
+    """Where the centre of mass has to be (Eq. com). The base link's mass counts.
+
+    Attributes:
+        com_lower: Lower corner of a box along the base frame's axes, shape (3,) [m].
+        com_upper: Its upper corner, shape (3,) [m].
+        contacts: Points by which links stand on the ground: by link name, shape (K, 3) in the link
+            frame [m]. The centre of mass has to be over their convex hull, seen along `up`. Empty
+            for anywhere.
+        support_margin: At least this far inside the hull's edges [m].
+        up: Against gravity, in the base frame, shape (3,).
+
+    Raises:
+        ValueError: A shape is wrong. Links and numbers come out when a solver is made.
+    """
+
+    com_lower: Vector3 = (-np.inf, -np.inf, -np.inf)
+    com_upper: Vector3 = (np.inf, np.inf, np.inf)
+    contacts: Mapping[str, Sequence[Vector3] | NDArray[np.float64]] = field(default_factory=dict)
+    support_margin: float = _DEFAULT.balance.support_margin
+    up: Vector3 = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        """Check shapes; copy what could be changed from outside."""
+        for name in ("com_lower", "com_upper", "up"):
+            object.__setattr__(self, name, _to_vector(getattr(self, name), f"balance.{name}"))
+        contacts = {}
+        for link, points in self.contacts.items():
+            array = np.asarray(points, dtype=np.float64)
+            if array.ndim != 2 or array.shape[1] != 3:
+                raise ValueError(
+                    f"balance.contacts[{link!r}] has shape {array.shape}, expected (K, 3)"
+                )
+            contacts[link] = [tuple(point) for point in array.tolist()]
+        object.__setattr__(self, "contacts", contacts)
+
+    def __hash__(self) -> int:
+        """Of what it holds."""
+        contacts = tuple((link, tuple(points)) for link, points in sorted(self.contacts.items()))
+        return hash((self.com_lower, self.com_upper, contacts, self.support_margin, self.up))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
     """What a solver aims at and how. Metres, radians, seconds.
 
@@ -109,6 +159,14 @@ class Options:
         heed_fixed_hulls: Whether an obstacle in a hull that no joint moves, about which no answer
             can do anything, makes a solve fail. False for clouds that show the table the robot
             stands on; clearance is then that of the other hulls.
+        balance: Where the centre of mass has to be.
+        self_collision: Keep hulls of links that are not adjacent off one another, but for
+            Robot.ignored_pairs.
+        self_clearance: By at least this much [m].
+        prefer: "first" ends with the first solution found; "nearest" spends the budget on finding
+            one near the posture, or the start if none is given.
+        posture_weight: Of the squared distance to the posture against goals and constraints, which
+            are met first [m^2/rad^2].
         max_time: Deadline of a solve [s]; may be infinite.
         max_restarts: Starts after the first.
         seed: Of the restarts' sequence.
@@ -140,6 +198,13 @@ class Options:
 
     heed_fixed_hulls: bool = _DEFAULT.heed_fixed_hulls
 
+    balance: Balance = Balance()
+    self_collision: bool = _DEFAULT.self_collision
+    self_clearance: float = _DEFAULT.self_clearance
+
+    prefer: Literal["first", "nearest"] = "first"
+    posture_weight: float = _DEFAULT.posture_weight
+
     max_time: float = _DEFAULT.max_time
     max_restarts: int = _DEFAULT.max_restarts
     seed: int = _DEFAULT.seed
@@ -159,7 +224,7 @@ class Options:
     def __post_init__(self) -> None:
         """Check types and make goal_axis hashable."""
         if not isinstance(self.goal_axis, str):
-            object.__setattr__(self, "goal_axis", _to_vector(self.goal_axis))
+            object.__setattr__(self, "goal_axis", _to_vector(self.goal_axis, "goal_axis"))
         to_core(self)
 
 
@@ -187,10 +252,3 @@ def _copy(source: Any, target: Any) -> None:
             what = f"{type(source).__name__}.{each.name} is {value!r}"
             expected = getattr(each.type, "__name__", each.type)
             raise TypeError(f"{what}, expected {expected}") from None
-
-
-def _to_vector(values: Vector3) -> tuple[float, ...]:
-    vector = np.asarray(values, dtype=np.float64)
-    if vector.shape != (3,):
-        raise ValueError(f"goal_axis has shape {vector.shape}, expected (3,)")
-    return tuple(vector.tolist())

@@ -101,8 +101,9 @@ inline RobotDescription random_description(Random& random, const RobotKind& kind
     JointDescription joint;
     const char letter = static_cast<char>('a' + random.integer(0, 25));
     joint.name = letter + std::to_string(i);
-    joint.parent_link = "l" + std::to_string(kind.branches ? random.integer(0, i - 1) : i - 1);
-    joint.child_link = "l" + std::to_string(i);
+    const auto link = [](int k) { return std::string(1, 'l').append(std::to_string(k)); };
+    joint.parent_link = link(kind.branches ? random.integer(0, i - 1) : i - 1);
+    joint.child_link = link(i);
     joint.T_parent_child = random.pose(0.3);
     joint.axis = random.direction();
     joint.axis *= random.uniform(0.5, 2.0);

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "arms.hpp"
+#include "detail/self_collision.hpp"
 
 // Every allocation of the whole test program passes through these, since a program's own malloc
 // takes precedence over the C library's; operator new and Eigen call malloc. Sanitizers bring their
@@ -181,6 +182,26 @@ TEST(Allocation, minimisers_and_kinematics_take_their_memory_at_construction) {
   };
   EXPECT_EQ(allocations([&] { lbfgs.minimize(bowl, x); }), 0);
   EXPECT_LT(x.norm(), 1e-6);
+}
+
+TEST(Allocation, self_collision_takes_its_memory_at_construction) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  const detail::HullModel model(robot);
+  detail::SelfCollision self(robot, model, 0.01);
+  std::vector<detail::Vec4> positions(model.points.size());
+  Random random(6);
+  int near = 0;
+  for (int k = 0; k < 20; ++k) {
+    for (detail::Vec4& position : positions) position = detail::to_vec4(random.point(0.5));
+    EXPECT_EQ(allocations([&] {
+                self.place(positions.data());
+                self.find_near([](int) { return 10.0; });
+                near += self.near_count();
+                near += self.least().pair >= 0;
+              }),
+              0);
+  }
+  EXPECT_GT(near, 20 * self.pair_count() / 2);
 }
 
 #else

@@ -31,13 +31,15 @@ class Workbench {
         hulls(robot),
         moving(hulls, hulls.moving),
         fixed(hulls, hulls.fixed),
+        own(robot, options),
         rollout(robot),
         map(robot, slack),
-        lagrangian(map, rollout, goals, moving, scene, options.point_distance, robot.dof()),
-        least_squares(rollout, goals, moving, scene, options, robot.dof()) {
-    const int tip = robot.tips().front();
-    goals.emplace_back(robot.body_of_link(tip), robot.T_body_link(tip), options.goal,
-                       options.goal_axis);
+        lagrangian(map, rollout, goals, moving, own, scene, options.point_distance, robot.dof()),
+        least_squares(rollout, goals, moving, own, scene, options, robot.dof()) {
+    Goal goal;
+    goal.type = options.goal;
+    goal.axis = options.goal_axis;
+    goals.emplace_back(robot, goal);
     set_obstacles(ObstacleMatrix(0, 3));
   }
   Workbench(const Workbench&) = delete;
@@ -53,6 +55,10 @@ class Workbench {
   void set_target(const Eigen::Isometry3d& T) {
     target = T;
     goals.front().set_target(T);
+  }
+  void set_goals(const std::vector<Goal>& asked) {
+    goals.clear();
+    for (const Goal& goal : asked) goals.emplace_back(robot, goal);
   }
   void roll_out(const Eigen::VectorXd& q) {
     const Eigen::VectorXd cosine = q.array().cos(), sine = q.array().sin();
@@ -72,6 +78,7 @@ class Workbench {
   detail::HullModel hulls;
   detail::Scene scene;
   detail::CollisionState moving, fixed;
+  detail::OwnConstraints own;
   detail::Rollout rollout;
   std::vector<detail::GoalTerm> goals;
   JointLimitMap map;

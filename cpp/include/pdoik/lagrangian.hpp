@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <span>
 
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/options.hpp"
@@ -28,7 +29,8 @@ class Lagrangian {
     Positions,  ///< q itself; limits are the optimiser's to hold
   };
 
-  /// @param options  Goal, clearance and point_distance count; the rest belongs to solvers.
+  /// @param options  Goal, clearance, balance, self-collision and point_distance count; the rest
+  /// belongs to solvers.
   /// @throws std::invalid_argument as Solver's constructor does.
   explicit Lagrangian(const Robot& robot, const Options& options = {},
                       Variables variables = Variables::Slack);
@@ -39,7 +41,9 @@ class Lagrangian {
   const Robot& robot() const;
   const Options& options() const;
 
-  /// Both forget the multipliers. @throws std::invalid_argument as Solver's functions do.
+  /// All forget the multipliers. @throws std::invalid_argument as Solver's functions do.
+  /// `set_target` is for robots with one tip, whose goal is of the options' type.
+  void set_goals(std::span<const Goal> goals);
   void set_target(const Eigen::Isometry3d& T_base_tip);
   void set_obstacles(const Obstacles& points);
 
@@ -53,14 +57,14 @@ class Lagrangian {
 
   /// Eq. AL at x with the multipliers as they are, and its gradient, resized to (size(),).
   double lagrangian(const Eigen::VectorXd& x, const Penalty& penalty, Eigen::VectorXd& gradient);
-  /// max(0, max_j c_j(x)): of Eq. joint_coll_avoid and, being a sum of two distances, twice the
-  /// depth of Eq. link_coll_avoid [m].
+  /// max(0, max_j c_j(x)), the robot's own constraints included: of Eq. joint_coll_avoid and, being
+  /// a sum of two distances, twice the depth of Eq. link_coll_avoid [m].
   double max_constraint(const Eigen::VectorXd& x);
   void reset_multipliers();
   void update_multipliers(const Eigen::VectorXd& x, const Penalty& penalty);
 
-  /// Where `lagrangian` was last evaluated: the tip's errors [m], [rad] and the largest constraint,
-  /// at least 0 [m].
+  /// Where `lagrangian` was last evaluated: the tips' largest errors [m], [rad] and the largest
+  /// constraint, at least 0 [m].
   double last_position_error() const;
   double last_rotation_error() const;
   double last_max_constraint() const;

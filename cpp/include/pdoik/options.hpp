@@ -2,19 +2,16 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include "pdoik/augmented_lagrangian.hpp"
+#include "pdoik/goal.hpp"
 #include "pdoik/lbfgs.hpp"
 #include "pdoik/levenberg_marquardt.hpp"
 
 namespace pdoik {
-
-/// What the tip has to match of its target.
-enum class GoalType {
-  Pose,      ///< position and orientation, 6 degrees of freedom
-  Axis,      ///< position and the direction of one axis of the tip, 5
-  Position,  ///< position, 3
-};
 
 enum class Method {
   Default,  ///< restarts from a low-discrepancy sequence, Levenberg-Marquardt and L-BFGS inside
@@ -25,6 +22,35 @@ enum class Method {
 enum class InnerMethod {
   LevenbergMarquardt,  ///< Gauss-Newton steps in joint positions inside their limits
   Lbfgs,               ///< the paper's: augmented Lagrangian with L-BFGS over the slack variables
+};
+
+/// Which of several solutions is wanted.
+enum class Prefer {
+  First,    ///< the first that is found
+  Nearest,  ///< the one nearest to the posture (or the start) that the budget finds
+};
+
+/// Points by which a link stands on the ground.
+struct Contact {
+  std::string link;
+  std::vector<Eigen::Vector3d> points;  ///< corners of the sole, in the link frame [m]
+};
+
+/// Where the centre of mass has to be (Eq. com). The base link's mass counts.
+struct BalanceOptions {
+  /// A box along the base frame's axes [m].
+  Eigen::Vector3d com_lower = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::Vector3d com_upper = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  /// Over the convex hull of these, seen along `up`; empty for anywhere.
+  std::vector<Contact> contacts;
+  double support_margin = 0.0;                    ///< at least this far inside the hull's edges [m]
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< against gravity, in the base frame
+
+  bool wanted() const {
+    return !contacts.empty() ||
+           !(com_lower.array() == -std::numeric_limits<double>::infinity()).all() ||
+           !(com_upper.array() == std::numeric_limits<double>::infinity()).all();
+  }
 };
 
 /// Metres, radians, seconds.
@@ -41,6 +67,15 @@ struct Options {
   /// Whether an obstacle in a hull that no joint moves, about which no answer can do anything,
   /// makes a solve fail. Off for clouds that show the table the robot stands on.
   bool heed_fixed_hulls = true;
+
+  BalanceOptions balance = {};
+  bool self_collision = false;  ///< keep hulls of links that are not adjacent off one another
+  double self_clearance = 0.0;  ///< by at least this much [m]
+
+  Prefer prefer = Prefer::First;
+  /// Of the squared distance to the posture, where one is given, against goals and constraints,
+  /// which are met first [m^2/rad^2].
+  double posture_weight = 1e-3;
 
   double max_time = 0.01;   ///< deadline of a solve [s]
   int max_restarts = 1000;  ///< starts after the first; Method::Paper has none
@@ -59,7 +94,7 @@ struct Options {
       0.5;  ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
 
   LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 4.0, .curvature = 0.5};
-  AugmentedLagrangianOptions augmented_lagrangian;
+  AugmentedLagrangianOptions augmented_lagrangian = {};
   LevenbergMarquardtOptions levenberg_marquardt{.stall_ratio = 0.8, .stall_window = 2};
 };
 

@@ -3,9 +3,13 @@
 /// Everything: constrained inverse kinematics among point clouds.
 
 #include "pdoik/augmented_lagrangian.hpp"
+#include "pdoik/collision_pairs.hpp"
 #include "pdoik/errors.hpp"
+#include "pdoik/floating_base.hpp"
+#include "pdoik/goal.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/lagrangian.hpp"
+#include "pdoik/latency_histogram.hpp"
 #include "pdoik/lbfgs.hpp"
 #include "pdoik/levenberg_marquardt.hpp"
 #include "pdoik/occupancy.hpp"
@@ -14,3 +18,4 @@
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
 #include "pdoik/solver.hpp"
+#include "pdoik/tracker.hpp"

@@ -21,10 +21,13 @@ const char* to_string(Status status);
 
 /// What keeps a configuration from being a solution by most, or comes nearest to that.
 struct WorstConstraint {
-  enum class Kind { None, Position, Rotation, Limit, Clearance };
+  enum class Kind { None, Position, Rotation, Limit, Clearance, Balance, SelfCollision };
   Kind kind = Kind::None;
-  int index = -1;  ///< the joint for Limit, the hull (spheres first, then spheroids) for Clearance
-  int obstacle = -1;  ///< the obstacle's row for Clearance
+  /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
+  /// spheroids) for Clearance and SelfCollision; for Balance 0 to 5 the box's lower and upper x, y,
+  /// z, then 6 the support polygon.
+  int index = -1;
+  int obstacle = -1;  ///< the obstacle's row for Clearance, the other hull for SelfCollision
   double violation =
       0.0;  ///< by how much it is missed beyond its tolerance [m] or [rad]; at most 0 if it holds
 };
@@ -35,10 +38,17 @@ struct Result {
   Eigen::VectorXd q;  ///< [rad] or [m]
   bool success = false;
   Status status = Status::Exhausted;
-  double position_error = std::numeric_limits<double>::infinity();  ///< [m]
-  double rotation_error = std::numeric_limits<double>::infinity();  ///< [rad]; 0 for position goals
+  double position_error = std::numeric_limits<double>::infinity();  ///< largest over goals [m]
+  double rotation_error =
+      std::numeric_limits<double>::infinity();  ///< largest over goals [rad]; 0 for position goals
   double clearance = std::numeric_limits<double>::infinity();  ///< [m]; infinite without obstacles
   double limit_violation = 0.0;  ///< [rad] or [m], largest over joints
+  /// In the base frame, where balance is asked for [m].
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();
+  double balance_violation = 0.0;  ///< how far it is outside its region, 0 inside [m]
+  /// Least distance between hulls of links that are not adjacent, where that is asked for: between
+  /// the capsules that hold them, which is never more [m].
+  double self_distance = std::numeric_limits<double>::infinity();
   WorstConstraint worst;
   int iterations = 0;   ///< of the inner minimisers
   int evaluations = 0;  ///< rollouts

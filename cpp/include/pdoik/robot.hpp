@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pdoik/occupancy.hpp"
@@ -57,6 +58,19 @@ struct RobotDescription {
   std::vector<JointDescription> joints;
 };
 
+/// Read a URDF with urdfdom, as links and joints that may be added to before they become a Robot
+/// (see floating_base.hpp).
+/// @param path_or_xml  A file's path, or the XML text itself (recognised by its leading '<').
+/// @throws LoadError  unreadable file, malformed XML, a type of joint that is not supported.
+RobotDescription load_urdf(const std::string& path_or_xml);
+
+/// Links and joints of a robot shipped with the library, to be placed in the world or set afloat.
+/// @throws std::invalid_argument listing the names there are.
+RobotDescription builtin_description(const std::string& name);
+
+/// Two links by name, in any order.
+using LinkPair = std::pair<std::string, std::string>;
+
 /// A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix with entry (2,4) = -d
 /// sin(alpha)): T = Rx(alpha) Tx(a) Rz(theta) Tz(d). For a prismatic row the variable adds to d.
 struct DhRow {
@@ -85,8 +99,8 @@ struct Body {
 /// A robot as the solver sees it: a tree of bodies from a chosen base, with links attached to them.
 ///
 /// `joint_names` are ordered depth first from the base, siblings by joint name (Pinocchio's order);
-/// fixed and mimic joints have no entry in q. Immutable after construction but for its occupancy,
-/// so one robot may serve many threads.
+/// fixed and mimic joints have no entry in q. Immutable after construction but for its occupancy
+/// and ignored pairs, so one robot may serve many threads.
 class Robot {
  public:
   /// @param base_link  Any link of the tree; empty takes the description's root.
@@ -96,9 +110,8 @@ class Robot {
   explicit Robot(const RobotDescription& description, const std::string& base_link = {},
                  std::vector<std::string> tip_links = {});
 
-  /// Read a URDF with urdfdom.
-  /// @param path_or_xml  A file's path, or the XML text itself (recognised by its leading '<').
-  /// @throws LoadError  additionally to the constructor's: unreadable file, malformed XML.
+  /// Robot(load_urdf(path_or_xml), base_link, tip_links).
+  /// @throws LoadError  the constructor's and load_urdf's.
   static Robot from_urdf(const std::string& path_or_xml, const std::string& base_link = {},
                          std::vector<std::string> tip_links = {});
 
@@ -107,9 +120,11 @@ class Robot {
   static Robot from_dh(const std::vector<DhRow>& rows,
                        const Eigen::Isometry3d& T_last_tool = Eigen::Isometry3d::Identity());
 
-  /// A robot shipped with the library: "panda", "ur10" or "iiwa14", with its occupancy.
-  /// @throws std::invalid_argument listing the names there are.
-  static Robot builtin(const std::string& name);
+  /// A robot shipped with the library: "panda", "ur10", "iiwa14" or "h1", with its occupancy and
+  /// ignored pairs.
+  /// @throws std::invalid_argument listing the names there are; LoadError as the constructor.
+  static Robot builtin(const std::string& name, const std::string& base_link = {},
+                       std::vector<std::string> tip_links = {});
   static std::vector<std::string> builtin_names();
 
   const std::string& name() const { return name_; }
@@ -126,6 +141,9 @@ class Robot {
   /// Speed limits of the joints, shape (n,), [rad/s] or [m/s]; infinite where the description gives
   /// none.
   const Eigen::VectorXd& velocity() const { return velocity_; }
+  /// Effort limits of the joints, shape (n,), [N m] or [N]; infinite where the description gives
+  /// none.
+  const Eigen::VectorXd& effort() const { return effort_; }
   const std::vector<JointType>& joint_types() const { return joint_types_; }
   /// The middle of each joint's range, 0 for joints without limits, shape (n,).
   Eigen::VectorXd mid_configuration() const;
@@ -142,6 +160,15 @@ class Robot {
   /// Geometric Jacobian of a link's origin, shape (6, n): three linear rows, then three angular
   /// ones, both in the base frame's axes (Pinocchio's LOCAL_WORLD_ALIGNED).
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(VectorIn q, int link = -1) const;
+
+  /// The sum of all links' masses, the base's included [kg].
+  double total_mass() const;
+  /// Mean of the links' centres of mass weighted by their masses, the base's included, in the base
+  /// frame [m].
+  /// @throws std::invalid_argument if the masses do not sum up to a positive number.
+  Eigen::Vector3d center_of_mass(VectorIn q) const;
+  /// Its derivative with respect to q, shape (3, n).
+  Eigen::Matrix3Xd center_of_mass_jacobian(VectorIn q) const;
 
   /// Poses of all bodies in the base frame, into a vector sized beforehand. Allocates nothing.
   void body_poses(VectorIn q, std::vector<Eigen::Isometry3d>& T_base_body) const;
@@ -166,6 +193,12 @@ class Robot {
   /// link.
   void set_occupancy(Occupancy occupancy);
 
+  /// Links whose hulls may touch each other, besides those that are joined (see
+  /// collision_pairs.hpp). Empty until set.
+  const std::vector<LinkPair>& ignored_pairs() const { return ignored_pairs_; }
+  /// @throws std::invalid_argument naming an unknown link.
+  void set_ignored_pairs(std::vector<LinkPair> pairs);
+
   /// Oddities of the description that do not stop kinematics (inertias that are not physical, ...).
   const std::vector<std::string>& warnings() const { return warnings_; }
 
@@ -174,7 +207,7 @@ class Robot {
   int base_ = 0;
   std::vector<std::string> joint_names_;
   std::vector<JointType> joint_types_;
-  Eigen::VectorXd lower_, upper_, velocity_;
+  Eigen::VectorXd lower_, upper_, velocity_, effort_;
   std::vector<std::string> link_names_;
   std::vector<LinkDescription> links_;
   std::vector<int> link_body_;
@@ -182,6 +215,7 @@ class Robot {
   std::vector<Body> bodies_;
   std::vector<int> tips_;
   Occupancy occupancy_;
+  std::vector<LinkPair> ignored_pairs_;
   std::vector<std::string> warnings_;
 };
 

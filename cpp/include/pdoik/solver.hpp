@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "pdoik/goal.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
@@ -18,6 +19,20 @@ namespace pdoik {
 using Obstacles =
     Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
                Eigen::OuterStride<>>;
+
+/// What one solve is asked. All is read where the caller keeps it.
+struct Request {
+  std::span<const Goal> goals = {};  ///< at most one a tip; tips without one are free
+  /// Where to start, shape (n,), moved inside the limits; answers near it are preferred. Null for
+  /// the middle of the ranges (Method::Paper: omega = 0), and any answer.
+  const Eigen::VectorXd* q0 = nullptr;
+  /// A posture, shape (n,), that the answer comes as near to as goals and constraints let it, by
+  /// going downhill from the first solution found. Null for none.
+  const Eigen::VectorXd* posture = nullptr;
+  /// Hard bounds on |q - q0| of each joint, shape (n,), not negative [rad] or [m]: speed times
+  /// period, for a step that a machine can make. Null for none. Needs q0.
+  const Eigen::VectorXd* max_step = nullptr;
+};
 
 /// Constrained inverse kinematics among points (Sec. algorithm).
 ///
@@ -32,8 +47,8 @@ using Obstacles =
 /// starts.
 class Solver {
  public:
-  /// @throws std::invalid_argument naming the option out of range; or if the robot has several
-  /// tips.
+  /// @throws std::invalid_argument naming the option out of range; or if the robot has no joints or
+  /// more than 64.
   explicit Solver(const Robot& robot, const Options& options = {});
   Solver(Solver&&) noexcept;
   Solver& operator=(Solver&&) noexcept;
@@ -54,15 +69,18 @@ class Solver {
   /// for Ctrl-C where max_time is long. Copies of the solver do not ask.
   void set_interrupt(std::function<bool()> wanted);
 
-  /// Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of
-  /// obstacles.
-  /// @param T_base_tip  The target, rigid to 1e-6.
-  /// @param q0  Where to start, shape (n,), moved inside the limits; answers near it are preferred.
-  ///     None for the middle of the ranges (Method::Paper: omega = 0), and any answer.
-  /// @throws std::invalid_argument on NaN, infinity, a target that is not rigid, a wrong length.
+  /// Find q so that each goal's tip has its pose, axis or position, inside joint limits, clear of
+  /// obstacles, balanced and off itself where the options say so. The real-time form: result.q is
+  /// resized at the first use only.
+  /// @throws std::invalid_argument on NaN, infinity, a target that is not rigid to 1e-6, a wrong
+  /// length, a tip that there is not or that has two goals, a negative slack or weight, no goal.
+  void solve(const Request& request, Result& result);
+
+  /// The same for a robot with one tip, whose goal is of the options' type.
+  /// @param q0  As in Request.
+  /// @throws std::invalid_argument additionally if the robot has several tips.
   Result solve(const Eigen::Isometry3d& T_base_tip,
                const std::optional<Eigen::VectorXd>& q0 = std::nullopt);
-  /// The same into a result whose q is resized at the first use only: the real-time form.
   /// @param q0  May be null.
   void solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result);
 
@@ -73,9 +91,18 @@ class Solver {
   std::vector<Result> solve_batch(std::span<const Eigen::Isometry3d> targets,
                                   std::span<const Eigen::VectorXd> q0 = {}, int threads = 0) const;
 
+  /// The same with goals for each: `goals[i]` for the i-th solve.
+  std::vector<Result> solve_goals_batch(std::span<const std::vector<Goal>> goals,
+                                        std::span<const Eigen::VectorXd> q0 = {},
+                                        int threads = 0) const;
+
   /// Errors, clearance, limits and verdict of a configuration, recomputed from q by plain forward
   /// kinematics.
   void judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const;
+  void judge(std::span<const Goal> goals, VectorIn q, Result& result) const;
+
+  /// The goal of the options' type for the tip, or for one of several.
+  Goal goal(const Eigen::Isometry3d& T_base_tip, int tip = 0) const;
 
   /// "clearance of panda_link5, spheroid 12, to obstacle 17", for people.
   std::string describe(const WorstConstraint& worst) const;

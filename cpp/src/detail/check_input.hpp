@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "pdoik/solver.hpp"
@@ -9,10 +10,17 @@ namespace pdoik::detail {
 // What enters at the border. All throw std::invalid_argument that names the thing, what was
 // expected and what came.
 
-/// One tip, 1 to 64 joints.
+/// 1 to 64 joints.
 void check_robot(const Robot& robot);
+/// One tip, for what takes a target without saying whose it is.
+void check_one_tip(const Robot& robot);
+/// Goals for tips that there are, one each; what the method cannot do is refused.
+void check_goals(std::span<const Goal> goals, const Robot& robot, const Options& options);
+void check_request(const Request& request, const Robot& robot, const Options& options);
 /// Rigid to 1e-6.
 void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_tip");
+/// Bounds on a step, one per joint, none negative; infinity is fine.
+void check_step(const Eigen::VectorXd& step, int dof, const std::string& name);
 void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name);
 /// Finite rows of three or four, none beyond 1e6 m, no radius negative.
 void check_obstacles(const Obstacles& points);

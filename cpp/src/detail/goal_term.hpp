@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "detail/frame.hpp"
-#include "pdoik/options.hpp"
+#include "pdoik/goal.hpp"
+#include "pdoik/robot.hpp"
 
 namespace pdoik::detail {
 
@@ -33,9 +34,55 @@ inline Vec4 axis_error_vector(const Vec4& axis, const Vec4& target) {
   return broadcast(M_PI) * to_vec4(to_vector3(target).unitOrthogonal());
 }
 
+/// A vector's component beyond `slack`, of its sign; 0 within.
+inline double beyond(double value, double slack) {
+  return value > slack ? value - slack : value < -slack ? value + slack : 0.0;
+}
+
+/// What is left of an error vector (base frame) when each component along `axes` is forgiven its
+/// slack.
+inline Vec4 beyond(const Vec4& error, const Frame& axes, const Eigen::Vector3d& slack) {
+  return axes.x * broadcast(beyond(dot3(axes.x, error), slack.x())) +
+         axes.y * broadcast(beyond(dot3(axes.y, error), slack.y())) +
+         axes.z * broadcast(beyond(dot3(axes.z, error), slack.z()));
+}
+
+/// How that changes when the error changes by d: d along the axes that are beyond their slack.
+inline Vec4 beyond_derivative(const Vec4& d, const Vec4& error, const Frame& axes,
+                              const Eigen::Vector3d& slack) {
+  Vec4 result{};
+  const auto add = [&](const Vec4& axis, double allowed) {
+    if (std::abs(dot3(axis, error)) >= allowed) result += broadcast(dot3(axis, d)) * axis;
+  };
+  add(axes.x, slack.x());
+  add(axes.y, slack.y());
+  add(axes.z, slack.z());
+  return result;
+}
+
+/// How the rotation vector e of exp(e) changes when that rotation is followed by a small one w: the
+/// inverse left Jacobian of SO(3), e' = w - e x w / 2 + k e x (e x w).
+inline Vec4 rotation_vector_rate(const Vec4& e, const Vec4& w) {
+  const double square = dot3(e, e), angle = std::sqrt(square);
+  const double k = angle < 1e-3 ? 1.0 / 12.0 + square / 720.0
+                                : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / square;
+  const Vec4 once = cross3(e, w);
+  return w - broadcast(0.5) * once + broadcast(k) * cross3(e, once);
+}
+
 /// One tip and its target (Sec. ee-pose), in both forms that the inner methods use.
 class GoalTerm {
  public:
+  GoalTerm(const Robot& robot, const Goal& goal)
+      : GoalTerm(robot.body_of_link(robot.tips()[static_cast<std::size_t>(goal.tip)]),
+                 robot.T_body_link(robot.tips()[static_cast<std::size_t>(goal.tip)]), goal.type,
+                 goal.axis) {
+    set_target(goal.T_base_tip);
+    weight_ = goal.weight;
+    position_slack_ = goal.position_slack;
+    rotation_slack_ = goal.rotation_slack;
+    has_slack_ = !position_slack_.isZero(0.0) || !rotation_slack_.isZero(0.0);
+  }
   GoalTerm(int body, const Eigen::Isometry3d& T_body_tip, GoalType type,
            const Eigen::Vector3d& axis)
       : body_(body),
@@ -52,7 +99,7 @@ class GoalTerm {
     position_error_ = tip_.p - target_.p;
   }
   /// The rotation vector from the target to the tip where it was placed [rad].
-  Vec4 rotation_error() const {
+  Vec4 rotation_vector() const {
     if (type_ == GoalType::Pose) return rotation_error_vector(tip_, target_);
     if (type_ == GoalType::Axis) return axis_error_vector(axis(), rotate(target_, axis_));
     return Vec4{};
@@ -60,9 +107,33 @@ class GoalTerm {
 
   int body() const { return body_; }
   GoalType type() const { return type_; }
+  double weight() const { return weight_; }
+  bool has_slack() const { return has_slack_; }
   const Frame& tip() const { return tip_; }
-  const Vec4& position_error() const { return position_error_; }  ///< [m]
-  double position_distance() const { return std::sqrt(dot3(position_error_, position_error_)); }
+  /// What of the errors the goal's slack does not forgive, in the base frame [m], [rad].
+  Vec4 position_error() const {
+    return has_slack_ ? beyond(position_error_, target_, position_slack_) : position_error_;
+  }
+  Vec4 rotation_error() const {
+    const Vec4 e = rotation_vector();
+    if (!has_slack_) return e;
+    if (type_ == GoalType::Pose) return beyond(e, target_, rotation_slack_);
+    const double angle = std::sqrt(dot3(e, e)), slack = rotation_slack_.maxCoeff();
+    return angle > slack ? broadcast(1.0 - slack / angle) * e : Vec4{};
+  }
+  /// How these change with the tip's velocity and, for GoalType::Pose, angular velocity, where
+  /// there is slack.
+  Vec4 position_error_rate(const Vec4& velocity) const {
+    return beyond_derivative(velocity, position_error_, target_, position_slack_);
+  }
+  Vec4 rotation_error_rate(const Vec4& angular) const {
+    const Vec4 e = rotation_vector();
+    return beyond_derivative(rotation_vector_rate(e, angular), e, target_, rotation_slack_);
+  }
+  double position_distance() const {
+    const Vec4 error = position_error();
+    return std::sqrt(dot3(error, error));
+  }
   double rotation_distance() const {
     const Vec4 error = rotation_error();
     return std::sqrt(dot3(error, error));
@@ -70,15 +141,17 @@ class GoalTerm {
   /// The tip's constrained axis in the base frame (GoalType::Axis).
   Vec4 axis() const { return rotate(tip_, axis_); }
 
-  /// Eq. obj, the trace of (U_e - U*)^T (U_e - U*) halved, and its wrench at the base's origin. The
-  /// points are u_e and one at `distance` along x and y (Pose) or along the named axis (Axis).
+  /// Eq. obj, the trace of (U_e - U*)^T (U_e - U*) halved and weighted, and its wrench at the
+  /// base's origin. The points are u_e and one at `distance` along x and y (Pose) or along the
+  /// named axis (Axis).
   double point_objective(double distance, Vec4& force, Vec4& moment) const {
     double sum = 0.0;
     force = moment = Vec4{};
     const auto add = [&](const Vec4& point, const Vec4& error) {
-      sum += 0.5 * dot3(error, error);
-      force += error;
-      moment += cross3(point, error);
+      sum += 0.5 * weight_ * dot3(error, error);
+      const Vec4 pull = broadcast(weight_) * error;
+      force += pull;
+      moment += cross3(point, pull);
     };
     add(tip_.p, position_error_);
     const auto add_on_axis = [&](const Vec4& axis, const Vec4& target_axis) {
@@ -101,6 +174,10 @@ class GoalTerm {
   Vec4 axis_;
   Frame target_, tip_{};
   Vec4 position_error_{};
+  double weight_ = 1.0;
+  bool has_slack_ = false;
+  Eigen::Vector3d position_slack_ = Eigen::Vector3d::Zero(),
+                  rotation_slack_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace pdoik::detail

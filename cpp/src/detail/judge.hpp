@@ -1,8 +1,12 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "detail/balance.hpp"
 #include "detail/collision.hpp"
+#include "detail/self_collision.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
@@ -23,18 +27,24 @@ class Judge {
 
   /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
   /// when result.q has its size.
-  void operator()(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd& q, const Scene& scene,
+  void operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
                   Result& result);
 
  private:
-  void pose_errors(const Eigen::Isometry3d& target, Result& result) const;
-  void limits(const Eigen::VectorXd& q, Result& result, WorstConstraint& worst_limit) const;
+  /// Keeps the worst of what it is told of.
+  class Verdict;
+  void judge_goal(const Goal& goal, Verdict& verdict, Result& result) const;
+  void judge_limits(const Eigen::VectorXd& q, Result& result) const;
+  void judge_balance(Verdict& verdict, Result& result);
+  void judge_hulls(Verdict& verdict, Result& result);
 
   const Robot& robot_;
   const Options& options_;
   const HullModel& hulls_;
   std::vector<Eigen::Isometry3d> T_base_body_;
   CollisionState collision_, fixed_hulls_;
+  Balance balance_;
+  std::optional<SelfCollision> self_;
 };
 
 }  // namespace pdoik::detail

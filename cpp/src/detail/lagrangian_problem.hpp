@@ -7,6 +7,7 @@
 #include "detail/collision.hpp"
 #include "detail/constraint.hpp"
 #include "detail/goal_term.hpp"
+#include "detail/own_constraints.hpp"
 #include "detail/rollout.hpp"
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/joint_limit_map.hpp"
@@ -18,16 +19,20 @@ namespace pdoik::detail {
 class LagrangianProblem {
  public:
   LagrangianProblem(const JointLimitMap& map, Rollout& rollout, std::vector<GoalTerm>& goals,
-                    CollisionState& collision, const Scene& scene, double point_distance, int dof)
+                    CollisionState& collision, OwnConstraints& own, const Scene& scene,
+                    double point_distance, int dof)
       : map_(map),
         rollout_(rollout),
         goals_(goals),
         collision_(collision),
+        own_(own),
         scene_(scene),
         point_distance_(point_distance),
         state_(map.make_state()),
-        grow_(collision.hulls().size(), 0.0) {
+        grow_(collision.hulls().size(), 0.0),
+        own_multiplier_(static_cast<std::size_t>(own.slots()), 0.0) {
     dq_.setZero(dof);
+    own_fresh_.reserve(own_multiplier_.size());
   }
 
   /// Multipliers for every pair of hull and obstacle: called at set-up.
@@ -54,6 +59,12 @@ class LagrangianProblem {
     find_near(penalty);
     for (int k = 0; k < collision_.near_count(); ++k)
       value += add_constraint(collision_.near(k), penalty);
+    for (const OwnConstraints::Active& active : own_.active()) {
+      max_constraint_ = std::max(max_constraint_, active.c);
+      const Penalty::Term term = penalty.term(active.c, own_multiplier(active));
+      value += term.value;
+      if (term.slope != 0.0) own_.add_wrenches(active, term.slope, collision_, rollout_);
+    }
     rollout_.reverse(dq_.data(), static_cast<int>(dq_.size()));
     map_.pull_back(state_, dq_, gradient);
     return value;
@@ -63,7 +74,10 @@ class LagrangianProblem {
     roll_out(omega);
     collision_.place(rollout_);
     collision_.find_near(scene_.near, [](std::size_t) { return 0.0; });
+    if (own_.any()) own_.find(rollout_, collision_, [](int) { return 0.0; });
     max_constraint_ = 0.0;
+    for (const OwnConstraints::Active& active : own_.active())
+      max_constraint_ = std::max(max_constraint_, active.c);
     for (int k = 0; k < collision_.near_count(); ++k) {
       max_constraint_ = std::max(max_constraint_, constraint(collision_.near(k)).c);
     }
@@ -74,11 +88,15 @@ class LagrangianProblem {
     for (const std::size_t at : touched_) multiplier_[at] = 0.0;
     touched_.clear();
     std::fill(grow_.begin(), grow_.end(), 0.0);
+    std::fill(own_multiplier_.begin(), own_multiplier_.end(), 0.0);
   }
 
   void update_multipliers(const Eigen::VectorXd& omega, const Penalty& penalty) {
     roll_out(omega);
     find_near(penalty);
+    own_fresh_.clear();
+    for (const OwnConstraints::Active& active : own_.active())
+      own_fresh_.push_back(penalty.updated_multiplier(active.c, own_multiplier(active)));
     fresh_.clear();
     for (int k = 0; k < collision_.near_count(); ++k) {
       const NearPair& pair = collision_.near(k);
@@ -86,6 +104,8 @@ class LagrangianProblem {
     }
     if (penalty.form == PenaltyForm::Smooth)
       reset_multipliers();  // the printed update never lowers one
+    for (std::size_t k = 0; k < own_fresh_.size(); ++k)
+      own_multiplier(own_.active()[k]) = own_fresh_[k];
     for (int k = 0; k < collision_.near_count(); ++k) {
       const double mu = fresh_[static_cast<std::size_t>(k)];
       if (mu <= 0.0) continue;
@@ -115,8 +135,16 @@ class LagrangianProblem {
   /// Pairs whose penalty acts. In the smooth form those reach mu / rho beyond contact; grow_ holds
   /// each hull's largest multiplier.
   void find_near(const Penalty& penalty) {
-    if (scene_.near.count() > 0) collision_.place(rollout_);
+    if (scene_.near.count() > 0 || own_.any_self()) collision_.place(rollout_);
     collision_.find_near(scene_.near, [&](std::size_t h) { return penalty.reach(grow_[h]); });
+    if (!own_.any()) return;
+    own_.find(rollout_, collision_, [&](int slot) {
+      return penalty.reach(own_multiplier_[static_cast<std::size_t>(slot)]);
+    });
+  }
+
+  double& own_multiplier(const OwnConstraints::Active& active) {
+    return own_multiplier_[static_cast<std::size_t>(active.slot)];
   }
 
   Constraint constraint(const NearPair& pair) const {
@@ -143,12 +171,14 @@ class LagrangianProblem {
   Rollout& rollout_;
   std::vector<GoalTerm>& goals_;
   CollisionState& collision_;
+  OwnConstraints& own_;
   const Scene& scene_;
   double point_distance_;
   JointLimitMap::State state_;
   Eigen::VectorXd dq_;
   std::vector<double> grow_;
   std::vector<double> multiplier_, fresh_;
+  std::vector<double> own_multiplier_, own_fresh_;
   std::vector<std::size_t> touched_;
   double max_constraint_ = 0.0;
 };

@@ -8,29 +8,34 @@
 #include "detail/collision.hpp"
 #include "detail/constraint.hpp"
 #include "detail/goal_term.hpp"
+#include "detail/own_constraints.hpp"
 #include "detail/rollout.hpp"
 
 namespace pdoik::detail {
 
 /// The same problem as least squares over joint positions: what LevenbergMarquardt minimises.
 ///
-///     f(q) = 1/2 sum over goals (|dp|^2 + w^2 |e|^2) + 1/2 v^2 sum over constraints max(0, c)^2
-/// with e the rotation vector to the target (or between the axes) and c in metres of penetration.
-/// Where a solution exists f is zero there and no multipliers are needed. Which obstacles count is
-/// for the caller to say: all of the scene's near ones, those about one configuration, or none.
+///     f(q) = 1/2 sum over goals g (|dp|^2 + w^2 |e|^2) + 1/2 v^2 sum over constraints max(0, c)^2
+///            + 1/2 sum over joints pull (q - q*)^2
+/// with e the rotation vector to the target (or between the axes) and c in metres: of penetration,
+/// of the centre of mass beyond its region. Where a solution exists f without the pull to a posture
+/// q* is zero there and no multipliers are needed. Which obstacles count is for the caller to say:
+/// all of the scene's near ones, those about one configuration, or none.
 class LeastSquaresProblem {
  public:
   LeastSquaresProblem(Rollout& rollout, std::vector<GoalTerm>& goals, CollisionState& collision,
-                      const Scene& scene, const Options& options, int dof)
+                      OwnConstraints& own, const Scene& scene, const Options& options, int dof)
       : rollout_(rollout),
         goals_(goals),
         collision_(collision),
+        own_(own),
         scene_(scene),
         options_(options),
         obstacles_(&scene.near) {
     cosine_.setZero(dof);
     sine_.setZero(dof);
     row_.setZero(dof);
+    at_.setZero(dof);
     columns_.resize(static_cast<std::size_t>(dof));
   }
 
@@ -43,9 +48,10 @@ class LeastSquaresProblem {
 
   void heed_all() { obstacles_ = &scene_.near; }
   void heed_none() { obstacles_ = &none_; }
-  /// Heed those that are within `margin` of a hull where f was last evaluated [m]. Points with a
-  /// radius are then held off by half_sum_constraint, which errs to the safe side.
-  void heed_those_about(double margin) {
+  /// Heed those that are within `margin` of a hull where f was last evaluated [m]. If not `exact`,
+  /// points with a radius are then held off by half_sum_constraint, which errs to the safe side.
+  void heed_those_about(double margin, bool exact = false) {
+    exact_ = exact;
     const ObstacleSet& all = scene_.near;
     const auto count = static_cast<std::size_t>(all.count());
     collision_.place(rollout_);
@@ -64,6 +70,13 @@ class LeastSquaresProblem {
   }
   int heeded() const { return obstacles_->count(); }
 
+  /// Pull each joint towards a position, with a weight each [m^2/rad^2]: both shape (n,), kept by
+  /// the caller. Null ends it.
+  void pull_towards(const Eigen::VectorXd* positions, const Eigen::VectorXd* weights) {
+    pull_to_ = positions;
+    pull_ = weights;
+  }
+
   /// Whether any of the scene's near obstacles is in a hull where f was last evaluated.
   bool touches() {
     collision_.place(rollout_);
@@ -79,6 +92,9 @@ class LeastSquaresProblem {
         });
   }
 
+  /// Weigh all goals by this much more or less from now on.
+  void scale_goals(double scale) { goal_scale_ = scale; }
+
   double evaluate(const Eigen::VectorXd& q) {
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const double angle = q[i];  // read once, so that the two calls become one
@@ -91,17 +107,28 @@ class LeastSquaresProblem {
     position_error_ = rotation_error_ = 0.0;
     for (GoalTerm& goal : goals_) {
       goal.place(rollout_.frame(goal.body()));
-      const double p2 = dot3(goal.position_error(), goal.position_error());
+      const Vec4 p = goal.position_error();
+      const double p2 = dot3(p, p);
       const Vec4 e = goal.rotation_error();
       const double r2 = dot3(e, e);
-      sum += p2 + w2 * r2;
+      sum += goal_scale_ * goal.weight() * (p2 + w2 * r2);
       position_error_ = std::max(position_error_, p2);
       rotation_error_ = std::max(rotation_error_, r2);
     }
-    return 0.5 * (sum + penetration());
+    sum += penetration();
+    if (pull_to_ != nullptr) {
+      at_ = q;
+      for (Eigen::Index i = 0; i < q.size(); ++i) {
+        const double off = q[i] - (*pull_to_)[i];
+        sum += (*pull_)[i] * off * off;
+      }
+    }
+    return 0.5 * sum;
   }
 
-  bool done() const { return reached() && !touching_; }
+  /// Whether goals and constraints hold where f was last evaluated; a pull has no such end.
+  bool done() const { return holds() && pull_to_ == nullptr; }
+  bool holds() const { return reached() && !touching_; }
   /// Whether the goals are, where f was last evaluated.
   bool reached() const {
     const double p = options_.position_tolerance, r = options_.rotation_tolerance;
@@ -120,6 +147,17 @@ class LeastSquaresProblem {
       g += v2 * (at.c + kContactGap) * row_;
       add_outer(v2, H);
     }
+    for (const OwnConstraints::Active& active : own_.active()) {
+      row_.setZero();
+      own_.add_row(active, rollout_, collision_, row_.data());
+      g += v2 * (active.c + kContactGap) * row_;
+      add_outer(v2, H);
+    }
+    if (pull_to_ == nullptr) return;
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      g[i] += (*pull_)[i] * (at_[i] - (*pull_to_)[i]);
+      H(i, i) += (*pull_)[i];
+    }
   }
 
  private:
@@ -129,14 +167,14 @@ class LeastSquaresProblem {
   static constexpr double kContactGap = 1e-8;
 
   Constraint constraint(const NearPair& pair) const {
-    if (obstacles_ == &about_)
+    if (obstacles_ == &about_ && !exact_)
       return half_sum_constraint(collision_, collision_.hull(pair), about_[pair.obstacle]);
     return distance_constraint(collision_, collision_.hull(pair), (*obstacles_)[pair.obstacle]);
   }
 
   double penetration() {
     touching_ = false;
-    if (obstacles_->count() > 0) collision_.place(rollout_);
+    if (obstacles_->count() > 0 || own_.any_self()) collision_.place(rollout_);
     collision_.find_near(*obstacles_, [](std::size_t) { return kContactGap; });
     double sum = 0.0;
     for (int k = 0; k < collision_.near_count(); ++k) {
@@ -144,6 +182,13 @@ class LeastSquaresProblem {
       if (c <= -kContactGap) continue;
       sum += (c + kContactGap) * (c + kContactGap);
       touching_ = touching_ || c > 0.0;
+    }
+    if (own_.any()) {
+      own_.find(rollout_, collision_, [](int) { return kContactGap; });
+      for (const OwnConstraints::Active& active : own_.active()) {
+        sum += (active.c + kContactGap) * (active.c + kContactGap);
+        touching_ = touching_ || active.c > 0.0;
+      }
     }
     return options_.collision_weight * options_.collision_weight * sum;
   }
@@ -166,14 +211,23 @@ class LeastSquaresProblem {
                               // Turning about the constrained axis itself changes nothing.
                               column.angular += w * (scaled - broadcast(dot3(axis, scaled)) * axis);
                             });
-    const Vec4 p = goal.position_error(), e = w * goal.rotation_error();
+    if (goal.has_slack()) {
+      for (Column& column : columns_) {
+        column.linear = goal.position_error_rate(column.linear);
+        if (goal.type() == GoalType::Pose)
+          column.angular = goal.rotation_error_rate(column.angular);
+      }
+    }
+    const Vec4 weight = broadcast(goal_scale_ * goal.weight());
+    const Vec4 p = weight * goal.position_error(), e = weight * w * goal.rotation_error();
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       const Column& column = columns_[i];
       g[row] += sum4(column.linear * p + column.angular * e);
       double* const h = H.data() + row * H.rows();  // column i, filled down to the diagonal
+      const Vec4 linear = weight * column.linear, angular = weight * column.angular;
       for (std::size_t k = 0; k <= i; ++k) {
-        h[k] += sum4(column.linear * columns_[k].linear + column.angular * columns_[k].angular);
+        h[k] += sum4(linear * columns_[k].linear + angular * columns_[k].angular);
       }
     }
   }
@@ -199,12 +253,16 @@ class LeastSquaresProblem {
   Rollout& rollout_;
   std::vector<GoalTerm>& goals_;
   CollisionState& collision_;
+  OwnConstraints& own_;
   const Scene& scene_;
   const Options& options_;
   const ObstacleSet* obstacles_;
+  bool exact_ = false;
+  double goal_scale_ = 1.0;
+  const Eigen::VectorXd *pull_to_ = nullptr, *pull_ = nullptr;
   ObstacleSet about_, none_;
   std::vector<char> is_about_;
-  Eigen::VectorXd cosine_, sine_, row_;
+  Eigen::VectorXd cosine_, sine_, row_, at_;
   /// How the tip's position and orientation (weighted) follow one joint; the fourth entries are
   /// zero.
   struct Column {

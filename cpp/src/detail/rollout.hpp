@@ -43,7 +43,6 @@ class Rollout {
   }
 
   const Frame& frame(int body) const { return frames_[static_cast<std::size_t>(body)]; }
-  std::size_t size() const { return joints_.size(); }
 
   void clear_wrenches() {
     for (Wrench& wrench : wrenches_) wrench = Wrench{};
@@ -79,6 +78,12 @@ class Rollout {
       const Joint& joint = joints_[static_cast<std::size_t>(b)];
       row[joint.dof] += joint.multiplier * generalised_force(joint, frame(b), force, moment);
     }
+  }
+
+  /// The same for one joint: what a wrench on all that it carries asks of it.
+  void add_joint_row(int body, const Vec4& force, const Vec4& moment, double* row) const {
+    const Joint& joint = joints_[static_cast<std::size_t>(body)];
+    row[joint.dof] += joint.multiplier * generalised_force(joint, frame(body), force, moment);
   }
 
   /// Calls visit(dof, multiplier, prismatic, frame) for each joint between a body and the base.

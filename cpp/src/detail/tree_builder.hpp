@@ -16,7 +16,7 @@ struct Tree {
   std::vector<Body> bodies;
   std::vector<std::string> joint_names;
   std::vector<JointType> joint_types;
-  Eigen::VectorXd lower, upper, velocity;
+  Eigen::VectorXd lower, upper, velocity, effort;
   std::vector<std::string> warnings;
 };
 

@@ -1,4 +1,4 @@
-"""The command line: pdoik solve, info, occupancy, bench."""
+"""The command line: pdoik solve, info, occupancy, bench, view."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from .info import info
 from .messages import out
 from .occupancy import occupancy
 from .solve import solve
+from .view import view
 
 __all__ = ["app"]
 
@@ -27,6 +28,7 @@ app.command()(solve)
 app.command()(info)
 app.command()(occupancy)
 app.command()(bench)
+app.command()(view)
 
 
 def _print_version(wanted: bool) -> None:

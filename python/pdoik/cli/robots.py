@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ BUILTIN = tuple(pdoik.Robot.builtin_names())
 def load_robot(
     name: str,
     base_link: str | None = None,
-    tip_link: str | None = None,
+    tip_link: str | Sequence[str] | None = None,
     occupancy: Path | None = None,
 ) -> pdoik.Robot:
     """A built-in robot by name, or a URDF file; leaves with status 2 when it is neither."""
@@ -31,7 +32,7 @@ def load_robot(
             robot = pdoik.Robot.builtin(name)
         elif Path(name).is_file():
             with misuse_fails():
-                robot = pdoik.Robot.from_urdf(name, base_link=base_link, tip_link=tip_link)
+                robot = pdoik.Robot.from_urdf(name, base_link=base_link, tip_link=tip_link or None)
         else:
             fail(f"expected a URDF file or one of the robots {', '.join(BUILTIN)}; got {name!r}")
     if occupancy is not None:

@@ -1,0 +1,119 @@
+"""The picture of `pdoik view` in the README: the page as headless Chromium shows it.
+
+PDOIK_YCB=DIR python bench/view_picture.py bench/view.png     (DIR/cloud/*.pcd; YCB, CC BY 4.0)
+
+The target goes down between the objects at 60 poses a second while the page is open.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+import pdoik
+from arm_meshes import _example_robot_data_share
+from pdoik.clouds import load_cloud
+from pdoik.view import Session
+from pdoik.view.model import Model
+from pdoik.view.server import start_server
+from pdoik.view.shapes import pose_of
+from pdoik.view.viewer import Viewer
+from pdoik.view.visuals import load_visuals
+
+FloatArray = npt.NDArray[np.float64]
+
+SIZE = {"width": 1400, "height": 850}
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+]
+OBJECTS = {  # x, y [m] and turn about z [rad] on the table
+    "003_cracker_box": (0.66, -0.24, 0.5),
+    "006_mustard_bottle": (0.60, 0.21, 0.2),
+    "021_bleach_cleanser": (0.80, 0.02, 1.0),
+    "025_mug": (0.46, 0.32, 2.2),
+    "002_master_chef_can": (0.45, -0.12, 0.0),
+    "011_banana": (0.52, -0.33, 0.9),
+}
+TIP = "panda_link8"
+BALL = [0.56, 0.0, 0.62]  # [m]
+START, GOAL = [0.55, 0.03, 0.55], [0.56, 0.06, 0.095]  # of the tip, which points down [m]
+
+
+def scanned_table(ycb: Path) -> FloatArray:
+    """A table top with objects standing on it, (N, 3) [m]."""
+    rng = np.random.default_rng(0)
+    clouds = [rng.uniform([0.34, -0.40, 0.0], [0.90, 0.45, 0.0], (9000, 3))]
+    for name, (x, y, turn) in OBJECTS.items():
+        points = load_cloud(ycb / "cloud" / f"{name}.pcd")
+        points = points - [*points.mean(axis=0)[:2], points[:, 2].min()]
+        c, s = np.cos(turn), np.sin(turn)
+        clouds.append(points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [x, y, 0.0])
+    return np.concatenate(clouds)
+
+
+def downward(xyz: npt.ArrayLike) -> FloatArray:
+    """The tip at xyz with its z axis down, (4, 4)."""
+    T = np.diag([1.0, -1.0, -1.0, 1.0])
+    T[:3, 3] = xyz
+    return T
+
+
+def photograph(viewer: Viewer, page: Page) -> bytes:
+    """Move the target, then take the page, PNG."""
+    page.goto(viewer.server.url)
+    page.get_by_text("worst constraint").wait_for()
+    page.locator(".mantine-Notification-closeButton").first.click()  # about software rendering
+    page.get_by_label("Ball", exact=True).check(force=True)
+    page.wait_for_timeout(4000)
+    for t in np.linspace(0, 1, 180):
+        T = downward((1 - t) * np.array(START) + t * np.array(GOAL))
+        viewer.targets.by_tip[TIP].place(T)
+        viewer.session.set_target(TIP, T)
+        viewer.worker.wake()
+        time.sleep(1 / 60)
+    page.wait_for_timeout(6000)  # software rendering trails behind
+    return page.screenshot()
+
+
+def main(out: Path) -> None:
+    share = _example_robot_data_share()
+    urdf = share / "example-robot-data/robots/panda_description/urdf/panda.urdf"
+    robot = pdoik.Robot.builtin("panda")
+    visuals, _ = load_visuals(urdf, [share])
+    covered = {f"panda_link{i}" for i in range(8)}  # the hulls leave out the hand
+    model = Model(
+        robot=robot, visuals={link: glb for link, glb in visuals.items() if link in covered}
+    )
+    session = Session(robot, pdoik.Options(max_time=0.02, clearance=0.01, heed_fixed_hulls=False))
+    session.set_thinning(0.02, True)
+    session.set_cloud(scanned_table(Path(os.environ["PDOIK_YCB"])))
+    session.set_target(TIP, downward(START))
+    server = start_server("127.0.0.1", 0)
+    viewer = Viewer(server, model, session)
+    viewer.obstacle_scene.ball.place(pose_of([1.0, 0.0, 0.0, 0.0], BALL))
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        png = photograph(viewer, browser.new_page(viewport=SIZE))
+        browser.close()
+    viewer.close()
+    server.stop()
+    with Image.open(io.BytesIO(png)) as image:
+        steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
+        image.convert("RGB").point(3 * steps).save(out, optimize=True)  # compresses better
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

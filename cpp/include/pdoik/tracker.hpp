@@ -1,0 +1,115 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "pdoik/latency_histogram.hpp"
+#include "pdoik/solver.hpp"
+
+namespace pdoik {
+
+/// Metres, radians, seconds.
+struct TrackerOptions {
+  double period = 0.001;  ///< between steps [s]
+  /// Hard deadline of a step [s]; 0 for 0.8 of the period.
+  double max_time = 0.0;
+  double speed_share = 1.0;  ///< of the robot's speed limits that may be used
+  /// Speed limits to hold besides those of the robot, shape (n,) [rad/s] or [m/s]; empty for none.
+  Eigen::VectorXd max_speed = {};
+  /// Of the squared distance to the posture, where one is set [m^2/rad^2].
+  double posture_weight = 1e-3;
+  /// Of the squared distance to the last answer [m^2/rad^2].
+  double smoothness = 1e-4;
+};
+
+/// What became of a step.
+enum class TrackerStatus {
+  Tracking,        ///< goals, limits and all constraints hold to their tolerances
+  Infeasible,      ///< they cannot be met within the step, as far as going downhill shows; q is the
+                   ///< step that comes nearest, and result.worst names what gives
+  DeadlineStruck,  ///< max_time struck first; q is the best so far
+  InvalidInput,  ///< the goals or the last obstacles make no sense: `complaint` says why; q is the
+                 ///< last answer
+};
+
+/// A status in lower case with underscores, as the Python module gives it.
+const char* to_string(TrackerStatus status);
+
+/// The outcome of a step: always a configuration that may be sent to the motors, never farther from
+/// the last one than the step limits.
+struct TrackerResult : Result {
+  TrackerStatus tracking = TrackerStatus::InvalidInput;
+  int step_limited = -1;  ///< the first joint that its step limit holds back, -1 for none
+  /// Why the input was refused; empty otherwise. It points to text that lives until the next step.
+  const char* complaint = "";
+};
+
+/// Inverse kinematics as a control loop wants it: one step each period, from the last answer, by a
+/// deadline.
+///
+///     pdoik::Tracker tracker(robot, options, {.period = 0.001});
+///     tracker.reset(q_measured);
+///     while (running) {
+///       if (new_cloud) tracker.set_obstacles(points);
+///       send(tracker.step(goals).q);
+///     }
+/// Every step goes downhill from the last answer inside a box of speed limits times period, cut
+/// with the joint limits, so it cannot jump; there are no restarts. Input that makes no sense does
+/// not throw: the last answer stands, and the step says so. A tracker belongs to one thread; after
+/// construction nothing allocates, locks or prints.
+class Tracker {
+ public:
+  /// @param solver_options  Goals' type, tolerances, clearance, balance and self-collision count;
+  /// the budget of a solve does not. `max_obstacles` is the largest cloud that is taken.
+  /// @throws std::invalid_argument as Solver's constructor does, naming the option out of range.
+  explicit Tracker(const Robot& robot, const Options& solver_options = {},
+                   const TrackerOptions& options = {});
+  Tracker(Tracker&&) noexcept;
+  Tracker& operator=(Tracker&&) noexcept;
+  ~Tracker();
+
+  const Robot& robot() const;
+  const Options& solver_options() const;
+  const TrackerOptions& options() const;
+
+  /// Where the next step starts from, shape (n,): the measured configuration, most often. Moved
+  /// inside the limits.
+  /// @throws std::invalid_argument on a wrong length, NaN or infinity.
+  void reset(VectorIn q);
+  /// The last answer, shape (n,); mid-range before the first reset.
+  const Eigen::VectorXd& q() const;
+
+  /// A posture to stay near from now on, shape (n,); empty for none.
+  /// @throws std::invalid_argument on a wrong length, NaN or infinity.
+  void set_posture(VectorIn posture);
+
+  /// The obstacles from now on, as Solver::set_obstacles takes them. NaN, infinity, a wrong shape
+  /// or more rows than max_obstacles: the cloud before stays, and steps say InvalidInput until a
+  /// good one comes.
+  /// @returns Whether it was taken.
+  bool set_obstacles(const Obstacles& points);
+
+  /// One step towards the goals. Throws nothing. The result is the tracker's own, until the next
+  /// step.
+  const TrackerResult& step(std::span<const Goal> goals);
+  /// The same for a robot with one tip, whose goal is of the options' type.
+  const TrackerResult& step(const Eigen::Isometry3d& T_base_tip);
+
+  /// What a step does with input that makes no sense: the last answer once more, and why.
+  const TrackerResult& hold(const std::string& complaint);
+
+  /// Of all steps so far.
+  const LatencyHistogram& latency() const;
+  void clear_latency();
+  /// The worst constraint of a result by name, see Solver::describe.
+  std::string describe(const WorstConstraint& worst) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> impl_;
+};
+
+}  // namespace pdoik

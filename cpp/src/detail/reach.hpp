@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pdoik/robot.hpp"
+
+namespace pdoik::detail {
+
+/// An upper bound on how far something gets from the origin of the first moving body above it, and
+/// that body; for what no joint moves, body 0.
+struct Reach {
+  int root = 0;
+  double distance = 0.0;  ///< [m]; infinite beyond a sliding joint without limits
+
+  /// The origin of the root, which no joint moves, in the base frame.
+  Eigen::Vector3d centre(const Robot& robot) const {
+    return robot.bodies()[static_cast<std::size_t>(root)].T_parent_joint.translation();
+  }
+};
+
+/// @param offset  Its distance from the origin of the body that it is attached to [m].
+Reach reach_of(const Robot& robot, int body, double offset);
+
+}  // namespace pdoik::detail

@@ -1,0 +1,161 @@
+#include <pybind11/stl.h>
+
+#include <stdexcept>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "goals.hpp"
+#include "names.hpp"
+#include "pdoik/tracker.hpp"
+#include "result.hpp"
+
+namespace pdoik::python {
+namespace {
+
+using TrackingName =
+    py::typing::Literal<"'tracking'", "'infeasible'", "'deadline_struck'", "'invalid_input'">;
+
+/// A copy that outlives the next step.
+struct NamedStep : NamedResult {
+  TrackerStatus tracking;
+  std::optional<std::string> step_limited;
+  std::string complaint;
+};
+
+NamedStep named(const Tracker& tracker, const TrackerResult& result) {
+  NamedStep step;
+  static_cast<Result&>(step) = result;
+  step.worst_constraint = tracker.describe(result.worst);
+  step.tracking = result.tracking;
+  if (result.step_limited >= 0) {
+    step.step_limited =
+        tracker.robot().joint_names()[static_cast<std::size_t>(result.step_limited)];
+  }
+  step.complaint = result.complaint;
+  return step;
+}
+
+NamedStep step(Tracker& self, const GoalsLike& T_base_tip,
+               const std::optional<ArrayLike>& obstacles) {
+  try {
+    if (obstacles) self.set_obstacles(CloudView(obstacles, "obstacles"));
+    return named(self, self.step(to_goals(T_base_tip, self.robot(), self.solver_options())));
+  } catch (const std::invalid_argument& refused) {
+    return named(self, self.hold(refused.what()));
+  }
+}
+
+void bind_latency(py::module_& module) {
+  using H = LatencyHistogram;
+  py::class_<H>(module, "LatencyHistogram",
+                "How long steps took: counts in bins that are a twelfth of an octave wide.")
+      .def_property_readonly("count", &H::count, "The number of steps.")
+      .def_property_readonly("max", &H::max, "The longest [s].")
+      .def("quantile", &H::quantile, py::arg("share"),
+           "The time that a share (0 to 1) of all steps took at most, to 6 % [s].")
+      .def_property_readonly(
+          "upper_edges",
+          [](const H&) {
+            Eigen::VectorXd edges(static_cast<Eigen::Index>(H::kBins));
+            for (std::size_t k = 0; k < H::kBins; ++k)
+              edges[static_cast<Eigen::Index>(k)] = H::upper_edge(k);
+            return edges;
+          },
+          "The bins' upper ends, shape (B,) [s].")
+      .def_property_readonly(
+          "counts",
+          [](const H& h) {
+            return py::array_t<std::uint64_t>(static_cast<py::ssize_t>(H::kBins), h.bins().data());
+          },
+          "Steps in each bin, shape (B,).")
+      .def("__repr__", [](const H& h) {
+        return py::str(
+                   "<LatencyHistogram of {} steps: median {:.3g} ms, p99 {:.3g} ms, p99.9 "
+                   "{:.3g} ms, max {:.3g} ms>")
+            .format(h.count(), 1e3 * h.quantile(0.5), 1e3 * h.quantile(0.99),
+                    1e3 * h.quantile(0.999), 1e3 * h.max());
+      });
+}
+
+void bind_step(py::module_& module) {
+  py::class_<NamedStep, NamedResult>(module, "TrackerResult",
+                                     "The outcome of one step of a Tracker.")
+      .def_property_readonly(
+          "tracking",
+          [](const NamedStep& s) {
+            return py::reinterpret_borrow<TrackingName>(py::str(to_string(s.tracking)));
+          },
+          R"(What became of the step.
+
+`tracking`: goals, limits and all constraints hold; `infeasible`: they cannot be met within the step, and
+`worst_constraint` names what gives; `deadline_struck`: q is the best so far; `invalid_input`: q is the last
+answer, and `complaint` says why.)")
+      .def_readonly("step_limited", &NamedStep::step_limited,
+                    "The first joint that its step limit holds back, or None.")
+      .def_readonly("complaint", &NamedStep::complaint, "Why the input was refused, or ''.");
+}
+
+}  // namespace
+
+void bind_tracker(py::module_& module) {
+  bind_latency(module);
+  bind_step(module);
+  py::class_<Tracker>(module, "Tracker")
+      .def(py::init([](const Robot& robot, const Options& options, double period, double max_time,
+                       double speed_share, const std::optional<ArrayLike>& max_speed,
+                       double posture_weight, double smoothness) {
+             TrackerOptions t{period, max_time, speed_share, {}, posture_weight, smoothness};
+             if (max_speed) t.max_speed = to_vector(*max_speed, "max_speed", robot.dof());
+             return Tracker(robot, options, t);
+           }),
+           py::arg("robot"), py::arg("options"), py::kw_only(), py::arg("period"),
+           py::arg("max_time"), py::arg("speed_share"), py::arg("max_speed"),
+           py::arg("posture_weight"), py::arg("smoothness"))
+      .def_property_readonly("robot", &Tracker::robot, py::return_value_policy::copy)
+      .def_property_readonly(
+          "q", [](const Tracker& self) { return self.q(); }, "The last answer, shape (n,).")
+      .def(
+          "reset",
+          [](Tracker& self, const ArrayLike& q) {
+            self.reset(to_vector(q, "q", self.robot().dof()));
+          },
+          py::arg("q"),
+          R"(Where the next step starts from: the measured configuration, most often.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m]; moved inside the limits.
+
+Raises:
+    ValueError: q has another shape or holds NaN or infinity.)")
+      .def(
+          "set_posture",
+          [](Tracker& self, const std::optional<ArrayLike>& posture) {
+            self.set_posture(posture ? to_vector(*posture, "posture", self.robot().dof())
+                                     : Eigen::VectorXd());
+          },
+          py::arg("posture"),
+          R"(A posture to stay near from now on, shape (n,); None for none.
+
+Raises:
+    ValueError: It has another shape or holds NaN or infinity.)")
+      .def("step", &step, py::arg("T_base_tip"), py::arg("obstacles") = py::none(),
+           R"(One step towards the goals, by the deadline. Raises nothing for bad numbers.
+
+Args:
+    T_base_tip: Goals as in Solver.solve.
+    obstacles: A new cloud as in Solver.solve, with at most Options.max_obstacles rows. None: those of the
+        step before stay. A cloud that makes no sense is refused: steps then hold the last answer until a
+        good one comes.
+
+Returns:
+    Always a configuration that may be sent to the motors, never farther from the last than the step limits.
+
+Raises:
+    TypeError: Something is no array of numbers.)")
+      .def_property_readonly(
+          "latency", [](const Tracker& self) { return self.latency(); },
+          "Of all steps so far, in C++.")
+      .def("clear_latency", &Tracker::clear_latency);
+}
+
+}  // namespace pdoik::python

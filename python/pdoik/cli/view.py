@@ -1,0 +1,185 @@
+"""pdoik view: drag targets and obstacles in a browser, replay logs."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+import pdoik
+
+from .messages import fail, misuse_fails, out
+from .obstacles import load_obstacles
+from .robots import BUILTIN, load_robot, numbers
+
+_DEFAULTS = pdoik.Options()
+_ROBOT, _GOAL, _OBSTACLES, _PAGE = "Robot", "Goal", "Obstacles", "Page"
+
+Goal = Literal["pose", "axis", "position"]
+Axis = Literal["x", "y", "z"]
+Method = Literal["default", "paper"]
+
+
+def view(
+    robot: Annotated[
+        str, typer.Argument(help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT")
+    ] = "panda",
+    base_link: Annotated[
+        str | None, typer.Option(help="First link; the root otherwise.", rich_help_panel=_ROBOT)
+    ] = None,
+    tip_link: Annotated[
+        list[str] | None,
+        typer.Option(help="Last link, repeatable; every leaf otherwise.", rich_help_panel=_ROBOT),
+    ] = None,
+    occupancy: Annotated[
+        Path | None,
+        typer.Option(
+            help="Hulls of the robot, YAML (see pdoik occupancy).", rich_help_panel=_ROBOT
+        ),
+    ] = None,
+    package_dir: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Folder that holds the packages of package:// addresses; repeatable.",
+            rich_help_panel=_ROBOT,
+        ),
+    ] = None,
+    q0: Annotated[
+        str | None,
+        typer.Option(
+            help="First posture, one number per joint; the middle of the ranges otherwise.",
+            rich_help_panel=_ROBOT,
+        ),
+    ] = None,
+    goal: Annotated[
+        Goal, typer.Option(help="What of the target counts.", rich_help_panel=_GOAL)
+    ] = "pose",
+    goal_axis: Annotated[
+        Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=_GOAL)
+    ] = "z",
+    method: Annotated[
+        Method,
+        typer.Option(help="'paper' is the paper's algorithm.", rich_help_panel=_GOAL),
+    ] = "default",
+    max_time: Annotated[
+        float, typer.Option(help="Deadline of a solve, seconds.", rich_help_panel=_GOAL)
+    ] = 0.02,
+    cloud: Annotated[
+        Path | None,
+        typer.Option(
+            help="Points in the base frame, metres: .pcd, .ply, .npy, .xyz, .txt, .csv.",
+            rich_help_panel=_OBSTACLES,
+        ),
+    ] = None,
+    leaf: Annotated[
+        float,
+        typer.Option(
+            help="Edge of the cells the cloud is thinned to, metres; 0 keeps every point.",
+            rich_help_panel=_OBSTACLES,
+        ),
+    ] = 0.02,
+    radii: Annotated[
+        bool,
+        typer.Option(
+            help="Keep off the points that thinning leaves out, too.", rich_help_panel=_OBSTACLES
+        ),
+    ] = True,
+    clearance: Annotated[
+        float,
+        typer.Option(
+            help="Least distance wanted between points and hulls, metres.",
+            rich_help_panel=_OBSTACLES,
+        ),
+    ] = _DEFAULTS.clearance,
+    heed_fixed_hulls: Annotated[
+        bool,
+        typer.Option(
+            help="Fail where a point is in a hull that no joint moves.", rich_help_panel=_OBSTACLES
+        ),
+    ] = _DEFAULTS.heed_fixed_hulls,
+    replay: Annotated[
+        Path | None,
+        typer.Option(
+            help="Log to replay, CSV: time, q.<joint>, q_des.<joint>, dq.<joint>, tau.<joint>.",
+            rich_help_panel=_PAGE,
+        ),
+    ] = None,
+    host: Annotated[
+        str,
+        typer.Option(
+            help="Address to listen on; any other than this lets others drag the robot, too.",
+            rich_help_panel=_PAGE,
+        ),
+    ] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, help="0 for any; 8080 or the next otherwise.", rich_help_panel=_PAGE
+        ),
+    ] = None,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Do not open a browser.", rich_help_panel=_PAGE)
+    ] = False,
+) -> None:
+    """Open a page to drag the target and obstacles, while the solver follows live.
+
+    Sliders pose the joints; robots, clouds and logs can be uploaded there. Ctrl-C ends it.
+
+    [bold]Example[/]: pdoik view panda --cloud scan.pcd
+    """
+    try:
+        import viser  # noqa: F401
+    except ModuleNotFoundError as error:
+        if error.name != "viser":
+            raise
+        fail("pdoik view needs viser: pip install 'pdoik[view]'")
+    from pdoik.view import Session, load_log
+    from pdoik.view.model import Model, urdf_model
+    from pdoik.view.server import open_browser, start_server
+    from pdoik.view.viewer import Viewer
+
+    loaded = load_robot(robot, base_link, tip_link, occupancy)
+    with misuse_fails():
+        model = (
+            Model(robot=loaded)
+            if robot in BUILTIN
+            else urdf_model(loaded, Path(robot), package_dir or ())
+        )
+        options = pdoik.Options(
+            goal=goal,
+            goal_axis=goal_axis,
+            method=method,
+            clearance=clearance,
+            heed_fixed_hulls=heed_fixed_hulls,
+            max_time=max_time,
+        )
+    with misuse_fails("--q0" if q0 is not None else ""):
+        session = Session(loaded, options, None if q0 is None else numbers(q0, loaded))
+    session.set_thinning(leaf, radii)
+    if cloud is not None:
+        session.set_cloud(load_obstacles(cloud, leaf, radii).surface)
+    with misuse_fails("--replay" if replay is not None else ""):
+        log = None if replay is None else load_log(replay, loaded.joint_names)
+    with misuse_fails(f"--host {host}" if port is None else f"--host {host} --port {port}"):
+        server = start_server(host, port)
+
+    viewer = Viewer(server, model, session)
+    if log is not None:
+        viewer.replay_tab.load(log)
+    out.print(f"{server.url}  (Ctrl-C ends it)", highlight=False)
+    if not no_open:
+        open_browser(server.url)
+    _wait_for_interrupt()
+    viewer.close()
+    server.stop()
+
+
+def _wait_for_interrupt() -> None:
+    """Until Ctrl-C or SIGTERM; impatient repeats do not disturb what follows."""
+    ended = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.set())
+    ended.wait()

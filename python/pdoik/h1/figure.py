@@ -1,0 +1,107 @@
+"""A figure after the paper's Fig. exp-h1: key frames, solver speed, CoM, distance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from pdoik.h1.model import World
+from pdoik.h1.pictures import Picture, strip
+from pdoik.h1.robot import FloatArray
+from pdoik.h1.simulate import DISTANCE_CUTOFF, Run
+from pdoik.h1.standing import COM_LOWER, COM_UPPER
+
+_BLUE, _RED, _GREY = "#2f6fb5", "#c0392b", "#555555"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolverSpeed:
+    """How often the solver could have answered: 1 / time per solve."""
+
+    time: FloatArray  # (S,), when it was called [s]
+    rate: FloatArray  # (S,) [Hz]
+
+
+def write_figure(
+    world: World,
+    run: Run,
+    path: str | Path,
+    *,
+    speed: SolverSpeed | None = None,
+    key_frames: Picture | None = None,
+    title: str = "",
+) -> None:
+    """Write the figure; the suffix (.png, .pdf, .svg) says how."""
+    with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
+        figure = Figure(figsize=(11, 6.3), dpi=150, layout="constrained")
+        halves: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.05])
+        top, bottom = halves
+        _draw_frames(top, strip(world, run) if key_frames is None else key_frames, title)
+        left, middle, right = bottom.subfigures(1, 3, width_ratios=[1.0, 1.1, 1.0])
+        _draw_speed(left.subplots(), speed, run)
+        _draw_com(middle.subplots(3, 1, sharex=True), run)
+        _draw_distance(right.subplots(), run)
+        figure.savefig(path)
+
+
+def _draw_frames(panel: Any, picture: Picture, title: str) -> None:
+    axes = panel.subplots()
+    axes.imshow(picture)
+    axes.set_axis_off()
+    axes.set_title(f"(a) {title}" if title else "(a) key frames", loc="left")
+
+
+def _draw_speed(axes: Any, speed: SolverSpeed | None, run: Run) -> None:
+    axes.set_title("(b) solver speed", loc="left")
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("solves per second [Hz]")
+    axes.set_xlim(0, run.time[-1])
+    if speed is None:
+        axes.text(0.5, 0.5, "no solver in this run", ha="center", transform=axes.transAxes)
+        axes.set_yticks([])
+        return
+    axes.semilogy(speed.time, speed.rate, ".-", color=_BLUE, lw=0.8, ms=3)
+    axes.grid(which="major", axis="y", alpha=0.3)
+    median = float(np.median(speed.rate))
+    axes.axhline(median, color=_GREY, lw=0.8, ls="--")
+    axes.set_title(f"(b) solver speed, median {median:.0f} Hz", loc="left")
+
+
+def _draw_com(panels: Any, run: Run) -> None:
+    panels[0].set_title("(c) CoM and its box (Eq. com)", loc="left")
+    for k, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
+        low, high = COM_LOWER[k], COM_UPPER[k]
+        axes.axhspan(low, high, color=_BLUE, alpha=0.10, lw=0)
+        for bound in (low, high):
+            axes.axhline(bound, color=_BLUE, lw=0.8)
+        axes.plot(run.time, run.com[:, k], color=_RED, lw=1.2)
+        margin = 0.15 * (high - low)
+        values = run.com[:, k]
+        axes.set_ylim(min(low, values.min()) - margin, max(high, values.max()) + margin)
+        axes.set_ylabel(f"{name} [m]")
+    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_xlim(0, run.time[-1])
+
+
+def _draw_distance(axes: Any, run: Run) -> None:
+    axes.set_title("(d) least distance, object to robot", loc="left")
+    seen = run.distance < DISTANCE_CUTOFF
+    axes.plot(run.distance_time[seen], run.distance[seen], color=_RED, lw=1.2)
+    axes.axhline(0, color=_GREY, lw=0.8)
+    axes.set_xlim(0, run.time[-1])
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("distance [m]")
+    if seen.any():
+        k = int(np.argmin(run.distance))
+        least = run.distance[k]
+        axes.plot(run.distance_time[k], least, "o", color=_RED, ms=4)
+        word = "touched" if run.contact else f"least {1e3 * least:.0f} mm"
+        axes.annotate(
+            word, (run.distance_time[k], least), xytext=(-10, 10), textcoords="offset points",
+            ha="right", color=_RED, bbox={"fc": "white", "ec": "none", "pad": 1},
+        )  # fmt: skip

@@ -1,0 +1,55 @@
+"""The tab with the robot, its tip, its hulls, and the cloud, from files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import viser
+
+import pdoik
+
+if TYPE_CHECKING:
+    from .viewer import Viewer
+
+EVERY_LEAF = "every leaf"
+
+
+class FilesTab:
+    """Robots shipped and uploaded, tip, hulls (read or fitted), clouds."""
+
+    def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
+        self._viewer = viewer
+        builtin = pdoik.Robot.builtin_names()
+        self.robot: Any = gui.add_dropdown("Robot", ("from a file", *builtin))
+        self.robot.on_update(self._robot_chosen)
+        self.urdf = gui.add_upload_button("Robot (.urdf)", icon=viser.Icon.UPLOAD)
+        self.urdf.on_upload(lambda event: viewer.take_urdf(event.target.value))
+        self.tip: Any = gui.add_dropdown("Tip", (EVERY_LEAF,))
+        self.tip.on_update(self._tip_chosen)
+        self.hulls = gui.add_upload_button("Hulls (.yaml)", icon=viser.Icon.UPLOAD)
+        self.hulls.on_upload(lambda event: viewer.take_hulls(event.target.value))
+        self.fit = gui.add_button(
+            "Fit hulls", hint="Around the collision geometry; takes a while", visible=False
+        )
+        self.fit.on_click(lambda _: viewer.fit_hulls())
+        self.cloud = gui.add_upload_button("Cloud (.pcd .ply ...)", icon=viser.Icon.UPLOAD)
+        self.cloud.on_upload(lambda event: viewer.take_cloud(event.target.value))
+        self.no_cloud = gui.add_button("No cloud")
+        self.no_cloud.on_click(lambda _: viewer.drop_cloud())
+
+    def show(self, robot: pdoik.Robot, *, from_file: bool) -> None:
+        """Follow the robot that is there now."""
+        self.robot.value = "from a file" if from_file else robot.name
+        links = tuple(robot.link_names[1:]) if from_file else tuple(robot.tip_links)
+        self.tip.options = (EVERY_LEAF, *links)
+        self.tip.value = EVERY_LEAF if len(robot.tip_links) > 1 else robot.tip_links[0]
+        self.tip.disabled = not from_file
+        self.fit.visible = from_file and not len(robot.occupancy)
+
+    def _robot_chosen(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None:  # a hand, not `show`
+            self._viewer.take_builtin(self.robot.value)
+
+    def _tip_chosen(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None:
+            self._viewer.take_tip(None if self.tip.value == EVERY_LEAF else self.tip.value)

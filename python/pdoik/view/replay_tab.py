@@ -1,0 +1,111 @@
+"""The tab that replays a log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import viser
+
+from .log import Log
+from .player import Player
+from .shapes import wxyz_of
+
+if TYPE_CHECKING:
+    from .viewer import Viewer
+
+_SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
+
+
+class ReplayTab:
+    """Upload, play and pause, time, speed, the signal to pose by, and an object's marker."""
+
+    def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
+        self._viewer = viewer
+        self._log: Log | None = None
+        self._marker: viser.FrameHandle | None = None
+        self.player = Player(self.seek)
+        self.upload = gui.add_upload_button("Log (.csv)", icon=viser.Icon.UPLOAD)
+        self.upload.on_upload(lambda event: viewer.take_log(event.target.value))
+        self.play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, disabled=True)
+        self.play.on_click(lambda _: self._toggle())
+        self.time: Any = gui.add_slider("Time [s]", 0.0, 1.0, 0.001, 0.0, disabled=True)
+        self.time.on_update(self._slid)
+        self.speed = gui.add_dropdown("Speed", _SPEEDS, initial_value="1")
+        self.speed.on_update(lambda _: self.player.set_speed(float(self.speed.value)))
+        self.signal = gui.add_dropdown("Posture", ("q", "q_des"), initial_value="q")
+        self.signal.on_update(lambda _: self.seek(self.player.elapsed))
+        self.facts = gui.add_markdown("No log.")
+
+    def load(self, log: Log) -> None:
+        """Stand at the first row of a log."""
+        self._log = log
+        self.player.load(log.duration)
+        self.signal.options = tuple(log.postures)
+        self.time.max = max(log.duration, 1e-3)
+        self.time.disabled = self.play.disabled = False
+        self._drop_marker()
+        if log.object_pose is not None:
+            self._marker = self._viewer.server.scene.add_frame(
+                "/object", axes_length=0.1, axes_radius=0.004
+            )
+            self._viewer.server.scene.add_icosphere(
+                "/object/mesh", radius=0.03, color=(44, 160, 44), opacity=0.8
+            )
+        self.seek(0.0)
+
+    def unload(self) -> None:
+        """Forget the log: it was of another robot."""
+        self.player.pause()
+        self._log = None
+        self._drop_marker()
+        self.time.disabled = self.play.disabled = True
+        self.facts.content = "No log."
+
+    def seek(self, elapsed: float) -> None:
+        """Pose the robot as it was, so many seconds after the first row."""
+        log = self._log
+        if log is None:
+            return
+        self.player.seek(elapsed)
+        self.time.value = round(elapsed, 3)
+        self.play.label = "Pause" if self.player.playing else "Play"
+        self._viewer.session.set_posture(log.at(elapsed, self.signal.value), origin="log")
+        self._viewer.worker.wake()
+        self.facts.content = facts(log, elapsed, self._viewer.session.robot.joint_names)
+        if self._marker is not None and log.object_pose is not None:
+            T = log.object_pose[log.row(elapsed)]
+            self._marker.wxyz, self._marker.position = wxyz_of(T[:3, :3]), T[:3, 3]
+
+    def _toggle(self) -> None:
+        if self.player.playing:
+            self.player.pause()
+        else:
+            self.player.play()
+        self.play.label = "Pause" if self.player.playing else "Play"
+
+    def _slid(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
+        if event.client is not None:  # a hand, not the player
+            self.player.pause()
+            self.seek(event.target.value)
+
+    def _drop_marker(self) -> None:
+        if self._marker is not None:
+            self._marker.remove()
+            self._marker = None
+
+
+def facts(log: Log, elapsed: float, joint_names: list[str]) -> str:
+    """The row, the joint that tracks worst, and the highest speed and torque, as Markdown."""
+    row = log.row(elapsed)
+    lines = [f"**{log.name}**, row {row + 2} of {len(log.time) + 1}"]
+    if "q" in log.signals and "q_des" in log.signals:
+        error = log.signals["q_des"][row] - log.signals["q"][row]
+        i = int(np.argmax(np.abs(error)))
+        lines.append(f"off by at most {1e3 * error[i]:.2f} mrad or mm: {joint_names[i]}")
+    for signal, what in (("dq", "rad/s or m/s"), ("tau", "N m or N")):
+        if signal in log.signals:
+            values = log.signals[signal][row]
+            i = int(np.argmax(np.abs(values)))
+            lines.append(f"{signal} at most {values[i]:.3g} {what}: {joint_names[i]}")
+    return "\n\n".join(lines)

@@ -1,0 +1,161 @@
+"""The robot on the page: hulls, meshes, skeleton, and where its tips are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+import viser
+
+from pdoik._hulls import placed_hulls, way_to
+
+from .binding import binding
+from .model import Model
+from .session import Shown
+from .shapes import hull_instances, segments, turns_of_x, wxyz_of
+
+FloatArray = npt.NDArray[np.float64]
+
+_HULL, _HULL_BINDING = (38, 98, 184), (224, 20, 20)
+_BONE, _JOINT = (43, 47, 54), (242, 142, 43)
+
+
+class RobotScene:
+    """The nodes below /robot, which follow the posture.
+
+    Args:
+        server: Where to draw.
+        model: What to draw.
+        size: About how far the robot stretches [m].
+    """
+
+    def __init__(self, server: viser.ViserServer, model: Model, size: float) -> None:
+        self._server = server
+        self._robot = model.robot
+        self._last_poses: dict[str, FloatArray] = {}
+        scene = server.scene
+        scene.add_frame("/robot", show_axes=False)
+        self._meshes = scene.add_frame("/robot/meshes", show_axes=False)
+        self._links: dict[str, Any] = {
+            link: scene.add_glb(f"/robot/meshes/{_node(link)}", glb)
+            for link, glb in model.visuals.items()
+        }
+        self._ways = [
+            way_to(model.robot, model.robot.mid_configuration(), tip)
+            for tip in model.robot.tip_links
+        ]
+        self._axes = {
+            tip: scene.add_frame(
+                f"/robot/tips/{_node(tip)}", axes_length=0.1 * size, axes_radius=0.006 * size
+            )
+            for tip in model.robot.tip_links
+        }
+        self._hulls = self._add_hulls() if len(model.robot.occupancy) else None
+        self._bones, self._joints = self._add_skeleton(0.011 * size)
+
+    def remove(self) -> None:
+        self._server.scene.remove_by_name("/robot")
+
+    def show_parts(
+        self, *, hulls: bool | None = None, meshes: bool | None = None, skeleton: bool | None = None
+    ) -> None:
+        """Show or hide kinds of things; None leaves one as it is."""
+        if hulls is not None and self._hulls is not None:
+            self._hulls.visible = hulls
+        if meshes is not None:
+            self._meshes.visible = meshes
+        if skeleton is not None:
+            self._bones.visible = self._joints.visible = skeleton
+
+    def show(self, shown: Shown) -> None:
+        """Pose everything; hulls of the binding constraint that fails turn red."""
+        poses = {link: self._robot.fk(shown.q, link) for link in self._drawn_links()}
+        for link, node in [*self._links.items(), *self._axes.items()]:
+            if np.array_equal(poses[link], self._last_poses.get(link, np.empty(0))):
+                continue
+            node.wxyz, node.position = wxyz_of(poses[link][:3, :3]), poses[link][:3, 3]
+        self._last_poses = poses
+        self._pose_skeleton(poses)
+        if self._hulls is not None:
+            hulls = placed_hulls(self._robot, shown.q)
+            wxyz, centers, axes = hull_instances(hulls)
+            colors = np.tile(np.array(_HULL, dtype=np.uint8), (len(hulls), 1))
+            if not shown.result.success:
+                colors[list(binding(shown.result, self._robot).hulls)] = _HULL_BINDING
+            self._hulls.batched_wxyzs = wxyz
+            self._hulls.batched_positions = centers
+            self._hulls.batched_scales = axes
+            self._hulls.batched_colors = colors
+
+    def _drawn_links(self) -> set[str]:
+        return {*self._links, *self._axes, *(link for way in self._ways for link in way)}
+
+    def _add_hulls(self) -> Any:
+        unit = trimesh.creation.icosphere(subdivisions=3, radius=1.0)
+        n = len(self._robot.occupancy)
+        return self._server.scene.add_batched_meshes_simple(
+            "/robot/hulls",
+            np.asarray(unit.vertices),
+            np.asarray(unit.faces),
+            batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+            batched_positions=np.zeros((n, 3)),
+            batched_scales=np.ones((n, 3)),
+            batched_colors=np.tile(np.array(_HULL, dtype=np.uint8), (n, 1)),
+            opacity=0.38,
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def _add_skeleton(self, radius: float) -> tuple[Any, Any]:
+        n_bones = sum(len(way) - 1 for way in self._ways)
+        n_joints = sum(len(way) for way in self._ways)
+        bone = trimesh.creation.cylinder(radius=radius, height=1.0, sections=20)
+        bone.apply_transform(np.eye(4)[[2, 0, 1, 3]])  # z, its axis, becomes x
+        joint = trimesh.creation.icosphere(subdivisions=2, radius=1.9 * radius)
+        nodes = [
+            self._server.scene.add_batched_meshes_simple(
+                f"/robot/{name}",
+                np.asarray(mesh.vertices),
+                np.asarray(mesh.faces),
+                batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+                batched_positions=np.zeros((n, 3)),
+                batched_scales=np.ones((n, 3)),
+                batched_colors=np.tile(np.array(color, dtype=np.uint8), (n, 1)),
+                lod="off",
+            )
+            for name, mesh, n, color in (
+                ("bones", bone, n_bones, _BONE),
+                ("joints", joint, n_joints, _JOINT),
+            )
+        ]
+        return nodes[0], nodes[1]
+
+    def _pose_skeleton(self, poses: dict[str, FloatArray]) -> None:
+        ways = [[poses[link][:3, 3] for link in way] for way in self._ways]
+        lines = np.concatenate([segments(way) for way in ways])  # (B, 2, 3)
+        vectors = lines[:, 1] - lines[:, 0]
+        lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+        ones = np.ones_like(lengths)
+        self._bones.batched_wxyzs = turns_of_x(vectors / np.maximum(lengths, 1e-12))
+        self._bones.batched_positions = lines.mean(axis=1)
+        self._bones.batched_scales = np.concatenate([lengths, ones, ones], axis=1)
+        self._joints.batched_positions = np.concatenate(ways)
+
+
+def robot_size(model: Model) -> float:
+    """About how far the robot stretches: the length of its longest way to a tip [m]."""
+    robot = model.robot
+    q = robot.mid_configuration()
+    lengths = []
+    for tip in robot.tip_links:
+        origins = np.array([robot.fk(q, link)[:3, 3] for link in way_to(robot, q, tip)])
+        lengths.append(float(np.linalg.norm(np.diff(origins, axis=0), axis=1).sum()))
+    return max([*lengths, 0.1])
+
+
+def _node(link: str) -> str:
+    """A link's name as one level of the scene tree."""
+    return link.replace("/", "_")

@@ -1,0 +1,91 @@
+"""The tab with what is asked of the solver and what is shown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import viser
+
+if TYPE_CHECKING:
+    from .viewer import Viewer
+
+GOALS = ("pose", "axis", "position")
+AXES = ("x", "y", "z")
+METHODS = ("default", "paper")
+
+
+class SolveTab:
+    """Goal, method, clearance, thinning, obstacles, and checkboxes of what to draw."""
+
+    def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
+        options, obstacles = viewer.session.options, viewer.session.obstacles
+        axis = options.goal_axis if isinstance(options.goal_axis, str) else "z"
+        self.goal = gui.add_dropdown("Goal", GOALS, initial_value=options.goal)
+        self.goal_axis = gui.add_dropdown(
+            "Axis", AXES, initial_value=axis, visible=options.goal == "axis"
+        )
+        self.method = gui.add_dropdown("Method", METHODS, initial_value=options.method)
+        self.clearance = gui.add_slider(
+            "Clearance [mm]", 0.0, 100.0, 1.0, min(1e3 * options.clearance, 100.0)
+        )
+        self.leaf = gui.add_slider("Leaf [mm]", 0.0, 150.0, 5.0, min(1e3 * obstacles.leaf, 150.0))
+        self.radii = gui.add_checkbox(
+            "Radii", obstacles.radii, hint="Keep off the points that thinning leaves out, too"
+        )
+        self.fixed = gui.add_checkbox(
+            "Fixed hulls",
+            options.heed_fixed_hulls,
+            hint="Fail where a point is in a hull that no joint moves",
+        )
+        with gui.add_folder("Obstacles"):
+            self.ball = gui.add_checkbox("Ball", obstacles.ball is not None)
+            self.radius = gui.add_slider("Radius [mm]", 10.0, 250.0, 5.0, 60.0)
+            self.move_cloud = gui.add_checkbox("Move cloud", False)
+        with gui.add_folder("Show"):
+            self.hulls = gui.add_checkbox("Hulls", True)
+            self.meshes = gui.add_checkbox("Meshes", True)
+            self.skeleton = gui.add_checkbox(
+                "Skeleton", not viewer.model.visuals, hint="Inside the meshes, if any"
+            )
+            self.cloud = gui.add_checkbox("Cloud", True)
+
+        def on_options(_: object) -> None:
+            self.goal_axis.visible = self.goal.value == "axis"
+            viewer.change_options(
+                goal=self.goal.value,
+                goal_axis=self.goal_axis.value,
+                method=self.method.value,
+                clearance=self.clearance.value / 1e3,
+                heed_fixed_hulls=self.fixed.value,
+            )
+
+        for control in (self.goal, self.goal_axis, self.method, self.clearance, self.fixed):
+            control.on_update(on_options)
+
+        def on_thinning(_: object) -> None:
+            viewer.session.set_thinning(self.leaf.value / 1e3, self.radii.value)
+            viewer.worker.wake()
+
+        for control in (self.leaf, self.radii):
+            control.on_update(on_thinning)
+
+        def on_ball(_: object) -> None:
+            viewer.show_ball(self.ball.value, self.radius.value / 1e3)
+
+        for control in (self.ball, self.radius):
+            control.on_update(on_ball)
+
+        self.move_cloud.on_update(lambda _: viewer.move_cloud(self.move_cloud.value))
+
+        def on_parts(_: object) -> None:
+            self.apply_parts(viewer)
+
+        for control in (self.hulls, self.meshes, self.skeleton, self.cloud):
+            control.on_update(on_parts)
+
+    def apply_parts(self, viewer: Viewer) -> None:
+        """Show what is ticked."""
+        viewer.robot_scene.show_parts(
+            hulls=self.hulls.value, meshes=self.meshes.value, skeleton=self.skeleton.value
+        )
+        viewer.obstacle_scene.show_cloud(self.cloud.value)

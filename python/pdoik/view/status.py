@@ -1,0 +1,103 @@
+"""The lines at the top of the panel: what the solver said, how long it took, what binds."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from html import escape
+
+import numpy as np
+import viser
+
+import pdoik
+
+from .binding import margin_text
+from .session import Shown
+
+_WINDOW = 2.0  # [s]
+_GOOD, _BAD, _POSED = "#1b7f3b", "#b3261e", "#4a5568"
+
+
+class Meter:
+    """How many solves a second, and their median time, over the last two seconds."""
+
+    def __init__(self) -> None:
+        self._solves: deque[tuple[float, float]] = deque(maxlen=1000)  # when, how long [s]
+
+    def add(self, seconds: float, now: float | None = None) -> None:
+        self._solves.append((time.monotonic() if now is None else now, seconds))
+
+    def rate(self, now: float | None = None) -> float:
+        """[1/s]."""
+        since = (time.monotonic() if now is None else now) - _WINDOW
+        return sum(when > since for when, _ in self._solves) / _WINDOW
+
+    def median(self) -> float:
+        """Of the solves that are remembered [s]; NaN without any."""
+        return float(np.median([seconds for _, seconds in self._solves] or [np.nan]))
+
+
+class Status:
+    """Numbers that change with each solve, and the last message."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self.meter = Meter()
+        self.text = ""  # what is on the page, as HTML
+        self._numbers = gui.add_html("")
+        self._message = gui.add_html("")
+
+    def show(self, shown: Shown) -> None:
+        if shown.origin == "target":
+            self.meter.add(shown.result.time)
+        self.text = status_html(shown, self.meter)
+        self._numbers.content = self.text
+
+    def say(self, message: str, *, bad: bool = False) -> None:
+        """A line below the numbers, until the next one."""
+        color = _BAD if bad else _POSED
+        self._message.content = (
+            f'<div style="padding:0 1em 0.5em;font-size:0.8em;color:{color};'
+            f'overflow-wrap:anywhere">{escape(message)}</div>'
+        )
+
+
+def status_html(shown: Shown, meter: Meter) -> str:
+    """Status, time, errors, clearance and the worst constraint."""
+    result, robot = shown.result, shown.robot
+    if shown.origin == "target":
+        word = result.status.replace("_", " ")
+        badge = word, _GOOD if result.success else _BAD
+        clock = f"{1e3 * result.time:.3f} ms"
+    else:
+        word = "posed by the log" if shown.origin == "log" else "posed by hand"
+        badge = word, _POSED if result.success else _BAD
+        clock = ""
+    rows = [
+        ("position error", f"{1e3 * result.position_error:.4f} mm"),
+        ("rotation error", f"{1e3 * result.rotation_error:.4f} mrad"),
+        ("clearance", _clearance(result, shown)),
+        ("worst constraint", escape(result.worst_constraint)),
+        ("", margin_text(result, robot)),
+        ("solves", f"{meter.rate():.0f} /s, median {1e3 * meter.median():.3f} ms"),
+    ]
+    cells = "".join(
+        '<tr><td style="color:#667;padding:0 0.8em 0 0;white-space:nowrap;vertical-align:top">'
+        f"{name}</td><td>{value}</td></tr>"
+        for name, value in rows
+    )
+    return (
+        '<div style="padding:0.2em 1em 0.4em;font-size:0.85em;line-height:1.5;'
+        'font-variant-numeric:tabular-nums">'
+        f'<div style="display:flex;align-items:baseline"><span style="background:{badge[1]};'
+        f'color:white;border-radius:4px;padding:0.1em 0.6em;font-weight:600">{badge[0]}</span>'
+        f'<span style="margin-left:auto;font-size:1.25em;font-weight:600">{clock}</span></div>'
+        f'<table style="margin-top:0.4em;border-spacing:0">{cells}</table></div>'
+    )
+
+
+def _clearance(result: pdoik.Result, shown: Shown) -> str:
+    if not len(shown.robot.occupancy):
+        return "the robot has no hulls"
+    if not len(shown.obstacles):
+        return "no obstacles"
+    return f"{1e3 * result.clearance:.1f} mm to {len(shown.obstacles)} points"

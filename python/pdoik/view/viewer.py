@@ -1,0 +1,271 @@
+"""What the page is: a session, its scene and its panel, and what happens when they are touched."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import viser
+
+import pdoik
+from pdoik.clouds import load_cloud
+from pdoik.errors import PdoikError
+
+from .files_tab import FilesTab
+from .gizmos import TargetGizmos
+from .joints_tab import JointsTab
+from .log import load_log
+from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
+from .obstacle_scene import ObstacleScene
+from .replay_tab import ReplayTab
+from .scene import RobotScene, robot_size
+from .session import Session
+from .solve_tab import SolveTab
+from .status import Status
+from .worker import Worker
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Viewer:
+    """Draws a session on a server's page and takes what is dragged, typed and uploaded there.
+
+    Attributes:
+        server: Of the page.
+        model: The robot that is drawn.
+        session: What is solved; another one for each robot.
+        worker: The thread that solves and draws.
+        targets: The gizmos of the tips.
+
+    Raises:
+        ValueError: The solver refuses the robot, or the model does not fit the session.
+    """
+
+    def __init__(self, server: viser.ViserServer, model: Model, session: Session) -> None:
+        self.server = server
+        self.session = session
+        self.model = model
+        self._folder = tempfile.TemporaryDirectory(prefix="pdoik-view-")
+        size = robot_size(model)
+        server.scene.add_grid(
+            "/floor",
+            infinite_grid=True,
+            cell_size=0.1,
+            section_size=1.0,
+            cell_color=(226, 229, 234),
+            section_color=(196, 202, 211),
+            fade_distance=8 * size,
+        )
+        server.initial_camera.fov = 0.7
+        server.initial_camera.look_at = np.array([0.31, 0.09, 0.3]) * size  # beside the panel
+        server.initial_camera.position = np.array([1.05, -1.15, 0.78]) * size
+        self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
+        self.obstacle_scene.ball.place(_at(np.array([0.25, -0.4, 0.3]) * size))
+        self._add_robot()
+
+        gui = server.gui
+        gui.set_panel_label("pdoik view")
+        self.status = Status(gui)
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Solve"):
+            self.solve_tab = SolveTab(gui, self)
+        self._joints_container = tabs.add_tab("Joints")
+        with tabs.add_tab("Replay"):
+            self.replay_tab = ReplayTab(gui, self)
+        with tabs.add_tab("Files"):
+            self.files_tab = FilesTab(gui, self)
+        self.joints_tab: JointsTab | None = None
+        self._follow_robot()
+        self.worker = Worker(self._step, lambda error: self.status.say(_words(error), bad=True))
+        self.worker.wake()
+
+    def close(self) -> None:
+        """End the threads; the server is the caller's."""
+        self.replay_tab.player.stop()
+        self.worker.stop()
+        self._folder.cleanup()
+
+    # What the worker does.
+
+    def _step(self) -> None:
+        session = self.session
+        shown = session.solve_once()
+        if shown is None or shown.robot is not self.model.robot:
+            return
+        with self.server.atomic():
+            self.robot_scene.show(shown)
+            self.obstacle_scene.show(shown)
+            self.targets.show(shown)
+            if shown.origin != "joints" and self.joints_tab is not None:
+                self.joints_tab.show(shown.q)
+            self.status.show(shown)
+
+    # What is dragged. These run on the page's event loop and only note the wish.
+
+    def _drag_target(self, tip: str, T_base_tip: FloatArray) -> None:
+        self.session.set_target(tip, T_base_tip)
+        self.worker.wake()
+
+    def _drag_ball(self, T: FloatArray) -> None:
+        ball = self.session.obstacles.ball
+        if ball is not None:
+            self.session.set_ball(T[:3, 3], ball.radius)
+            self.worker.wake()
+
+    def _drag_cloud(self, T_base_cloud: FloatArray) -> None:
+        self.session.set_cloud_pose(T_base_cloud)
+        self.worker.wake()
+
+    def _slide(self, index: int, position: float) -> None:
+        self.session.set_joint(index, position)
+        self.worker.wake()
+
+    # What the Solve tab changes.
+
+    def change_options(self, **changes: Any) -> None:
+        with self._complaints():
+            self.session.set_options(**changes)
+            self.worker.wake()
+
+    def show_ball(self, on: bool, radius: float) -> None:
+        """Put the ball where its gizmo is, or take it away [m]."""
+        self.session.set_ball(self.obstacle_scene.ball.pose[:3, 3] if on else None, radius)
+        self.worker.wake()
+
+    def move_cloud(self, on: bool) -> None:
+        """Give the cloud its gizmo, or take that away."""
+        self.obstacle_scene.place_handle(self.session.obstacles.T_base_cloud)
+        self.obstacle_scene.cloud.show(on and len(self.session.obstacles.surface) > 0)
+
+    # What comes from files.
+
+    def take_builtin(self, name: str) -> None:
+        if name in pdoik.Robot.builtin_names() and (
+            self.model.urdf is not None or name != self.model.robot.name
+        ):
+            with self._complaints():
+                self._replace_robot(builtin_model(name))
+
+    def take_urdf(self, file: viser.UploadedFile) -> None:
+        with self._complaints():
+            path = self._keep(file)
+            robot = read_robot(path)
+            model = urdf_model(robot, path, self.model.package_dirs)
+            try:
+                self._replace_robot(model)
+            except ValueError:  # several tips, which the solver may refuse
+                self._replace_robot(model.with_tip(deepest_tip(robot)))
+
+    def take_tip(self, tip_link: str | None) -> None:
+        if self.model.urdf is not None:
+            with self._complaints():
+                self._replace_robot(self.model.with_tip(tip_link))
+
+    def take_hulls(self, file: viser.UploadedFile) -> None:
+        with self._complaints():
+            self._replace_robot(self.model.with_hulls(pdoik.Occupancy.load(self._keep(file))))
+
+    def fit_hulls(self) -> None:
+        """Fit hulls around the collision geometry; takes seconds to minutes."""
+        from pdoik.occupancy_fit import fit_occupancy
+
+        model = self.model
+        if model.urdf is None:
+            return
+        with self._complaints():
+            self.status.say("fitting hulls ...")
+            fit = fit_occupancy(model.urdf, model.package_dirs)
+            known = set(model.robot.link_names)
+            text = fit.to_yaml()
+            if model is self.model:
+                self._replace_robot(model.with_hulls(_of_links(pdoik.Occupancy.load(text), known)))
+
+    def take_cloud(self, file: viser.UploadedFile) -> None:
+        with self._complaints():
+            points = load_cloud(self._keep(file))
+            self.session.set_cloud(points)
+            self.status.say(f"{file.name}: {len(points)} points")
+            self.worker.wake()
+
+    def drop_cloud(self) -> None:
+        self.session.set_cloud(None)
+        self.obstacle_scene.cloud.show(False)
+        self.worker.wake()
+
+    def take_log(self, file: viser.UploadedFile) -> None:
+        with self._complaints():
+            self.replay_tab.load(load_log(self._keep(file), self.session.robot.joint_names))
+
+    def _keep(self, file: viser.UploadedFile) -> Path:
+        path = Path(self._folder.name) / Path(file.name).name
+        path.write_bytes(file.content)
+        return path
+
+    @contextmanager
+    def _complaints(self) -> Iterator[None]:
+        """Say on the page what was wrong, and leave things as they were."""
+        try:
+            yield
+        except (PdoikError, ValueError, TypeError, OSError) as error:
+            self.status.say(_words(error), bad=True)
+
+    # Robots.
+
+    def _replace_robot(self, model: Model) -> None:
+        session = Session(model.robot, self.session.options, obstacles=self.session.obstacles)
+        with self.server.atomic():
+            self.targets.remove()
+            self.robot_scene.remove()
+            self.model, self.session = model, session
+            self._add_robot()
+            self.replay_tab.unload()
+            self._follow_robot()
+        self.worker.wake()
+
+    def _add_robot(self) -> None:
+        self.robot_scene = RobotScene(self.server, self.model, robot_size(self.model))
+        self.targets = TargetGizmos(
+            self.server, self.session.targets, 0.2 * robot_size(self.model), self._drag_target
+        )
+
+    def _follow_robot(self) -> None:
+        """Fit the panel to the robot."""
+        robot = self.model.robot
+        if self.joints_tab is not None:
+            self.joints_tab.remove()
+        with self._joints_container:
+            self.joints_tab = JointsTab(self.server.gui, robot, self._slide)
+        self.joints_tab.show(self.session.q)
+        self.files_tab.show(robot, from_file=self.model.urdf is not None)
+        self.solve_tab.apply_parts(self)
+        facts = f"{robot.name}: {robot.dof} joints, {len(robot.occupancy)} hulls"
+        if self.model.visuals:
+            facts += f", meshes of {len(self.model.visuals)} links"
+        if not len(robot.occupancy):
+            facts += "; without hulls the solver cannot see obstacles"
+        if self.model.notes:
+            facts += f"; {len(self.model.notes)} links lack meshes: {self.model.notes[0]}"
+        self.status.say(facts)
+
+
+def _of_links(occupancy: pdoik.Occupancy, known: set[str]) -> pdoik.Occupancy:
+    """The hulls on these links only."""
+    return pdoik.Occupancy(
+        spheres=[hull for hull in occupancy.spheres if hull[0] in known],
+        spheroids=[hull for hull in occupancy.spheroids if {hull[0], hull[2]} <= known],
+    )
+
+
+def _at(xyz: FloatArray) -> FloatArray:
+    T = np.eye(4)
+    T[:3, 3] = xyz
+    return T
+
+
+def _words(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

@@ -1,0 +1,145 @@
+"""What a URDF's links look like, for a page: one GLB per link."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+from scipy.spatial.transform import Rotation
+from trimesh.visual.material import PBRMaterial
+
+from pdoik.errors import LoadError
+
+FloatArray = npt.NDArray[np.float64]
+
+_GREY = (0.78, 0.80, 0.83, 1.0)
+
+
+def load_visuals(
+    urdf: Path, package_dirs: Sequence[Path] = ()
+) -> tuple[dict[str, bytes], list[str]]:
+    """GLB files of the links that have geometry, and why others lack theirs.
+
+    Of each link its <visual> elements are taken, or its <collision> elements where one of those
+    cannot be had.
+
+    Args:
+        urdf: The description.
+        package_dirs: Folders that hold the packages named in `package://` addresses; the folders
+            above the URDF are looked through, too.
+
+    Raises:
+        LoadError: The URDF cannot be read.
+    """
+    try:
+        root = ElementTree.parse(urdf).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise LoadError(f"{urdf}: not a robot description: {error}") from error
+    places = [*package_dirs, *urdf.resolve().parents]
+    colors = {
+        str(material.get("name")): _rgba(material)
+        for material in root.findall("material")
+        if material.find("color") is not None
+    }
+    visuals, missing = {}, []
+    for link in root.findall("link"):
+        name = str(link.get("name"))
+        reason = ""
+        for kind in ("visual", "collision"):
+            elements = link.findall(kind)
+            if not elements:
+                continue
+            try:
+                visuals[name] = _glb(elements, colors, places)
+                reason = ""
+                break
+            except Exception as error:  # mesh readers raise whatever their parsing stumbles over
+                reason = reason or f"{name}: {error}"
+        if reason:
+            missing.append(reason)
+    return visuals, missing
+
+
+def _glb(
+    elements: list[ElementTree.Element],
+    colors: dict[str, tuple[float, ...]],
+    places: Sequence[Path],
+) -> bytes:
+    scene = trimesh.Scene()
+    for element in elements:
+        T_link_shape = _origin(element)
+        material = element.find("material")
+        color = None
+        if material is not None:
+            color = _rgba(material) if material.find("color") is not None else None
+            color = color or colors.get(str(material.get("name")))
+        for mesh in _shape(element, places):
+            if color is not None or not _has_color(mesh):
+                mesh.visual = _paint(color or _GREY)
+            scene.add_geometry(mesh, transform=T_link_shape)
+    return bytes(scene.export(file_type="glb"))  # type: ignore[no-untyped-call]
+
+
+def _paint(rgba: tuple[float, ...]) -> Any:
+    material = PBRMaterial(  # type: ignore[no-untyped-call]
+        baseColorFactor=rgba, metallicFactor=0.1, roughnessFactor=0.6
+    )
+    return trimesh.visual.TextureVisuals(material=material)  # type: ignore[no-untyped-call]
+
+
+def _shape(element: ElementTree.Element, places: Sequence[Path]) -> list[trimesh.Trimesh]:
+    shape = element.find("geometry/*")
+    if shape is None:
+        raise LoadError("an element without geometry")
+    if shape.tag == "box":
+        return [trimesh.creation.box(extents=_numbers(shape, "size"))]
+    if shape.tag == "cylinder":
+        (radius,), (length,) = _numbers(shape, "radius"), _numbers(shape, "length")
+        return [trimesh.creation.cylinder(radius=radius, height=length, sections=48)]
+    if shape.tag == "sphere":
+        return [trimesh.creation.icosphere(subdivisions=3, radius=_numbers(shape, "radius")[0])]
+    if shape.tag != "mesh":
+        raise LoadError(f"unknown shape <{shape.tag}>")
+    scale = np.diag([*_numbers(shape, "scale", "1 1 1"), 1.0])
+    loaded = trimesh.load_scene(_find(str(shape.get("filename")), places))
+    meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
+    return [mesh.apply_transform(scale) for mesh in meshes]
+
+
+def _find(filename: str, places: Sequence[Path]) -> Path:
+    relative = filename.removeprefix("package://").removeprefix("file://")
+    for place in places:
+        if (place / relative).is_file():
+            return place / relative
+    raise LoadError(f"mesh {filename} not found; give --package-dir")
+
+
+def _has_color(mesh: trimesh.Trimesh) -> bool:
+    return mesh.visual is not None and bool(mesh.visual.defined)
+
+
+def _rgba(material: ElementTree.Element) -> tuple[float, ...]:
+    color = material.find("color")
+    words = "" if color is None else color.get("rgba", "")
+    return tuple(float(word) for word in words.split()) or _GREY
+
+
+def _origin(element: ElementTree.Element) -> FloatArray:
+    """The element's <origin> as T_link_shape, (4, 4)."""
+    origin = element.find("origin")
+    if origin is None:
+        return np.eye(4)
+    roll, pitch, yaw = _numbers(origin, "rpy", "0 0 0")
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_matrix()
+    T[:3, 3] = _numbers(origin, "xyz", "0 0 0")
+    return T
+
+
+def _numbers(element: ElementTree.Element, name: str, default: str = "") -> list[float]:
+    return [float(word) for word in element.get(name, default).split()]

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "pdoik/collision_pairs.hpp"
+#include "pdoik/errors.hpp"
+
+namespace pdoik {
+namespace {
+
+const std::string kPandaSrdf = R"(<?xml version="1.0" encoding="UTF-8"?>
+<!-- as MoveIt's Setup Assistant writes it -->
+<robot name="panda">
+  <group name="arm"><chain base_link="panda_link0" tip_link="panda_link7"/></group>
+  <group_state name="ready" group="arm"><joint name="panda_joint1" value="0"/></group_state>
+  <virtual_joint name="virtual_joint" type="fixed" parent_frame="world" child_link="panda_link0"/>
+  <disable_collisions link1="panda_link0" link2="panda_link1" reason="Adjacent"/>
+  <!-- <disable_collisions link1="panda_link0" link2="panda_link7"/> -->
+  <disable_collisions link1="panda_link5" link2="panda_link7" reason="Default"/>
+  <disable_collisions link1="panda_link2" link2="panda_link0"/>
+</robot>)";
+
+const std::vector<LinkPair> kPandaPairs{
+    {"panda_link0", "panda_link1"}, {"panda_link5", "panda_link7"}, {"panda_link2", "panda_link0"}};
+
+TEST(Srdf, pairs_come_in_the_files_order_and_fit_the_robot) {
+  EXPECT_EQ(load_srdf_pairs(kPandaSrdf), kPandaPairs);
+  Robot robot = Robot::builtin("panda");
+  robot.set_ignored_pairs(load_srdf_pairs(kPandaSrdf));
+  EXPECT_EQ(robot.ignored_pairs(), kPandaPairs);
+  EXPECT_TRUE(load_srdf_pairs("<robot name='none'/>").empty());
+  EXPECT_EQ(load_srdf_pairs("\xEF\xBB\xBF" + kPandaSrdf), kPandaPairs);
+}
+
+TEST(Srdf, a_files_path_does_as_well) {
+  const std::string path = ::testing::TempDir() + "pdoik_test.srdf";
+  std::ofstream(path) << kPandaSrdf;
+  EXPECT_EQ(load_srdf_pairs(path), kPandaPairs);
+  std::remove(path.c_str());
+}
+
+void expect_refused(const std::string& path_or_xml, const std::vector<std::string>& words) {
+  try {
+    load_srdf_pairs(path_or_xml);
+    FAIL() << "was accepted; expected a LoadError with '" << words.front() << "'";
+  } catch (const LoadError& error) {
+    for (const std::string& word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+  }
+}
+
+TEST(Srdf, what_cannot_be_read_is_refused_by_name) {
+  expect_refused("/nowhere/panda.srdf", {"cannot read", "SRDF", "'/nowhere/panda.srdf'"});
+  expect_refused("", {"SRDF", "empty"});
+  expect_refused("<robot name='a'>\n<disable_collisions link1='a'/>\n</robot>",
+                 {"the SRDF text", "<disable_collisions>", "line 2", "'link2'"});
+  expect_refused("<robot><disable_collisions link1='' link2='b'/></robot>", {"'link1'"});
+  expect_refused("<robot><disable_collisions link1='a' link2='b'></robot>", {"not valid XML"});
+  expect_refused("<robot><disable_collisions link1='a' link2=b /></robot", {"not valid XML"});
+  expect_refused("<robot><disable_collisions link1='a' link2='b'/>", {"not valid XML"});
+  expect_refused("<urdf/>", {"<robot>", "<urdf>"});
+  expect_refused("<!-- nothing -->", {"the SRDF text"});
+  expect_refused("<robot><disable_default_collisions link='a'/></robot>",
+                 {"<disable_default_collisions>", "not supported"});
+  expect_refused("<robot xmlns:xacro='x'><xacro:hands/></robot>", {"<xacro:hands>", "xacro"});
+  expect_refused(std::string("<robot>\0</robot>", 16), {"NUL"});
+  expect_refused("<robot>\xC3\x28</robot>", {"UTF-8"});
+  std::string deep = "<robot>";
+  for (int k = 0; k < 10000; ++k) deep += "<a>";
+  expect_refused(deep, {"nested"});
+}
+
+TEST(Srdf, every_cut_of_a_file_is_read_or_refused) {
+  for (std::size_t length = 0; length < kPandaSrdf.size(); ++length) {
+    try {
+      load_srdf_pairs(kPandaSrdf.substr(length));
+    } catch (const LoadError&) {
+    }
+    try {
+      EXPECT_LE(load_srdf_pairs(kPandaSrdf.substr(0, length)).size(), kPandaPairs.size());
+    } catch (const LoadError&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pdoik

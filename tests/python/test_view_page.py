@@ -1,0 +1,262 @@
+"""pdoik view in a real browser: what the mouse does reaches the solver, and nothing leaves."""
+
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+import pdoik
+from pdoik.view import Session
+
+pytest.importorskip("viser", reason="pip install 'pdoik[view]'")
+playwright = pytest.importorskip("playwright.sync_api", reason="pip install 'pdoik[test]'")
+CHROMIUM = shutil.which("chromium")
+if CHROMIUM is None:
+    pytest.skip("apt-get install chromium", allow_module_level=True)
+
+from pdoik.view.gizmos import Gizmo  # noqa: E402  # these need viser
+from pdoik.view.model import builtin_model  # noqa: E402
+from pdoik.view.server import start_server  # noqa: E402
+from pdoik.view.viewer import Viewer  # noqa: E402
+
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+WIDTH, HEIGHT = 1000, 700
+PATIENCE = 120.0  # [s], with software rendering on a busy machine
+TIP = "panda_link8"
+
+
+class Page:
+    """A viewer, its page in Chromium, and everything the page complained of or asked for."""
+
+    def __init__(self, viewer: Viewer, page: Any) -> None:
+        self.viewer = viewer
+        self.page = page
+        self.complaints: list[str] = []
+        self.addresses: list[str] = []
+        page.on("console", self._heard)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.addresses.append(request.url))
+        page.on("websocket", lambda socket: self.addresses.append(socket.url))
+        page.goto(viewer.server.url)
+        self.wait(lambda: bool(viewer.server.get_clients()), "a client")
+        page.locator("canvas").first.wait_for(timeout=1e3 * PATIENCE)
+        page.get_by_text("worst constraint").wait_for(timeout=1e3 * PATIENCE)
+
+    def _heard(self, message: Any) -> None:
+        if message.type == "error":
+            self.complaints.append(message.text)
+
+    def wait(self, condition: Callable[[], bool], what: str) -> None:
+        """Until it holds, with the page alive."""
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline, f"waited in vain for {what}"
+            self.page.wait_for_timeout(50)
+
+    @property
+    def q(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        return self.viewer.session.q
+
+    def pixel(self, point: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        """Where a point of the base frame is on the page, (2,)."""
+        (client,) = self.viewer.server.get_clients().values()
+        camera = client.camera
+        forward = camera.look_at - camera.position
+        forward /= np.linalg.norm(forward)
+        right = np.cross(forward, camera.up_direction)
+        right /= np.linalg.norm(right)
+        offset = point - camera.position
+        focal = HEIGHT / 2 / np.tan(camera.fov / 2)  # fov is the vertical one
+        across = np.array([offset @ right, -offset @ np.cross(right, forward)])
+        return np.array([WIDTH / 2, HEIGHT / 2]) + focal * across / (offset @ forward)
+
+    def drag(self, gizmo: Gizmo, axis: int, pixels: float) -> None:
+        """Press on an arrow's head, move along the arrow, release; again until the gizmo moves."""
+        T = gizmo.pose
+        mouse = self.page.mouse
+
+        def once() -> bool:
+            grip = self.pixel(T[:3, 3] + 0.85 * gizmo.scale * T[:3, axis])
+            way = grip - self.pixel(T[:3, 3])
+            way *= pixels / np.linalg.norm(way)
+            mouse.move(*grip)
+            self.page.wait_for_timeout(1000)  # a slow page has to draw what the mouse is to press
+            mouse.down()
+            for share in np.linspace(0, 1, 8)[1:]:
+                mouse.move(*(grip + share * way))
+                self.page.wait_for_timeout(30)
+            mouse.up()
+            self.page.wait_for_timeout(500)  # the last pose is on its way; a miss turns the camera
+            return not np.array_equal(gizmo.pose, T)
+
+        self.wait(once, f"{gizmo.name} to be dragged")
+
+    def settled(self) -> None:
+        """Until the solver has granted the last wish."""
+        session = self.viewer.session
+        self.wait(lambda: session._wish == session._granted, "the solver")
+        self.page.wait_for_timeout(300)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def opened(browser: Any) -> Iterator[Page]:
+    """A Panda behind a table with a box, in a page that must stay quiet and local."""
+    rng = np.random.default_rng(0)
+    table = rng.uniform([0.35, -0.4, 0.02], [0.85, 0.4, 0.02], (3000, 3))
+    box = rng.uniform([0.6, -0.3, 0.02], [0.75, -0.1, 0.2], (1500, 3))
+    model = builtin_model("panda")
+    session = Session(model.robot, pdoik.Options(max_time=5.0))
+    session.set_thinning(0.04, True)
+    session.set_cloud(np.concatenate([table, box]))
+    server = start_server("127.0.0.1", 0)
+    viewer = Viewer(server, model, session)
+    tab = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+    try:
+        page = Page(viewer, tab)
+        yield page
+        assert page.complaints == []
+        hosts = {urlsplit(address.removeprefix("blob:")).hostname for address in page.addresses}
+        assert hosts == {"127.0.0.1"}, page.addresses
+        assert any(address.startswith("ws:") for address in page.addresses)
+    finally:
+        tab.close()
+        viewer.close()
+        server.stop()
+
+
+def test_the_robot_follows_the_target_that_the_mouse_drags(opened: Page, tmp_path: Path) -> None:
+    opened.settled()
+    q, T = opened.q, opened.viewer.session.targets[TIP]
+    opened.drag(opened.viewer.targets.by_tip[TIP], axis=2, pixels=70)
+    opened.settled()
+    picture = tmp_path / "dragged.png"
+    opened.page.screenshot(path=picture)
+
+    dragged = opened.viewer.session.targets[TIP]
+    shift = T[:3, :3].T @ (dragged[:3, 3] - T[:3, 3])  # along the gizmo's axes
+    assert shift[2] > 0.03
+    np.testing.assert_allclose(shift[:2], 0, atol=1e-4)  # an arrow moves along itself only
+    np.testing.assert_allclose(dragged[:3, :3], T[:3, :3], atol=1e-5)
+    assert np.abs(opened.q - q).max() > 0.02
+    robot = opened.viewer.session.robot
+    np.testing.assert_allclose(robot.fk(opened.q), dragged, atol=5e-5)
+    assert opened.page.get_by_text("solved", exact=True).is_visible()
+    assert picture.stat().st_size > 20_000
+
+
+def test_the_arm_gives_way_to_the_ball_that_the_mouse_drags(opened: Page) -> None:
+    opened.settled()
+    session, ball = opened.viewer.session, opened.viewer.obstacle_scene.ball
+    q, T = opened.q, np.eye(4)
+    forearm = [session.robot.fk(q, f"panda_link{i}")[:3, 3] for i in (4, 5)]
+    T[:3, 3] = np.mean(forearm, axis=0) - [0, 0, 0.25]
+    ball.place(T)
+    opened.page.get_by_label("Ball", exact=True).check(force=True)
+    opened.wait(lambda: session.obstacles.ball is not None, "the ball")
+    opened.settled()
+    np.testing.assert_allclose(opened.q, q, atol=1e-3)  # not in the way yet
+
+    opened.drag(ball, axis=2, pixels=90)
+    opened.settled()
+    shift = ball.pose[:3, 3] - T[:3, 3]
+    np.testing.assert_allclose(shift[:2], 0, atol=1e-4)
+    assert shift[2] > 0.1
+    assert np.abs(opened.q - q).max() > 0.02
+    np.testing.assert_allclose(session.robot.fk(opened.q), session.targets[TIP], atol=5e-5)
+    assert opened.page.get_by_text("solved", exact=True).is_visible()
+
+
+def test_a_slider_poses_the_robot_and_the_target_jumps_to_the_tip(opened: Page) -> None:
+    opened.settled()
+    q = opened.q
+    opened.page.get_by_role("tab", name="Joints").click()
+    thumb = opened.page.get_by_role("slider").first
+    thumb.focus()
+    for _ in range(5):
+        thumb.press("ArrowRight")
+    opened.wait(lambda: not np.array_equal(opened.q, q), "the posture")
+    opened.settled()
+    assert opened.q[0] > q[0]
+    np.testing.assert_array_equal(opened.q[1:], q[1:])
+    tip = opened.viewer.session.robot.fk(opened.q)
+    opened.wait(
+        lambda: np.allclose(opened.viewer.targets.by_tip[TIP].pose, tip, atol=1e-9), "the gizmo"
+    )
+
+
+def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
+    def upload(button: str, file: Path) -> None:
+        with opened.page.expect_file_chooser(timeout=1e3 * PATIENCE) as chooser:
+            opened.page.get_by_role("button", name=button).click()
+        chooser.value.set_files(file)
+
+    session = opened.viewer.session
+    cloud = tmp_path / "points.xyz"
+    cloud.write_text("1.5 0 0.1\n1.5 0 0.2\n1.5 0 0.3\n")
+    opened.page.get_by_role("tab", name="Files").click()
+    upload("Cloud (", cloud)
+    opened.wait(lambda: len(session.obstacles.surface) == 3, "the cloud")
+    opened.page.get_by_text("points.xyz: 3 points").wait_for(timeout=1e3 * PATIENCE)
+
+    broken = tmp_path / "broken.ply"
+    broken.write_text("nothing")
+    upload("Cloud (", broken)
+    opened.page.get_by_text("broken.ply: not a .ply file").wait_for(timeout=1e3 * PATIENCE)
+    assert len(session.obstacles.surface) == 3
+
+    names = session.robot.joint_names
+    log = tmp_path / "log.csv"
+    rows = [",".join(["time", *(f"q.{name}" for name in names)])]
+    rows += [",".join(f"{x:.3f}" for x in [t, *(0.3 + t * np.arange(7))]) for t in (0.0, 0.1, 0.2)]
+    log.write_text("\n".join(rows))
+    opened.page.get_by_role("tab", name="Replay").click()
+    upload("Log (", log)
+    opened.wait(lambda: np.allclose(opened.q, 0.3), "the log's first row")
+    opened.page.get_by_role("button", name="Play", exact=True).click()
+    opened.wait(lambda: np.allclose(opened.q, 0.3 + 0.2 * np.arange(7)), "the log's last row")
+
+    arm = tmp_path / "arm.urdf"
+    arm.write_text(ARM)
+    opened.page.get_by_role("tab", name="Files").click()
+    upload("Robot (", arm)
+    opened.wait(lambda: opened.viewer.session.robot.name == "arm", "the robot")
+    opened.page.get_by_text("arm: 2 joints, 0 hulls").wait_for(timeout=1e3 * PATIENCE)
+    opened.settled()
+
+
+ARM = """<robot name="arm">
+  <link name="base"/>
+  <link name="arm">
+    <visual>
+      <origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry>
+    </visual>
+  </link>
+  <link name="tool"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
+    <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="10" velocity="1"/></joint>
+  <joint name="wrist" type="continuous"><parent link="arm"/><child link="tool"/>
+    <origin xyz="0 0 0.4"/><axis xyz="1 0 0"/></joint>
+</robot>"""
