@@ -103,6 +103,11 @@ void check_request(const Request& request, const Robot& robot, const Options& op
   check_step(*request.max_step, robot.dof(), "max_step");
 }
 
+void check_weights(const Eigen::VectorXd& weights, int dof, const std::string& name) {
+  check_step(weights, dof, name);
+  if (!weights.allFinite()) throw std::invalid_argument(name + " holds infinity");
+}
+
 void check_step(const Eigen::VectorXd& step, int dof, const std::string& name) {
   if (step.size() != dof) {
     throw std::invalid_argument(name + " has " + std::to_string(step.size()) +

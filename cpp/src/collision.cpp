@@ -157,10 +157,28 @@ double half_sum_gap(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& 
   return 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
 }
 
+/// A lower bound of a point's distance to a hull, and the distance where that is a sphere. Of a
+/// spheroid it is the distance to the capsule that holds it (see Capsule), which is closer than the
+/// half sum, or the half sum inside and where the foci are too far apart for a spheroid.
+double distance_bound(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) {
+  if (hull.is_sphere()) return half_sum_gap(hull, a, b, o);
+  const Vec4 half = broadcast(0.5) * (b - a);
+  const double h2 = dot3(half, half), A = hull.semi_major, minor2 = A * A - h2;
+  if (!(minor2 > 0.0)) return half_sum_gap(hull, a, b, o);
+  const double minor = std::sqrt(minor2);
+  const Vec4 axis = broadcast(std::sqrt(h2) / (A + minor)) * half;  // half the capsule's segment
+  const Vec4 from = o - broadcast(0.5) * (a + b);
+  const double length2 = dot3(axis, axis);
+  const double t = length2 > 0.0 ? std::clamp(dot3(from, axis) / length2, -1.0, 1.0) : 0.0;
+  const Vec4 gap = from - broadcast(t) * axis;
+  const double bound = std::sqrt(dot3(gap, gap)) - minor;
+  return bound > 0.0 ? bound : half_sum_gap(hull, a, b, o);
+}
+
 /// Distance from a ball to a hull's surface, or any number above `than` where that is larger.
 double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than) {
   const double radius = o[3];
-  const double bound = half_sum_gap(hull, a, b, o);
+  const double bound = distance_bound(hull, a, b, o);
   if (hull.is_sphere()) return bound - radius;
   const Vec4 half = broadcast(0.5) * (b - a);
   const bool hollow =
@@ -195,27 +213,38 @@ Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& o
 Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
                                  Clearance least) {
   state.find_near(obstacles, [g](std::size_t) { return g; });
-  const auto try_pair = [&](int k) {
-    const Hull& hull = state.hull(state.near(k));
-    const int j = state.near(k).obstacle;
-    const double distance = hull_distance(hull, state.position(hull.a), state.position(hull.b),
-                                          obstacles[j], least.distance);
-    if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
+  const int count = state.near_count();
+  // The ball around a hull says of most pairs that they are not the nearest, without a root.
+  const auto from_centre = [&](const NearPair& pair, const Hull& hull) {
+    const Vec4 from = obstacles[pair.obstacle] -
+                      broadcast(0.5) * (state.position(hull.a) + state.position(hull.b));
+    return dot3(from, from);
   };
-  // The most promising pair first: most of the others need no exact distance then.
+  const auto try_pair = [&](const NearPair& pair) {
+    const Hull& hull = state.hull(pair);
+    const Vec4& o = obstacles[pair.obstacle];
+    const double reach = least.distance + hull.semi_major + o[3];
+    if (reach > 0.0 && from_centre(pair, hull) >= reach * reach) return;
+    const double distance =
+        hull_distance(hull, state.position(hull.a), state.position(hull.b), o, least.distance);
+    if (distance < least.distance)
+      least = {distance, hull.source, obstacles.original_index(pair.obstacle)};
+  };
+  // The pair nearest in proportion first: most of the others need no exact distance then.
   int first = -1;
   double lowest = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < state.near_count(); ++k) {
-    const Hull& hull = state.hull(state.near(k));
-    const Vec4& o = obstacles[state.near(k).obstacle];
-    const double gap = half_sum_gap(hull, state.position(hull.a), state.position(hull.b), o) - o[3];
-    if (gap < lowest) {
-      lowest = gap;
+  for (int k = 0; k < count; ++k) {
+    const NearPair& pair = state.near(k);
+    const Hull& hull = state.hull(pair);
+    const double size = hull.semi_major + obstacles[pair.obstacle][3];
+    const double ratio = from_centre(pair, hull) / (size * size);
+    if (ratio < lowest) {
+      lowest = ratio;
       first = k;
     }
   }
-  if (first >= 0) try_pair(first);
-  for (int k = 0; k < state.near_count(); ++k) try_pair(k);
+  if (first >= 0) try_pair(state.near(first));
+  for (int k = 0; k < count; ++k) try_pair(state.near(k));
   return least;
 }
 

@@ -43,8 +43,9 @@ int goal_dimensions(GoalType goal) {
   return goal == GoalType::Pose ? 6 : goal == GoalType::Axis ? 5 : 3;
 }
 
-double squared_distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  return (a - b).squaredNorm();
+double squared_distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
+                        const Eigen::VectorXd& weights) {
+  return ((a - b).array().square() * weights.array()).sum();
 }
 
 /// What the solve may spend on bringing answers clear of obstacles, of what it spends on finding
@@ -102,6 +103,7 @@ Search::Search(const Robot& robot, const Options& options)
   q_.setZero(robot.dof());
   best_.setZero(robot.dof());
   pull_.setConstant(robot.dof(), options.posture_weight);
+  if (options.joint_weights.size() > 0) pull_ = options.posture_weight * options.joint_weights;
   omega_.setZero(map_.size());
   Points none(0, 3);
   scene_.reserve(static_cast<std::size_t>(options.max_obstacles));
@@ -298,7 +300,7 @@ void Search::run_default(const Request& request, const Deadline& deadline, Resul
         result.status = Status::Solved;
         if (request.posture != nullptr || nearest) settle(request.goals, *wanted, deadline, result);
         if (!nearest) return;
-        const double distance = squared_distance(result.q, *wanted);
+        const double distance = squared_distance(result.q, *wanted, pull_);
         if (distance < least) {
           least = distance;
           best_ = result.q;
@@ -327,7 +329,7 @@ void Search::run_default(const Request& request, const Deadline& deadline, Resul
 void Search::settle(std::span<const Goal> goals, const Eigen::VectorXd& posture,
                     const Deadline& deadline, Result& result) {
   unsettled_ = result.q;
-  const double before = squared_distance(result.q, posture);
+  const double before = squared_distance(result.q, posture, pull_);
   bool struck = false;
   least_squares_.heed_all();
   least_squares_.pull_towards(&posture, &pull_);
@@ -336,7 +338,7 @@ void Search::settle(std::span<const Goal> goals, const Eigen::VectorXd& posture,
   minimise_least_squares(patient_, deadline, result, struck);
   wrap_to_start();
   judge_(goals, q_, scene_, result);
-  if (result.success && squared_distance(q_, posture) < before) return;
+  if (result.success && squared_distance(q_, posture, pull_) < before) return;
   judge_(goals, unsettled_, scene_, result);
 }
 

@@ -47,6 +47,8 @@ struct Solver::Implementation {
 Solver::Solver(const Robot& robot, const Options& options) {
   detail::check_options(options);
   detail::check_robot(robot);
+  if (options.joint_weights.size() > 0)
+    detail::check_weights(options.joint_weights, robot.dof(), "joint_weights");
   impl_ = std::make_unique<Implementation>(robot, options);
 }
 Solver::Solver(Solver&&) noexcept = default;

@@ -88,7 +88,10 @@ struct Tracker::Implementation {
     lower.setZero(robot.dof());
     upper.setZero(robot.dof());
     pull_to.setZero(robot.dof());
-    pull.setConstant(robot.dof(), options.posture_weight + options.smoothness);
+    weights.setOnes(robot.dof());
+    if (solver_options.joint_weights.size() > 0) weights = solver_options.joint_weights;
+    pull = options.posture_weight * weights;
+    pull.array() += options.smoothness;
     result.q = last;
   }
 
@@ -107,8 +110,9 @@ struct Tracker::Implementation {
     upper = (last + step).cwiseMin(robot.upper());
     const bool pulls = has_posture && options.posture_weight > 0.0;
     if (pulls) {
-      pull_to = (options.posture_weight * posture + options.smoothness * last) /
-                (options.posture_weight + options.smoothness);
+      pull_to = (options.posture_weight * weights.array() * posture.array() +
+                 options.smoothness * last.array()) /
+                pull.array().max(1e-300);
     }
     search.follow({.goals = goals,
                    .from = &last,
@@ -137,7 +141,7 @@ struct Tracker::Implementation {
   TrackerOptions options;
   Solver solver;  ///< for names
   detail::Search search;
-  Eigen::VectorXd step, last, lower, upper, posture, pull_to, pull;
+  Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull;
   bool has_posture = false;
   double margin = 0.0;
   std::string cloud_complaint;  ///< of the last cloud, empty if it was taken

@@ -23,6 +23,7 @@ struct ArrayLike {
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+using Matrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
 using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Float64 and row-major; the array itself if it is that already.

@@ -1,3 +1,4 @@
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include <map>
@@ -106,6 +107,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("self_collision", &Options::self_collision)
       .def_readwrite("self_clearance", &Options::self_clearance)
       .def_readwrite("posture_weight", &Options::posture_weight)
+      .def_readwrite("joint_weights", &Options::joint_weights)
       .def_readwrite("max_obstacles", &Options::max_obstacles)
       .def_readwrite("rotation_weight", &Options::rotation_weight)
       .def_readwrite("collision_weight", &Options::collision_weight)

@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include <limits>
+#include <tuple>
 #include <variant>
 
 #include "arrays.hpp"
@@ -8,6 +9,8 @@
 #include "errors.hpp"
 #include "names.hpp"
 #include "paths.hpp"
+#include "pdoik/collision_pairs.hpp"
+#include "pdoik/floating_base.hpp"
 #include "pdoik/robot.hpp"
 
 namespace pdoik::python {
@@ -26,13 +29,55 @@ Robot with_warnings(Robot robot) {
   return robot;
 }
 
+using Bounds = std::tuple<ArrayLike, ArrayLike>;
+
+/// A robot from its description: from one of its links, or standing or going about in the world.
+Robot placed(const RobotDescription& description, const std::optional<std::string>& base_link,
+             const TipLinks& tip_link, const std::optional<Eigen::Isometry3d>& T_world_base,
+             const std::optional<FloatingBaseBounds>& floating_base) {
+  const auto base = [&] { return base_link ? *base_link : Robot(description).base_link(); };
+  if (T_world_base && floating_base)
+    throw std::invalid_argument("T_world_base and floating_base are both given, expected one");
+  if (T_world_base)
+    return Robot(mounted(description, base(), *T_world_base), "world", to_list(tip_link));
+  if (floating_base)
+    return Robot(with_floating_base(description, base(), *floating_base), "world",
+                 to_list(tip_link));
+  return Robot(description, base_link.value_or(""), to_list(tip_link));
+}
+
+std::optional<Eigen::Isometry3d> to_placement(const std::optional<ArrayLike>& T_world_base) {
+  if (!T_world_base) return std::nullopt;
+  return to_isometry(*T_world_base, "T_world_base");
+}
+
+std::optional<FloatingBaseBounds> to_bounds(const std::optional<Bounds>& floating_base) {
+  if (!floating_base) return std::nullopt;
+  return FloatingBaseBounds{to_vector(std::get<0>(*floating_base), "floating_base: lower", 6),
+                            to_vector(std::get<1>(*floating_base), "floating_base: upper", 6)};
+}
+
 Robot from_urdf(const PathOrText& path_or_xml, const std::optional<std::string>& base_link,
-                const TipLinks& tip_link) {
+                const TipLinks& tip_link, const std::optional<ArrayLike>& T_world_base,
+                const std::optional<Bounds>& floating_base) {
+  const auto T = to_placement(T_world_base);
+  const auto bounds = to_bounds(floating_base);
   const auto load = [&] {
     const py::gil_scoped_release release;
-    return Robot::from_urdf(path_or_xml.value, base_link.value_or(""), to_list(tip_link));
+    return placed(load_urdf(path_or_xml.value), base_link, tip_link, T, bounds);
   };
   return with_warnings(load());
+}
+
+Robot builtin(const std::string& name, const std::optional<std::string>& base_link,
+              const TipLinks& tip_link, const std::optional<ArrayLike>& T_world_base,
+              const std::optional<Bounds>& floating_base) {
+  Robot robot = placed(builtin_description(name), base_link, tip_link, to_placement(T_world_base),
+                       to_bounds(floating_base));
+  const Robot known = Robot::builtin(name);
+  robot.set_occupancy(known.occupancy());
+  robot.set_ignored_pairs(known.ignored_pairs());
+  return with_warnings(std::move(robot));
 }
 
 Robot from_dh(const std::vector<DhRow>& rows, const std::optional<ArrayLike>& T_last_tool) {
@@ -99,12 +144,18 @@ void def_constructors(py::class_<Robot>& robot) {
   robot
       .def_static("from_urdf", &from_urdf, py::arg("path_or_xml"),
                   py::arg("base_link") = py::none(), py::arg("tip_link") = py::none(),
+                  py::kw_only(), py::arg("T_world_base") = py::none(),
+                  py::arg("floating_base") = py::none(),
                   R"(Read a URDF.
 
 Args:
     path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
     base_link: Any link of the tree, which becomes the base frame. None takes the description's root.
-    tip_link: The link that goals are given for, or several. None takes every leaf; a solver wants one.
+    tip_link: The link that goals are given for, or several. None takes every leaf.
+    T_world_base: Where the base link stands, shape (4, 4) [m]: targets, obstacles and centre of mass are then
+        in the frame of a link "world" that is put under it.
+    floating_base: Instead, how far the base link may go in the world: lower and upper bounds of x, y, z [m],
+        yaw, pitch and roll [rad], each of shape (6,). They are the first six joints, base_x to base_roll.
 
 Raises:
     LoadError: The file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
@@ -119,11 +170,21 @@ Warns:
 Args:
     rows: One per joint.
     T_last_tool: Pose of `tool` in the last link's frame, shape (4, 4). None for the identity.)")
-      .def_static(
-          "builtin", [](const std::string& name) { return with_warnings(Robot::builtin(name)); },
-          py::arg("name"),
-          "A robot shipped with the library, with its occupancy: panda, ur10 or iiwa14 (see "
-          "`builtin_names`).")
+      .def_static("builtin", &builtin, py::arg("name"), py::arg("base_link") = py::none(),
+                  py::arg("tip_link") = py::none(), py::kw_only(),
+                  py::arg("T_world_base") = py::none(), py::arg("floating_base") = py::none(),
+                  R"(A robot shipped with the library, with its occupancy and ignored pairs.
+
+Args:
+    name: panda, ur10, iiwa14 or h1 (see `builtin_names`).
+    base_link: As for `from_urdf`, like the others.
+    tip_link: By default the arms' tool flange, and H1's ankles and elbows.
+    T_world_base: Where the base link stands.
+    floating_base: Bounds on where it may go.
+
+Raises:
+    ValueError: There is no such robot.
+    LoadError: There is no such link.)")
       .def_static("builtin_names", &Robot::builtin_names, "The robots that `builtin` knows.")
       .def("__copy__", [](const Robot& self) { return Robot(self); })
       .def(
@@ -152,10 +213,22 @@ void def_properties(py::class_<Robot>& robot) {
       .def_property_readonly(
           "velocity", &Robot::velocity,
           "Speed limits, shape (n,) [rad/s] or [m/s]; inf where the description gives none.")
+      .def_property_readonly(
+          "effort", &Robot::effort,
+          "Effort limits, shape (n,) [N m] or [N]; inf where the description gives none.")
+      .def_property_readonly("total_mass", &Robot::total_mass,
+                             "Of all links, the base's included [kg].")
       .def_property_readonly("link_masses", &link_masses, "Shape (L,), ordered as link_names [kg].")
       .def_property_readonly("link_centers_of_mass", &link_centers_of_mass,
                              "In the links' frames, shape (L, 3), ordered as link_names [m].")
       .def_property_readonly("warnings", &Robot::warnings, "What RobotWarning was issued for.")
+      .def_property("ignored_pairs", &Robot::ignored_pairs, &Robot::set_ignored_pairs,
+                    R"(Pairs of links whose hulls may touch, besides links that are joined.
+
+Solvers made afterwards heed it. See `load_srdf_pairs`, `pairs_always_touching` and `pairs_touching_at`.
+
+Raises:
+    ValueError: On setting: a link is unknown.)")
       .def_property("occupancy", &Robot::occupancy, &Robot::set_occupancy,
                     py::return_value_policy::copy,
                     R"(What the robot fills. Solvers made afterwards heed it.
@@ -202,6 +275,36 @@ Returns:
 
 Raises:
     ValueError: q has another shape or holds NaN or infinity, or there is no such link.)")
+      .def(
+          "center_of_mass",
+          [](const Robot& self, const ArrayLike& q) {
+            return self.center_of_mass(to_vector(q, "q", self.dof()));
+          },
+          py::arg("q"), R"(Of all links by their masses, the base's included, in the base frame.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m].
+
+Returns:
+    Shape (3,) [m].
+
+Raises:
+    ValueError: q has another shape or holds NaN or infinity, or the links have no mass.)")
+      .def(
+          "center_of_mass_jacobian",
+          [](const Robot& self, const ArrayLike& q) -> Matrix3X {
+            return self.center_of_mass_jacobian(to_vector(q, "q", self.dof()));
+          },
+          py::arg("q"), R"(Derivative of the centre of mass by q.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m].
+
+Returns:
+    Shape (3, n), in the base frame's axes.
+
+Raises:
+    ValueError: As `center_of_mass`.)")
       .def("mid_configuration", &Robot::mid_configuration,
            "The middle of each joint's range, 0 for joints without limits, shape (n,).")
       .def("__repr__", [](const Robot& self) {
@@ -213,15 +316,62 @@ Raises:
 
 }  // namespace
 
+namespace {
+
+void bind_pairs(py::module_& module) {
+  module.def(
+      "load_srdf_pairs",
+      [](const PathOrText& path_or_xml) { return load_srdf_pairs(path_or_xml.value); },
+      py::arg("path_or_xml"),
+      R"(The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
+
+Args:
+    path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+
+Raises:
+    LoadError: The file cannot be read, or says what pairs cannot.)");
+  module.def("pairs_always_touching", &pairs_always_touching, py::arg("robot"),
+             py::arg("samples") = 2000, py::arg("seed") = 0, py::arg("share") = 0.95,
+             R"(Pairs of links that touch in at least a share of random configurations.
+
+As MoveIt's Setup Assistant finds them: links that are close but not joined, whose overlap says nothing.
+
+Args:
+    robot: Its occupancy counts.
+    samples: Configurations, uniform within limits.
+    seed: The same seed gives the same answer.
+    share: In (0, 1].
+
+Raises:
+    ValueError: A number is out of range.)");
+  module.def(
+      "pairs_touching_at",
+      [](const Robot& robot, const ArrayLike& q) {
+        return pairs_touching_at(robot, to_vector(q, "q", robot.dof()));
+      },
+      py::arg("robot"), py::arg("q"),
+      R"(Pairs of links that touch at a configuration which is known to be free.
+
+Args:
+    robot: Its occupancy counts.
+    q: Joint positions, shape (n,) [rad] or [m].
+
+Raises:
+    ValueError: q has another shape or holds NaN or infinity.)");
+}
+
+}  // namespace
+
 void bind_robot(py::module_& module) {
   bind_dh_row(module);
   py::class_<Robot> robot(module, "Robot",
                           R"(A tree of links and joints seen from a chosen base link.
 
-Nothing but its occupancy can be changed.)");
+Nothing but its occupancy and ignored pairs can be changed.)");
   def_constructors(robot);
   def_properties(robot);
   def_kinematics(robot);
+  bind_pairs(module);
 }
 
 }  // namespace pdoik::python

@@ -20,6 +20,9 @@ from pdoik._core import (
     Result,
     Robot,
     TrackerResult,
+    load_srdf_pairs,
+    pairs_always_touching,
+    pairs_touching_at,
     voxel_downsample,
 )
 from pdoik.errors import LoadError, PdoikError, RobotWarning
@@ -56,5 +59,8 @@ __all__ = [
     "Solver",
     "Tracker",
     "TrackerResult",
+    "load_srdf_pairs",
+    "pairs_always_touching",
+    "pairs_touching_at",
     "voxel_downsample",
 ]

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import os
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BatchResult', 'DhRow', 'Lagrangian', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -116,12 +116,23 @@ class Robot:
     """
     A tree of links and joints seen from a chosen base link.
     
-    Nothing but its occupancy can be changed.
+    Nothing but its occupancy and ignored pairs can be changed.
     """
     @staticmethod
-    def builtin(name: str) -> Robot:
+    def builtin(name: str, base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None) -> Robot:
         """
-        A robot shipped with the library, with its occupancy: panda, ur10 or iiwa14 (see `builtin_names`).
+        A robot shipped with the library, with its occupancy and ignored pairs.
+        
+        Args:
+            name: panda, ur10, iiwa14 or h1 (see `builtin_names`).
+            base_link: As for `from_urdf`, like the others.
+            tip_link: By default the arms' tool flange, and H1's ankles and elbows.
+            T_world_base: Where the base link stands.
+            floating_base: Bounds on where it may go.
+        
+        Raises:
+            ValueError: There is no such robot.
+            LoadError: There is no such link.
         """
     @staticmethod
     def builtin_names() -> list[str]:
@@ -138,14 +149,18 @@ class Robot:
             T_last_tool: Pose of `tool` in the last link's frame, shape (4, 4). None for the identity.
         """
     @staticmethod
-    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None) -> Robot:
+    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None) -> Robot:
         """
         Read a URDF.
         
         Args:
             path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
             base_link: Any link of the tree, which becomes the base frame. None takes the description's root.
-            tip_link: The link that goals are given for, or several. None takes every leaf; a solver wants one.
+            tip_link: The link that goals are given for, or several. None takes every leaf.
+            T_world_base: Where the base link stands, shape (4, 4) [m]: targets, obstacles and centre of mass are then
+                in the frame of a link "world" that is put under it.
+            floating_base: Instead, how far the base link may go in the world: lower and upper bounds of x, y, z [m],
+                yaw, pitch and roll [rad], each of shape (6,). They are the first six joints, base_x to base_roll.
         
         Raises:
             LoadError: The file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
@@ -160,6 +175,32 @@ class Robot:
         ...
     def __repr__(self) -> str:
         ...
+    def center_of_mass(self, q: numpy.typing.ArrayLike) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        Of all links by their masses, the base's included, in the base frame.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m].
+        
+        Returns:
+            Shape (3,) [m].
+        
+        Raises:
+            ValueError: q has another shape or holds NaN or infinity, or the links have no mass.
+        """
+    def center_of_mass_jacobian(self, q: numpy.typing.ArrayLike) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, n]"]:
+        """
+        Derivative of the centre of mass by q.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m].
+        
+        Returns:
+            Shape (3, n), in the base frame's axes.
+        
+        Raises:
+            ValueError: As `center_of_mass`.
+        """
     def fk(self, q: numpy.typing.ArrayLike, link: str | None = None) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
         """
         Pose of a link in the base frame.
@@ -203,6 +244,24 @@ class Robot:
         """
         n, the number of joints that a configuration has entries for.
         """
+    @property
+    def effort(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Effort limits, shape (n,) [N m] or [N]; inf where the description gives none.
+        """
+    @property
+    def ignored_pairs(self) -> list[tuple[str, str]]:
+        """
+        Pairs of links whose hulls may touch, besides links that are joined.
+        
+        Solvers made afterwards heed it. See `load_srdf_pairs`, `pairs_always_touching` and `pairs_touching_at`.
+        
+        Raises:
+            ValueError: On setting: a link is unknown.
+        """
+    @ignored_pairs.setter
+    def ignored_pairs(self, arg1: collections.abc.Sequence[tuple[str, str]]) -> None:
+        ...
     @property
     def joint_names(self) -> list[str]:
         """
@@ -252,6 +311,11 @@ class Robot:
     def tip_links(self) -> list[str]:
         """
         The links that goals may be given for.
+        """
+    @property
+    def total_mass(self) -> float:
+        """
+        Of all links, the base's included [kg].
         """
     @property
     def upper(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -410,17 +474,53 @@ class LevenbergMarquardtOptions:
     @stall_window.setter
     def stall_window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
+class BalanceOptions:
+    def __init__(self) -> None:
+        ...
+    @property
+    def com_lower(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @com_lower.setter
+    def com_lower(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def com_upper(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @com_upper.setter
+    def com_upper(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def contacts(self) -> dict[str, list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]]:
+        ...
+    @contacts.setter
+    def contacts(self, arg1: collections.abc.Mapping[str, collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]]) -> None:
+        ...
+    @property
+    def support_margin(self) -> float:
+        ...
+    @support_margin.setter
+    def support_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def up(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @up.setter
+    def up(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
 class Options:
     """
     The C++ options, which pdoik.Options fills.
     """
     augmented_lagrangian: AugmentedLagrangianOptions
+    balance: BalanceOptions
     goal: str
     heed_fixed_hulls: bool
     inner: str
     lbfgs: LbfgsOptions
     levenberg_marquardt: LevenbergMarquardtOptions
     method: str
+    prefer: str
+    self_collision: bool
     def __init__(self) -> None:
         ...
     @property
@@ -446,6 +546,12 @@ class Options:
         ...
     @goal_axis.setter
     def goal_axis(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def joint_weights(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @joint_weights.setter
+    def joint_weights(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def max_obstacles(self) -> int:
@@ -478,6 +584,12 @@ class Options:
     def position_tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
+    def posture_weight(self) -> float:
+        ...
+    @posture_weight.setter
+    def posture_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def rotation_tolerance(self) -> float:
         ...
     @rotation_tolerance.setter
@@ -496,10 +608,61 @@ class Options:
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def self_clearance(self) -> float:
+        ...
+    @self_clearance.setter
+    def self_clearance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def start_inset(self) -> float:
         ...
     @start_inset.setter
     def start_inset(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Goal:
+    """
+    What one tip has to match of its target.
+    
+    A target given as a bare array is a goal of the options' type, with no slack and weight 1.
+    """
+    def __init__(self, T_base_tip: numpy.typing.ArrayLike, *, type: str | None = None, axis: typing.Any | None = None, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, position_slack: numpy.typing.ArrayLike | None = None, rotation_slack: numpy.typing.ArrayLike | None = None) -> None:
+        """
+        A target and what of it counts.
+        
+        Args:
+            T_base_tip: The target, which takes tip points to the base frame, shape (4, 4) [m]; of a "position"
+                goal the position will do, shape (3,).
+            type: "pose", "axis" or "position"; None for the options' `goal`.
+            axis: In the tip frame, for type "axis": a letter or a vector. None for the options' `goal_axis`.
+            weight: Of its squared errors against the other goals', where not all can be met.
+            position_slack: How far the tip may be off along each axis of the target frame, shape (3,) [m]. None
+                for not at all.
+            rotation_slack: How far it may be turned about each axis of the target frame, as components of the
+                rotation vector from target to tip, shape (3,) [rad]; pi frees an axis. Of an "axis" goal the
+                largest is half the angle of a cone.
+        
+        Raises:
+            ValueError: A shape is wrong, a str is not one of its choices, or something is NaN.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def T_base_tip(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        ...
+    @property
+    def axis(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
+        ...
+    @property
+    def position_slack(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @property
+    def rotation_slack(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @property
+    def type(self) -> str | None:
+        ...
+    @property
+    def weight(self) -> float:
         ...
 class Result:
     """
@@ -513,6 +676,16 @@ class Result:
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
+    @property
+    def balance_violation(self) -> float:
+        """
+        How far the centre of mass is outside its region, 0 inside [m].
+        """
+    @property
+    def center_of_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        In the base frame, shape (3,) [m]; zero where balance is not asked for.
+        """
     @property
     def clearance(self) -> float:
         """
@@ -536,7 +709,7 @@ class Result:
     @property
     def position_error(self) -> float:
         """
-        [m]
+        Largest over the goals [m].
         """
     @property
     def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -551,7 +724,12 @@ class Result:
     @property
     def rotation_error(self) -> float:
         """
-        [rad]; of the axis for axis goals, 0 for position goals.
+        Largest over the goals [rad]; of the axis for axis goals, 0 for position goals.
+        """
+    @property
+    def self_distance(self) -> float:
+        """
+        Least distance between hulls of links that are not adjacent, where self_collision is asked for: of the capsules that hold them, never more than that of the hulls [m].
         """
     @property
     def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision']:
@@ -597,6 +775,11 @@ class BatchResult:
     def __repr__(self) -> str:
         ...
     @property
+    def balance_violation(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
+        """
+    @property
     def clearance(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Shape (B,) [m].
@@ -637,6 +820,11 @@ class BatchResult:
         Shape (B,) [rad].
         """
     @property
+    def self_distance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
+        """
+    @property
     def status(self) -> numpy.typing.NDArray[numpy.str_]:
         """
         Shape (B,).
@@ -664,38 +852,44 @@ class BatchResult:
 class Solver:
     def __init__(self, robot: Robot, options: Options) -> None:
         ...
-    def judge(self, T_base_tip: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | None = None) -> Result:
+    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | None = None) -> Result:
         """
         Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
         
         Args:
-            T_base_tip: The target, shape (4, 4) [m].
+            T_base_tip: As in `solve`.
             q: Joint positions, shape (n,) [rad] or [m].
             obstacles: As in `solve`.
         
         Raises:
             ValueError: As in `solve`.
         """
-    def solve(self, T_base_tip: numpy.typing.ArrayLike, q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None) -> Result:
+    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None) -> Result:
         """
-        Find q so that the tip has the goal's pose, axis or position, inside joint limits, clear of obstacles.
+        Find q so that the tips meet their goals, inside joint limits, clear of obstacles.
+        
+        Balance and distance from itself are kept where the options ask for them.
         
         Args:
-            T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m].
+            T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m]; or a
+                Goal; or for several tips a dict of such by tip link. Tips without a goal are free.
             q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
                 None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
                 answers are within pi of it.
             obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
                 order is read in place. None or empty: there are none, whatever the call before had.
+            posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
+                the first solution found, shape (n,) [rad] or [m].
+            max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
         
         Returns:
             The result; not being able to is a status, not an exception.
         
         Raises:
-            ValueError: A shape is wrong, the target is not rigid, a radius is negative, or something is NaN or
-                infinite.
+            ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative, or
+                something is NaN or infinite.
         """
-    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike, q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
+    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
         """
         Solve many targets among the same obstacles, on several threads, each as `solve` does.
         
@@ -703,7 +897,7 @@ class Solver:
         between targets.
         
         Args:
-            T_base_tip: The targets, shape (B, 4, 4) [m].
+            T_base_tip: The targets, shape (B, 4, 4) [m], or a dict of such by tip link.
             q0: One start for all, shape (n,), or one each, shape (B, n). None as in `solve`.
             obstacles: As in `solve`.
             threads: 0 for one per processor.
@@ -716,6 +910,110 @@ class Solver:
         """
         A copy of the robot this solver was made for, as it was then.
         """
+class LatencyHistogram:
+    """
+    How long steps took: counts in bins that are a twelfth of an octave wide.
+    """
+    def __repr__(self) -> str:
+        ...
+    def quantile(self, share: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The time that a share (0 to 1) of all steps took at most, to 6 % [s].
+        """
+    @property
+    def count(self) -> int:
+        """
+        The number of steps.
+        """
+    @property
+    def counts(self) -> numpy.typing.NDArray[numpy.uint64]:
+        """
+        Steps in each bin, shape (B,).
+        """
+    @property
+    def max(self) -> float:
+        """
+        The longest [s].
+        """
+    @property
+    def upper_edges(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        The bins' upper ends, shape (B,) [s].
+        """
+class TrackerResult(Result):
+    """
+    The outcome of one step of a Tracker.
+    """
+    @property
+    def complaint(self) -> str:
+        """
+        Why the input was refused, or ''.
+        """
+    @property
+    def step_limited(self) -> str | None:
+        """
+        The first joint that its step limit holds back, or None.
+        """
+    @property
+    def tracking(self) -> typing.Literal['tracking', 'infeasible', 'deadline_struck', 'invalid_input']:
+        """
+        What became of the step.
+        
+        `tracking`: goals, limits and all constraints hold; `infeasible`: they cannot be met within the step, and
+        `worst_constraint` names what gives; `deadline_struck`: q is the best so far; `invalid_input`: q is the last
+        answer, and `complaint` says why.
+        """
+class Tracker:
+    def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def clear_latency(self) -> None:
+        ...
+    def reset(self, q: numpy.typing.ArrayLike) -> None:
+        """
+        Where the next step starts from: the measured configuration, most often.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m]; moved inside the limits.
+        
+        Raises:
+            ValueError: q has another shape or holds NaN or infinity.
+        """
+    def set_posture(self, posture: numpy.typing.ArrayLike | None) -> None:
+        """
+        A posture to stay near from now on, shape (n,); None for none.
+        
+        Raises:
+            ValueError: It has another shape or holds NaN or infinity.
+        """
+    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | None = None) -> TrackerResult:
+        """
+        One step towards the goals, by the deadline. Raises nothing for bad numbers.
+        
+        Args:
+            T_base_tip: Goals as in Solver.solve.
+            obstacles: A new cloud as in Solver.solve, with at most Options.max_obstacles rows. None: those of the
+                step before stay. A cloud that makes no sense is refused: steps then hold the last answer until a
+                good one comes.
+        
+        Returns:
+            Always a configuration that may be sent to the motors, never farther from the last than the step limits.
+        
+        Raises:
+            TypeError: Something is no array of numbers.
+        """
+    @property
+    def latency(self) -> LatencyHistogram:
+        """
+        Of all steps so far, in C++.
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        The last answer, shape (n,).
+        """
+    @property
+    def robot(self) -> Robot:
+        ...
 class Lagrangian:
     def __call__(self, x: numpy.typing.ArrayLike, rho: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
         """
@@ -744,6 +1042,13 @@ class Lagrangian:
     def reset_multipliers(self) -> None:
         """
         Set all multipliers to zero.
+        """
+    def set_goals(self, goals: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal]) -> None:
+        """
+        Take goals as Solver.solve does, without slack, and forget the multipliers.
+        
+        Raises:
+            ValueError: As in Solver.solve, or a goal has slack.
         """
     def set_obstacles(self, points: numpy.typing.ArrayLike | None) -> None:
         """
@@ -793,6 +1098,42 @@ class Lagrangian:
         """
         The number of variables.
         """
+def load_srdf_pairs(path_or_xml: str | os.PathLike[str]) -> list[tuple[str, str]]:
+    """
+    The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
+    
+    Args:
+        path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+    
+    Raises:
+        LoadError: The file cannot be read, or says what pairs cannot.
+    """
+def pairs_always_touching(robot: Robot, samples: typing.SupportsInt | typing.SupportsIndex = 2000, seed: typing.SupportsInt | typing.SupportsIndex = 0, share: typing.SupportsFloat | typing.SupportsIndex = 0.95) -> list[tuple[str, str]]:
+    """
+    Pairs of links that touch in at least a share of random configurations.
+    
+    As MoveIt's Setup Assistant finds them: links that are close but not joined, whose overlap says nothing.
+    
+    Args:
+        robot: Its occupancy counts.
+        samples: Configurations, uniform within limits.
+        seed: The same seed gives the same answer.
+        share: In (0, 1].
+    
+    Raises:
+        ValueError: A number is out of range.
+    """
+def pairs_touching_at(robot: Robot, q: numpy.typing.ArrayLike) -> list[tuple[str, str]]:
+    """
+    Pairs of links that touch at a configuration which is known to be free.
+    
+    Args:
+        robot: Its occupancy counts.
+        q: Joint positions, shape (n,) [rad] or [m].
+    
+    Raises:
+        ValueError: q has another shape or holds NaN or infinity.
+    """
 def voxel_downsample(points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex, radii: bool = False) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
     Replace the points of each occupied cell of a grid by their mean (PCL's VoxelGrid).

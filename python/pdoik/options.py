@@ -167,6 +167,8 @@ class Options:
             one near the posture, or the start if none is given.
         posture_weight: Of the squared distance to the posture against goals and constraints, which
             are met first [m^2/rad^2].
+        joint_weights: What each joint's distance to the posture counts beside the others', shape
+            (n,), not negative; empty for all alike. Also what "nearest" means.
         max_time: Deadline of a solve [s]; may be infinite.
         max_restarts: Starts after the first.
         seed: Of the restarts' sequence.
@@ -204,6 +206,7 @@ class Options:
 
     prefer: Literal["first", "nearest"] = "first"
     posture_weight: float = _DEFAULT.posture_weight
+    joint_weights: Sequence[float] | NDArray[np.float64] = ()
 
     max_time: float = _DEFAULT.max_time
     max_restarts: int = _DEFAULT.max_restarts
@@ -225,6 +228,10 @@ class Options:
         """Check types and make goal_axis hashable."""
         if not isinstance(self.goal_axis, str):
             object.__setattr__(self, "goal_axis", _to_vector(self.goal_axis, "goal_axis"))
+        weights = np.asarray(self.joint_weights, dtype=np.float64)
+        if weights.ndim != 1:
+            raise ValueError(f"joint_weights has shape {weights.shape}, expected (n,)")
+        object.__setattr__(self, "joint_weights", tuple(weights.tolist()))
         to_core(self)
 
 

@@ -76,6 +76,9 @@ struct Options {
   /// Of the squared distance to the posture, where one is given, against goals and constraints,
   /// which are met first [m^2/rad^2].
   double posture_weight = 1e-3;
+  /// What each joint's distance to the posture counts beside the others', shape (n,), not negative;
+  /// empty for all alike. Also what "nearest" means.
+  Eigen::VectorXd joint_weights = {};
 
   double max_time = 0.01;   ///< deadline of a solve [s]
   int max_restarts = 1000;  ///< starts after the first; Method::Paper has none

@@ -21,6 +21,8 @@ void check_request(const Request& request, const Robot& robot, const Options& op
 void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_tip");
 /// Bounds on a step, one per joint, none negative; infinity is fine.
 void check_step(const Eigen::VectorXd& step, int dof, const std::string& name);
+/// The same, and finite.
+void check_weights(const Eigen::VectorXd& weights, int dof, const std::string& name);
 void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name);
 /// Finite rows of three or four, none beyond 1e6 m, no radius negative.
 void check_obstacles(const Obstacles& points);

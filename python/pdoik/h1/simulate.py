@@ -20,7 +20,7 @@ DESIRED_PERIOD = 0.01  # [s]
 DISTANCE_PERIOD = 0.002  # [s]
 DISTANCE_CUTOFF = 0.5  # what is farther than this is recorded as this, [m]
 FALLEN_PELVIS_HEIGHT = 0.5  # over the ankles, [m]
-FALLEN_PELVIS_TILT = np.pi / 3  # [rad]
+FALLEN_PELVIS_TILT = np.pi  # [rad]
 FALLEN_FOOT_TILT = np.radians(15.0)  # of a foot on the floor, [rad]
 
 

@@ -1,0 +1,61 @@
+"""What a motion asks of the ankles, before it is made."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from pdoik.h1.model import World
+from pdoik.h1.robot import BASE_LINK, FloatArray
+
+GRAVITY = 9.81  # [m/s^2]
+
+
+class AnkleMoment:
+    """The moment about the ankles' common axis that a motion takes, from momentum alone.
+
+    With both feet held, all that can turn the robot about the line through its ankles is the sum of
+    the two ankles' torques and gravity:
+
+        tau_left + tau_right = d/dt H_x + m g (c_y - a_y)
+
+    with H_x the angular momentum about the line (world x) and c - a the centre of mass from it.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._data = mujoco.MjData(world.model)
+        self._mass = float(world.model.body_subtreemass[world.root])
+
+    def along(self, path: FloatArray, dt: float) -> FloatArray:
+        """The moment at the inner samples of a path (K, 19) with time step dt [s], (K - 4,) [N m]."""
+        states = [self._state(q) for q in path]
+        momentum, level = [], []
+        model, data, root = self._world.model, self._data, self._world.root
+        ankles = self._world.setup.T_world_base[:3, 3]
+        for before, at, after in zip(states[:-2], states[1:-1], states[2:], strict=True):
+            data.qpos[:] = at
+            mujoco.mj_differentiatePos(model, data.qvel, 2 * dt, before, after)
+            mujoco.mj_fwdPosition(model, data)
+            mujoco.mj_fwdVelocity(model, data)
+            mujoco.mj_subtreeVel(model, data)
+            arm = data.subtree_com[root] - ankles
+            spin = data.subtree_angmom[root] + self._mass * np.cross(arm, data.subtree_linvel[root])
+            momentum.append(spin[0])
+            level.append(self._mass * GRAVITY * arm[1])
+        rate = (np.array(momentum[2:]) - momentum[:-2]) / (2 * dt)
+        return np.asarray(rate + level[1:-1])
+
+    def _state(self, q: FloatArray) -> FloatArray:
+        """MuJoCo's qpos with the left foot where the set-up has it and the joints at q."""
+        world, data = self._world, self._data
+        data.qpos[:7] = [0, 0, 0, 1, 0, 0, 0]
+        data.qpos[world.qpos_index] = q
+        mujoco.mj_kinematics(world.model, data)
+        foot = world.model.body(BASE_LINK).id
+        T_root_foot = np.eye(4)
+        T_root_foot[:3, :3], T_root_foot[:3, 3] = data.xmat[foot].reshape(3, 3), data.xpos[foot]
+        T = world.setup.T_world_base @ np.linalg.inv(T_root_foot)
+        data.qpos[:3] = T[:3, 3]
+        mujoco.mju_mat2Quat(data.qpos[3:7], T[:3, :3].ravel())
+        return np.array(data.qpos)
