@@ -368,6 +368,11 @@ void Search::follow(const Following& step, Result& result) {
   }
   judge_(step.goals, q_, scene_, result);
   result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
+  if (struck && !result.success) {
+    // Half-way to a posture is no place to be if staying is safe.
+    judge_(step.goals, *step.from, scene_, result);
+    if (!result.success) judge_(step.goals, q_, scene_, result);
+  }
   result.time = deadline.elapsed();
 }
 

@@ -124,9 +124,9 @@ struct Tracker::Implementation {
                    .margin = margin},
                   result);
     result.complaint = "";
-    result.tracking = result.success                       ? TrackerStatus::Tracking
-                      : result.status == Status::TimeLimit ? TrackerStatus::DeadlineStruck
-                                                           : TrackerStatus::Infeasible;
+    result.tracking = result.status == Status::TimeLimit ? TrackerStatus::DeadlineStruck
+                      : result.success                   ? TrackerStatus::Tracking
+                                                         : TrackerStatus::Infeasible;
     result.step_limited = -1;
     for (Eigen::Index i = 0; i < last.size() && result.step_limited < 0; ++i) {
       const bool down = result.q[i] <= lower[i] && lower[i] > robot.lower()[i];

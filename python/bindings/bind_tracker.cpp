@@ -88,8 +88,8 @@ void bind_step(py::module_& module) {
           R"(What became of the step.
 
 `tracking`: goals, limits and all constraints hold; `infeasible`: they cannot be met within the step, and
-`worst_constraint` names what gives; `deadline_struck`: q is the best so far; `invalid_input`: q is the last
-answer, and `complaint` says why.)")
+`worst_constraint` names what gives; `deadline_struck`: q is the last answer if that still solves, else the
+best so far; `invalid_input`: q is the last answer, and `complaint` says why.)")
       .def_readonly("step_limited", &NamedStep::step_limited,
                     "The first joint that its step limit holds back, or None.")
       .def_readonly("complaint", &NamedStep::complaint, "Why the input was refused, or ''.");

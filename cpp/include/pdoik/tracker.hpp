@@ -30,7 +30,8 @@ enum class TrackerStatus {
   Tracking,        ///< goals, limits and all constraints hold to their tolerances
   Infeasible,      ///< they cannot be met within the step, as far as going downhill shows; q is the
                    ///< step that comes nearest, and result.worst names what gives
-  DeadlineStruck,  ///< max_time struck first; q is the best so far
+  DeadlineStruck,  ///< max_time struck first; q is the last answer if that still solves, else the
+                   ///< best so far
   InvalidInput,  ///< the goals or the last obstacles make no sense: `complaint` says why; q is the
                  ///< last answer
 };

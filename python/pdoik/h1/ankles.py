@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 
 from pdoik.h1.model import World
+from pdoik.h1.problem import GRAVITY
 from pdoik.h1.robot import BASE_LINK, FloatArray
-
-GRAVITY = 9.81  # [m/s^2]
 
 
 class AnkleMoment:
@@ -28,9 +27,13 @@ class AnkleMoment:
         self._mass = float(world.model.body_subtreemass[world.root])
 
     def along(self, path: FloatArray, dt: float) -> FloatArray:
-        """The moment at the inner samples of a path (K, 19) with time step dt [s], (K - 4,) [N m]."""
+        """Moment and ground force at the inner samples of a path (K, 19) with time step dt [s].
+
+        Returns:
+            Shape (2, K - 4): the moment [N m] and the vertical force [N].
+        """
         states = [self._state(q) for q in path]
-        momentum, level = [], []
+        momentum, level, fall = [], [], []
         model, data, root = self._world.model, self._data, self._world.root
         ankles = self._world.setup.T_world_base[:3, 3]
         for before, at, after in zip(states[:-2], states[1:-1], states[2:], strict=True):
@@ -43,8 +46,10 @@ class AnkleMoment:
             spin = data.subtree_angmom[root] + self._mass * np.cross(arm, data.subtree_linvel[root])
             momentum.append(spin[0])
             level.append(self._mass * GRAVITY * arm[1])
-        rate = (np.array(momentum[2:]) - momentum[:-2]) / (2 * dt)
-        return np.asarray(rate + level[1:-1])
+            fall.append(self._mass * data.subtree_linvel[root, 2])
+        moment = (np.array(momentum[2:]) - momentum[:-2]) / (2 * dt) + level[1:-1]
+        force = (np.array(fall[2:]) - fall[:-2]) / (2 * dt) + self._mass * GRAVITY
+        return np.array([moment, force])
 
     def _state(self, q: FloatArray) -> FloatArray:
         """MuJoCo's qpos with the left foot where the set-up has it and the joints at q."""

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from pdoik.h1.model import World
+from pdoik.h1.problem import robot_in_world
 from pdoik.h1.robot import JOINT_NAMES, FloatArray, figures
 
 GAINS: dict[str, tuple[float, float]] = {  # stiffness [N m/rad], damping [N m s/rad]
@@ -17,6 +18,7 @@ GAINS: dict[str, tuple[float, float]] = {  # stiffness [N m/rad], damping [N m s
     "elbow": (100, 4),
 }
 VELOCITY_SMOOTHING = 0.01  # time constant of the commanded velocity, [s]
+COM_GAINS = (1500.0, 300.0)  # [N/m], [N s/m]
 FADE = 0.1  # over this share of a joint's speed limit its driving torque fades to zero
 GRAVITY = 9.81  # [m/s^2]
 
@@ -37,11 +39,16 @@ class Controller:
     still on its feet: of all foot wrenches w that carry its weight at the floating base, J_b^T w =
     g_b, it takes those of least norm, and tau_gravity = g_j - J_j^T w. A foot on a ball carries
     a force only.
+
+    With the set-up's com_feedback a horizontal force F = k (c_cmd - c) + d (dc_cmd - dc) at the
+    centre of mass is carried to the feet in the same way, c_cmd being where the commanded posture
+    has it: ankles alone are about as stiff as gravity is strong.
     """
 
     def __init__(self, world: World) -> None:
         limits = figures()
         self._world = world
+        self._robot = robot_in_world(world.setup)
         self._kp, self._kd = np.array([_gain(name) for name in JOINT_NAMES], dtype=float).T
         self.effort = limits.per_joint("effort")  # (19,) [N m]
         self._velocity = limits.per_joint("velocity")  # (19,) [rad/s]
@@ -71,10 +78,20 @@ class Controller:
         rotation = self._feet[9:] if len(self._feet) == 12 else None
         mujoco.mj_jacBody(model, data, self._feet[6:9], rotation, right)
         g = self._weight * self._com[2]
+        if world.setup.com_feedback:
+            g = g + self._com_force(data) @ self._com[:2]
         J_base = self._feet[:, :6]  # the floating base's six are the first
         wrench = J_base @ np.linalg.solve(J_base.T @ J_base, g[:6])  # least norm
         joints = world.dof_index
         return np.asarray(g[joints] - wrench @ self._feet[:, joints])
+
+    def _com_force(self, data: mujoco.MjData) -> FloatArray:
+        """Horizontal, on the centre of mass, (2,) [N]."""
+        stiffness, damping = COM_GAINS
+        wanted = self._robot.center_of_mass(self._q_command)[:2]
+        velocity = (self._robot.center_of_mass_jacobian(self._q_command) @ self._dq_command)[:2]
+        off = wanted - data.subtree_com[self._world.root][:2]
+        return np.asarray(stiffness * off + damping * (velocity - self._com[:2] @ data.qvel))
 
     def torque(self, data: mujoco.MjData, q_desired: FloatArray) -> FloatArray:
         """One step's torques towards q_desired (19,), clipped to the efforts, (19,) [N m]."""

@@ -23,10 +23,14 @@ BALLS = (1.0, 0.6, 0.3)  # radii of the first, coarse obstacle, in radii of the 
 LEAN = (0.05, 0.3)  # how far a guess may move the torso aside [m]
 SECONDS_PER_TRY = 0.05
 RISE_SHARES = (1.0, 0.9, 0.8, 0.7, 0.6)  # of the time until contact that the motion takes
-MOMENT_LIMIT = 72.0  # of the two ankles' 80 N m that a plan may use [N m]
+MOMENT_SHARE = 0.7  # of what the ankles can do, what a plan may use
+MOST_POSTURES = 24  # that are looked at, those nearest to standing
+STEP = 0.005  # of a plan's rehearsal [s]
+MOMENT_STEP = 0.02  # of the momentum's differences [s]
+CHECK_STEP = 0.02  # between looks at the object [s]
 LAGS = (0.0, 0.06)  # how far the robot may be behind its command [s]
 ENOUGH = 0.01  # clearance of the hulls along the motion, lags included [m]
-RETURN_TIME = 1.0  # back to standing [s]
+RETURN_TIME = 2.0  # back to standing [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +41,8 @@ class Plan:
     q_dodge: FloatArray  # (19,)
     rise: float  # time to get there [s]
     back: float  # when to leave it [s]
-    moment: float  # the most it asks of both ankles together [N m]
+    moments: tuple[float, float]  # the least and most it asks of both ankles together [N m]
+    excess: float  # by how much these are beyond what the set-up's ankles may be asked, >= 0 [N m]
     clearance: float  # the least of the hulls to the object along it, with lags [m]
     tried: int  # first guesses
     found: int  # postures clear of the swept cloud
@@ -51,7 +56,7 @@ class Plan:
     def effort(self) -> tuple[float, float]:
         """What a plan is ranked by: moment beyond the ankles', then how far the joints go."""
         distance = problem.JOINT_WEIGHTS @ (self.q_dodge - self.q_stand) ** 2
-        return max(0.0, np.ceil((self.moment - MOMENT_LIMIT) / 5.0)), float(distance)
+        return float(np.ceil(self.excess / 5.0)), float(distance)
 
 
 def min_jerk(s: float) -> float:
@@ -138,8 +143,12 @@ class Planner:
 
     def __init__(self, setup: Setup, world: World | None = None) -> None:
         self._moment = AnkleMoment(world or build_world(setup))
-        self._judge = pdoik.Solver(problem.robot_in_world(setup), problem.options(setup))
+        self._solver = pdoik.Solver(problem.robot_in_world(setup), problem.options(setup))
+        self._tracker = pdoik.Tracker(
+            self._solver, STEP, speed_share=0.9, posture_weight=1e-2, smoothness=0
+        )
         self._goal = problem.foot_goal(setup)
+        self._setup = setup
 
     def plans(
         self, search: DodgeSearch, throw: Throw, thing: FlyingObject, contact_time: float
@@ -152,63 +161,61 @@ class Planner:
             thing: Its cloud.
             contact_time: When the object would touch a robot that stands still [s].
         """
-        cheapest = sorted(search.postures, key=lambda q: self._distance(search, q))[:24]
-        plans = [
-            plan
-            for q in cheapest
-            if (plan := self._slowest(search, q, throw, thing, contact_time)) is not None
-        ]
+        times = np.arange(ON_ITS_WAY * throw.arrival, throw.duration, CHECK_STEP)
+        clouds = [throw.cloud(thing, t) for t in times]
+        back = throw.arrival + 0.6 / throw.speed
+        plans = []
+        cheapest = sorted(search.postures, key=lambda q: self._distance(search, q))
+        for q in cheapest[:MOST_POSTURES]:
+            for share in RISE_SHARES:
+                plan = self._plan(search, q, share * contact_time, back, times, clouds)
+                if plan is not None:  # slower ones ask less of the ankles
+                    plans.append(plan)
+                    break
         return sorted(plans, key=lambda plan: plan.effort)
 
     @staticmethod
     def _distance(search: DodgeSearch, q: FloatArray) -> float:
         return float(problem.JOINT_WEIGHTS @ (q - search.q_stand) ** 2)
 
-    def _slowest(
+    def _plan(
         self,
         search: DodgeSearch,
         q: FloatArray,
-        throw: Throw,
-        thing: FlyingObject,
-        contact_time: float,
+        rise: float,
+        back: float,
+        times: FloatArray,
+        clouds: list[FloatArray],
     ) -> Plan | None:
-        """The slowest motion to a posture that gets there in time: it asks the least of the ankles."""
-        for share in RISE_SHARES:
-            plan = Plan(
-                q_stand=search.q_stand,
-                q_dodge=q,
-                rise=share * contact_time,
-                back=throw.arrival + 0.6 / throw.speed,
-                moment=0.0,
-                clearance=0.0,
-                tried=search.tried,
-                found=len(search.postures),
-            )
-            clearance = self._clearance(plan, throw, thing)
-            if clearance < ENOUGH:
-                continue
-            dt = plan.rise / 40
-            path = np.array([plan.posture(k * dt) for k in range(-3, 44)])
-            moment = float(np.abs(self._moment.along(path, dt)).max())
-            return Plan(
-                q_stand=plan.q_stand,
-                q_dodge=q,
-                rise=plan.rise,
-                back=plan.back,
-                moment=moment,
-                clearance=clearance,
-                tried=plan.tried,
-                found=plan.found,
-            )
-        return None
-
-    def _clearance(self, plan: Plan, throw: Throw, thing: FlyingObject) -> float:
+        """The plan if it stays clear of the clouds at `times`, which the robot may lag behind."""
+        way = {"q_stand": search.q_stand, "q_dodge": q, "rise": rise, "back": back}
+        counts = {"tried": search.tried, "found": len(search.postures)}
+        blank = Plan(**way, **counts, moments=(0.0, 0.0), excess=0.0, clearance=0.0)
+        path = self._tracked(blank, max(times[-1], back + RETURN_TIME))
         least = np.inf
-        for t in np.arange(ON_ITS_WAY * throw.arrival, throw.duration, 0.02):
-            cloud = throw.cloud(thing, t)
+        for t, cloud in zip(times, clouds, strict=True):
             for lag in LAGS:
-                q = plan.posture(t - lag)
-                least = min(least, self._judge.judge(self._goal, q, cloud).clearance)
+                at = path[max(0, round((t - lag) / STEP))]
+                least = min(least, self._solver.judge(self._goal, at, cloud).clearance)
             if least < ENOUGH:
-                break
-        return float(least)
+                return None
+        stride = round(MOMENT_STEP / STEP)
+        moments, force = self._moment.along(path[::stride], MOMENT_STEP)
+        low, high = problem.moment_limits(self._setup, force)
+        beyond = np.maximum(MOMENT_SHARE * low - moments, moments - MOMENT_SHARE * high)
+        return Plan(
+            **way,
+            **counts,
+            moments=(float(moments.min()), float(moments.max())),
+            excess=max(0.0, float(beyond.max())),
+            clearance=float(least),
+        )
+
+    def _tracked(self, plan: Plan, until: float) -> FloatArray:
+        """What the control loop makes of a plan, feet and balance held, (K, 19), each STEP."""
+        self._tracker.reset(plan.q_stand)
+        path = [plan.q_stand] * 3
+        for k in range(round(until / STEP)):
+            self._tracker.set_posture(plan.posture((k + 1) * STEP))
+            path.append(self._tracker.step(self._goal).q)
+        return np.array(path[2:])

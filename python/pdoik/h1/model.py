@@ -39,6 +39,7 @@ class Setup:
     name: str
     ankle_x: float  # the left one's; the right one's is its negative, [m]
     feet: Literal["weld and ball", "welds", "floor"]
+    com_feedback: bool = False  # whether the controller pulls the CoM to where the posture has it
 
     @property
     def T_world_base(self) -> FloatArray:
@@ -71,7 +72,8 @@ class Setup:
 PAPER = Setup(name="paper", ankle_x=0.2, feet="weld and ball")
 WELDED = Setup(name="welded", ankle_x=HIP_HALF_SPAN, feet="welds")
 FREE = Setup(name="free", ankle_x=HIP_HALF_SPAN, feet="floor")
-SETUPS = {setup.name: setup for setup in (PAPER, WELDED, FREE)}
+BALANCED = Setup(name="balanced", ankle_x=HIP_HALF_SPAN, feet="floor", com_feedback=True)
+SETUPS = {setup.name: setup for setup in (PAPER, WELDED, FREE, BALANCED)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

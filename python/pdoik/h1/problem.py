@@ -9,13 +9,14 @@ import numpy as np
 
 import pdoik
 from pdoik.h1.model import Setup
-from pdoik.h1.robot import BASE_LINK, JOINT_NAMES, TIP_LINK, FloatArray
+from pdoik.h1.robot import BASE_LINK, JOINT_NAMES, TIP_LINK, FloatArray, figures
 from pdoik.h1.shapes import SOLE_HALF_WIDTH, SOLE_HEEL, SOLE_HEIGHT, SOLE_TOE
 from pdoik.h1.standing import COM_LOWER, COM_UPPER
 
 TORSO = "torso_link"
+GRAVITY = 9.81  # [m/s^2]
 MAX_OBSTACLES = 20_000
-SUPPORT_MARGIN = 0.02  # inside the soles' hull, for feet that are free [m]
+SUPPORT_MARGIN = 0.05  # inside the soles' hull, for feet that are free: y about -0.12 to 0 [m]
 
 _COST = {  # of a joint's motion: about what it moves
     "hip": 3.0,
@@ -33,9 +34,7 @@ JOINT_WEIGHTS: FloatArray = np.array(
 @cache
 def robot_in_world(setup: Setup) -> pdoik.Robot:
     """The H1 standing where the set-up has its left foot; tips are the right ankle and the torso."""
-    return pdoik.Robot.builtin(
-        "h1", BASE_LINK, [TIP_LINK, TORSO], T_world_base=setup.T_world_base
-    )
+    return pdoik.Robot.builtin("h1", BASE_LINK, [TIP_LINK, TORSO], T_world_base=setup.T_world_base)
 
 
 def foot_goal(setup: Setup) -> dict[str, Any]:
@@ -63,6 +62,25 @@ def balance(setup: Setup) -> pdoik.Balance:
         contacts={BASE_LINK: sole, TIP_LINK: sole},
         support_margin=SUPPORT_MARGIN,
     )
+
+
+def moment_limits(setup: Setup, force: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What the two ankles together may turn the robot with, least and most, [N m].
+
+    Both motors' effort; and for feet that are free what keeps the centre of pressure on the soles,
+    which the heels bound first: the ground's force times where the sole ends, 23 N m at rest.
+
+    Args:
+        setup: What holds the feet.
+        force: The ground's vertical force, (K,) [N].
+
+    Returns:
+        Lower and upper limits, (K,) each.
+    """
+    effort = np.full(len(force), 2 * figures().joints["left_ankle_joint"].effort)
+    if setup.feet != "floor":
+        return -effort, effort
+    return np.maximum(-effort, -SOLE_TOE * force), np.minimum(effort, -SOLE_HEEL * force)
 
 
 def options(setup: Setup, **changes: Any) -> pdoik.Options:
