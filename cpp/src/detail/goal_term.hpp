@@ -121,7 +121,10 @@ class GoalTerm {
     const double angle = std::sqrt(dot3(e, e)), slack = rotation_slack_.maxCoeff();
     return angle > slack ? broadcast(1.0 - slack / angle) * e : Vec4{};
   }
-  /// How these change with the tip's velocity and, for GoalType::Pose, angular velocity, where
+  /// The rotation error, computed once and kept until the tip is placed again.
+  const Vec4& keep_rotation_error() { return kept_rotation_error_ = rotation_error(); }
+  const Vec4& kept_rotation_error() const { return kept_rotation_error_; }
+  /// How the errors change with the tip's velocity and, for GoalType::Pose, angular velocity, where
   /// there is slack.
   Vec4 position_error_rate(const Vec4& velocity) const {
     return beyond_derivative(velocity, position_error_, target_, position_slack_);
@@ -173,7 +176,7 @@ class GoalTerm {
   GoalType type_;
   Vec4 axis_;
   Frame target_, tip_{};
-  Vec4 position_error_{};
+  Vec4 position_error_{}, kept_rotation_error_{};
   double weight_ = 1.0;
   bool has_slack_ = false;
   Eigen::Vector3d position_slack_ = Eigen::Vector3d::Zero(),

@@ -109,7 +109,7 @@ class LeastSquaresProblem {
       goal.place(rollout_.frame(goal.body()));
       const Vec4 p = goal.position_error();
       const double p2 = dot3(p, p);
-      const Vec4 e = goal.rotation_error();
+      const Vec4& e = goal.keep_rotation_error();
       const double r2 = dot3(e, e);
       sum += goal_scale_ * goal.weight() * (p2 + w2 * r2);
       position_error_ = std::max(position_error_, p2);
@@ -218,16 +218,24 @@ class LeastSquaresProblem {
           column.angular = goal.rotation_error_rate(column.angular);
       }
     }
-    const Vec4 weight = broadcast(goal_scale_ * goal.weight());
-    const Vec4 p = weight * goal.position_error(), e = weight * w * goal.rotation_error();
+    Vec4 p = goal.position_error(), e = w * goal.kept_rotation_error();
+    const double weight = goal_scale_ * goal.weight();
+    if (weight != 1.0) {
+      const Vec4 root = broadcast(std::sqrt(weight));
+      p *= root;
+      e *= root;
+      for (Column& column : columns_) {
+        column.linear *= root;
+        column.angular *= root;
+      }
+    }
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       const Column& column = columns_[i];
       g[row] += sum4(column.linear * p + column.angular * e);
       double* const h = H.data() + row * H.rows();  // column i, filled down to the diagonal
-      const Vec4 linear = weight * column.linear, angular = weight * column.angular;
       for (std::size_t k = 0; k <= i; ++k) {
-        h[k] += sum4(linear * columns_[k].linear + angular * columns_[k].angular);
+        h[k] += sum4(column.linear * columns_[k].linear + column.angular * columns_[k].angular);
       }
     }
   }
