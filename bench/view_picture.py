@@ -88,6 +88,13 @@ def photograph(viewer: Viewer, page: Page) -> bytes:
     return page.screenshot()
 
 
+def save(png: bytes, out: Path) -> None:
+    """Colours in steps of 4, which compress better."""
+    with Image.open(io.BytesIO(png)) as image:
+        steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
+        image.convert("RGB").point(3 * steps).save(out, optimize=True)
+
+
 def main(out: Path) -> None:
     share = _example_robot_data_share()
     urdf = share / "example-robot-data/robots/panda_description/urdf/panda.urdf"
@@ -110,9 +117,7 @@ def main(out: Path) -> None:
         browser.close()
     viewer.close()
     server.stop()
-    with Image.open(io.BytesIO(png)) as image:
-        steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
-        image.convert("RGB").point(3 * steps).save(out, optimize=True)  # compresses better
+    save(png, out)
 
 
 if __name__ == "__main__":

@@ -17,11 +17,15 @@ import pytest
 import pdoik
 from command_line import misuse, run
 from pdoik._hulls import placed_hulls
-from pdoik.view import Log, Session, Worker, load_log
+from pdoik.h1.robot import FEET, JOINT_NAMES
+from pdoik.h1.shapes import SOLE_HEIGHT
+from pdoik.view import Log, Session, Shown, Worker, load_log
 from pdoik.view.binding import binding, margin_text
+from pdoik.view.humanoid import balance_over_feet, floor_height, object_frame, support_polygon
 from pdoik.view.model import deepest_tip, read_robot
 from pdoik.view.player import Player
 from pdoik.view.shapes import hull_instances, pose_of, turns_of_x, wxyz_of
+from pdoik.view.status import Meter, status_html
 from pdoik.view.visuals import load_visuals
 
 TIP = "panda_link8"
@@ -92,9 +96,11 @@ def test_a_posture_wished_for_while_a_target_is_solved_is_not_overruled(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class SlowSolver:
-        def solve(self, *_: Any, **__: Any) -> Any:
+        options = session.options
+
+        def solve(self, *_: Any) -> Any:
             session.set_posture(REACHED)
-            return SimpleNamespace(q=np.zeros(7))
+            return SimpleNamespace(q=np.zeros(7)), None
 
     monkeypatch.setattr(session, "_solver", SlowSolver())
     session.set_target(TIP, session.robot.fk(np.zeros(7)))
@@ -205,29 +211,171 @@ def test_wishes_that_make_no_sense_are_refused(
     assert session.solve_once() is None
 
 
-def test_several_tips_are_asked_for_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[Any] = []
+# Several tips.
 
-    class TreeSolver:
-        def __init__(self, *_: Any) -> None: ...
+LEFT, RIGHT = "left_ankle_link", "right_ankle_link"
+LEFT_ARM, RIGHT_ARM = "left_elbow_link", "right_elbow_link"
 
-        def solve(self, goals: Any, q0: Any = None, obstacles: Any = None) -> Any:
-            asked.append(goals)
-            return SimpleNamespace(q=q0)
 
-        judge = solve
+def h1(*tips: str, base: str = LEFT, **options: Any) -> Session:
+    """The H1 in its stance, seen from a foot, shown once."""
+    robot = pdoik.Robot.builtin("h1", base, tips or None)
+    session = Session(robot, pdoik.Options(max_time=1.0, **options))
+    assert session.solve_once() is not None
+    return session
 
-    monkeypatch.setattr(pdoik, "Solver", TreeSolver)
-    session = Session(pdoik.Robot.from_urdf(TREE))
-    assert set(session.targets) == {"left", "right"}
-    session.solve_once()
-    T = session.targets["left"]
-    T[0, 3] += 0.1
-    session.set_target("left", T)
-    session.solve_once()
-    assert set(asked[-1]) == {"left", "right"}
-    np.testing.assert_array_equal(asked[-1]["left"], T)
-    np.testing.assert_array_equal(asked[-1]["right"], session.robot.fk(session.q, "right"))
+
+def pull(session: Session, tip: str, way: list[float], steps: int) -> Shown:
+    """Drag a tip along `way` [m], base frame, by equal steps."""
+    start = session.targets[tip]
+    for share in np.linspace(0, 1, steps + 1)[1:]:
+        T = start.copy()
+        T[:3, 3] += share * np.array(way)
+        session.set_target(tip, T)
+        shown = session.solve_once()
+        assert shown is not None
+    return shown
+
+
+def test_the_h1_stands_on_the_floor_balanced_and_clear_of_itself() -> None:
+    for base in ("pelvis", LEFT, RIGHT):
+        session = h1(base=base)
+        session.set_options(self_collision=True, balance=balance_over_feet())
+        session.set_posture(session.q)
+        shown = session.solve_once()
+        assert shown is not None
+        assert shown.result.success, shown.result.worst_constraint
+        assert shown.result.balance_violation == 0
+        assert shown.result.self_distance >= 0
+        heights = [session.robot.fk(shown.q, foot)[2, 3] for foot in FEET]
+        np.testing.assert_allclose(heights, floor_height(session.robot) + SOLE_HEIGHT, atol=1e-9)
+
+
+def test_what_is_asked_of_a_tip_at_first_is_what_its_joints_can_do() -> None:
+    assert set(h1(base="pelvis").goals.values()) == {"position"}
+    assert h1(RIGHT, LEFT_ARM).goals == {RIGHT: "pose", LEFT_ARM: "position"}
+    assert Session(pdoik.Robot.builtin("panda")).goals == {TIP: "pose"}
+
+
+def test_one_tip_is_dragged_while_the_others_hold_and_nothing_drifts() -> None:
+    session = h1(RIGHT, LEFT_ARM, self_collision=True)
+    q, foot = session.q, session.targets[RIGHT]
+    shown = pull(session, LEFT_ARM, [0.2, 0.1, 0.15], 40)
+    assert shown.result.success, shown.result.worst_constraint
+    np.testing.assert_allclose(session.robot.fk(shown.q, RIGHT), foot, atol=5e-5)
+    T = session.targets[LEFT_ARM]
+    np.testing.assert_allclose(session.robot.fk(shown.q, LEFT_ARM)[:3, 3], T[:3, 3], atol=5e-5)
+    assert np.abs(shown.q - q).max() > 0.1
+    free = session.robot.joint_names.index("right_elbow_joint")
+    assert shown.q[free] == pytest.approx(q[free], abs=0.02)  # no tip needs it
+    back = pull(session, LEFT_ARM, [-0.2, -0.1, -0.15], 40)
+    np.testing.assert_allclose(back.q, q, atol=0.1)
+
+
+def test_a_tip_without_a_goal_is_free_and_holds_again_where_it_is() -> None:
+    session = h1(RIGHT, LEFT_ARM)
+    foot = session.targets[RIGHT]
+    session.set_goal(RIGHT, "free")
+    shown = pull(session, LEFT_ARM, [0.3, 0.0, 0.3], 10)
+    moved = session.robot.fk(shown.q, RIGHT)
+    assert np.linalg.norm(moved[:3, 3] - foot[:3, 3]) > 0.01
+    np.testing.assert_array_equal(session.targets[RIGHT], moved)
+    session.set_goal(RIGHT, "pose")
+    shown = pull(session, LEFT_ARM, [0.0, 0.0, -0.1], 10)
+    assert shown.result.success
+    np.testing.assert_allclose(session.robot.fk(shown.q, RIGHT), moved, atol=5e-5)
+
+
+def test_all_tips_may_be_free() -> None:
+    session = h1(RIGHT, LEFT_ARM)
+    q = session.q
+    for tip in (RIGHT, LEFT_ARM):
+        session.set_goal(tip, "free")
+    shown = session.solve_once()
+    assert shown is not None
+    assert shown.result.success
+    np.testing.assert_allclose(shown.q, q, atol=1e-9)
+
+
+def test_goals_that_make_no_sense_are_refused(session: Session) -> None:
+    with pytest.raises(ValueError, match="panda_link8"):
+        session.set_goal("hand", "pose")
+    with pytest.raises(ValueError, match="axis"):
+        session.set_goal(TIP, "somewhere")  # type: ignore[arg-type]
+    assert session.solve_once() is None
+
+
+def test_where_not_all_can_be_had_the_dragged_tip_gives_way_without_a_jump() -> None:
+    session = h1(RIGHT, LEFT_ARM)
+    foot, q = session.targets[RIGHT], session.q
+    start = session.targets[LEFT_ARM]
+    session.set_options(max_time=0.02)
+    for share in np.linspace(0, 1, 31)[1:]:
+        T = start.copy()
+        T[2, 3] += 1.5 * share  # far above its reach
+        session.set_target(LEFT_ARM, T)
+        shown = session.solve_once()
+        assert shown is not None
+        assert np.abs(shown.q - q).max() < 1.0
+        q = shown.q
+    assert not shown.result.success
+    np.testing.assert_allclose(session.robot.fk(q, RIGHT)[:3, 3], foot[:3, 3], atol=0.05)
+    assert shown.result.position_error > 0.3
+
+
+def test_balance_keeps_the_centre_of_mass_over_the_soles_where_it_would_leave_them() -> None:
+    inside = []
+    for options in ({}, {"balance": balance_over_feet()}):
+        session = h1(RIGHT, LEFT_ARM, **options)
+        shown = pull(session, LEFT_ARM, [0.4, 0.1, -0.25], 40)
+        assert shown.result.success, shown.result.worst_constraint
+        com = session.robot.center_of_mass(shown.q)
+        corners = support_polygon(session.robot, shown.q, balance_over_feet())
+        edges = np.roll(corners, -1, axis=0) - corners
+        to_com = com - corners
+        inside.append((edges[:, 0] * to_com[:, 1] > edges[:, 1] * to_com[:, 0]).all())
+        assert ("balance" in status_html(shown, Meter())) == bool(options)
+    assert inside == [False, True]
+
+
+def test_hulls_in_collision_with_each_other_are_both_named() -> None:
+    session = h1(base="pelvis", self_collision=True)
+    q = session.q
+    q[session.robot.joint_names.index("left_shoulder_roll_joint")] = -0.3  # the arm in the chest
+    q[session.robot.joint_names.index("left_shoulder_yaw_joint")] = -1.0
+    session.set_posture(q)
+    shown = session.solve_once()
+    assert shown is not None
+    assert not shown.result.success
+    found = binding(shown.result, shown.robot)
+    assert found.obstacle is None
+    names = [placed_hulls(shown.robot, q)[hull].name for hull in found.hulls]
+    assert len(names) == 2
+    assert all(name in shown.result.worst_constraint for name in names)
+    text = status_html(shown, Meter())
+    assert "self-distance" in text
+    assert all(name in text for name in names)
+
+
+def test_a_log_of_the_h1_poses_it_from_any_base(tmp_path: Path) -> None:
+    stance = h1(RIGHT)
+    time = np.array([0.0, 0.002])
+    shift = np.arange(19) / 1e3
+    names = [f"{signal}.{joint}" for signal in ("q_des", "q", "dq", "tau") for joint in JOINT_NAMES]
+    rows = np.column_stack([time, *4 * [np.stack([stance.q, stance.q + shift])]])
+    path = tmp_path / "h1.csv"
+    np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(["time", *names]), comments="")
+    for base in ("pelvis", LEFT):
+        session = h1(base=base)
+        log = read_log(path, session.robot)
+        session.set_posture(log.at(0.002, "q"), origin="log")
+        shown = session.solve_once()
+        assert shown is not None
+        by_name = dict(zip(session.robot.joint_names, shown.q, strict=True))
+        wanted = dict(zip(JOINT_NAMES, stance.q + shift, strict=True))
+        assert by_name == pytest.approx(wanted, abs=1e-8)
+        T_base_pelvis = object_frame(session.robot, shown.q)
+        np.testing.assert_array_equal(T_base_pelvis, session.robot.fk(shown.q, "pelvis"))
 
 
 def test_a_worker_skips_what_came_between_and_survives_errors() -> None:
@@ -438,6 +586,8 @@ def test_misuse_of_the_command_is_told_in_a_line(tmp_path: Path) -> None:
     misuse(run("view", "panda", "--no-open", "--replay", log), "log.csv", "panda_joint1")
     misuse(run("view", "robot.urdf", "--no-open"), "robot.urdf")
     misuse(run("view", "panda", "--no-open", "--q0", "1 2 3"), "7 numbers")
+    misuse(run("view", "h1", "--no-open", "--base-link", "tail"), "tail")
+    misuse(run("view", "h1", "--no-open", "--tip-link", "tail"), "tail")
     misuse(run("view", "panda", "--no-open", "--host", "192.0.2.1"), "192.0.2.1")
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -446,10 +596,16 @@ def test_misuse_of_the_command_is_told_in_a_line(tmp_path: Path) -> None:
         misuse(run("view", "panda", "--no-open", "--port", port), port, "in use")
 
 
-def test_the_command_serves_on_loopback_until_ctrl_c(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("robot", "links"),
+    [("panda", []), ("h1", ["--base-link", LEFT, "--tip-link", RIGHT, "--tip-link", LEFT_ARM])],
+)
+def test_the_command_serves_on_loopback_until_ctrl_c(
+    tmp_path: Path, robot: str, links: list[str]
+) -> None:
     pytest.importorskip("viser", reason="pip install 'pdoik[view]'")
-    log = write_log(tmp_path / "log.csv", pdoik.Robot.builtin("panda"), **OBJECT)
-    command = [sys.executable, "-m", "pdoik.cli", "view", "panda", "--no-open", "--port", "0"]
+    log = write_log(tmp_path / "log.csv", pdoik.Robot.builtin(robot), **OBJECT)
+    command = [sys.executable, "-m", "pdoik.cli", "view", robot, *links, "--no-open", "--port=0"]
     with subprocess.Popen(
         [*command, "--replay", log], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:

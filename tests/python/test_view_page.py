@@ -3,6 +3,7 @@
 import shutil
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -20,7 +21,7 @@ if CHROMIUM is None:
     pytest.skip("apt-get install chromium", allow_module_level=True)
 
 from pdoik.view.gizmos import Gizmo  # noqa: E402  # these need viser
-from pdoik.view.model import builtin_model  # noqa: E402
+from pdoik.view.model import shipped_model  # noqa: E402
 from pdoik.view.server import start_server  # noqa: E402
 from pdoik.view.viewer import Viewer  # noqa: E402
 
@@ -35,9 +36,10 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-WIDTH, HEIGHT = 1000, 700
+WIDTH, HEIGHT = 800, 540
 PATIENCE = 120.0  # [s], with software rendering on a busy machine
 TIP = "panda_link8"
+LEFT, RIGHT, ELBOW = "left_ankle_link", "right_ankle_link", "left_elbow_link"
 
 
 class Page:
@@ -95,7 +97,7 @@ class Page:
             way = grip - self.pixel(T[:3, 3])
             way *= pixels / np.linalg.norm(way)
             mouse.move(*grip)
-            self.page.wait_for_timeout(1000)  # a slow page has to draw what the mouse is to press
+            self.page.wait_for_timeout(500)  # a slow page has to draw what the mouse is to press
             mouse.down()
             for share in np.linspace(0, 1, 8)[1:]:
                 mouse.move(*(grip + share * way))
@@ -121,18 +123,11 @@ def browser() -> Iterator[Any]:
         browser.close()
 
 
-@pytest.fixture
-def opened(browser: Any) -> Iterator[Page]:
-    """A Panda behind a table with a box, in a page that must stay quiet and local."""
-    rng = np.random.default_rng(0)
-    table = rng.uniform([0.35, -0.4, 0.02], [0.85, 0.4, 0.02], (3000, 3))
-    box = rng.uniform([0.6, -0.3, 0.02], [0.75, -0.1, 0.2], (1500, 3))
-    model = builtin_model("panda")
-    session = Session(model.robot, pdoik.Options(max_time=5.0))
-    session.set_thinning(0.04, True)
-    session.set_cloud(np.concatenate([table, box]))
+@contextmanager
+def page_of(browser: Any, session: Session) -> Iterator[Page]:
+    """A page that must stay quiet, and ask nothing of anything but this machine."""
     server = start_server("127.0.0.1", 0)
-    viewer = Viewer(server, model, session)
+    viewer = Viewer(server, shipped_model(session.robot), session)
     tab = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
     try:
         page = Page(viewer, tab)
@@ -145,6 +140,27 @@ def opened(browser: Any) -> Iterator[Page]:
         tab.close()
         viewer.close()
         server.stop()
+
+
+@pytest.fixture
+def opened(browser: Any) -> Iterator[Page]:
+    """A Panda behind a table with a box."""
+    rng = np.random.default_rng(0)
+    table = rng.uniform([0.35, -0.4, 0.02], [0.85, 0.4, 0.02], (3000, 3))
+    box = rng.uniform([0.6, -0.3, 0.02], [0.75, -0.1, 0.2], (1500, 3))
+    session = Session(pdoik.Robot.builtin("panda"), pdoik.Options(max_time=5.0))
+    session.set_thinning(0.04, True)
+    session.set_cloud(np.concatenate([table, box]))
+    with page_of(browser, session) as page:
+        yield page
+
+
+@pytest.fixture
+def standing(browser: Any) -> Iterator[Page]:
+    """The H1 on its left foot; its right foot and left elbow can be dragged."""
+    robot = pdoik.Robot.builtin("h1", LEFT, [RIGHT, ELBOW])
+    with page_of(browser, Session(robot, pdoik.Options(max_time=5.0))) as page:
+        yield page
 
 
 def test_the_robot_follows_the_target_that_the_mouse_drags(opened: Page, tmp_path: Path) -> None:
@@ -245,6 +261,37 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     opened.wait(lambda: opened.viewer.session.robot.name == "arm", "the robot")
     opened.page.get_by_text("arm: 2 joints, 0 hulls").wait_for(timeout=1e3 * PATIENCE)
     opened.settled()
+
+
+def test_one_tip_of_the_h1_is_dragged_while_its_foot_stays_until_it_is_let_go(
+    standing: Page,
+) -> None:
+    standing.settled()
+    session, gizmos = standing.viewer.session, standing.viewer.targets.by_tip
+    q, foot, T = standing.q, session.targets[RIGHT], session.targets[ELBOW]
+    standing.drag(gizmos[ELBOW], axis=2, pixels=60)
+    standing.settled()
+    dragged = session.targets[ELBOW]
+    assert np.linalg.norm(dragged[:3, 3] - T[:3, 3]) > 0.03
+    assert np.abs(standing.q - q).max() > 0.02
+    np.testing.assert_allclose(
+        session.robot.fk(standing.q, ELBOW)[:3, 3], dragged[:3, 3], atol=5e-5
+    )
+    reached = session.robot.fk(standing.q, RIGHT)
+    assert np.linalg.norm(reached[:3, 3] - foot[:3, 3]) < 1e-4
+    assert standing.page.get_by_text("solved", exact=True).is_visible()
+
+    page = standing.page
+    page.get_by_label("Self-collision", exact=True).check(force=True)
+    standing.wait(lambda: session.options.self_collision, "the self-collision")
+    page.get_by_label("Balance", exact=True).check(force=True)
+    standing.wait(lambda: len(session.options.balance.contacts) == 2, "the balance")
+    for words in ("self-distance", "balance"):
+        page.get_by_text(words, exact=True).wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_label("right ankle", exact=True).click()
+    page.get_by_role("option", name="free", exact=True).click()
+    standing.wait(lambda: session.goals[RIGHT] == "free", "the foot to be free")
+    standing.settled()
 
 
 ARM = """<robot name="arm">

@@ -25,14 +25,17 @@ Method = Literal["default", "paper"]
 
 def view(
     robot: Annotated[
-        str, typer.Argument(help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT")
+        str, typer.Argument(help=f"{', '.join(BUILTIN)}, or a URDF file.", metavar="ROBOT")
     ] = "panda",
     base_link: Annotated[
         str | None, typer.Option(help="First link; the root otherwise.", rich_help_panel=_ROBOT)
     ] = None,
     tip_link: Annotated[
         list[str] | None,
-        typer.Option(help="Last link, repeatable; every leaf otherwise.", rich_help_panel=_ROBOT),
+        typer.Option(
+            help="Link to drag, repeatable; the shipped robot's own or every leaf otherwise.",
+            rich_help_panel=_ROBOT,
+        ),
     ] = None,
     occupancy: Annotated[
         Path | None,
@@ -50,13 +53,17 @@ def view(
     q0: Annotated[
         str | None,
         typer.Option(
-            help="First posture, one number per joint; the middle of the ranges otherwise.",
+            help="First posture, one number per joint; H1's stance or mid-range otherwise.",
             rich_help_panel=_ROBOT,
         ),
     ] = None,
     goal: Annotated[
-        Goal, typer.Option(help="What of the target counts.", rich_help_panel=_GOAL)
-    ] = "pose",
+        Goal | None,
+        typer.Option(
+            help="What of each target counts; pose otherwise, or position where joints are few.",
+            rich_help_panel=_GOAL,
+        ),
+    ] = None,
     goal_axis: Annotated[
         Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=_GOAL)
     ] = "z",
@@ -67,6 +74,10 @@ def view(
     max_time: Annotated[
         float, typer.Option(help="Deadline of a solve, seconds.", rich_help_panel=_GOAL)
     ] = 0.02,
+    self_collision: Annotated[
+        bool | None,
+        typer.Option(help="Keep hulls off each other; on for H1 otherwise.", rich_help_panel=_GOAL),
+    ] = None,
     cloud: Annotated[
         Path | None,
         typer.Option(
@@ -124,8 +135,9 @@ def view(
         bool, typer.Option("--no-open", help="Do not open a browser.", rich_help_panel=_PAGE)
     ] = False,
 ) -> None:
-    """Open a page to drag the target and obstacles, while the solver follows live.
+    """Open a page to drag targets and obstacles, while the solver follows live.
 
+    Where there are several tips, each has its target, and the others hold while one is dragged.
     Sliders pose the joints; robots, clouds and logs can be uploaded there. Ctrl-C ends it.
 
     [bold]Example[/]: pdoik view panda --cloud scan.pcd
@@ -137,27 +149,30 @@ def view(
             raise
         fail("pdoik view needs viser: pip install 'pdoik[view]'")
     from pdoik.view import Session, load_log
-    from pdoik.view.model import Model, urdf_model
+    from pdoik.view.model import shipped_model, urdf_model
     from pdoik.view.server import open_browser, start_server
     from pdoik.view.viewer import Viewer
 
-    loaded = load_robot(robot, base_link, tip_link, occupancy)
+    loaded = _load(robot, base_link, tip_link, occupancy)
     with misuse_fails():
         model = (
-            Model(robot=loaded)
+            shipped_model(loaded)
             if robot in BUILTIN
             else urdf_model(loaded, Path(robot), package_dir or ())
         )
         options = pdoik.Options(
-            goal=goal,
+            goal=goal or "pose",
             goal_axis=goal_axis,
             method=method,
             clearance=clearance,
             heed_fixed_hulls=heed_fixed_hulls,
             max_time=max_time,
+            self_collision=robot == "h1" if self_collision is None else self_collision,
         )
+        goals = None if goal is None else dict.fromkeys(loaded.tip_links, goal)
     with misuse_fails("--q0" if q0 is not None else ""):
-        session = Session(loaded, options, None if q0 is None else numbers(q0, loaded))
+        posture = None if q0 is None else numbers(q0, loaded)
+        session = Session(loaded, options, posture, goals=goals)
     session.set_thinning(leaf, radii)
     if cloud is not None:
         session.set_cloud(load_obstacles(cloud, leaf, radii).surface)
@@ -175,6 +190,20 @@ def view(
     _wait_for_interrupt()
     viewer.close()
     server.stop()
+
+
+def _load(
+    name: str, base_link: str | None, tip_link: list[str] | None, occupancy: Path | None
+) -> pdoik.Robot:
+    """As `load_robot`, and shipped robots seen from other links."""
+    if name not in BUILTIN or not (base_link or tip_link):
+        return load_robot(name, base_link, tip_link, occupancy)
+    with misuse_fails():
+        robot = pdoik.Robot.builtin(name, base_link, tip_link or None)
+    if occupancy is not None:
+        with misuse_fails(f"--occupancy {occupancy}"):
+            robot.occupancy = pdoik.Occupancy.load(str(occupancy))
+    return robot
 
 
 def _wait_for_interrupt() -> None:

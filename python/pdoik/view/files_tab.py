@@ -11,7 +11,7 @@ import pdoik
 if TYPE_CHECKING:
     from .viewer import Viewer
 
-EVERY_LEAF = "every leaf"
+EVERY_LEAF, SEVERAL = "every leaf", "several"
 
 
 class FilesTab:
@@ -41,8 +41,9 @@ class FilesTab:
         """Follow the robot that is there now."""
         self.robot.value = "from a file" if from_file else robot.name
         links = tuple(robot.link_names[1:]) if from_file else tuple(robot.tip_links)
-        self.tip.options = (EVERY_LEAF, *links)
-        self.tip.value = EVERY_LEAF if len(robot.tip_links) > 1 else robot.tip_links[0]
+        many = EVERY_LEAF if from_file else SEVERAL
+        self.tip.options = (many, *links)
+        self.tip.value = many if len(robot.tip_links) > 1 else robot.tip_links[0]
         self.tip.disabled = not from_file
         self.fit.visible = from_file and not len(robot.occupancy)
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
-from .session import Shown
+from .session import GoalKind, Shown
 from .shapes import pose_of, wxyz_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -62,12 +62,16 @@ class Gizmo:
     def show(self, visible: bool) -> None:
         self._handle.visible = visible
 
+    def turn(self, turns: bool) -> None:
+        """With arcs to turn it by, or without."""
+        self._handle.disable_rotations = not turns
+
     def remove(self) -> None:
         self._handle.remove()
 
 
 class TargetGizmos:
-    """A gizmo for each tip link, below /targets."""
+    """A gizmo for each tip link that is not free, below /targets."""
 
     def __init__(
         self,
@@ -89,9 +93,15 @@ class TargetGizmos:
 
     def show(self, shown: Shown) -> None:
         """Jump to the tips where the posture was given; a dragged gizmo is not touched."""
-        if shown.origin != "target":
-            for tip, T in shown.targets.items():
+        for tip, T in shown.targets.items():
+            if shown.origin != "target" or shown.goals[tip] == "free":
                 self.by_tip[tip].place(T)
+
+    def follow(self, goals: Mapping[str, GoalKind]) -> None:
+        """Free tips have nothing to drag, positions no arcs."""
+        for tip, kind in goals.items():
+            self.by_tip[tip].show(kind != "free")
+            self.by_tip[tip].turn(kind != "position")
 
     def remove(self) -> None:
         for gizmo in self.by_tip.values():

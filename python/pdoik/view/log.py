@@ -28,7 +28,8 @@ class Log:
         time: Increasing, (T,) [s].
         signals: Those of `SIGNALS` that the file has, (T, n) each: positions wanted and measured
             [rad] or [m], speeds, torques [N m] or forces [N].
-        object_pose: T_base_object, (T, 4, 4); None without the object's columns.
+        object_pose: T_base_object, the H1's T_pelvis_object, (T, 4, 4); None without the object's
+            columns.
     """
 
     name: str
@@ -63,7 +64,8 @@ def load_log(path: str | Path, joint_names: Sequence[str]) -> Log:
 
     Of q and q_des one is needed, for every joint of the robot; a signal that only some joints have
     is an error, columns of other joints and other columns are passed over. The columns object.x,
-    .y, .z, .qw, .qx, .qy, .qz, if there are any, are an object's pose in the base frame.
+    .y, .z, .qw, .qx, .qy, .qz, if there are any, are an object's pose in the base frame; in a log
+    of the H1 in the pelvis' frame, as `pdoik.h1.log` writes it.
 
     Args:
         path: Of the file. Metres, radians, seconds.

@@ -10,6 +10,8 @@ from pathlib import Path
 import pdoik
 from pdoik.errors import RobotWarning
 
+from .body import body_visuals
+from .humanoid import is_h1
 from .visuals import load_visuals
 
 
@@ -55,7 +57,12 @@ class Model:
 
 def builtin_model(name: str) -> Model:
     """A robot shipped with the library."""
-    return Model(robot=pdoik.Robot.builtin(name))
+    return shipped_model(pdoik.Robot.builtin(name))
+
+
+def shipped_model(robot: pdoik.Robot) -> Model:
+    """A robot shipped with the library, seen from any links; the H1 has the shapes of its parts."""
+    return Model(robot=robot, visuals=body_visuals(robot) if is_h1(robot) else {})
 
 
 def urdf_model(robot: pdoik.Robot, urdf: Path, package_dirs: Sequence[Path] = ()) -> Model:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 
+from .humanoid import object_frame
 from .log import Log
 from .player import Player
 from .shapes import wxyz_of
@@ -74,7 +75,8 @@ class ReplayTab:
         self._viewer.worker.wake()
         self.facts.content = facts(log, elapsed, self._viewer.session.robot.joint_names)
         if self._marker is not None and log.object_pose is not None:
-            T = log.object_pose[log.row(elapsed)]
+            session = self._viewer.session
+            T = object_frame(session.robot, session.q) @ log.object_pose[log.row(elapsed)]
             self._marker.wxyz, self._marker.position = wxyz_of(T[:3, :3]), T[:3, 3]
 
     def _toggle(self) -> None:

@@ -9,16 +9,18 @@ import numpy.typing as npt
 import trimesh
 import viser
 
+import pdoik
 from pdoik._hulls import placed_hulls, way_to
 
 from .binding import binding
+from .humanoid import first_posture
 from .model import Model
 from .session import Shown
 from .shapes import hull_instances, segments, turns_of_x, wxyz_of
 
 FloatArray = npt.NDArray[np.float64]
 
-_HULL, _HULL_BINDING = (38, 98, 184), (224, 20, 20)
+_HULL, _HULL_TIGHT, _HULL_BROKEN = (38, 98, 184), (240, 140, 20), (224, 20, 20)
 _BONE, _JOINT = (43, 47, 54), (242, 142, 43)
 
 
@@ -46,9 +48,10 @@ class RobotScene:
             way_to(model.robot, model.robot.mid_configuration(), tip)
             for tip in model.robot.tip_links
         ]
+        axes = 0.1 if len(model.robot.tip_links) == 1 else 0.05
         self._axes = {
             tip: scene.add_frame(
-                f"/robot/tips/{_node(tip)}", axes_length=0.1 * size, axes_radius=0.006 * size
+                f"/robot/tips/{_node(tip)}", axes_length=axes * size, axes_radius=0.06 * axes * size
             )
             for tip in model.robot.tip_links
         }
@@ -70,7 +73,7 @@ class RobotScene:
             self._bones.visible = self._joints.visible = skeleton
 
     def show(self, shown: Shown) -> None:
-        """Pose everything; hulls of the binding constraint that fails turn red."""
+        """Pose everything; hulls of the binding constraint turn orange, or red if it fails."""
         poses = {link: self._robot.fk(shown.q, link) for link in self._drawn_links()}
         for link, node in [*self._links.items(), *self._axes.items()]:
             if np.array_equal(poses[link], self._last_poses.get(link, np.empty(0))):
@@ -82,8 +85,8 @@ class RobotScene:
             hulls = placed_hulls(self._robot, shown.q)
             wxyz, centers, axes = hull_instances(hulls)
             colors = np.tile(np.array(_HULL, dtype=np.uint8), (len(hulls), 1))
-            if not shown.result.success:
-                colors[list(binding(shown.result, self._robot).hulls)] = _HULL_BINDING
+            tight = list(binding(shown.result, self._robot).hulls)
+            colors[tight] = _HULL_TIGHT if shown.result.success else _HULL_BROKEN
             self._hulls.batched_wxyzs = wxyz
             self._hulls.batched_positions = centers
             self._hulls.batched_scales = axes
@@ -146,14 +149,31 @@ class RobotScene:
 
 
 def robot_size(model: Model) -> float:
-    """About how far the robot stretches: the length of its longest way to a tip [m]."""
+    """About how far the robot stretches: the length of its way to a tip, or of its half [m]."""
     robot = model.robot
+    if len(robot.tip_links) > 1:
+        return float(0.7 * np.linalg.norm(np.ptp(_ends(robot, first_posture(robot)), axis=0)))
     q = robot.mid_configuration()
-    lengths = []
-    for tip in robot.tip_links:
-        origins = np.array([robot.fk(q, link)[:3, 3] for link in way_to(robot, q, tip)])
-        lengths.append(float(np.linalg.norm(np.diff(origins, axis=0), axis=1).sum()))
-    return max([*lengths, 0.1])
+    (tip,) = robot.tip_links
+    origins = np.array([robot.fk(q, link)[:3, 3] for link in way_to(robot, q, tip)])
+    return max(float(np.linalg.norm(np.diff(origins, axis=0), axis=1).sum()), 0.1)
+
+
+def camera_of(model: Model, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where a camera that sees the robot beside the panel looks and stands, (3,) each [m]."""
+    size = robot_size(model)
+    if len(model.robot.tip_links) == 1:
+        return np.array([0.31, 0.09, 0.3]) * size, np.array([1.05, -1.15, 0.78]) * size
+    ends = _ends(model.robot, q)
+    look_at = (ends.min(axis=0) + ends.max(axis=0)) / 2 + np.array([0.12, 0.22, 0.0]) * size
+    return look_at, look_at + np.array([1.9, -1.25, 0.4]) * size
+
+
+def _ends(robot: pdoik.Robot, q: FloatArray) -> FloatArray:
+    """Origins of the links and centres of the hulls, (N, 3) [m]."""
+    links = [robot.fk(q, link)[:3, 3] for link in robot.link_names]
+    hulls = [(hull.focus_a + hull.focus_b) / 2 for hull in placed_hulls(robot, q)]
+    return np.array(links + hulls)
 
 
 def _node(link: str) -> str:

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 import pdoik
 
+from .humanoid import first_posture, is_h1
 from .obstacles import Ball, Obstacles
 
 FloatArray = npt.NDArray[np.float64]
 Origin = Literal["target", "joints", "log"]
+GoalKind = Literal["pose", "axis", "position", "free"]
+
+GOALS: tuple[GoalKind, ...] = get_args(GoalKind)
+_NEEDS = {"pose": 6, "axis": 5}  # joints
+_DRAGGED_WEIGHT = 0.05  # against the other tips' 1: where not all can be had, they hold
+_ANYWHERE = [1e3, 1e3, 1e3]  # [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -25,7 +33,10 @@ class Shown:
     robot: pdoik.Robot
     q: FloatArray  # (n,), the posture
     targets: dict[str, FloatArray]  # T_base_tip (4, 4) of each tip link
-    result: pdoik.Result  # of the solver, or of its judge where q was given
+    goals: dict[str, GoalKind]  # of each tip link; a free one's target is where it is
+    options: pdoik.Options  # of the solver
+    result: pdoik.Result  # of q: the solver's, or its judge's where q was given
+    found: pdoik.Result  # what the search said: `result`, unless it went far and found nothing
     obstacles: FloatArray  # (K, 4), what was kept off, base frame; the ball is the last row [m]
     cloud: Obstacles  # what they were made from
     origin: Origin  # what the wish was for
@@ -40,8 +51,10 @@ class Session:
     Args:
         robot: Has a target for each of its tip links.
         options: Of the solver.
-        q0: First posture, (n,); None for the middle of the ranges.
+        q0: First posture, (n,); None for the middle of the ranges, or the H1's stance.
         obstacles: What is in the way; None for nothing.
+        goals: What is asked of each tip; None for the options' goal where the tip has the joints
+            for it, otherwise its position.
 
     Raises:
         ValueError: An option is out of range, or the solver refuses the robot.
@@ -53,12 +66,15 @@ class Session:
         options: pdoik.Options | None = None,
         q0: FloatArray | None = None,
         obstacles: Obstacles | None = None,
+        goals: Mapping[str, GoalKind] | None = None,
     ) -> None:
         self.robot = robot
         self._lock = threading.Lock()
         self._options = options if options is not None else pdoik.Options()
-        self._solver = pdoik.Solver(robot, self._options)
-        self._q = robot.mid_configuration() if q0 is None else _configuration(q0, robot)
+        self._solver = _Follower(robot, self._options)
+        self._goals = default_goals(robot, self._options.goal) if goals is None else dict(goals)
+        self._dragged: str | None = None
+        self._q = first_posture(robot) if q0 is None else _configuration(q0, robot)
         self._origin: Origin = "joints"  # of the latest wish; if not "target", _q is the wish
         self._targets = self._tip_poses(self._q)
         self._obstacles = obstacles if obstacles is not None else Obstacles()
@@ -88,6 +104,28 @@ class Session:
         with self._lock:
             return {tip: T.copy() for tip, T in self._targets.items()}
 
+    @property
+    def goals(self) -> dict[str, GoalKind]:
+        """What is asked of each tip link."""
+        with self._lock:
+            return dict(self._goals)
+
+    def set_goal(self, tip: str, kind: GoalKind) -> None:
+        """Ask for a tip's pose, axis or position where it is now, or let it go free.
+
+        Raises:
+            ValueError: The robot has no such tip, or there is no such kind.
+        """
+        if kind not in GOALS:
+            raise ValueError(f"goal of {tip}: expected one of {', '.join(GOALS)}; got {kind!r}")
+        with self._lock:
+            self._check_tip(tip)
+            if "free" in (kind, self._goals[tip]):
+                self._targets = self._targets | {tip: self.robot.fk(self._q, tip)}
+            self._goals = self._goals | {tip: kind}
+            self._origin = "target"
+            self._wish += 1
+
     def set_target(self, tip: str, T_base_tip: npt.ArrayLike) -> None:
         """Wish for a tip's pose; the other tips keep theirs.
 
@@ -98,9 +136,9 @@ class Session:
         if T.shape != (4, 4) or not np.isfinite(T).all():
             raise ValueError(f"target of {tip}: expected a finite (4, 4) matrix, got {T.tolist()}")
         with self._lock:
-            if tip not in self._targets:
-                raise ValueError(f"{tip!r} is no tip of {self.robot.name}: {list(self._targets)}")
+            self._check_tip(tip)
             self._targets = self._targets | {tip: T}
+            self._dragged = tip
             self._origin = "target"
             self._wish += 1
 
@@ -122,14 +160,16 @@ class Session:
             self._wish_posture(posture, "joints")
 
     def set_options(self, **changes: Any) -> None:
-        """Change fields of the options.
+        """Change fields of the options; `goal` is then asked of every tip.
 
         Raises:
             TypeError, ValueError: As `pdoik.Options` and `pdoik.Solver` raise them.
         """
         options = dataclasses.replace(self.options, **changes)
-        solver = pdoik.Solver(self.robot, options)
+        solver = _Follower(self.robot, options)
         with self._lock:
+            if "goal" in changes:
+                self._goals = dict.fromkeys(self._goals, options.goal)
             self._options, self._solver, self._origin = options, solver, "target"
             self._wish += 1
 
@@ -172,27 +212,40 @@ class Session:
         with self._lock:
             wish, targets, obstacles = self._wish, self._targets, self._obstacles
             origin, q, solver = self._origin, self._q, self._solver
+            kinds, dragged = self._goals, self._dragged
             if wish == self._granted:
                 return None
             self._granted = wish  # even if it cannot be: it would fail again
         points = obstacles.placed(self._thin(obstacles))
+        goals = _goals(targets, kinds, dragged)
         if origin == "target":
-            result = solver.solve(_goals(targets), q0=q, obstacles=points)
+            result, found = solver.solve(goals, q, points)
             q = np.asarray(result.q)
+            free = {tip: self.robot.fk(q, tip) for tip, kind in kinds.items() if kind == "free"}
             with self._lock:
                 if self._origin == "target":
                     self._q = q
+                    still = {tip for tip in free if self._goals[tip] == "free"}
+                    self._targets = self._targets | {tip: free[tip] for tip in still}
+            targets = targets | free
         else:
-            result = solver.judge(_goals(targets), q, obstacles=points)
+            result = found = solver.judge(goals, q, points)
         return Shown(
             robot=self.robot,
             q=q,
             targets=targets,
+            goals=kinds,
+            options=solver.options,
             result=result,
+            found=found,
             obstacles=points,
             cloud=obstacles,
             origin=origin,
         )
+
+    def _check_tip(self, tip: str) -> None:
+        if tip not in self._targets:
+            raise ValueError(f"{tip!r} is no tip of {self.robot.name}: {list(self._targets)}")
 
     def _wish_posture(self, posture: FloatArray, origin: Origin) -> None:
         self._q = posture
@@ -217,9 +270,65 @@ class Session:
         return self._thinned[1]
 
 
-def _goals(targets: dict[str, FloatArray]) -> Any:
-    """What the solver takes: a matrix for one tip, a matrix by name for several."""
-    return next(iter(targets.values())) if len(targets) == 1 else targets
+class _Follower:
+    """Looks near the posture shown last; far from it only where nothing is to be had nearby.
+
+    Where the far search fails, too, the nearby answer stays: a robot that cannot do what it is
+    asked should lean towards it, not flicker between postures.
+    """
+
+    def __init__(self, robot: pdoik.Robot, options: pdoik.Options) -> None:
+        self.options = options
+        self._near = pdoik.Solver(robot, replace(options, max_restarts=0))
+        self._several = len(robot.tip_links) > 1  # limbs that no goal moves would drift
+        far = replace(options, prefer="nearest") if self._several else options
+        self._far = pdoik.Solver(robot, far)
+
+    def solve(
+        self, goals: dict[str, pdoik.Goal], q: FloatArray, points: FloatArray
+    ) -> tuple[pdoik.Result, pdoik.Result]:
+        """What to show, and what the search said."""
+        posture = q if self._several and self.options.method == "default" else None
+        near = self._near.solve(goals, q0=q, obstacles=points, posture=posture)
+        hopeless = near.status in ("out_of_reach", "base_collision")
+        if near.success or hopeless or self.options.method == "paper":  # which has no restarts
+            return near, near
+        far = self._far.solve(goals, q0=q, obstacles=points, posture=posture)
+        return (far if far.success else near), far
+
+    def judge(
+        self, goals: dict[str, pdoik.Goal], q: FloatArray, points: FloatArray
+    ) -> pdoik.Result:
+        return self._near.judge(goals, q, obstacles=points)
+
+
+def default_goals(robot: pdoik.Robot, goal: str) -> dict[str, GoalKind]:
+    """The goal for tips that have the joints for it, the position for others and H1's elbows."""
+    q = robot.mid_configuration()
+
+    def kind(tip: str) -> GoalKind:
+        movers = int((np.abs(robot.jacobian(q, tip)).max(axis=0) > 1e-12).sum())
+        short = movers < _NEEDS.get(goal, 0)
+        return "position" if short or (is_h1(robot) and "elbow" in tip) else cast(GoalKind, goal)
+
+    return {tip: kind(tip) for tip in robot.tip_links}
+
+
+def _goals(
+    targets: dict[str, FloatArray], kinds: dict[str, GoalKind], dragged: str | None
+) -> dict[str, pdoik.Goal]:
+    """What the solver takes: goals by tip, without the free ones."""
+    asked = {tip: kind for tip, kind in kinds.items() if kind != "free"}
+    if not asked:  # the solver wants one: anywhere
+        tip, T = next(iter(targets.items()))
+        return {tip: pdoik.Goal(T, type="position", position_slack=_ANYWHERE)}
+    several = len(asked) > 1
+    return {
+        tip: pdoik.Goal(
+            targets[tip], type=kind, weight=_DRAGGED_WEIGHT if several and tip == dragged else 1.0
+        )
+        for tip, kind in asked.items()
+    }
 
 
 def _configuration(q: npt.ArrayLike, robot: pdoik.Robot) -> FloatArray:

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import viser
+
+import pdoik
+
+from .goals_panel import GoalsPanel
+from .humanoid import balance_over_feet, can_balance
 
 if TYPE_CHECKING:
     from .viewer import Viewer
 
-GOALS = ("pose", "axis", "position")
 AXES = ("x", "y", "z")
 METHODS = ("default", "paper")
 
 
 class SolveTab:
-    """Goal, method, clearance, thinning, obstacles, and checkboxes of what to draw."""
+    """Goals, method, what holds, obstacles, thinning, and checkboxes of what to draw."""
 
     def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
         options, obstacles = viewer.session.options, viewer.session.obstacles
         axis = options.goal_axis if isinstance(options.goal_axis, str) else "z"
-        self.goal = gui.add_dropdown("Goal", GOALS, initial_value=options.goal)
-        self.goal_axis = gui.add_dropdown(
-            "Axis", AXES, initial_value=axis, visible=options.goal == "axis"
-        )
+        self._viewer = viewer
+        self._gui = gui
+        self.goals: GoalsPanel | None = None  # see `follow_robot`
+        self.goal_axis = gui.add_dropdown("Axis", AXES, initial_value=axis)
         self.method = gui.add_dropdown("Method", METHODS, initial_value=options.method)
         self.clearance = gui.add_slider(
             "Clearance [mm]", 0.0, 100.0, 1.0, min(1e3 * options.clearance, 100.0)
@@ -37,6 +41,12 @@ class SolveTab:
             options.heed_fixed_hulls,
             hint="Fail where a point is in a hull that no joint moves",
         )
+        self.self_collision: Any = gui.add_checkbox(
+            "Self-collision", options.self_collision, hint="Keep hulls off each other, too"
+        )
+        self.balance: Any = gui.add_checkbox(
+            "Balance", False, hint="Keep the centre of mass over the soles"
+        )
         with gui.add_folder("Obstacles"):
             self.ball = gui.add_checkbox("Ball", obstacles.ball is not None)
             self.radius = gui.add_slider("Radius [mm]", 10.0, 250.0, 5.0, 60.0)
@@ -49,17 +59,26 @@ class SolveTab:
             )
             self.cloud = gui.add_checkbox("Cloud", True)
 
-        def on_options(_: object) -> None:
-            self.goal_axis.visible = self.goal.value == "axis"
+        def on_options(event: viser.GuiEvent[Any]) -> None:
+            if event.client is None:  # not a hand, but `follow_robot`
+                return
             viewer.change_options(
-                goal=self.goal.value,
                 goal_axis=self.goal_axis.value,
                 method=self.method.value,
                 clearance=self.clearance.value / 1e3,
                 heed_fixed_hulls=self.fixed.value,
+                self_collision=self.self_collision.value,
+                balance=balance_over_feet() if self.balance.value else pdoik.Balance(),
             )
 
-        for control in (self.goal, self.goal_axis, self.method, self.clearance, self.fixed):
+        for control in (
+            self.goal_axis,
+            self.method,
+            self.clearance,
+            self.fixed,
+            self.self_collision,
+            self.balance,
+        ):
             control.on_update(on_options)
 
         def on_thinning(_: object) -> None:
@@ -82,6 +101,24 @@ class SolveTab:
 
         for control in (self.hulls, self.meshes, self.skeleton, self.cloud):
             control.on_update(on_parts)
+
+    def follow_robot(self) -> None:
+        """Fit what depends on the robot; call it inside the tab."""
+        session = self._viewer.session
+        robot = session.robot
+        if self.goals is not None:
+            self.goals.remove()
+        self.goals = GoalsPanel(self._gui, session, self._goal_chosen)
+        self.goal_axis.visible = self.goals.has_axis
+        self.self_collision.visible = len(robot.occupancy) > 0
+        self.self_collision.value = session.options.self_collision
+        self.balance.visible = can_balance(robot)
+        self.balance.value = bool(session.options.balance.contacts)
+
+    def _goal_chosen(self, tip: str, kind: str) -> None:
+        assert self.goals is not None
+        self.goal_axis.visible = self.goals.has_axis
+        self._viewer.change_goal(tip, kind)
 
     def apply_parts(self, viewer: Viewer) -> None:
         """Show what is ticked."""

@@ -36,6 +36,11 @@ class Meter:
         """Of the solves that are remembered [s]; NaN without any."""
         return float(np.median([seconds for _, seconds in self._solves] or [np.nan]))
 
+    def text(self) -> str:
+        if not self._solves:
+            return "none yet"
+        return f"{self.rate():.0f} /s, median {1e3 * self.median():.3f} ms"
+
 
 class Status:
     """Numbers that change with each solve, and the last message."""
@@ -48,7 +53,7 @@ class Status:
 
     def show(self, shown: Shown) -> None:
         if shown.origin == "target":
-            self.meter.add(shown.result.time)
+            self.meter.add(shown.found.time)
         self.text = status_html(shown, self.meter)
         self._numbers.content = self.text
 
@@ -65,9 +70,9 @@ def status_html(shown: Shown, meter: Meter) -> str:
     """Status, time, errors, clearance and the worst constraint."""
     result, robot = shown.result, shown.robot
     if shown.origin == "target":
-        word = result.status.replace("_", " ")
+        word = shown.found.status.replace("_", " ")
         badge = word, _GOOD if result.success else _BAD
-        clock = f"{1e3 * result.time:.3f} ms"
+        clock = f"{1e3 * shown.found.time:.3f} ms"
     else:
         word = "posed by the log" if shown.origin == "log" else "posed by hand"
         badge = word, _POSED if result.success else _BAD
@@ -76,13 +81,14 @@ def status_html(shown: Shown, meter: Meter) -> str:
         ("position error", f"{1e3 * result.position_error:.4f} mm"),
         ("rotation error", f"{1e3 * result.rotation_error:.4f} mrad"),
         ("clearance", _clearance(result, shown)),
+        *_extras(shown),
         ("worst constraint", escape(result.worst_constraint)),
         ("", margin_text(result, robot)),
-        ("solves", f"{meter.rate():.0f} /s, median {1e3 * meter.median():.3f} ms"),
+        ("solves", meter.text()),
     ]
     cells = "".join(
         '<tr><td style="color:#667;padding:0 0.8em 0 0;white-space:nowrap;vertical-align:top">'
-        f"{name}</td><td>{value}</td></tr>"
+        f'{name}</td><td style="overflow-wrap:anywhere">{value}</td></tr>'
         for name, value in rows
     )
     return (
@@ -101,3 +107,14 @@ def _clearance(result: pdoik.Result, shown: Shown) -> str:
     if not len(shown.obstacles):
         return "no obstacles"
     return f"{1e3 * result.clearance:.1f} mm to {len(shown.obstacles)} points"
+
+
+def _extras(shown: Shown) -> list[tuple[str, str]]:
+    """What only some solves ask for."""
+    rows = []
+    if shown.options.self_collision and len(shown.robot.occupancy):
+        rows.append(("self-distance", f"{1e3 * shown.result.self_distance:.1f} mm"))
+    if shown.options.balance.contacts:
+        lost = shown.result.balance_violation
+        rows.append(("balance", f"lost by {1e3 * lost:.1f} mm" if lost > 0 else "held"))
+    return rows

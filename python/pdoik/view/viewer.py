@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,16 @@ import pdoik
 from pdoik.clouds import load_cloud
 from pdoik.errors import PdoikError
 
+from .balance_scene import BalanceScene
 from .files_tab import FilesTab
 from .gizmos import TargetGizmos
+from .humanoid import floor_height
 from .joints_tab import JointsTab
 from .log import load_log
 from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
 from .obstacle_scene import ObstacleScene
 from .replay_tab import ReplayTab
-from .scene import RobotScene, robot_size
+from .scene import RobotScene, camera_of, robot_size
 from .session import Session
 from .solve_tab import SolveTab
 from .status import Status
@@ -52,7 +55,7 @@ class Viewer:
         self.model = model
         self._folder = tempfile.TemporaryDirectory(prefix="pdoik-view-")
         size = robot_size(model)
-        server.scene.add_grid(
+        self._floor = server.scene.add_grid(
             "/floor",
             infinite_grid=True,
             cell_size=0.1,
@@ -62,8 +65,9 @@ class Viewer:
             fade_distance=8 * size,
         )
         server.initial_camera.fov = 0.7
-        server.initial_camera.look_at = np.array([0.31, 0.09, 0.3]) * size  # beside the panel
-        server.initial_camera.position = np.array([1.05, -1.15, 0.78]) * size
+        look_at, position = camera_of(model, session.q)
+        server.initial_camera.look_at, server.initial_camera.position = look_at, position
+        self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.obstacle_scene.ball.place(_at(np.array([0.25, -0.4, 0.3]) * size))
         self._add_robot()
@@ -72,7 +76,8 @@ class Viewer:
         gui.set_panel_label("pdoik view")
         self.status = Status(gui)
         tabs = gui.add_tab_group()
-        with tabs.add_tab("Solve"):
+        self._solve_container = tabs.add_tab("Solve")
+        with self._solve_container:
             self.solve_tab = SolveTab(gui, self)
         self._joints_container = tabs.add_tab("Joints")
         with tabs.add_tab("Replay"):
@@ -101,6 +106,7 @@ class Viewer:
             self.robot_scene.show(shown)
             self.obstacle_scene.show(shown)
             self.targets.show(shown)
+            self.balance_scene.show(shown)
             if shown.origin != "joints" and self.joints_tab is not None:
                 self.joints_tab.show(shown.q)
             self.status.show(shown)
@@ -130,6 +136,13 @@ class Viewer:
     def change_options(self, **changes: Any) -> None:
         with self._complaints():
             self.session.set_options(**changes)
+            self.worker.wake()
+
+    def change_goal(self, tip: str, kind: Any) -> None:
+        with self._complaints():
+            self.session.set_goal(tip, kind)
+            self.targets.by_tip[tip].place(self.session.targets[tip])
+            self.targets.follow(self.session.goals)
             self.worker.wake()
 
     def show_ball(self, on: bool, radius: float) -> None:
@@ -217,9 +230,11 @@ class Viewer:
     # Robots.
 
     def _replace_robot(self, model: Model) -> None:
-        session = Session(model.robot, self.session.options, obstacles=self.session.obstacles)
+        options = replace(self.session.options, balance=pdoik.Balance())  # over other links
+        session = Session(model.robot, options, obstacles=self.session.obstacles)
         with self.server.atomic():
             self.targets.remove()
+            self.balance_scene.remove()
             self.robot_scene.remove()
             self.model, self.session = model, session
             self._add_robot()
@@ -230,8 +245,13 @@ class Viewer:
     def _add_robot(self) -> None:
         self.robot_scene = RobotScene(self.server, self.model, robot_size(self.model))
         self.targets = TargetGizmos(
-            self.server, self.session.targets, 0.2 * robot_size(self.model), self._drag_target
+            self.server, self.session.targets, self._gizmo_size(), self._drag_target
         )
+        self.targets.follow(self.session.goals)
+        self._floor.position = np.array([0.0, 0.0, floor_height(self.model.robot)])
+
+    def _gizmo_size(self) -> float:
+        return (0.2 if len(self.session.targets) == 1 else 0.16) * robot_size(self.model)
 
     def _follow_robot(self) -> None:
         """Fit the panel to the robot."""
@@ -241,6 +261,8 @@ class Viewer:
         with self._joints_container:
             self.joints_tab = JointsTab(self.server.gui, robot, self._slide)
         self.joints_tab.show(self.session.q)
+        with self._solve_container:
+            self.solve_tab.follow_robot()
         self.files_tab.show(robot, from_file=self.model.urdf is not None)
         self.solve_tab.apply_parts(self)
         facts = f"{robot.name}: {robot.dof} joints, {len(robot.occupancy)} hulls"

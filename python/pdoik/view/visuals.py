@@ -80,12 +80,13 @@ def _glb(
             color = color or colors.get(str(material.get("name")))
         for mesh in _shape(element, places):
             if color is not None or not _has_color(mesh):
-                mesh.visual = _paint(color or _GREY)
+                mesh.visual = painted(color or _GREY)
             scene.add_geometry(mesh, transform=T_link_shape)
     return bytes(scene.export(file_type="glb"))  # type: ignore[no-untyped-call]
 
 
-def _paint(rgba: tuple[float, ...]) -> Any:
+def painted(rgba: tuple[float, ...]) -> Any:
+    """A mesh's `visual` of one colour."""
     material = PBRMaterial(  # type: ignore[no-untyped-call]
         baseColorFactor=rgba, metallicFactor=0.1, roughnessFactor=0.6
     )
