@@ -66,8 +66,9 @@ std::vector<ReachScene> reach_scenes(const Robot& robot, int count, int points) 
   return scenes;
 }
 
-Evaluator::Evaluator(const Robot& robot_in, int points, JointLimitMap::Slack slack)
-    : Workbench(robot_in, {}, slack) {
+Evaluator::Evaluator(const Robot& robot_in, int points, JointLimitMap::Slack slack,
+                     const Options& options_in)
+    : Workbench(robot_in, options_in, slack) {
   set_obstacles(random_cloud(points));
   Random random(3);
   for (int k = 0; k < 64; ++k) {
@@ -75,7 +76,7 @@ Evaluator::Evaluator(const Robot& robot_in, int points, JointLimitMap::Slack sla
     omegas_.emplace_back(map.size());
     map.inverse(qs_.back(), omegas_.back());
   }
-  set_target(robot.fk(qs_.front()));
+  set_target(robot.fk(qs_.front(), robot.tips().front()));
 }
 
 }  // namespace pdoik::bench

@@ -31,7 +31,8 @@ std::vector<ReachScene> reach_scenes(const Robot& robot, int count, int points);
 /// The parts of one evaluation, wired as the solver wires them, among random points.
 class Evaluator : public testing::Workbench {
  public:
-  Evaluator(const Robot& robot, int points, JointLimitMap::Slack slack);
+  Evaluator(const Robot& robot, int points, JointLimitMap::Slack slack,
+            const Options& options = {});
 
   /// Another random configuration each time, as positions and as slack.
   const Eigen::VectorXd& next_q() { return qs_[turn_++ % qs_.size()]; }

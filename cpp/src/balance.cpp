@@ -116,6 +116,26 @@ void Balance::find_polygon() {
   corner_count_ = convex_hull(flat_, order_, corners_);
 }
 
+Balance::Term Balance::segment_constraint() const {
+  const int a = corners_[0], b = corners_[1];
+  const Eigen::Vector2d& at = flat_[static_cast<std::size_t>(a)];
+  const Eigen::Vector2d edge = flat_[static_cast<std::size_t>(b)] - at;
+  const Eigen::Vector3d com = to_vector3(com_);
+  const Eigen::Vector2d from = Eigen::Vector2d(side_.dot(com), ahead_.dot(com)) - at;
+  const double length2 = edge.squaredNorm();
+  const double along = length2 > 1e-24 ? std::clamp(edge.dot(from) / length2, 0.0, 1.0) : 0.0;
+  const Eigen::Vector2d gap = from - along * edge;
+  const Eigen::Vector2d outward = gap.stableNormalized();
+  const Vec4 normal = to_vec4(outward.x() * side_ + outward.y() * ahead_);
+  return {kBox + a,
+          gap.norm() + options_.support_margin,
+          normal,
+          a,
+          b,
+          broadcast(along - 1.0) * normal,
+          broadcast(-along) * normal};
+}
+
 Balance::Term Balance::edge_constraint(int k) const {
   const auto corner = [&](int i) { return corners_[static_cast<std::size_t>(i % corner_count_)]; };
   const int a = corner(k), b = corner(k + 1);
@@ -124,12 +144,8 @@ Balance::Term Balance::edge_constraint(int k) const {
   const Eigen::Vector3d com = to_vector3(com_);
   const Eigen::Vector2d from = Eigen::Vector2d(side_.dot(com), ahead_.dot(com)) - at;
   const double length = edge.norm();
-  // Contact points that all coincide make a polygon of one point.
-  const bool is_point = !(length > 1e-12);
-  const Eigen::Vector2d outward =
-      is_point ? Eigen::Vector2d(from.stableNormalized())
-               : Eigen::Vector2d(Eigen::Vector2d(edge.y(), -edge.x()) / length);
-  const double along = is_point ? 0.0 : edge.dot(from) / (length * length);
+  const Eigen::Vector2d outward = Eigen::Vector2d(edge.y(), -edge.x()) / length;
+  const double along = edge.dot(from) / (length * length);
   const Vec4 normal = to_vec4(outward.x() * side_ + outward.y() * ahead_);
   Term term;
   term.slot = kBox + a;

@@ -131,7 +131,7 @@ void check_target(const Eigen::Isometry3d& T, const std::string& name) {
   throw std::invalid_argument(message.str());
 }
 
-void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name) {
+void check_configuration(VectorIn q, int dof, const std::string& name) {
   if (q.size() != dof) {
     throw std::invalid_argument(name + " has " + std::to_string(q.size()) +
                                 " entries, the robot has " + std::to_string(dof) + " joints");

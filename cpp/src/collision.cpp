@@ -190,9 +190,9 @@ double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4&
 
 }  // namespace
 
-Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls,
-                           bool within_limits) const {
-  Clearance least = least_clearance_by_growing(moving, near, {});
+Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, bool within_limits,
+                           double look) const {
+  Clearance least = least_clearance_by_growing(moving, near, {look, -1, -1});
   least = least_clearance_by_growing(fixed_hulls, near, least);
   if (!within_limits || least.distance > far_bound) least = least_clearance(moving, far, least);
   if (least.distance > fixed_far_bound) least = least_clearance(fixed_hulls, far, least);

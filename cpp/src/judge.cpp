@@ -123,7 +123,7 @@ void Judge::judge_hulls(Verdict& verdict, Result& result) {
 }
 
 void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
-                       Result& result) {
+                       Result& result, double look) {
   result.q = q;
   robot_.body_poses(q, T_base_body_);
   for (std::size_t k = 0; k < hulls_.points.size(); ++k) {
@@ -133,9 +133,11 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   }
   judge_limits(q, result);
   Verdict verdict(result, options_.rotation_weight);
-  const Clearance least = scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0);
-  result.clearance =
-      least.distance + options_.clearance;  // obstacle radii include the clearance wanted
+  const Clearance least =
+      scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0, look);
+  const bool empty = scene.near.count() == 0 && scene.far.count() == 0;
+  result.clearance = empty ? std::numeric_limits<double>::infinity()
+                           : least.distance + options_.clearance;  // radii include what is wanted
   verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
               least.source, least.obstacle);
   result.position_error = result.rotation_error = 0.0;

@@ -54,7 +54,7 @@ constexpr double kRepairShare = 0.1;
 /// Obstacles this far from the hulls are left out while that is done [m].
 constexpr double kRepairMargin = 0.1;
 /// What goals weigh against constraints when both cannot be had.
-constexpr double kYieldingGoals = 1e-4;
+constexpr double kYieldingGoals = 1e-6;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
 double cost_of(int obstacles) { return obstacles / 60.0; }
 
@@ -102,6 +102,7 @@ Search::Search(const Robot& robot, const Options& options)
   start_.setZero(robot.dof());
   q_.setZero(robot.dof());
   best_.setZero(robot.dof());
+  unsettled_.setZero(robot.dof());
   pull_.setConstant(robot.dof(), options.posture_weight);
   if (options.joint_weights.size() > 0) pull_ = options.posture_weight * options.joint_weights;
   omega_.setZero(map_.size());
@@ -324,6 +325,7 @@ void Search::run_default(const Request& request, const Deadline& deadline, Resul
   least_squares_.heed_all();
   judge_(request.goals, candidates_.best([&](const auto& q) { return least_squares_.evaluate(q); }),
          scene_, result);
+  if (result.success) result.status = Status::Solved;  // by a tolerance's breadth
 }
 
 void Search::settle(std::span<const Goal> goals, const Eigen::VectorXd& posture,
@@ -358,20 +360,26 @@ void Search::follow(const Following& step, Result& result) {
     least_squares_.pull_towards(step.pull_to, step.pull);
     minimise_least_squares(settling_, deadline, result, struck);
     least_squares_.pull_towards(nullptr, nullptr);
+    if (!struck) minimise_least_squares(patient_, deadline, result, struck);
+    if (!struck && !least_squares_.holds()) q_ = *step.from;  // once more, without it
   }
-  if (!struck) minimise_least_squares(patient_, deadline, result, struck);
+  if (!struck && (step.pull_to == nullptr || !least_squares_.holds()))
+    minimise_least_squares(patient_, deadline, result, struck);
   if (!struck && !least_squares_.holds()) {
     // Not everything can be had: a goal that is far must not push the robot through a constraint.
-    least_squares_.scale_goals(kYieldingGoals);
+    least_squares_.scale_goals(kYieldingGoals / std::max(1.0, least_squares_.goal_pull()));
     minimise_least_squares(settling_, deadline, result, struck);
     least_squares_.scale_goals(1.0);
   }
-  judge_(step.goals, q_, scene_, result);
+  judge_(step.goals, q_, scene_, result, step.look);
   result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
-  if (struck && !result.success) {
-    // Half-way to a posture is no place to be if staying is safe.
-    judge_(step.goals, *step.from, scene_, result);
-    if (!result.success) judge_(step.goals, q_, scene_, result);
+  if (!result.success) {
+    // Half-way to a posture is no place to be if staying solves.
+    judge_(step.goals, *step.from, scene_, result, step.look);
+    if (!result.success)
+      judge_(step.goals, q_, scene_, result, step.look);
+    else if (!struck)
+      result.status = Status::Solved;
   }
   result.time = deadline.elapsed();
 }

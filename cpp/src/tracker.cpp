@@ -48,6 +48,9 @@ TrackerOptions checked(TrackerOptions o, const Robot& robot) {
   return o;
 }
 
+/// Clearance beyond this is not measured [m].
+constexpr double kLook = 0.5;
+
 /// A bound on how far any point of a hull gets when every joint makes its step [m].
 double travel(const Robot& robot, const detail::HullModel& hulls, const Eigen::VectorXd& step) {
   double farthest = 0.0;
@@ -85,6 +88,7 @@ struct Tracker::Implementation {
     step = options.period * speed;
     margin = travel(robot, detail::HullModel(robot), step);
     last = robot.mid_configuration();
+    posture = last;
     lower.setZero(robot.dof());
     upper.setZero(robot.dof());
     pull_to.setZero(robot.dof());
@@ -121,7 +125,8 @@ struct Tracker::Implementation {
                    .pull_to = pulls ? &pull_to : nullptr,
                    .pull = pulls ? &pull : nullptr,
                    .max_time = options.max_time,
-                   .margin = margin},
+                   .margin = margin,
+                   .look = kLook},
                   result);
     result.complaint = "";
     result.tracking = result.status == Status::TimeLimit ? TrackerStatus::DeadlineStruck
@@ -190,7 +195,7 @@ bool Tracker::set_obstacles(const Obstacles& points) {
                                   std::to_string(impl_->solver_options.max_obstacles));
     }
   } catch (const std::invalid_argument& refused) {
-    impl_->cloud_complaint = refused.what();
+    refuse_obstacles(refused.what());
     return false;
   }
   impl_->search.set_obstacles(points);
@@ -198,8 +203,11 @@ bool Tracker::set_obstacles(const Obstacles& points) {
   return true;
 }
 
+void Tracker::refuse_obstacles(const std::string& complaint) { impl_->cloud_complaint = complaint; }
+
 const TrackerResult& Tracker::hold(const std::string& complaint) {
   impl_->hold(complaint);
+  impl_->latency.add(0.0);
   return impl_->result;
 }
 

@@ -38,7 +38,13 @@ NamedStep named(const Tracker& tracker, const TrackerResult& result) {
 NamedStep step(Tracker& self, const GoalsLike& T_base_tip,
                const std::optional<ArrayLike>& obstacles) {
   try {
-    if (obstacles) self.set_obstacles(CloudView(obstacles, "obstacles"));
+    if (obstacles) {
+      try {
+        self.set_obstacles(CloudView(obstacles, "obstacles"));
+      } catch (const std::invalid_argument& refused) {
+        self.refuse_obstacles(refused.what());
+      }
+    }
     return named(self, self.step(to_goals(T_base_tip, self.robot(), self.solver_options())));
   } catch (const std::invalid_argument& refused) {
     return named(self, self.hold(refused.what()));

@@ -5,6 +5,8 @@
 
 #include "arms.hpp"
 #include "detail/self_collision.hpp"
+#include "pdoik/tracker.hpp"
+#include "tree_bench.hpp"
 
 // Every allocation of the whole test program passes through these, since a program's own malloc
 // takes precedence over the C library's; operator new and Eigen call malloc. Sanitizers bring their
@@ -149,6 +151,127 @@ TEST(Allocation, a_solve_of_a_robot_with_followers_slides_and_turns_allocates_no
   Options options = timeless(GoalType::Position);
   options.max_restarts = 5;
   EXPECT_EQ(allocations_of_solves(robot, options, 10, 0.02), 0);
+}
+
+/// What a tree is asked with everything on.
+struct FullRequest {
+  std::vector<Goal> goals;
+  Eigen::VectorXd q0, posture, max_step;
+  ObstacleMatrix obstacles;
+};
+
+FullRequest full_request(const Robot& robot, Random& random, int obstacles) {
+  FullRequest full;
+  full.goals = random_goals(robot, random, true);
+  full.q0 = random_configuration(robot, random);
+  full.posture = random_configuration(robot, random);
+  full.max_step = random.vector(robot.dof(), 0.5, 3.0);
+  full.obstacles = random_obstacles(random, obstacles, 1.0, 0.02);
+  return full;
+}
+
+Options full_options(const Robot& robot, Random& random, Prefer prefer) {
+  Options options = timeless();
+  options.max_restarts = 5;
+  options.prefer = prefer;
+  options.self_collision = true;
+  options.joint_weights = random.vector(robot.dof(), 0.5, 2.0);
+  options.balance = random_balance(robot, robot.mid_configuration(), random, true);
+  options.balance.com_lower -= Eigen::Vector3d::Constant(0.3);
+  options.balance.com_upper += Eigen::Vector3d::Constant(0.3);
+  options.balance.support_margin = -1.0;
+  return options;
+}
+
+Robot roomy_tree(Random& random) {
+  Robot robot = random_tree(random, 2, {.joints = 14, .branches = true, .prismatic = 0.1});
+  robot.set_occupancy(random_occupancy(robot, random, 2, 2));
+  return robot;
+}
+
+TEST(Allocation, a_solve_of_a_tree_with_everything_on_allocates_nothing) {
+  int solved = 0, settled = 0;
+  for (const Prefer prefer : {Prefer::First, Prefer::Nearest}) {
+    for (int seed = 1; seed <= 8; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      Random random(static_cast<std::uint64_t>(seed));
+      const Robot robot = roomy_tree(random);
+      Solver solver(robot, full_options(robot, random, prefer));
+      Result result;
+      for (int k = 0; k < 6; ++k) {
+        const FullRequest full = full_request(robot, random, 20);
+        solver.set_obstacles(full.obstacles);
+        const Request request{.goals = full.goals,
+                              .q0 = &full.q0,
+                              .posture = k % 2 == 0 ? &full.posture : nullptr,
+                              .max_step = k % 3 == 0 ? &full.max_step : nullptr};
+        if (k == 0) solver.solve(request, result);
+        EXPECT_EQ(allocations([&] { solver.solve(request, result); }), 0) << k;
+        solved += result.success;
+        settled += result.success && request.posture != nullptr;
+      }
+    }
+  }
+  EXPECT_GT(solved, 20);
+  EXPECT_GT(settled, 8);
+}
+
+TEST(Allocation, a_solve_of_a_tree_by_the_paper_s_minimiser_allocates_nothing) {
+  Random random(1);
+  const Robot robot = roomy_tree(random);
+  Options options = full_options(robot, random, Prefer::First);
+  options.inner = InnerMethod::Lbfgs;
+  Solver solver(robot, options);
+  Result result;
+  for (int k = 0; k < 4; ++k) {
+    FullRequest full = full_request(robot, random, 20);
+    for (Goal& goal : full.goals) goal.position_slack = goal.rotation_slack = {0.0, 0.0, 0.0};
+    solver.set_obstacles(full.obstacles);
+    const Request request{.goals = full.goals, .q0 = &full.q0, .posture = &full.posture};
+    if (k == 0) solver.solve(request, result);
+    EXPECT_EQ(allocations([&] { solver.solve(request, result); }), 0) << k;
+  }
+}
+
+TEST(Allocation, a_tracker_takes_its_memory_at_construction) {
+  int statuses[4] = {};
+  for (int seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    const Robot robot = roomy_tree(random);
+    Options options = full_options(robot, random, Prefer::First);
+    options.max_obstacles = 50;
+    TrackerOptions tracking{.period = 0.01, .max_time = seed % 4 == 0 ? 1e-9 : 10.0};
+    tracking.max_speed = Eigen::VectorXd::Constant(robot.dof(), 10.0);
+    Tracker tracker(robot, options, tracking);
+    const Eigen::VectorXd q = random_configuration(robot, random), posture = q.array() + 0.01;
+    std::vector<Goal> goals;
+    for (int tip = 0; tip < 2; ++tip) {
+      Goal goal;
+      goal.tip = tip;
+      goal.T_base_tip = robot.fk(q, robot.tips()[static_cast<std::size_t>(tip)]);
+      goals.push_back(goal);
+    }
+    EXPECT_EQ(allocations([&] { tracker.reset(q); }), 0);
+    EXPECT_EQ(allocations([&] { tracker.set_posture(posture); }), 0);
+    for (int k = 0; k < 20; ++k) {
+      const ObstacleMatrix cloud = random_obstacles(random, k % 5 * 12, 1.5, 0.01);
+      EXPECT_EQ(allocations([&] { EXPECT_TRUE(tracker.set_obstacles(cloud)); }), 0) << k;
+      if (k == 10) goals[0].T_base_tip.translation().x() += 3.0;
+      EXPECT_EQ(allocations([&] { tracker.step(goals); }), 0) << k;
+      ++statuses[static_cast<int>(tracker.step(goals).tracking)];
+    }
+  }
+  EXPECT_GT(statuses[static_cast<int>(TrackerStatus::Tracking)], 0);
+  EXPECT_GT(statuses[static_cast<int>(TrackerStatus::Infeasible)], 0);
+  EXPECT_GT(statuses[static_cast<int>(TrackerStatus::DeadlineStruck)], 0);
+}
+
+TEST(Allocation, a_tracker_of_one_tip_steps_without_allocating) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Tracker tracker(robot, timeless(), {.max_time = 10.0});
+  const Eigen::Isometry3d target = robot.fk(robot.mid_configuration().array() + 1e-3);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(allocations([&] { tracker.step(target); }), 0);
 }
 
 TEST(Allocation, new_obstacles_allocate_only_when_there_are_more_than_ever_before) {

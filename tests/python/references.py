@@ -23,6 +23,12 @@ class PinocchioRobot:
         model = pin.buildModelFromXML(xml)
         return cls(model=model, data=model.createData())
 
+    @classmethod
+    def floating(cls, xml: str) -> "PinocchioRobot":
+        """With a free flyer for a root: without one Pinocchio leaves the root link's mass out."""
+        model = pin.buildModelFromXML(xml, pin.JointModelFreeFlyer())
+        return cls(model=model, data=model.createData())
+
     @property
     def joint_names(self) -> list[str]:
         return list(self.model.names)[1:]
@@ -40,6 +46,7 @@ class PinocchioRobot:
                 q[joint.idx_q] = value
         pin.computeJointJacobians(self.model, self.data, q)
         pin.updateFramePlacements(self.model, self.data)
+        pin.jacobianCenterOfMass(self.model, self.data, q)
 
     def pose(self, base: str, link: str) -> Array:
         T_base, T_link = (self.data.oMf[self.frame(name)] for name in (base, link))
@@ -60,6 +67,24 @@ class PinocchioRobot:
         J = np.vstack([linear, angular])
         return {
             name: J[:, self.model.joints[i].idx_v] for i, name in enumerate(self.model.names) if i
+        }
+
+    def center_of_mass(self, base: str) -> Array:
+        """In the frame of `base`, (3,). Of a floating model only."""
+        T_base = self.data.oMf[self.frame(base)]
+        return np.array(T_base.inverse().act(self.data.com[0]))
+
+    def center_of_mass_jacobian(self, base: str) -> dict[str, Array]:
+        """Its columns as seen by someone who rides on `base`, by joint name."""
+        world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        J_base = pin.getFrameJacobian(self.model, self.data, self.frame(base), world)
+        T_base = self.data.oMf[self.frame(base)]
+        arm = self.data.com[0] - T_base.translation
+        J = T_base.rotation.T @ (self.data.Jcom - J_base[:3] - np.cross(J_base[3:].T, arm).T)
+        return {
+            name: J[:, self.model.joints[i].idx_v]
+            for i, name in enumerate(self.model.names)
+            if i and self.model.joints[i].nv == 1
         }
 
 

@@ -66,7 +66,8 @@ def test_it_confirms_solutions_and_nothing_near_them(robot: pdoik.Robot, chain: 
     assert confirms(result.q, inside) == solver.judge(T_base_tip, result.q, inside).success
 
 
-def test_it_runs_and_draws(tmp_path: Path) -> None:
+def test_it_runs_and_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("PDOIK_SHARED", raising=False)  # it would find scans there
     command = [sys.executable, str(BENCH / "demo.py"), "--targets", "4", "--max-objects", "4"]
     outcome = subprocess.run(
         [*command, "--max-time", "2"], cwd=tmp_path, capture_output=True, text=True, check=False

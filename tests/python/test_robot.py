@@ -87,8 +87,8 @@ def test_tips_may_be_none_one_or_several() -> None:
     assert robot.tip_links == ["c", "a"]
     with pytest.raises(ValueError, match=r"2 tips: .*c.*a"):
         robot.fk([0, 0])
-    with pytest.raises(ValueError, match="choose tip_link"):
-        pdoik.Solver(robot)
+    with pytest.raises(ValueError, match=r"one target, but the robot has 2 tips.*c.*a"):
+        pdoik.Solver(robot).solve(np.eye(4))
 
 
 AB, BC = joint("j1", "a", "b"), joint("j2", "b", "c")

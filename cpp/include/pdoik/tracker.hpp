@@ -39,8 +39,9 @@ enum class TrackerStatus {
 /// A status in lower case with underscores, as the Python module gives it.
 const char* to_string(TrackerStatus status);
 
-/// The outcome of a step: always a configuration that may be sent to the motors, never farther from
-/// the last one than the step limits.
+/// The outcome of a step. Clearance beyond 0.5 m is told as that much: a step has no time to find
+/// out how far the far is. q is always a configuration that may be sent to the motors, never
+/// farther from the last one than the step limits.
 struct TrackerResult : Result {
   TrackerStatus tracking = TrackerStatus::InvalidInput;
   int step_limited = -1;  ///< the first joint that its step limit holds back, -1 for none
@@ -92,6 +93,8 @@ class Tracker {
   /// good one comes.
   /// @returns Whether it was taken.
   bool set_obstacles(const Obstacles& points);
+  /// What set_obstacles does with a cloud that makes no sense, for one that is refused outside.
+  void refuse_obstacles(const std::string& complaint);
 
   /// One step towards the goals. Throws nothing. The result is the tracker's own, until the next
   /// step.

@@ -64,8 +64,9 @@ class Balance {
       term.dc_dcom[side / 2] = side % 2 == 0 ? -1.0 : 1.0;
       visit(term);
     }
-    for (int k = 0; k < corner_count_; ++k) {
-      const Term term = edge_constraint(k);
+    const bool is_flat = corner_count_ == 2;  // all contacts on one line
+    for (int k = 0; k < (is_flat ? 1 : corner_count_); ++k) {
+      const Term term = is_flat ? segment_constraint() : edge_constraint(k);
       if (term.c > -reach(term.slot)) visit(term);
     }
   }
@@ -83,6 +84,8 @@ class Balance {
                          : com_[axis] - options_.com_upper[axis];
   }
   Term edge_constraint(int k) const;
+  /// Of a polygon that is a line or a point: the distance from it, plus the margin.
+  Term segment_constraint() const;
   void find_polygon();
 
   BalanceOptions options_;

@@ -23,7 +23,7 @@ void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_
 void check_step(const Eigen::VectorXd& step, int dof, const std::string& name);
 /// The same, and finite.
 void check_weights(const Eigen::VectorXd& weights, int dof, const std::string& name);
-void check_configuration(const Eigen::VectorXd& q, int dof, const std::string& name);
+void check_configuration(VectorIn q, int dof, const std::string& name);
 /// Finite rows of three or four, none beyond 1e6 m, no radius negative.
 void check_obstacles(const Obstacles& points);
 

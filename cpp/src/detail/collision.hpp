@@ -233,8 +233,10 @@ struct Scene {
   /// Clearance of every hull, margin included, at the configuration where `moving` is placed.
   /// Leaves the states' near pairs changed; both need room for the obstacles.
   /// @param within_limits  Whether the joints are, so that what is out of reach stays so.
+  /// @param look  What is farther is not looked for: the distance is then this, and nobody's [m].
   Clearance clearance(CollisionState& moving, CollisionState& fixed_hulls,
-                      bool within_limits = true) const;
+                      bool within_limits = true,
+                      double look = std::numeric_limits<double>::infinity()) const;
 
   ObstacleSet near;  ///< within reach of a moving hull: the solver's
   ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,8 +28,9 @@ class Judge {
 
   /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
   /// when result.q has its size.
+  /// @param look  Clearance beyond this is told as this: to find how far the far is takes time [m].
   void operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
-                  Result& result);
+                  Result& result, double look = std::numeric_limits<double>::infinity());
 
  private:
   /// Keeps the worst of what it is told of.

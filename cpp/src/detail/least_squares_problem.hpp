@@ -129,6 +129,15 @@ class LeastSquaresProblem {
   /// Whether goals and constraints hold where f was last evaluated; a pull has no such end.
   bool done() const { return holds() && pull_to_ == nullptr; }
   bool holds() const { return reached() && !touching_; }
+  /// The weightiest goal's error there, radians weighed [m].
+  double goal_pull() const {
+    double largest = 0.0;
+    for (const GoalTerm& goal : goals_) {
+      const double turned = options_.rotation_weight * goal.rotation_distance();
+      largest = std::max(largest, goal.weight() * (goal.position_distance() + turned));
+    }
+    return largest;
+  }
   /// Whether the goals are, where f was last evaluated.
   bool reached() const {
     const double p = options_.position_tolerance, r = options_.rotation_tolerance;
