@@ -960,8 +960,8 @@ class TrackerResult(Result):
         What became of the step.
         
         `tracking`: goals, limits and all constraints hold; `infeasible`: they cannot be met within the step, and
-        `worst_constraint` names what gives; `deadline_struck`: q is the best so far; `invalid_input`: q is the last
-        answer, and `complaint` says why.
+        `worst_constraint` names what gives; `deadline_struck`: q is the last answer if that still solves, else the
+        best so far; `invalid_input`: q is the last answer, and `complaint` says why.
         """
 class Tracker:
     def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:

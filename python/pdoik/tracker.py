@@ -12,9 +12,9 @@ from pdoik.solver import Solver
 class Tracker(_core.Tracker):
     """One step each period, from the last answer, by a deadline, never a jump.
 
-    Every step goes downhill from the last answer inside a box of speed limits times period, cut with
-    the joint limits; there are no restarts. Bad numbers do not raise: the last answer stands, and the
-    step says so. It belongs to one thread.
+    Every step goes downhill from the last answer inside a box of speed limits times period, cut
+    with the joint limits; there are no restarts. Bad numbers do not raise: the last answer stands,
+    and the step says so. It belongs to one thread.
 
     >>> import numpy as np
     >>> import pdoik

@@ -1,4 +1,4 @@
-"""The command line: pdoik solve, info, occupancy, bench, view."""
+"""The command line: pdoik solve, info, occupancy, bench, view, h1."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 import pdoik
 
 from .bench import bench
+from .h1 import h1
 from .info import info
 from .messages import out
 from .occupancy import occupancy
@@ -29,6 +30,7 @@ app.command()(info)
 app.command()(occupancy)
 app.command()(bench)
 app.command()(view)
+app.command()(h1)
 
 
 def _print_version(wanted: bool) -> None:

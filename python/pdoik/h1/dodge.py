@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -188,9 +188,17 @@ class Planner:
         clouds: list[FloatArray],
     ) -> Plan | None:
         """The plan if it stays clear of the clouds at `times`, which the robot may lag behind."""
-        way = {"q_stand": search.q_stand, "q_dodge": q, "rise": rise, "back": back}
-        counts = {"tried": search.tried, "found": len(search.postures)}
-        blank = Plan(**way, **counts, moments=(0.0, 0.0), excess=0.0, clearance=0.0)
+        blank = Plan(
+            q_stand=search.q_stand,
+            q_dodge=q,
+            rise=rise,
+            back=back,
+            moments=(0.0, 0.0),
+            excess=0.0,
+            clearance=0.0,
+            tried=search.tried,
+            found=len(search.postures),
+        )
         path = self._tracked(blank, max(times[-1], back + RETURN_TIME))
         least = np.inf
         for t, cloud in zip(times, clouds, strict=True):
@@ -199,13 +207,11 @@ class Planner:
                 least = min(least, self._solver.judge(self._goal, at, cloud).clearance)
             if least < ENOUGH:
                 return None
-        stride = round(MOMENT_STEP / STEP)
-        moments, force = self._moment.along(path[::stride], MOMENT_STEP)
+        moments, force = self._moment.along(path[:: round(MOMENT_STEP / STEP)], MOMENT_STEP)
         low, high = problem.moment_limits(self._setup, force)
         beyond = np.maximum(MOMENT_SHARE * low - moments, moments - MOMENT_SHARE * high)
-        return Plan(
-            **way,
-            **counts,
+        return replace(
+            blank,
             moments=(float(moments.min()), float(moments.max())),
             excess=max(0.0, float(beyond.max())),
             clearance=float(least),

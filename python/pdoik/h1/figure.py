@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,12 +12,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from pdoik._files import write_whole
 from pdoik.h1.model import World
 from pdoik.h1.pictures import Picture, strip
 from pdoik.h1.robot import FloatArray
 from pdoik.h1.simulate import DISTANCE_CUTOFF, Run
 from pdoik.h1.standing import COM_LOWER, COM_UPPER
 
+PAPER_RATES = (10.0, 1500.0)  # of its Fig. exp-h1b [Hz]
 _BLUE, _RED, _GREY = "#2f6fb5", "#c0392b", "#555555"
 
 
@@ -35,25 +39,47 @@ def write_figure(
     speed: SolverSpeed | None = None,
     key_frames: Picture | None = None,
     title: str = "",
+    more: Mapping[str, Picture] | None = None,
 ) -> None:
-    """Write the figure; the suffix (.png, .pdf, .svg) says how."""
+    """Write the figure; the suffix (.png, .pdf, .svg) says how.
+
+    Args:
+        world: Of the run.
+        run: What is drawn.
+        path: Of the file; it appears whole or not at all.
+        speed: The solver's.
+        key_frames: A strip; None draws one.
+        title: Over the key frames.
+        more: Key frames of other runs, by title.
+    """
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(11, 6.3), dpi=150, layout="constrained")
-        halves: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.05])
-        top, bottom = halves
-        _draw_frames(top, strip(world, run) if key_frames is None else key_frames, title)
-        left, middle, right = bottom.subfigures(1, 3, width_ratios=[1.0, 1.1, 1.0])
+        rows = [1.0, 1.0, *([0.8] if more else [])]
+        figure = Figure(figsize=(11, 3.15 * sum(rows)), dpi=110, layout="constrained")
+        panels: Any = figure.subfigures(len(rows), 1, height_ratios=rows)
+        picture = strip(world, run) if key_frames is None else key_frames
+        _draw_frames(panels[0], picture, f"(a) {title}" if title else "(a) key frames")
+        left, middle, right = panels[1].subfigures(1, 3, width_ratios=[1.0, 1.1, 1.0])
         _draw_speed(left.subplots(), speed, run)
         _draw_com(middle.subplots(3, 1, sharex=True), run)
         _draw_distance(right.subplots(), run)
-        figure.savefig(path)
+        if more:
+            parts = np.atleast_1d(panels[2].subfigures(1, len(more)))
+            for part, letter, (name, frames) in zip(parts, "efgh", more.items(), strict=False):
+                _draw_frames(part, frames, f"({letter}) {name}")
+        _save(figure, Path(path))
+
+
+def _save(figure: Figure, path: Path) -> None:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=path.suffix.removeprefix("."))
+    write_whole(path, buffer.getvalue())
 
 
 def _draw_frames(panel: Any, picture: Picture, title: str) -> None:
     axes = panel.subplots()
     axes.imshow(picture)
     axes.set_axis_off()
-    axes.set_title(f"(a) {title}" if title else "(a) key frames", loc="left")
+    axes.set_title(title, loc="left")
 
 
 def _draw_speed(axes: Any, speed: SolverSpeed | None, run: Run) -> None:
@@ -65,11 +91,15 @@ def _draw_speed(axes: Any, speed: SolverSpeed | None, run: Run) -> None:
         axes.text(0.5, 0.5, "no solver in this run", ha="center", transform=axes.transAxes)
         axes.set_yticks([])
         return
-    axes.semilogy(speed.time, speed.rate, ".-", color=_BLUE, lw=0.8, ms=3)
+    axes.axhspan(*PAPER_RATES, color=_GREY, alpha=0.12, lw=0)
+    axes.text(
+        0.02, np.sqrt(np.prod(PAPER_RATES)), " paper: 10 to 1500 Hz", color=_GREY, va="center"
+    )
+    axes.semilogy(speed.time, speed.rate, "-", color=_BLUE, lw=0.6)
+    axes.set_ylim(PAPER_RATES[0] / 2, 2 * speed.rate.max())
     axes.grid(which="major", axis="y", alpha=0.3)
     median = float(np.median(speed.rate))
-    axes.axhline(median, color=_GREY, lw=0.8, ls="--")
-    axes.set_title(f"(b) solver speed, median {median:.0f} Hz", loc="left")
+    axes.set_title(f"(b) solver speed, median {1e-3 * median:.1f} kHz", loc="left")
 
 
 def _draw_com(panels: Any, run: Run) -> None:
@@ -102,6 +132,6 @@ def _draw_distance(axes: Any, run: Run) -> None:
         axes.plot(run.distance_time[k], least, "o", color=_RED, ms=4)
         word = "touched" if run.contact else f"least {1e3 * least:.0f} mm"
         axes.annotate(
-            word, (run.distance_time[k], least), xytext=(-10, 10), textcoords="offset points",
-            ha="right", color=_RED, bbox={"fc": "white", "ec": "none", "pad": 1},
+            word, (run.distance_time[k], least), xytext=(12, 14), textcoords="offset points",
+            ha="left", color=_RED, bbox={"fc": "white", "ec": "none", "pad": 1},
         )  # fmt: skip

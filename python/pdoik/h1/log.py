@@ -1,4 +1,4 @@
-"""Joint-level logs as CSV."""
+"""Joint-level logs as CSV; `pdoik view h1 --replay` shows them."""
 
 from __future__ import annotations
 
@@ -6,22 +6,40 @@ import io
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from pdoik._files import write_whole
-from pdoik.h1.robot import JOINT_NAMES
+from pdoik.h1.robot import JOINT_NAMES, FloatArray
 from pdoik.h1.simulate import Run
 
 SIGNALS = ("q_des", "q", "dq", "tau")  # [rad], [rad], [rad/s], [N m]
+OBJECT = tuple(f"object.{name}" for name in ("x", "y", "z", "qw", "qx", "qy", "qz"))
 
 
-def log_columns() -> list[str]:
-    """The time [s], then each signal's 19 joints: q_des.left_ankle_joint, ..."""
-    return ["time", *(f"{signal}.{joint}" for signal in SIGNALS for joint in JOINT_NAMES)]
+def log_columns(*, with_object: bool = False) -> list[str]:
+    """The time [s], then each signal's 19 joints: q_des.left_ankle_joint, ...; then the object."""
+    joints = [f"{signal}.{joint}" for signal in SIGNALS for joint in JOINT_NAMES]
+    return ["time", *joints, *(OBJECT if with_object else ())]
 
 
 def write_log(run: Run, path: str | Path, every: int = 1) -> None:
-    """Write a run's rows, each or each so-manieth; the file appears whole or not at all."""
-    rows = np.column_stack([run.time, *(getattr(run, signal) for signal in SIGNALS)])[::every]
+    """Write a run's rows, each or each so-manieth; the file appears whole or not at all.
+
+    Where something flew, its pose in the pelvis' frame [m] is in the columns OBJECT.
+    """
+    with_object = bool(len(run.distance))
+    parts = [run.time[:, None], *(getattr(run, signal) for signal in SIGNALS)]
+    if with_object:
+        parts.append(object_in_pelvis(run))
     text = io.StringIO()
-    np.savetxt(text, rows, "%.9g", delimiter=",", header=",".join(log_columns()), comments="")
+    header = ",".join(log_columns(with_object=with_object))
+    np.savetxt(text, np.hstack(parts)[::every], "%.9g", delimiter=",", header=header, comments="")
     write_whole(path, text.getvalue())
+
+
+def object_in_pelvis(run: Run) -> FloatArray:
+    """T_pelvis_object, (T, 7): position [m] and wxyz."""
+    pelvis = Rotation.from_quat(run.qpos[:, 3:7], scalar_first=True)
+    position = pelvis.inv().apply(run.object_pose[:, :3] - run.qpos[:, :3])
+    turn = pelvis.inv() * Rotation.from_quat(run.object_pose[:, 3:], scalar_first=True)
+    return np.hstack([position, turn.as_quat(scalar_first=True)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Sequence
 from contextlib import closing
@@ -15,13 +16,14 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
+from pdoik._files import write_whole
 from pdoik.h1.model import World
 from pdoik.h1.simulate import Run, replay
 
 Picture = npt.NDArray[np.uint8]  # (height, width, 3)
 
 LOOK_AT = (0.0, -0.1, 0.78)  # world [m]
-AZIMUTH, ELEVATION, RANGE = 125.0, -10.0, 3.0  # of the camera, [deg], [deg], [m]
+AZIMUTH, ELEVATION, RANGE = 112.0, -12.0, 2.7  # of the camera, [deg], [deg], [m]
 
 
 def camera(
@@ -53,7 +55,7 @@ def frames(
     return pictures
 
 
-def key_steps(run: Run, n: int = 6, before: float = 0.5, after: float = 0.3) -> list[int]:
+def key_steps(run: Run, n: int = 6, before: float = 1.0, after: float = 0.3) -> list[int]:
     """Steps about the instant of least distance, evenly from `before` to `after` it [s]."""
     nearest = float(run.distance_time[np.argmin(run.distance)])
     begin, end = max(0.0, nearest - before), min(float(run.time[-1]), nearest + after)
@@ -66,9 +68,10 @@ def strip(
     steps: Sequence[int] | None = None,
     size: tuple[int, int] = (420, 620),
     view: mujoco.MjvCamera | None = None,
+    n: int = 6,
 ) -> Picture:
-    """Key frames side by side, with their times."""
-    steps = key_steps(run) if steps is None else steps
+    """Key frames side by side, with their times: at `steps`, else n about the nearest instant."""
+    steps = key_steps(run, n) if steps is None else steps
     pictures = frames(world, run, steps, size, view)
     labelled = [
         _labelled(picture, f"t = {run.time[k]:.2f} s")
@@ -103,6 +106,56 @@ def write_film(
         temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_gif(
+    world: World,
+    run: Run,
+    path: str | Path,
+    *,
+    before: float = 0.8,
+    after: float = 1.2,
+    frame_rate: float = 15.0,
+    slow: float = 2.0,
+    size: tuple[int, int] = (360, 400),
+    colors: int = 64,
+    view: mujoco.MjvCamera | None = None,
+) -> None:
+    """The run about the least distance [s] as an animated picture; the file appears whole."""
+    nearest = float(run.distance_time[np.argmin(run.distance)])
+    begin, end = max(0.0, nearest - before), min(float(run.time[-1]), nearest + after)
+    times = np.arange(begin, end, 1.0 / (frame_rate * slow))
+    steps = [int(np.searchsorted(run.time, t - 1e-9)) for t in times]
+    large = frames(world, run, steps, (2 * size[0], 2 * size[1]), view)  # halved: smooth edges
+    images = [
+        Image.fromarray(_labelled(picture, f"t = {run.time[k]:.2f} s")).resize(size)
+        for k, picture in zip(steps, large, strict=True)
+    ]
+    # One palette for all, so that what stands still stays the same to the byte. The object is
+    # small: without swatches of its own it would be grey.
+    parts = [np.asarray(image) for image in images[:: max(1, len(images) // 4)]]
+    palette = Image.fromarray(np.hstack([*parts, _swatches(world, size[1])])).quantize(colors)
+    flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    buffer = io.BytesIO()
+    duration = round(1000 / frame_rate / 10) * 10  # GIF counts in hundredths of a second
+    flat[0].save(
+        buffer,
+        "GIF",
+        save_all=True,
+        append_images=flat[1:],
+        duration=duration,
+        loop=0,
+        optimize=False,
+    )
+    write_whole(path, buffer.getvalue())
+
+
+def _swatches(world: World, height: int, n: int = 8) -> Picture:
+    """The object's colour, light and dark, (height, 40 n, 3)."""
+    geoms = list(world.object_geoms)
+    color = world.model.geom_rgba[geoms[0], :3] if geoms else np.zeros(3)
+    shades = 255 * np.clip(np.linspace(0.3, 1.3, n)[:, None] * color, 0, 1)
+    return np.tile(np.repeat(shades.astype(np.uint8), 40, axis=0), (height, 1, 1))
 
 
 def save_picture(picture: Picture, path: str | Path) -> None:

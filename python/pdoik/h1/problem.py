@@ -1,4 +1,4 @@
-"""H1's dodging as the solver sees it: feet, centre of mass, hulls, and what a joint's motion costs."""
+"""H1's dodging as the solver sees it: feet, centre of mass, hulls, what a joint's motion costs."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ JOINT_WEIGHTS: FloatArray = np.array(
 
 @cache
 def robot_in_world(setup: Setup) -> pdoik.Robot:
-    """The H1 standing where the set-up has its left foot; tips are the right ankle and the torso."""
+    """The H1 standing where the set-up has its left foot; tips: the right ankle and the torso."""
     return pdoik.Robot.builtin("h1", BASE_LINK, [TIP_LINK, TORSO], T_world_base=setup.T_world_base)
 
 
 def foot_goal(setup: Setup) -> dict[str, Any]:
-    """The right foot where the set-up has it: its position alone on a ball (the paper), else flat."""
+    """The right foot where the set-up has it: on a ball (the paper) its position, else flat."""
     kind = "position" if setup.feet == "weld and ball" else "pose"
     return {TIP_LINK: pdoik.Goal(setup.T_world_tip, type=kind)}
 

@@ -11,6 +11,7 @@ import numpy as np
 from pdoik.h1.controller import Controller
 from pdoik.h1.model import World
 from pdoik.h1.robot import JOINT_NAMES, FloatArray
+from pdoik.h1.standing import COM_LOWER, COM_UPPER
 from pdoik.h1.throws import Throw
 
 Desired = Callable[[float, FloatArray, FloatArray], FloatArray]
@@ -20,7 +21,9 @@ DESIRED_PERIOD = 0.01  # [s]
 DISTANCE_PERIOD = 0.002  # [s]
 DISTANCE_CUTOFF = 0.5  # what is farther than this is recorded as this, [m]
 FALLEN_PELVIS_HEIGHT = 0.5  # over the ankles, [m]
-FALLEN_PELVIS_TILT = np.pi  # [rad]
+FALLEN_COM = 0.25  # of the CoM ahead of the ankles or behind them: nothing brings it back [m]
+AT_THE_END = 0.1  # what of a run is its end [s]
+STANDS = 0.03  # how far beyond the box of Eq. com the CoM may end: who falls goes farther [m]
 FALLEN_FOOT_TILT = np.radians(15.0)  # of a foot on the floor, [rad]
 
 
@@ -63,9 +66,16 @@ class Run:
     saturation: FloatArray  # (19,): share of steps at the torque limit
 
     @property
+    def stands(self) -> bool:
+        """Neither fallen nor about to: at the end the CoM is in its box (Eq. com)."""
+        end = self.com[self.time >= self.time[-1] - AT_THE_END]
+        inside = (end > COM_LOWER - STANDS) & (end < COM_UPPER + STANDS)
+        return not self.fallen and bool(inside.all())
+
+    @property
     def dodged(self) -> bool:
-        """Neither touched nor fallen."""
-        return self.contact is None and not self.fallen
+        """Untouched, and it stands."""
+        return self.contact is None and self.stands
 
     @property
     def least_distance(self) -> float:
@@ -188,7 +198,7 @@ class _Record:
         root = self._world.root
         if data.xpos[root, 2] < FALLEN_PELVIS_HEIGHT:
             return True
-        if data.xmat[root, 8] < np.cos(FALLEN_PELVIS_TILT):
+        if abs(data.subtree_com[root, 1]) > FALLEN_COM:
             return True
         on_floor = self._world.setup.feet == "floor"
         return on_floor and bool(
