@@ -54,7 +54,7 @@ constexpr double kRepairShare = 0.1;
 /// Obstacles this far from the hulls are left out while that is done [m].
 constexpr double kRepairMargin = 0.1;
 /// What goals weigh against constraints when both cannot be had.
-constexpr double kYieldingGoals = 1e-6;
+constexpr double kYieldingGoals = 1e-4;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
 double cost_of(int obstacles) { return obstacles / 60.0; }
 
@@ -354,17 +354,26 @@ void Search::follow(const Following& step, Result& result) {
   least_squares_.pull_towards(nullptr, nullptr);
   least_squares_.heed_none();
   least_squares_.evaluate(q_);
+  // A goal that is farther than a step can bring it is approached by what a step can.
+  for (GoalTerm& goal : goals_) goal.come_within(step.advance, step.turn);
   if (scene_.near.count() > 0) least_squares_.heed_those_about(step.margin, true);
   bool struck = false;
   if (step.pull_to != nullptr) {
     least_squares_.pull_towards(step.pull_to, step.pull);
     minimise_least_squares(settling_, deadline, result, struck);
     least_squares_.pull_towards(nullptr, nullptr);
-    if (!struck) minimise_least_squares(patient_, deadline, result, struck);
-    if (!struck && !least_squares_.holds()) q_ = *step.from;  // once more, without it
   }
-  if (!struck && (step.pull_to == nullptr || !least_squares_.holds()))
+  if (!struck) minimise_least_squares(patient_, deadline, result, struck);
+  if (step.pull_to != nullptr && !struck && !least_squares_.holds()) {
+    // The posture may have led astray: once more without it, and back if that is no better.
+    unsettled_ = q_;
+    q_ = *step.from;
     minimise_least_squares(patient_, deadline, result, struck);
+    if (!least_squares_.holds()) {
+      q_ = unsettled_;
+      least_squares_.evaluate(q_);
+    }
+  }
   if (!struck && !least_squares_.holds()) {
     // Not everything can be had: a goal that is far must not push the robot through a constraint.
     least_squares_.scale_goals(kYieldingGoals / std::max(1.0, least_squares_.goal_pull()));

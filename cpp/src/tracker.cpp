@@ -126,6 +126,8 @@ struct Tracker::Implementation {
                    .pull = pulls ? &pull : nullptr,
                    .max_time = options.max_time,
                    .margin = margin,
+                   .advance = 0.5 * margin,
+                   .turn = 0.5 * step.sum(),
                    .look = kLook},
                   result);
     result.complaint = "";

@@ -45,7 +45,8 @@ class Search {
     const Eigen::VectorXd *pull_to, *pull;  ///< see LeastSquaresProblem::pull_towards; may be null
     double max_time;                        ///< [s]
     double margin;  ///< obstacles farther than this from the hulls cannot be met within a step [m]
-    double look;    ///< clearance beyond this is told as this [m]
+    double advance, turn;  ///< how far a tip may be asked to go in one step [m], [rad]
+    double look;           ///< clearance beyond this is told as this [m]
   };
   /// The step from the last answer that comes nearest to goals and constraints: result.status is
   /// Solved, TimeLimit or Exhausted. Allocates nothing if result.q has its size.
