@@ -24,7 +24,7 @@ LEAN = (0.05, 0.3)  # how far a guess may move the torso aside [m]
 SECONDS_PER_TRY = 0.05
 RISE_SHARES = (1.0, 0.9, 0.8, 0.7, 0.6)  # of the time until contact that the motion takes
 MOMENT_SHARE = 0.7  # of what the ankles can do, what a plan may use
-MOST_POSTURES = 24  # that are looked at, those nearest to standing
+MOST_POSTURES = 48  # that are looked at, about
 STEP = 0.005  # of a plan's rehearsal [s]
 MOMENT_STEP = 0.02  # of the momentum's differences [s]
 CHECK_STEP = 0.02  # between looks at the object [s]
@@ -165,14 +165,19 @@ class Planner:
         clouds = [throw.cloud(thing, t) for t in times]
         back = throw.arrival + 0.6 / throw.speed
         plans = []
-        cheapest = sorted(search.postures, key=lambda q: self._distance(search, q))
-        for q in cheapest[:MOST_POSTURES]:
+        for q in self._worth_a_look(search):
             for share in RISE_SHARES:
                 plan = self._plan(search, q, share * contact_time, back, times, clouds)
                 if plan is not None:  # slower ones ask less of the ankles
                     plans.append(plan)
                     break
         return sorted(plans, key=lambda plan: plan.effort)
+
+    def _worth_a_look(self, search: DodgeSearch) -> list[FloatArray]:
+        """The postures nearest to standing, and as many from all over the rest."""
+        ranked = sorted(search.postures, key=lambda q: self._distance(search, q))
+        nearest, rest = ranked[: MOST_POSTURES // 2], ranked[MOST_POSTURES // 2 :]
+        return nearest + rest[:: max(1, len(rest) // (MOST_POSTURES // 2))]
 
     @staticmethod
     def _distance(search: DodgeSearch, q: FloatArray) -> float:

@@ -96,7 +96,8 @@ def _markdown(experiment: Experiment, content: Record, done: dict[Job, Record]) 
     if reactions := by_mode.get("react"):
         parts += [
             "## Throws that are not foreseen\n",
-            "The Tracker sees the cloud of the moment only.\n",
+            "The Tracker sees the cloud of the moment only. A run ends with contact or a fall,"
+            " which may come before the object would have touched.\n",
             _react_table(reactions),
         ]
     if content["latency"]:
@@ -128,14 +129,16 @@ def _stand_table(records: dict[Job, Record]) -> str:
 
 
 def _react_table(records: dict[Job, Record]) -> str:
-    head = ["set-up", "speed [m/s]", "throws", "untouched", "dodged", "touched, share",
-            "later than standing still, median [s]", "fell", "limbs touched"]  # fmt: skip
+    head = ["set-up", "speed [m/s]", "throws", "dodged", "touched", "fell untouched",
+            "touched, share", "touched later than standing still by, median [s]",
+            "limbs touched"]  # fmt: skip
     rows = []
     groups: dict[tuple[str, float], list[Record]] = {}
     for job, record in records.items():
         groups.setdefault((job.setup.name, record["speed"]), []).append(record)
     for (name, speed), some in groups.items():
         touched = [record for record in some if not record["run"]["untouched"]]
+        dodged = sum(record["run"]["dodged"] for record in some)
         links = Counter(record["run"]["contact"]["link"] for record in touched)
         later = [
             record["run"]["contact"]["time"] - record["standing_still"]["time"]
@@ -147,11 +150,11 @@ def _react_table(records: dict[Job, Record]) -> str:
                 name,
                 f"{speed:g}",
                 str(len(some)),
-                str(len(some) - len(touched)),
-                str(sum(record["run"]["dodged"] for record in some)),
+                str(dodged),
+                str(len(touched)),
+                str(len(some) - dodged - len(touched)),
                 f"{100 * len(touched) / len(some):.0f} %",
                 f"{np.median(later):.2f}" if later else "-",
-                str(sum(not record["run"]["stands"] for record in some)),
                 ", ".join(f"{link.removesuffix('_link')} {n}" for link, n in links.most_common()),
             ]
         )

@@ -35,8 +35,8 @@ def predict_part(records: dict[Job, Record], budget: Budget) -> list[str]:
         _motion_table(records),
         "### The answers, judged by themselves and by others\n",
         "Worst over all runs. *Judged*: the right foot and the CoM by Pinocchio on the URDF (MuJoCo"
-        " where it is missing), distances by MuJoCo's own shapes at the answered postures. In a run"
-        " that touches, the solver's cloud and hulls may touch too.\n",
+        " where it is missing), distances by MuJoCo's own shapes at the answered postures. Feet on"
+        " the floor ask for a CoM over the soles instead of the box's y.\n",
         _answers_table(records),
     ]
 
