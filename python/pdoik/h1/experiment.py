@@ -54,8 +54,8 @@ class Settings:
 
 QUICK = Settings(
     throws=3,
-    budget=Budget(seconds=0.4, long_seconds=0.8, long_plans=2, after=0.2),
-    react_speeds=(1.0,),
+    budget=Budget(seconds=0.4, long_seconds=0.4, long_plans=2, after=0.2),
+    react_speeds=(2.0,),
     stand_seconds=0.3,
     push_seconds=0.4,
 )

@@ -78,6 +78,8 @@ def moment_limits(setup: Setup, force: FloatArray) -> tuple[FloatArray, FloatArr
         Lower and upper limits, (K,) each.
     """
     effort = np.full(len(force), 2 * figures().joints["left_ankle_joint"].effort)
+    if setup.feet == "weld and ball":
+        effort /= 2  # a foot on a ball takes no moment
     if setup.feet != "floor":
         return -effort, effort
     return np.maximum(-effort, -SOLE_TOE * force), np.minimum(effort, -SOLE_HEEL * force)
