@@ -66,10 +66,11 @@ class Controller:
         self._q_command[:] = q
         self._dq_command[:] = 0
 
-    def gravity_torque(self, data: mujoco.MjData) -> FloatArray:
+    def gravity_torque(self, data: mujoco.MjData, with_feedback: bool = False) -> FloatArray:
         """What holds the present posture on its feet, (19,) [N m]; may exceed the efforts.
 
-        Needs the positions' part of mj_step (mj_step1).
+        Needs the positions' part of mj_step (mj_step1). With feedback, what carries the force on the
+        centre of mass is in it.
         """
         model, world = self._world.model, self._world
         mujoco.mj_jacSubtreeCom(model, data, self._com, world.root)
@@ -78,7 +79,7 @@ class Controller:
         rotation = self._feet[9:] if len(self._feet) == 12 else None
         mujoco.mj_jacBody(model, data, self._feet[6:9], rotation, right)
         g = self._weight * self._com[2]
-        if world.setup.com_feedback:
+        if with_feedback:
             g = g + self._com_force(data) @ self._com[:2]
         J_base = self._feet[:, :6]  # the floating base's six are the first
         wrench = J_base @ np.linalg.solve(J_base.T @ J_base, g[:6])  # least norm
@@ -101,7 +102,7 @@ class Controller:
         q = data.qpos[self._world.qpos_index]
         dq = data.qvel[self._world.dof_index]
         tau = self._kp * (self._q_command - q) + self._kd * (self._dq_command - dq)
-        tau += self.gravity_torque(data)
+        tau += self.gravity_torque(data, self._world.setup.com_feedback)
         spare = np.clip((self._velocity - np.abs(dq)) / (FADE * self._velocity), 0.0, 1.0)
         limit = np.where(tau * dq > 0, spare, 1.0) * self.effort
         return np.asarray(np.clip(tau, -limit, limit))

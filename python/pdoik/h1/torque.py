@@ -42,6 +42,5 @@ def static_torque(world: World, q: FloatArray) -> StaticTorque:
     torque over the limit need not be: the ankles' shares are equal for a symmetric stance.
     """
     controller = Controller(world)
-    controller.reset(q)
     tau = controller.gravity_torque(world.standing_data(q))
     return StaticTorque(tau=tau, effort=controller.effort)
