@@ -69,8 +69,8 @@ class Controller:
     def gravity_torque(self, data: mujoco.MjData, with_feedback: bool = False) -> FloatArray:
         """What holds the present posture on its feet, (19,) [N m]; may exceed the efforts.
 
-        Needs the positions' part of mj_step (mj_step1). With feedback, what carries the force on the
-        centre of mass is in it.
+        Needs the positions' part of mj_step (mj_step1). With feedback, what carries the force on
+        the centre of mass is in it.
         """
         model, world = self._world.model, self._world
         mujoco.mj_jacSubtreeCom(model, data, self._com, world.root)
