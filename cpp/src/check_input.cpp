@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "detail/check_options.hpp"
 #include "detail/text.hpp"
 
 namespace pdoik::detail {
@@ -14,6 +15,13 @@ void check_robot(const Robot& robot) {
     throw std::invalid_argument("the robot has " + std::to_string(robot.dof()) +
                                 " joints, expected 1 to 64");
   }
+}
+
+void check_set_up(const Robot& robot, const Options& options) {
+  check_options(options);
+  check_robot(robot);
+  if (options.joint_weights.size() > 0)
+    check_weights(options.joint_weights, robot.dof(), "joint_weights");
 }
 
 void check_one_tip(const Robot& robot) {

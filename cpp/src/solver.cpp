@@ -9,7 +9,8 @@
 #include <thread>
 
 #include "detail/check_input.hpp"
-#include "detail/check_options.hpp"
+#include "detail/describe.hpp"
+#include "detail/goal_of.hpp"
 #include "detail/search.hpp"
 
 namespace pdoik {
@@ -45,10 +46,7 @@ struct Solver::Implementation {
 };
 
 Solver::Solver(const Robot& robot, const Options& options) {
-  detail::check_options(options);
-  detail::check_robot(robot);
-  if (options.joint_weights.size() > 0)
-    detail::check_weights(options.joint_weights, robot.dof(), "joint_weights");
+  detail::check_set_up(robot, options);
   impl_ = std::make_unique<Implementation>(robot, options);
 }
 Solver::Solver(Solver&&) noexcept = default;
@@ -71,12 +69,7 @@ void Solver::set_interrupt(std::function<bool()> wanted) {
 void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
 
 Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
-  Goal result;
-  result.tip = tip;
-  result.T_base_tip = T_base_tip;
-  result.type = options().goal;
-  result.axis = options().goal_axis;
-  return result;
+  return detail::goal_of(options(), T_base_tip, tip);
 }
 
 void Solver::solve(const Request& request, Result& result) {
@@ -169,55 +162,8 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) cons
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }
 
-namespace {
-
-/// "link (sphere 3)" of a hull by its place in the occupancy.
-std::string hull_name(const Occupancy& occupancy, int index) {
-  const auto hull = static_cast<std::size_t>(index);
-  if (hull < occupancy.spheres.size())
-    return occupancy.spheres[hull].link + " (sphere " + std::to_string(hull) + ")";
-  const std::size_t k = hull - occupancy.spheres.size();
-  const Spheroid& s = occupancy.spheroids[k];
-  return s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
-         std::to_string(k) + ")";
-}
-
-std::string balance_name(int index) {
-  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
-                                    "upper y", "lower z", "upper z"};
-  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
-                   : "support polygon of the centre of mass";
-}
-
-}  // namespace
-
 std::string Solver::describe(const WorstConstraint& worst) const {
-  using Kind = WorstConstraint::Kind;
-  const Occupancy& occupancy = robot().occupancy();
-  const auto of_tip = [&] {  // where there is but one, all know which
-    return robot().tips().size() == 1
-               ? std::string()
-               : " of " + robot().tip_links()[static_cast<std::size_t>(worst.index)];
-  };
-  switch (worst.kind) {
-    case Kind::None:
-      return "none";
-    case Kind::Position:
-      return "position" + of_tip();
-    case Kind::Rotation:
-      return "rotation" + of_tip();
-    case Kind::Limit:
-      return "limit of " + robot().joint_names()[static_cast<std::size_t>(worst.index)];
-    case Kind::Clearance:
-      return "clearance of " + hull_name(occupancy, worst.index) + " to obstacle " +
-             std::to_string(worst.obstacle);
-    case Kind::Balance:
-      return balance_name(worst.index);
-    case Kind::SelfCollision:
-      return "clearance of " + hull_name(occupancy, worst.index) + " to " +
-             hull_name(occupancy, worst.obstacle);
-  }
-  return "none";
+  return detail::describe(worst, robot());
 }
 
 }  // namespace pdoik

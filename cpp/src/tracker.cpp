@@ -7,7 +7,8 @@
 #include <string>
 
 #include "detail/check_input.hpp"
-#include "detail/check_options.hpp"
+#include "detail/describe.hpp"
+#include "detail/goal_of.hpp"
 #include "detail/search.hpp"
 
 namespace pdoik {
@@ -81,7 +82,6 @@ struct Tracker::Implementation {
       : robot(robot_in),
         solver_options(solver_options_in),
         options(checked(options_in, robot)),
-        solver(robot, solver_options),
         search(robot, solver_options) {
     const Eigen::VectorXd speed =
         (options.speed_share * robot.velocity()).cwiseMin(options.max_speed);
@@ -146,7 +146,6 @@ struct Tracker::Implementation {
   Robot robot;
   Options solver_options;
   TrackerOptions options;
-  Solver solver;  ///< for names
   detail::Search search;
   Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull;
   bool has_posture = false;
@@ -157,10 +156,11 @@ struct Tracker::Implementation {
   LatencyHistogram latency;
 };
 
-Tracker::Tracker(const Robot& robot, const Options& solver_options, const TrackerOptions& options)
-    : impl_(std::make_unique<Implementation>(robot, solver_options, options)) {
+Tracker::Tracker(const Robot& robot, const Options& solver_options, const TrackerOptions& options) {
+  detail::check_set_up(robot, solver_options);
   if (solver_options.method == Method::Paper)
     throw std::invalid_argument("a tracker needs method 'default'");
+  impl_ = std::make_unique<Implementation>(robot, solver_options, options);
 }
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
@@ -173,7 +173,7 @@ const Eigen::VectorXd& Tracker::q() const { return impl_->last; }
 const LatencyHistogram& Tracker::latency() const { return impl_->latency; }
 void Tracker::clear_latency() { impl_->latency.clear(); }
 std::string Tracker::describe(const WorstConstraint& worst) const {
-  return impl_->solver.describe(worst);
+  return detail::describe(worst, robot());
 }
 
 void Tracker::reset(VectorIn q) {
@@ -231,7 +231,7 @@ const TrackerResult& Tracker::step(std::span<const Goal> goals) {
 }
 
 const TrackerResult& Tracker::step(const Eigen::Isometry3d& T_base_tip) {
-  const Goal only = impl_->solver.goal(T_base_tip);
+  const Goal only = detail::goal_of(solver_options(), T_base_tip);
   return step({&only, 1});
 }
 

@@ -12,6 +12,8 @@ namespace pdoik::detail {
 
 /// 1 to 64 joints.
 void check_robot(const Robot& robot);
+/// What a solver or a tracker is made of.
+void check_set_up(const Robot& robot, const Options& options);
 /// One tip, for what takes a target without saying whose it is.
 void check_one_tip(const Robot& robot);
 /// Goals for tips that there are, one each; what the method cannot do is refused.

@@ -1,0 +1,55 @@
+#include "detail/describe.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// "link (sphere 3)" of a hull by its place in the occupancy.
+std::string hull_name(const Occupancy& occupancy, int index) {
+  const auto hull = static_cast<std::size_t>(index);
+  if (hull < occupancy.spheres.size())
+    return occupancy.spheres[hull].link + " (sphere " + std::to_string(hull) + ")";
+  const std::size_t k = hull - occupancy.spheres.size();
+  const Spheroid& s = occupancy.spheroids[k];
+  return s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
+         std::to_string(k) + ")";
+}
+
+std::string balance_name(int index) {
+  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
+                                    "upper y", "lower z", "upper z"};
+  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
+                   : "support polygon of the centre of mass";
+}
+
+}  // namespace
+
+std::string describe(const WorstConstraint& worst, const Robot& robot) {
+  using Kind = WorstConstraint::Kind;
+  const Occupancy& occupancy = robot.occupancy();
+  const auto of_tip = [&] {  // where there is but one, all know which
+    return robot.tips().size() == 1
+               ? std::string()
+               : " of " + robot.tip_links()[static_cast<std::size_t>(worst.index)];
+  };
+  switch (worst.kind) {
+    case Kind::None:
+      return "none";
+    case Kind::Position:
+      return "position" + of_tip();
+    case Kind::Rotation:
+      return "rotation" + of_tip();
+    case Kind::Limit:
+      return "limit of " + robot.joint_names()[static_cast<std::size_t>(worst.index)];
+    case Kind::Clearance:
+      return "clearance of " + hull_name(occupancy, worst.index) + " to obstacle " +
+             std::to_string(worst.obstacle);
+    case Kind::Balance:
+      return balance_name(worst.index);
+    case Kind::SelfCollision:
+      return "clearance of " + hull_name(occupancy, worst.index) + " to " +
+             hull_name(occupancy, worst.obstacle);
+  }
+  return "none";
+}
+
+}  // namespace pdoik::detail
