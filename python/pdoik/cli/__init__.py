@@ -1,4 +1,4 @@
-"""The command line: pdoik solve, info, occupancy, bench, view, h1."""
+"""The command line: pdoik solve, info, occupancy, bench, view, h1, diagnose, predict, replay."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ import typer
 import pdoik
 
 from .bench import bench
+from .diagnose import diagnose
 from .h1 import h1
 from .info import info
 from .messages import out
 from .occupancy import occupancy
+from .predict import predict
+from .replay import replay
 from .solve import solve
 from .view import view
 
@@ -31,6 +34,9 @@ app.command()(occupancy)
 app.command()(bench)
 app.command()(view)
 app.command()(h1)
+app.command()(diagnose)
+app.command()(predict)
+app.command()(replay)
 
 
 def _print_version(wanted: bool) -> None:

@@ -1,0 +1,58 @@
+"""Command line: makes study folders and, beside them, their truths.
+
+    python -m bench.concealed.generate --out DIR --seed 0 --count 20
+    python -m bench.concealed.generate --out DIR --effect payload --hide noise --robot panda
+
+DIR/studies/00000/ holds study.yaml, robot.urdf and recordings; DIR/truth/00000.json the answer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from bench.concealed.build import make_study
+from bench.concealed.catalogue import EFFECTS, WAYS, ways_of
+from bench.concealed.effects_outside import KINDS
+from bench.concealed.effects_sensor import LIES
+from bench.concealed.robots import NAMES
+from bench.concealed.spec import WorldSpec
+
+DECOYS = (*(f"outside:{kind}" for kind in KINDS), *(f"lying:{kind}" for kind in LIES), "still")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--count", type=int, default=1)
+    parser.add_argument("--effect", help="an effect's id, clean, still, outside:KIND, lying:KIND")
+    parser.add_argument("--hide", help=f"one of {', '.join(WAYS)}; else drawn")
+    parser.add_argument("--robot", choices=NAMES)
+    parser.add_argument("--size", type=float, help="multiple of the noise floor")
+    options = parser.parse_args(arguments)
+    for seed in range(options.seed, options.seed + options.count):
+        rng = np.random.default_rng([seed, 77])
+        effect = options.effect or str(rng.choice([*EFFECTS, "clean", *DECOYS]))
+        hide = options.hide or str(rng.choice(ways_of(effect) if effect in EFFECTS else ("plain",)))
+        spec = WorldSpec(
+            seed=seed,
+            effect=effect,
+            hide=hide,
+            robot=options.robot or str(rng.choice(NAMES)),
+            size=options.size,
+        )
+        begin = time.perf_counter()
+        truth = make_study(options.out / "studies" / f"{seed:05d}", spec, options.out / "truth")
+        took = time.perf_counter() - begin
+        print(f"{seed:05d} {spec.effect} {spec.hide} {spec.robot} x{truth.size:.1f} {took:.1f} s")
+        sys.stdout.flush()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

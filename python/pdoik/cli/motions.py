@@ -1,0 +1,86 @@
+"""Recordings and commands as the command line reads and writes them."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from pdoik._files import write_whole
+
+from .messages import fail
+
+if TYPE_CHECKING:
+    from pdoik.sim2real.columns import Table
+    from pdoik.sim2real.recording import Recording
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def check_files(model: Path, motion: Path, output: Path) -> None:
+    """Leave with status 2 unless both can be read and the third may be written."""
+    for path in (model, motion):
+        if path.is_dir():
+            fail(f"{path}: is a folder, expected a file")
+        if not path.is_file():
+            fail(f"{path}: no such file")
+    if output.is_dir():
+        fail(f"--out {output}: is a folder, expected a file")
+    if not output.parent.is_dir():
+        fail(f"--out {output}: no such folder: {output.parent}")
+    if output.exists() and any(output.samefile(path) for path in (model, motion)):
+        fail(f"--out {output}: is also read, expected another file")
+
+
+def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) -> Recording:
+    """A file's channels for these joints.
+
+    Args:
+        path: CSV or Parquet.
+        joints: Of the model.
+        commands: The file may lack positions: the motion then starts where it is commanded to.
+
+    Raises:
+        LoadError: Something in the file is not as expected.
+    """
+    from pdoik.sim2real.check_recording import to_recording
+    from pdoik.sim2real.columns import channel_of, check_names
+    from pdoik.sim2real.read_table import Part, read_table
+    from pdoik.sim2real.units import Units
+
+    def wanted(column: str) -> bool:
+        pair = channel_of(column)
+        return pair is not None and pair[1] in joints
+
+    table = read_table(path, path.name, wanted, Part())
+    check_names(table, joints, ())
+    if commands:
+        _with_positions(table, joints)
+    return to_recording(table, joints, "validate", Units())
+
+
+def _with_positions(table: Table, joints: tuple[str, ...]) -> None:
+    for joint in joints:
+        desired = table.columns.get(f"q_des.{joint}")
+        if desired is not None:
+            table.columns.setdefault(f"q.{joint}", desired)
+
+
+def write_motion(
+    path: Path, joints: tuple[str, ...], time: FloatArray, channels: dict[str, FloatArray]
+) -> None:
+    """A CSV of time and of each channel's columns, (T, n) each."""
+    names = [f"{channel}.{joint}" for channel in channels for joint in joints]
+    text = io.StringIO()
+    np.savetxt(
+        text,
+        np.column_stack([time, *channels.values()]),
+        fmt="%.9g",
+        delimiter=",",
+        header=",".join(["time", *names]),
+        comments="",
+    )
+    write_whole(path, text.getvalue())

@@ -1,0 +1,39 @@
+"""pdoik predict: the torque that a diagnosed model needs for a motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from .messages import misuse_fails, out
+from .motions import check_files, read_motion, write_motion
+from .sim2real_extra import extra_needed
+
+
+def predict(
+    model: Annotated[Path, typer.Argument(help="model.json of pdoik diagnose.")],
+    recording: Annotated[Path, typer.Argument(help="CSV or Parquet with time and q.<joint>.")],
+    without_findings: Annotated[
+        bool, typer.Option("--without-findings", help="By the model as it was before.")
+    ] = False,
+    output: Annotated[Path, typer.Option("--out", help="CSV to write.")] = Path("torque.csv"),
+) -> None:
+    """Predict the drives' torque for a motion.
+
+    Writes time and tau.<joint>.
+
+    [bold]Example[/]: pdoik predict report/model.json recording.csv --out torque.csv
+    """
+    check_files(model, recording, output)
+    with extra_needed("predict"), misuse_fails():
+        from pdoik.sim2real import load_model
+        from pdoik.sim2real import predict as torque_of
+
+        loaded = load_model(model)
+        motion = read_motion(recording, loaded.joints)
+        tau = torque_of(loaded, motion, findings=not without_findings)  # (T, n)
+        write_motion(output, loaded.joints, motion.start + motion.time, {"tau": tau})
+    out.print(escape(str(output)), highlight=False)

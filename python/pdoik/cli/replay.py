@@ -1,0 +1,46 @@
+"""pdoik replay: the motion that a diagnosed model makes of commands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from .messages import misuse_fails, out
+from .motions import check_files, read_motion, write_motion
+from .sim2real_extra import extra_needed
+
+
+def replay(
+    model: Annotated[Path, typer.Argument(help="model.json of pdoik diagnose.")],
+    commands: Annotated[
+        Path,
+        typer.Argument(
+            help="CSV or Parquet with time and q_des.<joint> or tau_cmd.<joint>; a recording will"
+            " do, its first q.<joint> is then where the motion starts."
+        ),
+    ],
+    without_findings: Annotated[
+        bool, typer.Option("--without-findings", help="By the model as it was before.")
+    ] = False,
+    output: Annotated[Path, typer.Option("--out", help="CSV to write.")] = Path("replay.csv"),
+) -> None:
+    """Simulate the robot under its controller for given commands.
+
+    Writes the channels of a recording: time, q, dq, tau and the commands.
+
+    [bold]Example[/]: pdoik replay report/model.json commands.csv --out replay.csv
+    """
+    check_files(model, commands, output)
+    with extra_needed("replay"), misuse_fails():
+        from pdoik.sim2real import load_model
+        from pdoik.sim2real import replay as simulate
+
+        loaded = load_model(model)
+        motion = read_motion(commands, loaded.joints, commands=True)
+        simulated = simulate(loaded, motion, findings=not without_findings)
+        channels = {name: getattr(simulated, name) for name in simulated.channels if name != "tip"}
+        write_motion(output, loaded.joints, simulated.start + simulated.time, channels)
+    out.print(escape(str(output)), highlight=False)

@@ -1,0 +1,70 @@
+"""A drive that follows its command with a first-order lag."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..motion import Motion
+from ..recording import FloatArray
+from ..signals import lagged
+from .command_delay import OF_POSITION, command_changed, drive_shapes, within_sampling
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class ActuatorLag(Effect):
+    """T dtau/dt + tau = tau_cmd."""
+
+    id = "actuator_lag"
+    on = "drive"
+    equation = "T dtau/dt + tau = tau_cmd"
+    parameters = (Parameter("time_constant", "s", lower=0.0, upper=0.5),)
+    confused_with = ("command_delay", "timestamp_skew", "coulomb_friction")
+    decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
+    source = "first-order lag of a current loop"
+    fixed = True
+    complexity = 2
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Time constants [s]."""
+        times = (0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
+        return drive_shapes(motions, place, times)
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The lagged command less the command."""
+        (j,) = place.joints
+        what, time = shape
+        if motion.source == "":
+            assert motion.q_des is not None
+            aim = motion.q_des[:, j]
+            return {("servo", j): (lagged(aim, time, motion.period) - aim)[:, None]}
+        if what == OF_POSITION:
+            assert motion.q_des is not None
+            aim = motion.q_des[:, j]
+            late = lagged(aim, time, motion.period) - aim
+            return command_changed(motion, j, late, late)
+        command = motion.asked(j)
+        return command_changed(motion, j, None, lagged(command, time, motion.period) - command)
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The time constant."""
+        return {"time_constant": shape[1]}
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """What lags is what it is; the time within a factor."""
+        what, time = shape
+        return [(what, what), (0.4 * time, 2.5 * time)]
+
+    def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
+        """Less than the sampling can tell."""
+        return within_sampling(motions, shape[1])
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"The drive of {where} follows its command with a lag of"
+            f" {1e3 * values['time_constant']:.3g} ms."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"fast changes of the command of {where}"

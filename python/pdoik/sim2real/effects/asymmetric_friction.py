@@ -1,0 +1,45 @@
+"""Friction that differs between the two directions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class AsymmetricFriction(Effect):
+    """tau = (dL |sign(dq)| + dc |dq|) / 2: forwards less backwards, beside the symmetric part."""
+
+    id = "asymmetric_friction"
+    on = "joint"
+    equation = "tau = (dL |sign(dq)| + dc |dq|) / 2"
+    parameters = (
+        Parameter("level_difference", "N m"),
+        Parameter("viscous_difference", "N m s/rad"),
+    )
+    confused_with = ("torque_offset", "link_inertial_error", "gravity_direction")
+    decided_by = "rests between motions in both directions: an offset stays at rest, friction not"
+    source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
+    complexity = 3
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Whether it moves, and how fast."""
+        (j,) = place.joints
+        moving = np.abs(np.tanh(motion.dq[:, j] / (0.05 * motion.speed_floor[j])))
+        return {("torque", j): 0.5 * np.stack([moving, np.abs(motion.dq[:, j])], axis=1)}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """Differences of level and of viscous coefficient."""
+        return {"level_difference": float(beta[0]), "viscous_difference": float(beta[1])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} rubs differently in its two directions: forwards less backwards"
+            f" {values['level_difference']:.3g} N m and {values['viscous_difference']:.3g} N m per"
+            " rad/s."
+        )

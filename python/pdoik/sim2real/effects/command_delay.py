@@ -1,0 +1,111 @@
+"""Commands that act some time after they were given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..motion import Motion
+from ..recording import FloatArray
+from ..signals import shifted
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+OF_POSITION, OF_TORQUE = 0.0, 1.0
+"""First entry of a shape: whether the commanded position or the torque comes late."""
+
+
+def command_changed(motion: Motion, j: int, late: FloatArray | None, torque: FloatArray) -> Columns:
+    """Columns of a command that arrives as `late` (position, (T,)) or as `torque` ((T,) change).
+
+    In the drive's balance where the torque given was recorded beside the command, else in the
+    torque's, where the command stands for the torque.
+    """
+    change = torque
+    if late is not None:
+        assert motion.controller is not None
+        change = motion.controller.kp[j] * late
+    if motion.has_command(j):
+        return {("drive", j): change[:, None]}
+    return {("torque", j): -change[:, None]}
+
+
+def drive_shapes(motions: Sequence[Motion], place: Place, times: Sequence[float]) -> list[Shape]:
+    """Shapes (what, time) for the channels that were recorded."""
+    (j,) = place.joints
+    first = motions[0]
+    if first.source == "" and first.q_des is not None:
+        return [(OF_POSITION, time) for time in times]
+    shapes: list[Shape] = []
+    command = first.command if first.has_command(j) else first.torque
+    if command is None or (not first.has_command(j) and first.source not in ("law", "tau_cmd")):
+        return []
+    if command is first.law:
+        shapes += [(OF_POSITION, time) for time in times]
+    return shapes + [(OF_TORQUE, time) for time in times]
+
+
+def within_sampling(motions: Sequence[Motion], time: float) -> bool:
+    """Whether a time is within what sampling and the controller's ticks blur [s]."""
+    first = motions[0]
+    period = first.controller.period if first.controller is not None else None
+    return abs(time) < max(2.5 * (period or 0.0), 0.8 * first.recording.raw_period)
+
+
+class CommandDelay(Effect):
+    """command(t - d) acts at t."""
+
+    id = "command_delay"
+    on = "drive"
+    equation = "tau(t) = tau_cmd(t - d), or q_des(t - d) enters the controller"
+    parameters = (Parameter("delay", "s", lower=0.0, upper=0.5),)
+    confused_with = ("actuator_lag", "timestamp_skew", "coulomb_friction")
+    decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
+    source = "transport delay"
+    fixed = True
+    complexity = 2
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Delays from half a sample to a third of a second [s]."""
+        times = (0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
+        return drive_shapes(motions, place, times)
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The command late less the command."""
+        (j,) = place.joints
+        what, delay = shape
+        if motion.source == "":
+            assert motion.q_des is not None
+            aim = motion.q_des[:, j]
+            return {("servo", j): (shifted(aim, delay, motion.period) - aim)[:, None]}
+        if what == OF_POSITION:
+            assert motion.q_des is not None
+            assert motion.controller is not None
+            aim = motion.q_des[:, j]
+            late = shifted(aim, delay, motion.period) - aim
+            if motion.dq_des is not None:
+                speed = motion.dq_des[:, j]
+                ratio = motion.controller.kd[j] / motion.controller.kp[j]
+                late = late + ratio * (shifted(speed, delay, motion.period) - speed)
+            return command_changed(motion, j, late, late)
+        command = motion.asked(j)
+        return command_changed(motion, j, None, shifted(command, delay, motion.period) - command)
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The delay."""
+        return {"delay": shape[1]}
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """What comes late is what it is; the time within a factor."""
+        what, time = shape
+        return [(what, what), (0.4 * time, 2.5 * time)]
+
+    def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
+        """Less than the sampling can tell."""
+        return within_sampling(motions, shape[1])
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return f"Commands to {where} act {1e3 * values['delay']:.3g} ms late."
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"fast changes of the command of {where}"

@@ -1,0 +1,45 @@
+"""Dry friction: the same whatever the speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class CoulombFriction(Effect):
+    """tau = L sign(dq), smooth within a fitted speed of rest where data show it."""
+
+    id = "coulomb_friction"
+    on = "joint"
+    equation = "tau = L tanh(dq / v), v small"
+    parameters = (Parameter("level", "N m", lower=0.0),)
+    confused_with = ("presliding_hysteresis", "load_dependent_friction", "stribeck_friction")
+    decided_by = "slow motion back and forth at two speeds, with reversals of a few degrees"
+    source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Speeds within which the sign turns [rad/s]."""
+        return [(0.0,), (0.02,), (0.06,)]
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The direction of motion."""
+        (j,) = place.joints
+        return {("torque", j): motion.sign(j, shape[0])[:, None]}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The level."""
+        return {"level": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} needs {values['level']:.3g} N m more than the model says whichever way it"
+            " turns, at any speed: dry friction."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"direction reversals of {where}"

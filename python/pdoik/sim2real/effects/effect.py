@@ -1,0 +1,108 @@
+"""What an effect is: its equation, where it may sit, and what it adds to the balances."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+
+Balance = Literal["torque", "drive", "velocity", "tip", "servo"]
+Key = tuple[Balance, int]  # a balance and its channel: a joint, or an axis of the tip's error
+Columns = dict[Key, FloatArray]  # (T, k) for every channel the effect changes
+Shape = tuple[float, ...]  # the parameters that enter nonlinearly
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """Name, unit and bounds of one parameter."""
+
+    name: str
+    unit: str
+    lower: float = -np.inf
+    upper: float = np.inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where an effect sits, by index: joints, a link (that of a joint), a window of a recording."""
+
+    joints: tuple[int, ...] = ()
+    link: int | None = None
+    recording: str | None = None
+    window: tuple[float, float] | None = None
+
+
+class Effect(ABC):
+    """One kind of physics a model may have left out.
+
+    An effect's columns times its coefficients are what it adds to the residual of a balance:
+    torque: recorded torque less the rigid body's; drive: recorded less commanded torque; velocity:
+    recorded speed less the positions' derivative; tip: measured pose less the model's; servo:
+    position less its command. What is not linear is the shape, found by search.
+    """
+
+    id: ClassVar[str]
+    on: ClassVar[str]  # joint, link, base, drive, channel
+    equation: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    confused_with: ClassVar[tuple[str, ...]] = ()
+    decided_by: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+    fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
+    beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
+    complexity: ClassVar[int] = 1  # simpler effects go first where data cannot tell
+    per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """Where it may sit: every joint, unless an effect says otherwise."""
+        return [Place(joints=(j,)) for j in range(motions[0].n)]
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Values of the nonlinear parameters to try first; () where there are none."""
+        return [()]
+
+    @abstractmethod
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """What the effect adds per unit of its coefficients, at the motion's rate."""
+
+    @abstractmethod
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The parameters by name, from shape and coefficients."""
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest value of each coefficient."""
+        lower = np.array([each.lower for each in self.parameters])
+        upper = np.array([each.upper for each in self.parameters])
+        return lower, upper
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """Where to look for better nonlinear parameters."""
+        return [(0.4 * value, 2.5 * value) for value in shape]
+
+    def admissible(self, beta: FloatArray) -> bool:
+        """Whether coefficients make physical sense."""
+        lower, upper = self.bounds
+        return bool((beta >= lower).all() and (beta <= upper).all())
+
+    def prior(self, width: int) -> FloatArray:
+        """Inverse variances of the coefficients; zero where they are free."""
+        return np.zeros(width)
+
+    def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
+        """Whether it is too small for the recordings' sampling to tell."""
+        return False
+
+    @abstractmethod
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """The finding in words a technician understands."""
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"motion of {where}"

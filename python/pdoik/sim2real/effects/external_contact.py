@@ -1,0 +1,54 @@
+"""A force on the robot for some time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class ExternalContact(Effect):
+    """tau = -J^T f within a window of one recording, f constant in the base's axes."""
+
+    id = "external_contact"
+    on = "window"
+    equation = "tau = -J(q)^T f, from t0 to t1"
+    parameters = tuple(Parameter(f"force_{axis}", "N") for axis in "xyz")
+    confused_with = ("payload", "torque_offset")
+    decided_by = "the same motion once more with nothing near the robot"
+    source = "Haddadin, De Luca and Albu-Schaeffer, IEEE T-RO 33(6), 2017"
+    complexity = 4
+    per_joint_moving = False
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """None: windows are looked for in the residual."""
+        return []
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Torques per newton on the link, zero outside the window."""
+        assert place.link is not None
+        inside = np.zeros(len(motion.time), dtype=bool)
+        if place.window is not None and place.recording == motion.recording.name:
+            inside = (motion.time >= place.window[0]) & (motion.time < place.window[1])
+        jacobian = motion.link_jacobian(place.link)  # (T, 3, n)
+        part = np.where(inside[:, None, None], -jacobian, 0.0)
+        return {("torque", j): np.ascontiguousarray(part[:, :, j]) for j in range(motion.n)}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The force on the link, base axes."""
+        return {f"force_{axis}": float(f) for axis, f in zip("xyz", beta, strict=True)}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        force = np.array([values[f"force_{axis}"] for axis in "xyz"])
+        size = float(np.linalg.norm(force))
+        way = ", ".join(f"{f:.2g}" for f in force / max(size, 1e-12))
+        return f"Something pushed {where} with {size:.3g} N along ({way}) of the base."
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return "a stretch of one recording"

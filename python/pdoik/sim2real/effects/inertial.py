@@ -1,0 +1,135 @@
+"""Bodies that are not in the model: a payload, or a link that weighs otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")
+PRIOR = np.array([5.0, 1.0, 1.0, 1.0] + [0.3] * 6)
+"""Standard deviations that keep what no motion shows near zero: kg, kg m, kg m^2."""
+
+
+def consistent(ten: FloatArray) -> bool:
+    """Whether ten inertial parameters belong to a body: mass and density nowhere negative."""
+    return bool(ten[0] > 0.0 and np.linalg.eigvalsh(pseudo_inertia(ten))[0] > -1e-9)
+
+
+def pseudo_inertia(ten: FloatArray) -> FloatArray:
+    """The 4x4 matrix that is positive for a body (Wensing, Kim and Slotine, RA-L 3(1), 2018)."""
+    m, h = ten[0], ten[1:4]
+    xx, xy, yy, xz, yz, zz = ten[4:]
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    sigma = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    return np.block([[sigma, h[:, None]], [h[None, :], np.array([[m]])]])
+
+
+class LinkInertials(Effect):
+    """Ten inertial parameters added to one link; only combinations of them are visible."""
+
+    id = "link_inertial_error"
+    on = "link"
+    equation = "tau = Y(q, dq, ddq) dpi, ten parameters of one link"
+    parameters = (
+        Parameter("d_mass", "kg"),
+        *(Parameter(f"d_first_moment_{axis}", "kg m") for axis in "xyz"),
+        *(Parameter(f"d_{name}", "kg m^2") for name in INERTIAS),
+    )
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "payload",
+        "torque_gain",
+        "gravity_direction",
+        "joint_offset",
+    )
+    decided_by = "slow and quick motion of all joints after this link, over the whole range"
+    source = "Atkeson, An and Hollerbach, IJRR 5(3), 1986; Wensing et al., RA-L 3(1), 2018"
+    complexity = 5
+    per_joint_moving = False
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """Every link but the last, where it is a payload's."""
+        body = motions[0].body
+        if body is None:
+            return []
+        return [Place(link=link) for link in range(body.n) if link != body.last]
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """One, with a model."""
+        return [()] if motions[0].body is not None else []
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The link's part of the regressor; zero for joints that do not carry it."""
+        assert place.link is not None
+        part = motion.regressor()[:, :, place.link]
+        return {("torque", j): part[:, j] for j in range(motion.n)}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """Mass, first moments and inertias."""
+        return {p.name: float(b) for p, b in zip(self.parameters, beta, strict=True)}
+
+    def prior(self, width: int) -> FloatArray:
+        """What no motion shows stays near zero."""
+        return 1.0 / PRIOR**2
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        h = np.linalg.norm([values[f"d_first_moment_{axis}"] for axis in "xyz"])
+        return (
+            f"{where} is not as heavy as the model says: {values['d_mass']:+.3g} kg and"
+            f" {h:.3g} kg m of first moment, or a combination of links that amounts to the same."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return "every pose, at rest and in motion"
+
+
+class Payload(LinkInertials):
+    """A body held by the last link."""
+
+    id = "payload"
+    on = "link"
+    equation = "tau = Y(q, dq, ddq) pi(mass, com, inertia), at the last link"
+    parameters = (
+        Parameter("mass", "kg", lower=0.0),
+        *(Parameter(f"com_{axis}", "m") for axis in "xyz"),
+        *(Parameter(name, "kg m^2") for name in INERTIAS),
+    )
+    confused_with = ("link_inertial_error", "torque_gain", "gravity_direction")
+    decided_by = "the same motion with a known weight in the hand and without"
+    complexity = 4
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """The last link."""
+        body = motions[0].body
+        return [] if body is None else [Place(link=body.last)]
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """A mass is positive."""
+        return np.array([0.0] + [-np.inf] * 9), np.full(10, np.inf)
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """Mass, centre of mass in the link's frame, inertias about that centre."""
+        mass = max(float(beta[0]), 1e-9)
+        com = beta[1:4] / mass
+        xx, xy, yy, xz, yz, zz = beta[4:]
+        about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        about = about - mass * (com @ com * np.eye(3) - np.outer(com, com))
+        inertias = (about[0, 0], about[0, 1], about[1, 1], about[0, 2], about[1, 2], about[2, 2])
+        names = [p.name for p in self.parameters]
+        return dict(zip(names, map(float, (mass, *com, *inertias)), strict=True))
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        com = ", ".join(f"{1e3 * values[f'com_{axis}']:.3g}" for axis in "xyz")
+        return (
+            f"{where} carries {values['mass']:.3g} kg that the model does not know, at"
+            f" ({com}) mm in its frame."
+        )

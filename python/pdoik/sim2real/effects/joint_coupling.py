@@ -1,0 +1,58 @@
+"""One motor that moves two joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Key, Parameter, Place, Shape
+
+
+class JointCoupling(Effect):
+    """True q_k = q_k + r q_j; motor j also carries r tau_k. Joints are (k, j)."""
+
+    id = "joint_coupling"
+    on = "joint"
+    equation = "q_k,true = q_k + r q_j; tau_j,motor = tau_j + r tau_k"
+    parameters = (Parameter("ratio", "-", lower=-1.5, upper=1.5),)
+    confused_with = ("kinematic_error", "joint_offset", "link_inertial_error")
+    decided_by = "motion of joint j alone while the tip's pose is measured"
+    source = "virtual work of a coupled transmission"
+    complexity = 3
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """Neighbours, both ways."""
+        body = motions[0].body
+        return [] if body is None else [Place(joints=pair) for pair in body.neighbours()]
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Derivatives by joint k's position times joint j's, and the torque handed to motor j."""
+        k, j = place.joints
+        q, dq, ddq = motion.q[:, j], motion.dq[:, j], motion.ddq[:, j]
+        change = (
+            motion.dtau_dq[:, :, k] * q[:, None]
+            + motion.dtau_dv[:, :, k] * dq[:, None]
+            + motion.mass_matrix[:, :, k] * ddq[:, None]
+        )
+        change[:, j] += motion.tau[:, k]
+        columns: dict[Key, FloatArray] = {
+            ("torque", i): change[:, i, None] for i in range(motion.n)
+        }
+        if motion.tip_jacobian is not None:
+            for axis in range(6):
+                column = motion.tip_jacobian[:, axis, k] * q
+                columns["tip", axis] = np.ascontiguousarray(column[:, None])
+        return columns
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The ratio."""
+        return {"ratio": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} are coupled: a turn of the second moves the first by {values['ratio']:.3g}."
+        )

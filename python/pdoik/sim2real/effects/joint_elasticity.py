@@ -1,0 +1,63 @@
+"""A spring between motor and link."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Key, Parameter, Place, Shape
+
+
+def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:
+    """What a link that lags its motor by `deflection` (T,) changes in torques and tip."""
+    change = motion.by_deflection(deflection, j)
+    columns: dict[Key, FloatArray] = {("torque", i): change[:, i, None] for i in range(motion.n)}
+    if motion.tip_jacobian is not None:
+        for axis in range(6):
+            column = -motion.tip_jacobian[:, axis, j] * deflection
+            columns["tip", axis] = np.ascontiguousarray(column[:, None])
+    return columns
+
+
+class JointElasticity(Effect):
+    """The link lags its motor by tau_load / k; the encoder is on the motor."""
+
+    id = "joint_elasticity"
+    on = "joint"
+    equation = "q_link = q - tau_load / k - d (tau_load)'/k^2; two inertias and a spring"
+    parameters = (
+        Parameter("stiffness", "N m/rad", lower=0.0),
+        Parameter("damping", "N m s/rad", lower=0.0),
+    )
+    confused_with = ("backlash", "rotor_inertia", "presliding_hysteresis")
+    decided_by = "a quick stop, sampled at 500 Hz or more: the ring's frequency is sqrt(k / I)"
+    source = "Spong, ASME J. Dyn. Sys. 109(4), 1987"
+    complexity = 3
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Of a deflection by the load's torque, per compliance."""
+        (j,) = place.joints
+        return deflected(motion, j, motion.tau[:, j] - motion.rotor(j))
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Compliance is positive."""
+        return np.full(1, 1e-7), np.full(1, 0.1)
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The stiffness; damping is not told by this balance."""
+        return {"stiffness": 1.0 / max(float(beta[0]), 1e-12), "damping": 0.0}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} gives under load: a spring of {values['stiffness']:.3g} N m/rad lies between"
+            " its motor and its link."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"changing load of {where}"

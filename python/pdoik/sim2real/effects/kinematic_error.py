@@ -1,0 +1,76 @@
+"""A joint that is not where the model puts it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class KinematicError(Effect):
+    """Translation and rotation of one joint's placement, in the axes of its frame."""
+
+    id = "kinematic_error"
+    on = "link"
+    equation = "T_parent_joint = T_model exp(dx, dy, dz, rx, ry, rz)"
+    parameters = (
+        *(Parameter(name, "m", lower=-0.3, upper=0.3) for name in ("dx", "dy", "dz")),
+        *(Parameter(name, "rad", lower=-0.5, upper=0.5) for name in ("rx", "ry", "rz")),
+    )
+    confused_with = ("joint_offset", "joint_elasticity")
+    decided_by = "the tip's pose measured in thirty spread poses"
+    source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
+    complexity = 6
+    per_joint_moving = False
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """How the tip moves with the joint's frame."""
+        (j,) = place.joints
+        if motion.tip_jacobian is None or motion.body is None:
+            return {}
+        if "joint_poses" not in motion.cache:
+            motion.cache["joint_poses"] = motion.body.joint_poses(motion.q)
+        frame = motion.cache["joint_poses"][:, j]
+        # The placement's frame is the joint's before it turned: turn back about its own axis.
+        before = _turned_back(motion, j, frame)
+        lever = motion.tip_position() - frame[:, :3, 3]
+        columns: Columns = {}
+        turning = np.cross(np.transpose(before, (0, 2, 1)), lever[:, None, :])  # (T, 3 axes, 3)
+        for axis in range(3):
+            columns["tip", axis] = np.hstack([before[:, axis, :], turning[:, :, axis]])
+            columns["tip", 3 + axis] = np.hstack([np.zeros_like(lever), before[:, axis, :]])
+        return columns
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Only with tip poses."""
+        return [()] if any(m.tip_jacobian is not None for m in motions) else []
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """Translation and rotation."""
+        return {p.name: float(b) for p, b in zip(self.parameters, beta, strict=True)}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        shift = 1e3 * np.linalg.norm([values["dx"], values["dy"], values["dz"]])
+        turn = np.degrees(np.linalg.norm([values["rx"], values["ry"], values["rz"]]))
+        return f"{where} is not where the model puts it: {shift:.2g} mm and {turn:.2g} degrees off."
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return "the tip's pose, in every pose of the arm"
+
+
+def _turned_back(motion: Motion, j: int, frame: FloatArray) -> FloatArray:
+    """Rotations (T, 3, 3) of joint j's frame at its zero position."""
+    from scipy.spatial.transform import Rotation
+
+    assert motion.body is not None
+    axis = motion.body.axis(j)
+    if axis is None:  # a sliding joint does not turn its frame
+        return np.asarray(frame[:, :3, :3], dtype=np.float64)
+    back = Rotation.from_rotvec(-motion.q[:, j, None] * axis).as_matrix()
+    return np.asarray(frame[:, :3, :3] @ back, dtype=np.float64)

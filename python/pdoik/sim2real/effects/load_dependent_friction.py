@@ -1,0 +1,45 @@
+"""Dry friction that grows with the torque the gear transmits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class LoadDependentFriction(Effect):
+    """tau = c |tau_load| sign(dq)."""
+
+    id = "load_dependent_friction"
+    on = "joint"
+    equation = "tau = c |tau_load| sign(dq)"
+    parameters = (Parameter("coefficient", "-", lower=0.0, upper=1.0),)
+    confused_with = ("coulomb_friction", "torque_gain")
+    decided_by = "the same slow motion back and forth with the arm stretched out and folded"
+    source = "Hamon et al., ICRA 2010 (load-dependent friction in robot dynamics)"
+    complexity = 2
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Transmitted torque times direction."""
+        (j,) = place.joints
+        column = np.abs(motion.tau[:, j] - motion.rotor(j)) * motion.sign(j)
+        return {("torque", j): column[:, None]}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The coefficient."""
+        return {"coefficient": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} rubs more the more it carries: {100 * values['coefficient']:.2g} % of the"
+            " torque it transmits is lost to friction."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"reversals of {where} under load"

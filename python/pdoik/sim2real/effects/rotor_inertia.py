@@ -1,0 +1,43 @@
+"""Inertia of the rotor, seen through the gear."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class RotorInertia(Effect):
+    """tau = I ddq of the joint alone, beside what the model knows."""
+
+    id = "rotor_inertia"
+    on = "joint"
+    equation = "tau = I ddq"
+    parameters = (Parameter("inertia", "kg m^2", lower=0.0),)
+    confused_with = ("link_inertial_error", "torque_gain")
+    decided_by = (
+        "quick motion of this joint with the arm in different poses and of the joint before"
+    )
+    source = "Featherstone, Rigid Body Dynamics Algorithms, 2008, Sec. 9.6"
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The joint's acceleration."""
+        (j,) = place.joints
+        return {("torque", j): motion.ddq[:, j, None]}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The inertia at the joint."""
+        return {"inertia": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} resists acceleration by {values['inertia']:.3g} kg m^2 more than its links"
+            " do: the rotor's inertia through the gear."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"acceleration of {where}"

@@ -1,0 +1,81 @@
+"""A channel that is wrong by a factor: speed or position."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Key, Parameter, Place, Shape
+
+OF_SPEED, OF_POSITION = 0.0, 1.0
+
+
+class SensorGain(Effect):
+    """logged = k true, of speed or position; of torque see torque_gain."""
+
+    id = "sensor_gain"
+    on = "channel"
+    equation = "logged = k true"
+    parameters = (Parameter("gain", "-"),)
+    confused_with = ("torque_gain", "kinematic_error", "joint_offset")
+    decided_by = "the channel beside a second instrument"
+    source = "sensor calibration"
+    complexity = 2
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Channels."""
+        (j,) = place.joints
+        speed = motions[0].measured_dq
+        shapes: list[Shape] = [(OF_SPEED,)] if speed is not None and _known(speed[:, j]) else []
+        if motions[0].body is not None:
+            shapes.append((OF_POSITION,))
+        return shapes
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The channel, or the derivatives by position times it."""
+        (j,) = place.joints
+        q, dq, ddq = motion.q[:, j], motion.dq[:, j], motion.ddq[:, j]
+        if shape[0] == OF_SPEED:
+            return {("velocity", j): dq[:, None]}
+        # The true position is q / k = q + b q: coefficient b = 1/k - 1. Where speed was measured
+        # apart it stays right, and the balance of speed sees the positions' derivative grow.
+        change = (
+            motion.dtau_dq[:, :, j] * q[:, None]
+            + motion.dtau_dv[:, :, j] * dq[:, None]
+            + motion.mass_matrix[:, :, j] * ddq[:, None]
+        )
+        columns: dict[Key, FloatArray] = {
+            ("torque", i): change[:, i, None] for i in range(motion.n)
+        }
+        if motion.tip_jacobian is not None:
+            for axis in range(6):
+                column = motion.tip_jacobian[:, axis, j] * q
+                columns["tip", axis] = np.ascontiguousarray(column[:, None])
+        if motion.measured_dq is not None and _known(motion.measured_dq[:, j]):
+            columns["velocity", j] = dq[:, None]
+        return columns
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Coefficient k - 1, or 1/k - 1."""
+        return np.full(1, -3.0), np.full(1, 5.0)
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """The channel is what it is."""
+        return [(shape[0], shape[0])]
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The gain."""
+        by_one = 1.0 + float(beta[0])
+        return {"gain": by_one if shape[0] == OF_SPEED else 1.0 / by_one}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return f"A sensor of {where} reads {values['gain']:.3g} times what is true."
+
+
+def _known(values: FloatArray) -> bool:
+    return bool(np.isfinite(values).all())

@@ -1,0 +1,59 @@
+"""Dry friction that is higher at low speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class StribeckFriction(Effect):
+    """tau = S sign(dq) exp(-(dq/v)^2) with S > 0: a negative S is smooth dry friction, not this."""
+
+    id = "stribeck_friction"
+    on = "joint"
+    equation = "tau = S sign(dq) exp(-(dq / v)^2), beside Coulomb's"
+    parameters = (Parameter("extra", "N m", lower=0.0), Parameter("speed", "rad/s", lower=0.0))
+    confused_with = ("coulomb_friction", "presliding_hysteresis", "asymmetric_friction")
+    decided_by = "constant slow speeds, in steps from a hundredth to a third of the rated speed"
+    source = "Bo and Pavelescu, Wear 82(3), 1982"
+    beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
+    complexity = 3
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Speeds at which the extra friction fades, within what the recordings contain."""
+        (j,) = place.joints
+        fastest = max(float(np.quantile(np.abs(m.dq[:, j]), 0.98)) for m in motions)
+        slowest = 2.0 * max(float(m.speed_floor[j]) for m in motions)
+        grid = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6)
+        return [(v,) for v in grid if slowest < v < 0.5 * fastest]
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Direction, fading with speed."""
+        (j,) = place.joints
+        fade = np.exp(-((motion.dq[:, j] / shape[0]) ** 2))
+        return {("torque", j): (motion.sign(j) * fade)[:, None]}
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """The extra friction is positive."""
+        return np.zeros(1), np.full(1, np.inf)
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """Extra friction at rest and the speed at which it fades."""
+        return {"extra": float(beta[0]), "speed": shape[0]}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} has {values['extra']:.3g} N m more dry friction when it creeps than when it"
+            f" runs; the surplus is gone above about {values['speed']:.2g} rad/s (Stribeck)."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"slow motion of {where}"

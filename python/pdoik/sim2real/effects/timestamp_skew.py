@@ -1,0 +1,79 @@
+"""A channel that is logged late."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from ..signals import shifted
+from .command_delay import within_sampling
+from .effect import Columns, Effect, Key, Parameter, Place, Shape
+
+OF_TORQUE, OF_SPEED = 0.0, 1.0
+
+
+class TimestampSkew(Effect):
+    """channel_logged(t) = channel(t - s), of torque or of speed."""
+
+    id = "timestamp_skew"
+    on = "channel"
+    equation = "logged(t) = true(t - s)"
+    parameters = (Parameter("skew", "s", lower=-0.3, upper=0.3),)
+    confused_with = ("command_delay", "actuator_lag", "viscous_friction")
+    decided_by = "a knock on the arm at rest: which channel sees it first"
+    source = "clocks of separate buses"
+    fixed = True
+    complexity = 2
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Both signs [s]."""
+        times = (0.003, 0.006, 0.012, 0.025, 0.05, 0.1)
+        shapes: list[Shape] = []
+        (j,) = place.joints
+        if motions[0].source in ("tau", "current"):
+            shapes += [(OF_TORQUE, sign * time) for time in times for sign in (1, -1)]
+        if motions[0].measured_dq is not None and np.isfinite(motions[0].measured_dq[:, j]).all():
+            shapes += [(OF_SPEED, sign * time) for time in times for sign in (1, -1)]
+        return shapes
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The channel late less the channel."""
+        (j,) = place.joints
+        what, skew = shape
+        if what == OF_SPEED:
+            speed = motion.dq[:, j]
+            return {("velocity", j): (shifted(speed, skew, motion.period) - speed)[:, None]}
+        tau = motion.tau[:, j]
+        columns: dict[Key, FloatArray] = {
+            ("torque", j): (shifted(tau, skew, motion.period) - tau)[:, None]
+        }
+        if motion.has_command(j):
+            command = motion.asked(j)
+            columns["drive", j] = (shifted(command, skew, motion.period) - command)[:, None]
+        return columns
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The skew."""
+        return {"skew": shape[1]}
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """The channel is what it is; the time within a factor."""
+        what, time = shape
+        low, high = sorted((0.4 * time, 2.5 * time))
+        return [(what, what), (low, high)]
+
+    def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
+        """Less than the sampling can tell."""
+        return within_sampling(motions, shape[1])
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        late = "late" if values["skew"] > 0 else "early"
+        return f"A channel of {where} is logged {1e3 * abs(values['skew']):.3g} ms too {late}."
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"fast changes of {where}"

@@ -1,0 +1,47 @@
+"""A torque reading that is wrong by a factor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class TorqueGain(Effect):
+    """tau_reported = k tau."""
+
+    id = "torque_gain"
+    on = "joint"
+    equation = "tau_reported = k tau"
+    parameters = (Parameter("gain", "-"),)
+    confused_with = ("payload", "link_inertial_error", "load_dependent_friction")
+    decided_by = "the same motion with a known weight in the hand and without"
+    source = "Gautier and Briot, ICRA 2011 (global identification of drive gains)"
+    complexity = 2
+    per_joint_moving = False
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The rigid body's torque."""
+        (j,) = place.joints
+        return {("torque", j): motion.tau[:, j, None]}
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Coefficient k - 1: between half and double."""
+        return np.full(1, -0.7), np.full(1, 1.5)
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The gain."""
+        return {"gain": 1.0 + float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return f"The torque of {where} reads {values['gain']:.3g} times what it is."
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"in proportion to the torque of {where}"

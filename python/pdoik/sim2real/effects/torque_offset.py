@@ -1,0 +1,42 @@
+"""A torque reading that is not zero at zero."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class TorqueOffset(Effect):
+    """tau_reported = tau + b."""
+
+    id = "torque_offset"
+    on = "joint"
+    equation = "tau_reported = tau + b"
+    parameters = (Parameter("offset", "N m"),)
+    confused_with = ("link_inertial_error", "gravity_direction", "asymmetric_friction")
+    decided_by = "a rest in a pose where gravity does not load the joint"
+    source = "drive calibration"
+    per_joint_moving = False
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """A constant."""
+        (j,) = place.joints
+        one = np.ones((len(motion.time), 1))
+        return {("torque", j): one}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The offset."""
+        return {"offset": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return f"The torque of {where} is off by {values['offset']:.3g} N m, always the same."
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"always, {where} moving or not"

@@ -1,0 +1,133 @@
+"""None of the named effects: a smooth function of what it is seen to depend on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+VARIABLES = (
+    "position",
+    "speed",
+    "load",
+    "time",
+    "position and speed",
+    "other position",
+    "other speed",
+    "clock",
+)
+"""What an unknown torque may depend on; a shape is (index, lowest, highest value or frequency)."""
+
+_KNOTS = 9
+_KNOTS_2D = 5
+
+
+class Unknown(Effect):
+    """tau = f(x), f piecewise linear over nine knots; x is named, f is not."""
+
+    id = "unknown"
+    on = "joint"
+    equation = "tau = f(x), f given by its values at knots"
+    parameters = (Parameter("knots", "-"),)
+    decided_by = "motion that varies what it depends on and keeps everything else still"
+    source = "penalised regression splines (Eilers and Marx, Statistical Science 11(2), 1996)"
+    complexity = 9
+
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Every variable over its range, but time within a recording's periodic part."""
+        shapes: list[Shape] = []
+        for code, name in enumerate(VARIABLES):
+            if name == "clock" or (len(place.joints) > 1) != name.startswith("other"):
+                continue
+            x = np.concatenate([variable(m, place, code) for m in motions])
+            low, high = np.quantile(x, (0.005, 0.995))
+            if high > low:
+                shapes.append((float(code), float(low), float(high)))
+        return shapes
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Hat functions of the variable."""
+        j = place.joints[0]
+        code = int(shape[0])
+        if VARIABLES[code] == "clock":
+            angle = 2 * np.pi * shape[1] * (motion.recording.start + motion.time)
+            return {("torque", j): np.stack([np.cos(angle), np.sin(angle)], axis=1)}
+        if VARIABLES[code] == "position and speed":
+            across = hats(motion.q[:, j], shape[1], shape[2], _KNOTS_2D)
+            sign = motion.sign(j)[:, None]
+            both = np.hstack([across * sign, across * motion.dq[:, j, None]])
+            return {("torque", j): both}
+        x = variable(motion, place, code)
+        return {("torque", j): hats(x, shape[1], shape[2], _KNOTS)}
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """None."""
+        return np.full(_KNOTS, -np.inf), np.full(_KNOTS, np.inf)
+
+    def prior(self, width: int) -> FloatArray:
+        """A trace, so that knots no sample came near stay at zero."""
+        return np.full(width, 1e-4)
+
+    def admissible(self, beta: FloatArray) -> bool:
+        """Always."""
+        return True
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """Fixed."""
+        return [(value, value) for value in shape]
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The variable's index and range, and the function at its knots [N m]."""
+        result = {"variable": shape[0], "lowest": shape[1], "highest": shape[2]}
+        return result | {f"value_{i}": float(b) for i, b in enumerate(beta)}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        name = VARIABLES[int(values["variable"])]
+        on = {
+            "other position": "another joint's position",
+            "other speed": "another joint's speed",
+            "position": "its own position",
+            "speed": "its own speed",
+            "load": "the load it carries",
+            "time": "the time since the recording's start",
+            "position and speed": "its position and its speed together",
+            "clock": f"the clock, with a period of {1.0 / max(values['lowest'], 1e-9):.3g} s",
+        }[name]
+        return (
+            f"{where} has a torque the model does not know and no effect of the catalogue explains;"
+            f" it depends on {on}."
+        )
+
+    def regime(self, where: str) -> str:
+        """When it shows."""
+        return f"see the statement; {where}"
+
+
+def variable(motion: Motion, place: Place, code: int) -> FloatArray:
+    """The variable of an unknown torque along a motion, (T,)."""
+    j, name = place.joints[0], VARIABLES[code]
+    if name == "position" or name == "position and speed":
+        values = motion.q[:, j]
+    elif name == "speed":
+        values = motion.dq[:, j]
+    elif name == "load":
+        values = motion.tau[:, j]
+    elif name == "other position":
+        values = motion.q[:, place.joints[1]]
+    elif name == "other speed":
+        values = motion.dq[:, place.joints[1]]
+    else:
+        values = motion.time
+    return np.ascontiguousarray(values)
+
+
+def hats(x: FloatArray, low: float, high: float, knots: int) -> FloatArray:
+    """Piecewise linear functions that are 1 at one of evenly spaced knots, (T, knots)."""
+    place = np.clip((x - low) / (high - low), 0.0, 1.0) * (knots - 1)
+    return np.asarray(np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(knots))))

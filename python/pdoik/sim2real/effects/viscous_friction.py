@@ -1,0 +1,37 @@
+"""Friction that grows with speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..motion import Motion
+from ..recording import FloatArray
+from .effect import Columns, Effect, Parameter, Place, Shape
+
+
+class ViscousFriction(Effect):
+    """tau = c dq (Siciliano et al., Robotics, 2009, Sec. 7.1)."""
+
+    id = "viscous_friction"
+    on = "joint"
+    equation = "tau = c dq"
+    parameters = (Parameter("coefficient", "N m s/rad", lower=0.0),)
+    confused_with = ("stribeck_friction", "asymmetric_friction", "torque_gain")
+    decided_by = "both directions at five or more constant speeds over the whole range"
+    source = "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, Sec. 7.1"
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The joint's speed."""
+        (j,) = place.joints
+        return {("torque", j): motion.dq[:, j, None]}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """The coefficient."""
+        return {"coefficient": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return (
+            f"{where} needs {values['coefficient']:.3g} N m more for every rad/s of speed than the"
+            " model says: its friction grows with speed."
+        )

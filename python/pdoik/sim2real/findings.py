@@ -1,0 +1,144 @@
+"""What a diagnosis says, and its JSON (schema pdoik.diagnosis/1)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+Verdict = Literal[
+    "no_mismatch",
+    "mismatch_explained",
+    "mismatch_partly_explained",
+    "mismatch_unexplained",
+    "cannot_tell",
+]
+SCHEMA = "pdoik.diagnosis/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """A parameter's value with its standard error and 95 % interval from the block bootstrap."""
+
+    value: float
+    std: float
+    interval95: tuple[float, float]
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Equivalent:
+    """Another effect that would explain the same data as well."""
+
+    effect: str
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """By how much a finding lowers the squared residual of recordings it was not fitted to."""
+
+    validation_gain: float  # share of the mean square residual, 0 to 1
+    interval95: tuple[float, float]
+    channels: tuple[str, ...] = ()  # the columns it rests on
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One cause of the mismatch, by name."""
+
+    effect: str
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    recordings: tuple[str, ...] = ()
+    window: tuple[float, float] | None = None  # of the recording's time [s]
+    regime: str = ""
+    statement: str = ""
+    parameters: dict[str, Estimate] = field(default_factory=dict)
+    equivalents: tuple[Equivalent, ...] = ()
+    decided_by: str = ""
+    evidence: Evidence = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters without their errors."""
+        return {name: estimate.value for name, estimate in self.parameters.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointFit:
+    """Root mean square residual of a joint on data that nothing was fitted to."""
+
+    before: float
+    after: float
+    noise_floor: float
+    unit: str
+    data: str  # the recordings it was measured on
+    excited: bool  # whether the joint moved enough to be judged
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagnosis:
+    """Verdict, findings by how much of the mismatch each explains, and the fit of each joint."""
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    joints: dict[str, JointFit]
+    notes: tuple[str, ...] = ()  # what was repaired, assumed or cannot be told, in words
+
+    def to_json(self) -> str:
+        """Text of diagnosis.json."""
+        return json.dumps({"schema": SCHEMA, **asdict(self)}, indent=1) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> Diagnosis:
+        """The diagnosis whose `to_json` is `text`.
+
+        Raises:
+            ValueError: `text` is not of this schema.
+        """
+        content = json.loads(text)
+        if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+            raise ValueError(f"not a diagnosis: expected JSON of schema {SCHEMA}")
+        return cls(
+            verdict=content["verdict"],
+            findings=tuple(_finding(each) for each in content["findings"]),
+            joints={name: JointFit(**each) for name, each in content["joints"].items()},
+            notes=tuple(content.get("notes", ())),
+        )
+
+
+def _finding(content: dict[str, Any]) -> Finding:
+    window = content["window"]
+    return Finding(
+        effect=content["effect"],
+        joints=tuple(content["joints"]),
+        links=tuple(content["links"]),
+        recordings=tuple(content["recordings"]),
+        window=None if window is None else (window[0], window[1]),
+        regime=content["regime"],
+        statement=content["statement"],
+        parameters={name: _estimate(each) for name, each in content["parameters"].items()},
+        equivalents=tuple(
+            Equivalent(
+                effect=each["effect"],
+                joints=tuple(each.get("joints", ())),
+                links=tuple(each.get("links", ())),
+            )
+            for each in content["equivalents"]
+        ),
+        decided_by=content["decided_by"],
+        evidence=Evidence(
+            validation_gain=content["evidence"]["validation_gain"],
+            interval95=tuple(content["evidence"]["interval95"]),
+            channels=tuple(content["evidence"].get("channels", ())),
+        ),
+    )
+
+
+def _estimate(content: dict[str, Any]) -> Estimate:
+    low, high = content["interval95"]
+    return Estimate(
+        value=content["value"], std=content["std"], interval95=(low, high), unit=content["unit"]
+    )

@@ -1,0 +1,134 @@
+"""From terms to findings: names, places and words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .effects import CATALOGUE
+from .findings import Equivalent, Estimate, Evidence, Finding
+from .prepare import Prepared
+from .regression import Term
+
+Found = tuple[Finding, tuple[Term, ...]]
+
+_ONE_CAUSE = ("command_delay", "actuator_lag", "timestamp_skew")
+"""Effects that several joints share when their figures agree."""
+
+
+def finding_of(
+    prepared: Prepared,
+    term: Term,
+    values: dict[str, Estimate],
+    equivalents: tuple[Equivalent, ...],
+    evidence: Evidence,
+) -> Finding:
+    """The finding a term stands for."""
+    place, study = term.place, prepared.study
+    effect = CATALOGUE[term.effect]
+    joints = tuple(study.joints[j] for j in place.joints)
+    links: tuple[str, ...] = ()
+    if place.link is not None and prepared.body is not None:
+        links = (prepared.body.links[place.link],)
+    if effect.id == "kinematic_error" and prepared.body is not None:
+        links = (prepared.body.links[place.joints[0]],)
+    if effect.id == "payload" and not _is_body(values):
+        effect = CATALOGUE["link_inertial_error"]
+        values = _as_link_error(values)
+        equivalents = (Equivalent(effect="payload", links=links), *equivalents)[:3]
+    plain = {name: each.value for name, each in values.items()}
+    where = _where(effect.on, joints, links)
+    recordings = tuple(r.name for r in study.fit)
+    if place.recording is not None:
+        recordings = (place.recording,)
+    decided = effect.decided_by if equivalents or effect.confused_with else ""
+    return Finding(
+        effect=effect.id,
+        joints=joints,
+        links=links,
+        recordings=recordings,
+        window=place.window,
+        regime=effect.regime(where),
+        statement=effect.statement(where, plain),
+        parameters=values,
+        equivalents=equivalents,
+        decided_by=decided,
+        evidence=evidence,
+    )
+
+
+def _where(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> str:
+    if links:
+        return f"Link {', '.join(links)}"
+    if joints:
+        return f"Joint {joints[0]}" if len(joints) == 1 else f"Joints {' and '.join(joints)}"
+    return "The base" if on == "base" else "The robot"
+
+
+def _is_body(values: dict[str, Estimate]) -> bool:
+    """Whether a payload's figures belong to a body, within their errors."""
+    mass = values["mass"]
+    return mass.value > 0.0 and mass.interval95[1] > 0.0
+
+
+def _as_link_error(values: dict[str, Estimate]) -> dict[str, Estimate]:
+    mass = values["mass"]
+    result = {"d_mass": mass}
+    for axis in "xyz":
+        com = values[f"com_{axis}"]
+        moment = mass.value * com.value
+        half = abs(mass.value) * (com.interval95[1] - com.interval95[0]) / 2
+        result[f"d_first_moment_{axis}"] = Estimate(
+            value=moment,
+            std=abs(mass.value) * com.std,
+            interval95=(moment - half, moment + half),
+            unit="kg m",
+        )
+    return result | {f"d_{name}": values[name] for name in list(values)[4:]}
+
+
+def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:
+    """One finding where several joints show the same delay, lag or skew."""
+    result: list[Found] = []
+    groups: dict[str, list[Found]] = {}
+    for finding, terms in found:
+        if finding.effect in _ONE_CAUSE:
+            groups.setdefault(finding.effect, []).append((finding, terms))
+        else:
+            result.append((finding, terms))
+    for group in groups.values():
+        result += _joined(group, joints)
+    return result
+
+
+def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
+    name = next(iter(group[0][0].parameters))
+    times = np.array([finding.parameters[name].value for finding, _ in group])
+    middle = float(np.median(times))
+    near = [i for i, t in enumerate(times) if abs(t - middle) < max(0.3 * abs(middle), 2e-3)]
+    if len(near) < 2:
+        return group
+    best = max((group[i] for i in near), key=lambda each: each[0].evidence.validation_gain)
+    inside = [group[i][0] for i in near]
+    weight = np.array([1.0 / max(f.parameters[name].std, 1e-6) ** 2 for f in inside])
+    value = float(np.sum(weight * times[near]) / weight.sum())
+    std = float(max(np.std(times[near]) / np.sqrt(len(near)), weight.sum() ** -0.5))
+    estimate = Estimate(
+        value=value,
+        std=std,
+        interval95=(value - 1.96 * std, value + 1.96 * std),
+        unit=inside[0].parameters[name].unit,
+    )
+    names = tuple(j for j in joints if any(j in f.joints for f in inside))
+    effect = CATALOGUE[best[0].effect]
+    where = "all joints" if len(names) == len(joints) else ", ".join(names)
+    one = replace(
+        best[0],
+        joints=names,
+        parameters={name: estimate},
+        statement=effect.statement(where, {name: value}),
+        regime=effect.regime(where),
+    )
+    terms = tuple(term for i in near for term in group[i][1])
+    return [(one, terms)] + [group[i] for i in range(len(group)) if i not in near]

@@ -1,0 +1,51 @@
+"""A recording of a robot's joints, on a uniform grid of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Role = Literal["fit", "validate"]
+
+CHANNELS = ("q", "dq", "tau", "current", "q_des", "dq_des", "tau_cmd")
+"""Channels with a column per joint, as `channel.joint`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
+    """What was logged of one run. Arrays are (T, n), in the order of the study's joints.
+
+    A channel that was not logged is None; one not logged for a joint is a column of NaN.
+    """
+
+    name: str  # the file's name, unique in the study
+    role: Role
+    start: float  # of the first sample on the study's clock [s]
+    time: FloatArray  # (T,) uniform, from 0 [s]
+    q: FloatArray  # [rad], [m] for prismatic joints; at the motor's side of the gear
+    dq: FloatArray | None = None  # [rad/s]
+    tau: FloatArray | None = None  # as the drive reports it [N m]
+    current: FloatArray | None = None  # [A]
+    q_des: FloatArray | None = None
+    dq_des: FloatArray | None = None
+    tau_cmd: FloatArray | None = None
+    tip: FloatArray | None = None  # (T, 7): x y z qw qx qy qz in the base frame
+    valid: NDArray[np.bool_]  # (T,) False within gaps bridged by interpolation
+    raw_period: float  # median step of the file's time [s]
+    jitter: float  # standard deviation of the file's time steps [s]
+    notes: tuple[str, ...] = ()  # what was repaired, in words
+
+    @property
+    def period(self) -> float:
+        """Step of the grid [s]."""
+        return float(self.time[1] - self.time[0])
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that were logged."""
+        names = (*CHANNELS, "tip")
+        return tuple(name for name in names if getattr(self, name) is not None)

@@ -1,0 +1,131 @@
+"""Ids and numbers in the words of the report."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Finding, JointFit, Verdict
+
+MINUS, DASH = "\N{MINUS SIGN}", "\N{EN DASH}"
+VERDICTS: dict[Verdict, tuple[str, str]] = {
+    "no_mismatch": (
+        "Model and machine agree",
+        "What is left of the residual is no more than the recordings' own noise.",
+    ),
+    "mismatch_explained": (
+        "Model and machine differ, and what was found explains it",
+        "With the findings below, the model predicts recordings it never saw down to their noise.",
+    ),
+    "mismatch_partly_explained": (
+        "Model and machine differ, and what was found explains a part of it",
+        "The findings below hold on recordings they were not fitted to, but something is left that"
+        " no known effect accounts for.",
+    ),
+    "mismatch_unexplained": (
+        "Model and machine differ, and no known effect explains it",
+        "Every effect that was tried failed on recordings it was not fitted to. Where the mismatch"
+        " sits is known, what causes it is not.",
+    ),
+    "cannot_tell": (
+        "These recordings cannot tell",
+        "They hold too little motion, or too few channels, to judge the model by.",
+    ),
+}
+_SPECIAL = {
+    "load_dependent_friction": "load-dependent friction",
+    "presliding_hysteresis": "presliding hysteresis",
+    "stribeck_friction": "Stribeck friction",
+    "coulomb_friction": "Coulomb friction",
+    "position_dependent_spring": "spring that depends on position",
+    "unknown": "unknown effect",
+    "gravity_direction": "direction of gravity",
+    "link_inertial_error": "a link's inertia",
+    "external_contact": "contact from outside",
+    "timestamp_skew": "skewed time stamps",
+}
+
+
+def effect_name(effect: str) -> str:
+    """`coulomb_friction` as Coulomb friction."""
+    return _SPECIAL.get(effect, effect.replace("_", " "))
+
+
+def place(thing: Finding | Equivalent) -> str:
+    """The link that has it, or else the joints."""
+    return ", ".join(thing.links or thing.joints) or "the whole robot"
+
+
+def sentence(text: str) -> str:
+    """With a capital first letter."""
+    return text[:1].upper() + text[1:]
+
+
+def number(value: float, digits: int = 3) -> str:
+    """To `digits` significant ones; a dash for what is not finite."""
+    if not math.isfinite(value):
+        return DASH
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if size >= 1e5 or size < 1e-4:
+        mantissa, power = f"{value:.{digits - 1}e}".split("e")
+        return f"{mantissa}e{int(power)}".replace("-", MINUS)
+    decimals = max(digits - 1 - math.floor(math.log10(size)), 0)
+    return f"{value:.{decimals}f}".replace("-", MINUS)
+
+
+def estimate_numbers(estimate: Estimate) -> tuple[str, str, str]:
+    """Value and both ends of the interval, all to the decimals that the error allows."""
+    entries = (estimate.value, *estimate.interval95)
+    spread = estimate.std
+    if not (math.isfinite(spread) and spread > 0) or not all(map(math.isfinite, entries)):
+        low, middle, high = (number(entry) for entry in (entries[1], entries[0], entries[2]))
+        return middle, low, high
+    if spread < 1e-7 or max(abs(entry) for entry in entries) >= 1e6:
+        middle, low, high = (number(entry, 4) for entry in entries)
+        return middle, low, high
+    decimals = max(1 - math.floor(math.log10(spread)), 0)
+    middle, low, high = (f"{entry:.{decimals}f}".replace("-", MINUS) for entry in entries)
+    return middle, low, high
+
+
+def percent(share: float) -> str:
+    """A share as a percentage."""
+    if not math.isfinite(share):
+        return DASH
+    value = 100 * share
+    text = f"{value:.1f}" if abs(value) < 9.95 else f"{value:.0f}"
+    return f"{text.removesuffix('.0')} %".replace("-", MINUS)
+
+
+def slug(name: str) -> str:
+    """What of a name can stand in a file's name."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:40] or "x"
+
+
+def joint_state(fit: JointFit) -> str:
+    """How a joint stands after the findings: quiet, better, left or still."""
+    if not fit.excited:
+        return "not moved enough to judge"
+    floor = 1.3 * fit.noise_floor
+    if fit.before <= floor:
+        return "agrees within noise"
+    if fit.after <= floor:
+        return "explained"
+    return "partly explained" if fit.after < 0.9 * fit.before else "not explained"
+
+
+def summary(diagnosis: Diagnosis) -> list[str]:
+    """The verdict's reasons, a sentence each."""
+    lines = [VERDICTS[diagnosis.verdict][1]]
+    findings = diagnosis.findings
+    if findings:
+        count = "One cause was" if len(findings) == 1 else f"{len(findings)} causes were"
+        named = "; ".join(f"{effect_name(each.effect)} at {place(each)}" for each in findings[:4])
+        more = f"; and {len(findings) - 4} more" if len(findings) > 4 else ""
+        lines.append(f"{count} found: {named}{more}.")
+    still = [name for name, fit in diagnosis.joints.items() if not fit.excited]
+    if still:
+        lines.append(f"Nothing can be said of {', '.join(still)}: too little motion.")
+    return lines

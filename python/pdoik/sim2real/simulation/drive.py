@@ -1,0 +1,70 @@
+"""From a commanded torque to the one exerted, joint by joint."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import replace
+
+from .parts import DriveChange
+
+
+def combine(changes: Iterable[DriveChange], joint: str) -> DriveChange:
+    """All changes of one joint's drive as one: the order among them does not matter much."""
+    whole = DriveChange(joint=joint)
+    for change in changes:
+        if change.joint == joint:
+            whole = replace(
+                whole,
+                delay=whole.delay + change.delay,
+                limit=min(whole.limit, change.limit),
+                time_constant=whole.time_constant + change.time_constant,
+                gain=whole.gain * change.gain,
+                offset=whole.offset + change.offset,
+            )
+    return whole
+
+
+class Drive:
+    """Limit, first-order lag, and what the drive believes against what it exerts."""
+
+    __slots__ = ("_change", "_decay", "_gain", "_limit", "_mean", "_offset", "_state")
+
+    def __init__(self, change: DriveChange, dt: float) -> None:
+        self._change, self._limit = change, change.limit
+        self._gain, self._offset = 1.0 / change.gain, change.offset
+        share = dt / max(change.time_constant, 1e-12)
+        self._decay = math.exp(-share)  # of the distance to the command over a step
+        self._mean = -math.expm1(-share) / share  # of that distance on average within the step
+        self._state: float | None = None  # None until the first command, which finds it settled
+
+    def __call__(self, command: float) -> tuple[float, float]:
+        """Reported at the step's start, and exerted on average over the step [N m]."""
+        limit = self._limit
+        command = -limit if command < -limit else limit if command > limit else command
+        state = self._state
+        if state is None or not self._change.time_constant:
+            self._state = state = command
+        away = state - command
+        self._state = command + away * self._decay
+        return state, (command + away * self._mean - self._offset) * self._gain
+
+
+class DelayLine:
+    """The values of a while ago, straight lines between steps; the first value before it."""
+
+    __slots__ = ("_past", "_share", "_steps")
+
+    def __init__(self, delay: float, dt: float) -> None:
+        whole = math.floor(delay / dt + 1e-9)
+        self._share = max(delay / dt - whole, 0.0)
+        self._steps = whole + 2
+        self._past: deque[float] = deque(maxlen=self._steps)
+
+    def __call__(self, value: float) -> float:
+        past = self._past
+        if not past:
+            past.extend([value] * self._steps)
+        past.append(value)
+        return past[0] * self._share + past[1] * (1.0 - self._share)

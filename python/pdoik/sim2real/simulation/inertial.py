@@ -1,0 +1,81 @@
+"""Inertial parameters of a link in its own frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..recording import FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Inertial:
+    """Mass, first moment and inertia of a link, which add up where bodies are joined."""
+
+    mass: float  # [kg]
+    first_moment: FloatArray  # (3,) mass times centre of mass [kg m]
+    inertia: FloatArray  # (3, 3) about the frame's origin [kg m^2]
+
+    @classmethod
+    def nothing(cls) -> Inertial:
+        """A link without mass."""
+        return cls(mass=0.0, first_moment=np.zeros(3), inertia=np.zeros((3, 3)))
+
+    @classmethod
+    def about_com(cls, mass: float, com: FloatArray, inertia: FloatArray) -> Inertial:
+        """From the inertia (3, 3) about the centre of mass, in axes parallel to the frame's."""
+        com = np.asarray(com, dtype=float)
+        return cls(mass=mass, first_moment=mass * com, inertia=inertia + mass * _steiner(com))
+
+    @classmethod
+    def from_ten(cls, ten: Sequence[float]) -> Inertial:
+        """From mass, first moments x y z, inertias xx xy yy xz yz zz about the origin."""
+        mass, x, y, z, xx, xy, yy, xz, yz, zz = (float(each) for each in ten)
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return cls(mass=mass, first_moment=np.array([x, y, z]), inertia=inertia)
+
+    def ten(self) -> FloatArray:
+        """The ten parameters as `from_ten` takes them (Pinocchio's order), (10,)."""
+        I = self.inertia  # noqa: E741
+        inertia = (I[0, 0], I[0, 1], I[1, 1], I[0, 2], I[1, 2], I[2, 2])
+        return np.array([self.mass, *self.first_moment, *inertia])
+
+    def __add__(self, other: Inertial) -> Inertial:
+        return Inertial(
+            mass=self.mass + other.mass,
+            first_moment=self.first_moment + other.first_moment,
+            inertia=self.inertia + other.inertia,
+        )
+
+    @property
+    def com(self) -> FloatArray:
+        """Centre of mass (3,) [m]; the origin for a link without mass."""
+        return self.first_moment / self.mass if self.mass else np.zeros(3)
+
+    @property
+    def inertia_about_com(self) -> FloatArray:
+        """In axes parallel to the frame's, (3, 3) [kg m^2]."""
+        return np.asarray(self.inertia - self.mass * _steiner(self.com))
+
+    def principal(self, link: str) -> tuple[FloatArray, FloatArray]:
+        """Moments (3,) about the centre of mass and axes (3, 3), a rotation.
+
+        Raises:
+            ValueError: no body has such parameters; the message names `link`.
+        """
+        moments, axes = np.linalg.eigh(self.inertia_about_com)
+        scale = max(float(np.abs(self.inertia).max()), 1e-9)
+        if self.mass < 0 or moments[0] < -1e-9 * scale:
+            raise ValueError(
+                f"link {link}: no body has mass {self.mass:.4g} kg and moments of inertia "
+                f"{', '.join(f'{each:.4g}' for each in moments)} kg m^2 about its centre of mass"
+            )
+        if np.linalg.det(axes) < 0:
+            axes = axes * [1.0, 1.0, -1.0]
+        return np.maximum(moments, 0.0), np.asarray(axes)
+
+
+def _steiner(r: FloatArray) -> FloatArray:
+    return np.asarray(np.dot(r, r) * np.eye(3) - np.outer(r, r))

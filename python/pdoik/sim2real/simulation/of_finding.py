@@ -1,0 +1,237 @@
+"""How each effect enters the simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..findings import Finding
+from .inertial import Inertial
+from .laws import (
+    VARIABLES,
+    Dahl,
+    Variable,
+    curve,
+    drift,
+    level_asymmetry,
+    of_load,
+    ripple,
+    spring,
+    stribeck,
+    viscous_asymmetry,
+)
+from .parts import (
+    Coupling,
+    DofChange,
+    DriveChange,
+    ExternalForce,
+    GearPlay,
+    GravityTilt,
+    HardFriction,
+    JointTorque,
+    LinkChange,
+    Part,
+    Placement,
+    SensedChannel,
+    SensorChange,
+)
+
+CHANNELS: tuple[SensedChannel, ...] = ("q", "dq", "tau")
+INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")  # Pinocchio's order
+
+
+@dataclass(frozen=True, slots=True)
+class _Where:
+    """Where an effect is, and how large."""
+
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    window: tuple[float, float] | None
+    recordings: tuple[str, ...]
+    channel: SensedChannel
+    values: Mapping[str, float]
+
+    def __getitem__(self, parameter: str) -> float:
+        return float(self.values[parameter])
+
+    def get(self, parameter: str) -> float:
+        return float(self.values.get(parameter, 0.0))
+
+    @property
+    def link(self) -> str:
+        return self.links[0] if self.links else ""
+
+    def each(self, make: Callable[[str], Part]) -> tuple[Part, ...]:
+        return tuple(make(joint) for joint in self.joints)
+
+
+def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
+    """What a finding adds to the simulation."""
+    channels = [each for each in CHANNELS if each in finding.evidence.channels]
+    return parts_of(
+        finding.effect,
+        finding.joints,
+        finding.links,
+        finding.window,
+        finding.values,
+        recordings=finding.recordings,
+        channel=channels[0] if len(channels) == 1 else None,
+    )
+
+
+def parts_of(
+    effect: str,
+    joints: Sequence[str],
+    links: Sequence[str] = (),
+    window: tuple[float, float] | None = None,
+    values: Mapping[str, float] = {},
+    *,
+    recordings: Sequence[str] = (),
+    channel: SensedChannel | None = None,
+) -> tuple[Part, ...]:
+    """What an effect adds to the simulation.
+
+    Args:
+        effect: Its id, such as "coulomb_friction".
+        joints: It acts on each; of joint_coupling the moved one, then the one whose motor moves it;
+            of unknown the joint, then the one it depends on if another.
+        links: For payload and contact; the last joint's if there is none.
+        window: Of external_contact [s].
+        values: Its parameters by name.
+        recordings: Where external_contact acts; () for all.
+        channel: What sensor_gain and timestamp_skew are of; dq and tau if None.
+
+    Raises:
+        ValueError: there is no such effect, or a parameter is missing.
+    """
+    if effect not in EFFECTS:
+        raise ValueError(f"no effect {effect!r}, expected one of {', '.join(EFFECTS)}")
+    of = channel or ("dq" if effect == "sensor_gain" else "tau")
+    where = _Where(tuple(joints), tuple(links), window, tuple(recordings), of, values)
+    try:
+        return EFFECTS[effect](where)
+    except KeyError as error:
+        raise ValueError(
+            f"{effect} needs the parameter {error}, got {', '.join(values) or 'none'}"
+        ) from None
+
+
+def _asymmetric(w: _Where) -> tuple[Part, ...]:
+    level, viscous = w.get("level_difference"), w.get("viscous_difference")
+    return w.each(lambda j: HardFriction(joint=j, level=level_asymmetry(level))) + w.each(
+        lambda j: JointTorque(joint=j, law=viscous_asymmetry(viscous))
+    )
+
+
+def _spring(w: _Where) -> tuple[Part, ...]:
+    stiffness, onset, side = w["stiffness"], w.get("onset"), w.get("side")
+    if side == 0:
+        return w.each(lambda j: DofChange(joint=j, stiffness=stiffness, rest=onset))
+    return w.each(lambda j: JointTorque(joint=j, law=spring(stiffness, onset, side), at_link=True))
+
+
+def _payload(w: _Where) -> tuple[Part, ...]:
+    com = np.array([w.get("com_x"), w.get("com_y"), w.get("com_z")])
+    about_com = Inertial.from_ten([0.0] * 4 + [w.get(name) for name in INERTIAS]).inertia
+    return (LinkChange(link=w.link, inertial=Inertial.about_com(w["mass"], com, about_com)),)
+
+
+def _link_error(w: _Where) -> tuple[Part, ...]:
+    names = ["d_mass", *(f"d_first_moment_{axis}" for axis in "xyz"), *(f"d_{i}" for i in INERTIAS)]
+    return (LinkChange(link=w.link, inertial=Inertial.from_ten([w.get(name) for name in names])),)
+
+
+def _kinematic_error(w: _Where) -> tuple[Part, ...]:
+    moved = (w.get("dx"), w.get("dy"), w.get("dz"))
+    turned = (w.get("rx"), w.get("ry"), w.get("rz"))
+    return w.each(lambda j: Placement(joint=j, translation=moved, rotation=turned))
+
+
+def _coupling(w: _Where) -> tuple[Part, ...]:
+    if len(w.joints) != 2:
+        raise ValueError(f"joint_coupling needs two joints, got {', '.join(w.joints) or 'none'}")
+    return (Coupling(joint=w.joints[0], by=w.joints[1], ratio=w["ratio"]),)
+
+
+def _contact(w: _Where) -> tuple[Part, ...]:
+    force = (w.get("force_x"), w.get("force_y"), w.get("force_z"))
+    return (ExternalForce(link=w.link, force=force, window=w.window, recordings=w.recordings),)
+
+
+def _unknown(w: _Where) -> tuple[Part, ...]:
+    """A curve of torque over one variable: `speed_0`, `torque_0`, `speed_1`, `torque_1`, ..."""
+    for variable in VARIABLES:
+        if f"{variable}_0" in w.values:
+            count = sum(name.startswith(f"{variable}_") for name in w.values)
+            return (
+                unknown_part(
+                    w.joints[0],
+                    variable,
+                    [w[f"{variable}_{k}"] for k in range(count)],
+                    [w[f"torque_{k}"] for k in range(count)],
+                    of=w.joints[1] if len(w.joints) > 1 else "",
+                ),
+            )
+    return ()
+
+
+def unknown_part(
+    joint: str, variable: Variable, knots: Sequence[float], values: Sequence[float], of: str = ""
+) -> JointTorque:
+    """A torque without a name as straight lines over a variable (of another joint, if `of`)."""
+    law = curve(variable, knots, values)
+    return JointTorque(joint=joint, law=law, of=of, needs_load=variable == "load")
+
+
+EFFECTS: dict[str, Callable[[_Where], tuple[Part, ...]]] = {
+    "viscous_friction": lambda w: w.each(lambda j: DofChange(joint=j, damping=w["coefficient"])),
+    "coulomb_friction": lambda w: w.each(lambda j: HardFriction(joint=j, level=w["level"])),
+    "stribeck_friction": lambda w: w.each(
+        lambda j: HardFriction(joint=j, level=stribeck(w["extra"], w["speed"]))
+    ),
+    "asymmetric_friction": _asymmetric,
+    "load_dependent_friction": lambda w: w.each(
+        lambda j: HardFriction(joint=j, level=of_load(w["coefficient"]), needs_load=True)
+    ),
+    "presliding_hysteresis": lambda w: w.each(
+        lambda j: JointTorque(joint=j, law=Dahl(w["level"], w["displacement"]))
+    ),
+    "friction_drift": lambda w: w.each(
+        lambda j: HardFriction(joint=j, level=drift(w["extra"], w["time_constant"]))
+    ),
+    "rotor_inertia": lambda w: w.each(lambda j: DofChange(joint=j, armature=w["inertia"])),
+    "payload": _payload,
+    "link_inertial_error": _link_error,
+    "gravity_direction": lambda w: (GravityTilt(x=w.get("tilt_x"), y=w.get("tilt_y")),),
+    "torque_gain": lambda w: w.each(lambda j: DriveChange(joint=j, gain=w["gain"])),
+    "torque_offset": lambda w: w.each(lambda j: DriveChange(joint=j, offset=w["offset"])),
+    "torque_saturation": lambda w: w.each(lambda j: DriveChange(joint=j, limit=w["level"])),
+    "torque_ripple": lambda w: w.each(
+        lambda j: JointTorque(joint=j, law=ripple(w["amplitude"], w.get("phase"), w["harmonic"]))
+    ),
+    "position_dependent_spring": _spring,
+    "command_delay": lambda w: w.each(lambda j: DriveChange(joint=j, delay=w["delay"])),
+    "actuator_lag": lambda w: w.each(
+        lambda j: DriveChange(joint=j, time_constant=w["time_constant"])
+    ),
+    "backlash": lambda w: w.each(lambda j: GearPlay(joint=j, gap=w["gap"])),
+    "joint_elasticity": lambda w: w.each(
+        lambda j: GearPlay(joint=j, stiffness=w["stiffness"], damping=w.get("damping"))
+    ),
+    "joint_offset": lambda w: w.each(
+        lambda j: SensorChange(joint=j, channel="q", offset=w["offset"])
+    ),
+    "kinematic_error": _kinematic_error,
+    "joint_coupling": _coupling,
+    "timestamp_skew": lambda w: w.each(
+        lambda j: SensorChange(joint=j, channel=w.channel, skew=w["skew"])
+    ),
+    "sensor_gain": lambda w: w.each(
+        lambda j: SensorChange(joint=j, channel=w.channel, gain=w["gain"])
+    ),
+    "sensor_noise": lambda w: (),
+    "external_contact": _contact,
+    "unknown": _unknown,
+}

@@ -1,0 +1,297 @@
+"""Closed-loop replay of recorded commands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ..recording import FloatArray, Recording
+from ..study import Controller
+from .control import (
+    Control,
+    GravityModel,
+    control_law,
+    longest_control_step,
+    missing_rotor_inertia,
+)
+from .parts import Part, SensedChannel, Vector
+from .plant import STANDARD_GRAVITY
+from .segments import Segment, measured_state, row_at, run_ends, sampled
+from .stepper import Stepper
+
+OPEN_LOOP_WINDOW = 0.2  # a robot without its controller falls away from a recording [s]
+Drive = Literal["controller", "tau_cmd", "tau"]
+
+
+class Simulator:
+    """Simulates a study's robot with its controller for given commands."""
+
+    def __init__(
+        self,
+        robot: str | Path,
+        joints: Sequence[str],
+        controller: Controller | None = None,
+        rotor_inertia: FloatArray | None = None,
+        parts: Iterable[Part] = (),
+        *,
+        tip: str | None = None,
+        gravity: Vector = STANDARD_GRAVITY,
+        timestep: float = 1e-3,
+    ) -> None:
+        """Build the model.
+
+        Args:
+            robot: File of a URDF or MJCF, or the text of one.
+            joints: Order of the recordings' columns; other joints are held at zero.
+            controller: Of the recorded machine; None: only recorded torques can be replayed.
+            rotor_inertia: (n,) at the joints [kg m^2]; None: the description's armatures.
+            parts: What is added to the description; the controller's gravity knows nothing of it.
+            tip: Link whose pose is simulated; the last joint's otherwise.
+            gravity: In the base frame [m/s^2].
+            timestep: The longest step; stiff parts take shorter ones, down to 0.1 ms [s].
+
+        Raises:
+            ValueError: a joint or link is missing, or a figure is no robot's.
+        """
+        self.joints = tuple(joints)
+        self.controller = controller
+        self.stepper = Stepper(
+            robot, self.joints, parts, rotor_inertia=rotor_inertia, tip=tip, gravity=gravity
+        )
+        self._longest = timestep
+        plant = self.stepper.plant
+        self._armature: FloatArray = plant.model.dof_armature[list(plant.dof)]
+        self._added: tuple[str, ...] = ()  # notes on the last replay
+        self._control: Control | None = None
+        if controller is not None:
+            held = controller.gravity_compensation
+            model = GravityModel(robot, self.joints, gravity) if held else None
+            self._control = control_law(controller, model)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was assumed of the model, in words."""
+        return self.stepper.plant.notes + self._added
+
+    def drive_for(self, commands: Recording) -> Drive:
+        """What can drive the simulation: the controller, or else a recorded torque.
+
+        Raises:
+            ValueError: nothing can.
+        """
+        if self.controller is not None and commands.q_des is not None:
+            return "controller"
+        if commands.tau_cmd is not None:
+            return "tau_cmd"
+        if commands.tau is not None:
+            return "tau"
+        raise ValueError(
+            f"{commands.name}: nothing to replay: expected q_des and a known controller, or "
+            f"tau_cmd, or tau; got {', '.join(commands.channels)}"
+            + (" and no controller" if self.controller is None else "")
+        )
+
+    def replay(
+        self,
+        commands: Recording,
+        *,
+        drive: Drive | None = None,
+        window: float | None = None,
+        q0: FloatArray | None = None,
+        dq0: FloatArray | None = None,
+        tip: bool | None = None,
+    ) -> Recording:
+        """The motion that follows from a recording's commands, on the recording's grid.
+
+        Commands between samples lie on straight lines. Drives, friction and play begin settled.
+        With `window` the motors are put back to the recorded state every so often, and samples
+        there still show the run before. Open loop that is needed, so there it is 0.2 s if None.
+
+        Args:
+            commands: q_des and dq_des for the controller, or tau_cmd, or tau; and the first state.
+            drive: What drives; `drive_for(commands)` if None. "tau" skips what drives do to
+                commands, since reported torque is what came of that.
+            window: [s]; None in closed loop: one run.
+            q0: Measured positions at the start, (n,); the recording's first if None.
+            dq0: Measured speeds at the start, (n,); the recording's first if None.
+            tip: Whether to give the tip's poses; where the recording has some if None.
+
+        Returns:
+            Channels q, dq, tau as measured (with sensors' gains and skews), tau_cmd, the commands,
+            and `tip`, where it truly is.
+
+        Raises:
+            ValueError: a needed channel is missing.
+            SimulationError: the robot ran away.
+        """
+        drive = drive or self.drive_for(commands)
+        if window is None and drive != "controller":
+            window = OPEN_LOOP_WINDOW
+        q, dq = measured_state(commands, self.joints, q0, dq0)
+        stepper, (dt, hold) = self.stepper, self._steps(commands, drive)
+        if stepper.timestep != dt:
+            stepper.timestep = dt
+        self._add_missing_rotors(q[0], dt * hold, drive)
+        stepper.recording = commands.name
+        stepper.reset(q[0], dq[0])
+        duration = float(commands.time[-1])
+        ticks = self._commands(commands, drive, np.arange(0.0, duration + 2 * dt, dt * hold))
+        ends = run_ends(duration, window, commands.period)
+        segments, first = [], 0
+        for end in ends:
+            last = max(first + 1, int(np.ceil(end / dt - 1e-6)))
+            last += end == ends[-1]  # for the torque of the last sample
+            segments.append(self._run(first, last, hold, ticks, drive))
+            if end < ends[-1]:
+                stepper.place(*(row_at(last * dt, commands.time, each) for each in (q, dq)))
+            first = last
+        return self._recording(commands, segments, drive, window, tip)
+
+    def _steps(self, commands: Recording, drive: Drive) -> tuple[float, int]:
+        """Length of a step [s] and steps per command."""
+        period, longest = commands.period, self.stepper.laws.longest_step(self._longest)
+        if drive == "controller" and self.controller is not None:
+            if self.controller.period is not None:
+                period = self.controller.period
+            else:
+                inverse = self.stepper.plant.inverse_inertia(commands.q[0])
+                longest = longest_control_step(self.controller, inverse, longest)
+        count = max(1, int(np.ceil(period / longest - 1e-6)))
+        held = drive == "controller" and self.controller and self.controller.period is not None
+        return period / count, count if held else 1
+
+    def _add_missing_rotors(self, q: FloatArray, period: float, drive: Drive) -> None:
+        """So that the controller does not shake a model whose rotors are not known."""
+        plant = self.stepper.plant
+        plant.set_armature(self._armature)
+        self._added = ()
+        if drive != "controller" or self.controller is None:
+            return
+        missing = missing_rotor_inertia(self.controller, plant.inverse_inertia(q), period)
+        plant.set_armature(self._armature + missing)
+        if missing.any():
+            rotors = ", ".join(
+                f"{each:.3g} of {joint}"
+                for joint, each in zip(self.joints, missing, strict=True)
+                if each
+            )
+            self._added = (
+                f"rotor inertias were added, in kg m^2: {rotors}; without them the controller, "
+                f"whose torque is held for {1e3 * period:.3g} ms, would shake this model",
+            )
+
+    def _commands(self, commands: Recording, drive: Drive, times: FloatArray) -> list[Any]:
+        """Per command: desired positions and speeds, or torques, as they act."""
+        delays = [self.stepper.delay_of(k) for k in range(len(self.joints))]
+
+        def acting(channel: str, delayed: bool = True) -> list[list[float]]:
+            values = getattr(commands, channel)
+            if values is None:
+                raise ValueError(f"{commands.name}: {channel} is needed and was not recorded")
+            for k, joint in enumerate(self.joints):
+                if not np.isfinite(values[:, k]).all():
+                    raise ValueError(f"{commands.name}: {channel}.{joint} is needed, it has gaps")
+            columns = [
+                np.interp(times - delays[k] * delayed, commands.time, values[:, k])
+                for k in range(len(self.joints))
+            ]
+            rows: list[list[float]] = np.stack(columns, axis=1).tolist()
+            return rows
+
+        if drive != "controller":
+            return acting(drive, delayed=drive == "tau_cmd")
+        q_des = acting("q_des")
+        if commands.dq_des is None:
+            return [(row, [0.0] * len(self.joints)) for row in q_des]
+        return list(zip(q_des, acting("dq_des"), strict=True))
+
+    def _run(self, first: int, last: int, hold: int, ticks: list[Any], drive: Drive) -> Segment:
+        """Steps from number `first` up to `last`."""
+        stepper, control = self.stepper, self._control
+        data, sensors, dof = stepper.data, stepper.sensors, stepper.plant.dof
+        qpos, qvel = data.qpos, data.qvel
+        dt, half, everything = stepper.timestep, 0.5 * stepper.timestep, tuple(range(len(qpos)))
+        # One flat list each: a list per step would keep the garbage collector busy.
+        positions: list[float] = []
+        velocities: list[float] = []
+        commanded: list[float] = []
+        reported: list[float] = []
+        advance = stepper.advance if drive != "tau" else stepper.advance_exerted
+        tau: list[float] = [0.0] * len(dof)
+        data.time = first * dt
+        for k in range(first, last):
+            q, v = qpos.tolist(), qvel.tolist()
+            positions += q
+            velocities += v
+            if k % hold == 0 or k == first:
+                tick = ticks[k // hold]
+                if drive != "controller":
+                    tau = tick
+                else:
+                    assert control is not None
+                    w = v if dof == everything else [v[i] for i in dof]
+                    x = [q[i] - half * v[i] for i in dof]
+                    if not sensors.plain:
+                        x = sensors.measured("q", np.array(x)).tolist()
+                        w = sensors.measured("dq", np.array(w)).tolist()
+                    tau = control(tick[0], tick[1], x, w)
+                stepper.check(v)
+            commanded += tau
+            reported += advance(tau, q, v)
+        positions += qpos.tolist()
+        velocities += qvel.tolist()
+        stepper.check(qvel.tolist())
+        velocity = np.array(velocities).reshape(-1, len(qvel))
+        return Segment(
+            first * dt,
+            np.array(positions).reshape(-1, len(qpos)) - half * velocity,
+            velocity,
+            np.array(commanded).reshape(-1, len(dof)),
+            np.array(reported).reshape(-1, len(dof)),
+        )
+
+    def _recording(
+        self,
+        commands: Recording,
+        segments: list[Segment],
+        drive: Drive,
+        window: float | None,
+        tip: bool | None,
+    ) -> Recording:
+        stepper, time = self.stepper, commands.time
+        sensors, dof, dt = stepper.sensors, list(stepper.plant.dof), stepper.timestep
+
+        def channel(name: SensedChannel, field: str, columns: list[int]) -> FloatArray:
+            skew = sensors.skew[name]
+            values = [
+                sampled(segments, field, dt, time - late)
+                for late in (np.unique(skew) if skew.any() else [0.0])
+            ]
+            if not skew.any():
+                return sensors.measured(name, values[0][:, columns])
+            which = np.unique(skew, return_inverse=True)[1]
+            measured = [sensors.measured(name, each[:, columns]) for each in values]
+            return np.stack([measured[w][:, k] for k, w in enumerate(which)], axis=1)
+
+        everything = list(range(len(dof)))
+        wanted = commands.tip is not None if tip is None else tip
+        words = {"controller": "closed loop", "tau_cmd": "open loop", "tau": "open loop"}[drive]
+        note = f"simulated in {words}, driven by the {drive.replace('tau', 'recorded tau')}"
+        if window is not None:
+            note += f", put back to the recorded state every {window:g} s"
+        return replace(
+            commands,
+            q=channel("q", "position", dof),
+            dq=channel("dq", "velocity", dof),
+            tau=channel("tau", "reported", everything),
+            tau_cmd=sampled(segments, "command", dt, time),
+            current=None,
+            tip=stepper.tip_poses(sampled(segments, "position", dt, time)) if wanted else None,
+            valid=commands.valid.copy(),
+            jitter=0.0,
+            notes=(note, *self.notes),
+        )

@@ -1,0 +1,107 @@
+"""What no named effect explains: on what it depends, without a name."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import signal
+
+from .effects import CATALOGUE, Place
+from .effects.unknown import VARIABLES
+from .regression import Fit, Term, term_of
+from .search import Search, Trial, cross_validated, held_out_squares, screen
+
+_LEAST_SHARE = 0.08  # of the mean square residual the joint began with
+_LEAST_LEFT = 1.35  # root mean square in sigmas below which nothing is left to explain
+_SAME_VARIABLE = {
+    "speed": (
+        "viscous_friction",
+        "coulomb_friction",
+        "stribeck_friction",
+        "asymmetric_friction",
+        "presliding_hysteresis",
+    ),
+    "position": ("position_dependent_spring", "torque_ripple", "torque_offset"),
+    "load": ("load_dependent_friction", "torque_gain"),
+    "time": ("friction_drift", "torque_offset"),
+    "position and speed": (
+        "viscous_friction",
+        "coulomb_friction",
+        "stribeck_friction",
+        "asymmetric_friction",
+        "load_dependent_friction",
+        "presliding_hysteresis",
+    ),
+}
+
+
+def add_unknown(state: Search) -> None:
+    """Accept unnamed functions where named effects leave something that generalises."""
+    for _ in range(state.balances.n):
+        best = _best(state)
+        if best is None:
+            return
+        state.tried.append(best)
+        state.fit = state.fit.extended(best.term)
+        _names_given_up(state, best.term)
+
+
+def _best(state: Search) -> Trial | None:
+    b, effect = state.balances, CATALOGUE["unknown"]
+    held = held_out_squares(state.fit)
+    taken = {t.place.joints[0] for t in state.accepted if t.effect == "unknown"}
+    trials = []
+    for j in range(b.n):
+        key = ("torque", j)
+        if key not in state.fit.design or not b.excited[j] or j in taken:
+            continue
+        if not len(held[key]) or np.sqrt(np.mean(held[key])) < _LEAST_LEFT:
+            continue
+        places = [Place(joints=(j,))]
+        places += [Place(joints=(j, i)) for i in range(b.n) if i != j and b.excited[i]]
+        terms = [
+            term_of(b, effect, place, shape)
+            for place in places
+            for shape in effect.shapes(b.motions, place)
+        ]
+        terms += [term_of(b, effect, Place(joints=(j,)), s) for s in _clocks(state.fit, j)]
+        found: list[tuple[Term, float]] = []
+        for term in terms:  # one at a time: screen keeps the best shape of each place only
+            if term is not None:
+                found += screen(state.fit, [term])
+        found.sort(key=lambda each: -each[1])
+        trials += [cross_validated(state, term, held) for term, _ in found[:4]]
+    good = [t for t in trials if t.significant and t.share >= _LEAST_SHARE]
+    return max(good, key=lambda t: t.gain) if good else None
+
+
+def _clocks(fit: Fit, j: int) -> list[tuple[float, float, float]]:
+    """The strongest frequencies of the residual over time."""
+    b, key = fit.balances, ("torque", j)
+    code = float(VARIABLES.index("clock"))
+    full = np.zeros(b.count)
+    full[fit.rows[key]] = fit.residual(key)
+    time = b.sampled([m.recording.start + m.time for m in b.motions])
+    rows = fit.rows[key]
+    longest = max(float(m.time[-1]) for m in b.motions)
+    frequency = np.arange(2.0 / longest, 0.8 * b.motions[0].cutoff, 0.25 / longest)
+    power = np.zeros(len(frequency))
+    for i in range(len(b.motions)):
+        at = rows[b.recording[rows] == i]
+        if len(at) > 20:
+            power += signal.lombscargle(time[at], full[at], 2 * np.pi * frequency)
+    top = np.argsort(power)[::-1][:3]
+    return [(code, float(frequency[i]), 1.0) for i in top]
+
+
+def _names_given_up(state: Search, unknown: Term) -> None:
+    """Drop names of the same joint and variable where the unnamed function does as well."""
+    name = VARIABLES[int(unknown.shape[0])]
+    j = unknown.place.joints[0]
+    for effect in _SAME_VARIABLE.get(name, ()):
+        for term in list(state.accepted):
+            if term.effect != effect or term.place.joints != (j,):
+                continue
+            others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+            trial = cross_validated(state, term, held_out_squares(others), others)
+            if trial.share < 0.02 or not trial.significant:
+                state.fit = others

@@ -1,0 +1,85 @@
+"""Units of a recording's columns: what the study says they are, as factors to SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import pi
+from typing import Any
+
+from pdoik.errors import LoadError
+
+from .columns import nearest
+
+_ANGLE = {"rad": 1.0, "deg": pi / 180, "turn": 2 * pi}
+_SPEED = {"rad/s": 1.0, "deg/s": pi / 180, "turn/s": 2 * pi, "rpm": pi / 30}
+_LENGTH = {"m": 1.0, "mm": 1e-3}
+_TORQUE = {"N.m": 1.0, "mN.m": 1e-3, "N.cm": 1e-2, "kN.m": 1e3, "N": 1.0}
+
+KNOWN: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "q": {**_ANGLE, **_LENGTH},
+    "dq": {**_SPEED, "m/s": 1.0, "mm/s": 1e-3},
+    "tau": _TORQUE,
+    "current": {"A": 1.0, "mA": 1e-3},
+    "tip": _LENGTH,
+}
+"""Units of each channel and their factor to SI."""
+
+_PARENT = {"q_des": "q", "dq_des": "dq", "tau_cmd": "tau"}
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """What a study says of its columns' units; commands have the unit of what they command."""
+
+    named: Mapping[str, str] = field(default_factory=dict)  # of a channel or a column
+
+    def settles(self, channel: str) -> bool:
+        """Whether the study names the channel's unit itself."""
+        return any(each.partition(".")[0] == channel for each in self.named)
+
+    def factor(self, column: str, prismatic: bool = False) -> float:
+        """By what a column is multiplied to be in SI; angles' units do not touch slides."""
+        channel = column.partition(".")[0]
+        parent = _PARENT.get(channel, channel)
+        _, dot, joint = column.partition(".")
+        for key in (column, channel, f"{parent}{dot}{joint}", parent):
+            if key in self.named:
+                unit = self.named[key]
+                angular = unit in _ANGLE or unit in _SPEED
+                return 1.0 if prismatic and angular else _known(channel)[unit]
+        return 1.0
+
+
+def units_from(content: Any, source: str) -> Units:
+    """The study's `units`, such as {q: deg, tau: mN.m, q.gripper: mm}.
+
+    Raises:
+        LoadError: a channel or unit is not known.
+    """
+    if content is None:
+        return Units()
+    if not isinstance(content, dict):
+        raise LoadError(f"{source}: units: expected '{{q: deg}}' or the like, got {content!r}")
+    named = {}
+    for key, unit in content.items():
+        channel = str(key).partition(".")[0]
+        if channel not in {*KNOWN, *_PARENT}:
+            raise LoadError(f"{source}: units: no channel {key!r}{nearest(str(key), KNOWN)}")
+        spelled = {_plain(each): each for each in _known(channel)}
+        if _plain(str(unit)) not in spelled:
+            raise LoadError(
+                f"{source}: units: {key}: no unit {unit!r}; expected one of"
+                f" {', '.join(_known(channel))}"
+            )
+        named[str(key)] = spelled[_plain(str(unit))]
+    return Units(named)
+
+
+def _known(channel: str) -> dict[str, float]:
+    return KNOWN[_PARENT.get(channel, channel)]
+
+
+def _plain(unit: str) -> str:
+    return "".join(each for each in unit if each not in " .*·")
