@@ -2,45 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from bench.concealed import draw_decoys, logger
-from bench.concealed.arm import Arm, Array
-from bench.concealed.catalogue import EFFECTS, WITH_TIP
+from bench.concealed.arm import Array
+from bench.concealed.catalogue import EFFECTS
+from bench.concealed.draft import Draft, draft_of
 from bench.concealed.effect import Effect, Gate
-from bench.concealed.equipment import Controller, Sensors, controller, rotors, sensors
-from bench.concealed.hide import OF_THE_BODY, Plan, misjudged, plan
+from bench.concealed.hide import OF_THE_BODY
 from bench.concealed.measure import visibility
-from bench.concealed.motion import Motion, Style, recording_motion
-from bench.concealed.reference import Reference, reference
 from bench.concealed.robots import robot
 from bench.concealed.scene import Scene
-from bench.concealed.sizing import multiple
 from bench.concealed.spec import Truth, WorldSpec
 from bench.concealed.study_files import joint_names, write_recording, write_study, write_truth
+from bench.concealed.truths import size_of, truth_of
 from bench.concealed.world import Run, World
 from bench.concealed.world import Truth as Rows
 
 LARGER = ("coulomb_friction", "viscous_friction", "payload", "torque_offset", "gravity_direction")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Draft:
-    """Everything decided before anything moves."""
-
-    spec: WorldSpec
-    plan: Plan
-    arm: Arm  # without effects, truly
-    believed: Arm  # as the URDF says
-    armature: Array
-    roles: list[str]
-    motions: list[Motion]
-    ref: Reference
-    control: Controller
-    sensors: Sensors
 
 
 def make_study(
@@ -51,8 +33,8 @@ def make_study(
     With `clean` the truth's folder also gets what the channels were before noise, row by row
     (FOLDER.npz: recN_time, recN_q, recN_dq, recN_tau).
     """
-    draft = _draft(spec)
-    effects = _effects(draft)
+    draft = draft_of(spec)
+    effects = drawn(draft)
     world, runs, rows, channels = _simulated(draft, effects)
     effects, noiseless = world.effects, {}
     folder.mkdir(parents=True, exist_ok=True)
@@ -63,16 +45,11 @@ def make_study(
         tip = logger.tip_poses(row, run, kept) if draft.sensors.tip else None
         shuffle = spec.stream(f"columns{index}")
         write_recording(folder / f"rec{index + 1}.csv", data, logged, tip, shuffle)
-        for name, values in (
-            ("time", row.time),
-            ("q", row.q),
-            ("dq", row.dq),
-            ("tau", channel["tau"]),
-        ):
-            noiseless[f"rec{index + 1}_{name}"] = values[kept]
+        true = {"time": row.time, "q": row.q, "dq": row.dq, "tau": channel["tau"]}
+        noiseless |= {f"rec{index + 1}_{name}": values[kept] for name, values in true.items()}
     order = spec.stream("order").permutation(draft.arm.n)
     write_study(folder, draft.believed, _study(draft, order))
-    truth = _truth(draft, effects, order, _seen(draft, world, runs, rows, channels))
+    truth = truth_of(draft, effects, order, _seen(draft, world, runs, rows, channels))
     if truth_folder is not None:
         write_truth(truth_folder / f"{folder.name}.json", truth.to_json())
         if clean:
@@ -80,59 +57,8 @@ def make_study(
     return truth
 
 
-def _draft(spec: WorldSpec) -> Draft:
-    arm = robot(spec.robot, spec.stream("robot"))
-    if spec.effect == "outside:slosh":  # the load is known, its swinging is not
-        load = draw_decoys.slosh(arm, spec.stream("slosh")).load()
-        arm = arm.with_link(arm.n - 1, arm.links[-1].plus(load))
-    todo = plan(spec, arm)
-    armature = rotors(arm, spec.stream("rotors"))
-    believed = misjudged(arm, todo.model_error, spec.stream("model"))
-    roles, motions = _motions(spec, arm, todo.style)
-    sized_on = motions
-    if todo.style.still:
-        sized_on = _motions(spec, arm, Style())[1]
-    ref = reference(believed, armature, sized_on)
-    equipment = spec.stream("equipment")
-    control = controller(ref, equipment, tight=todo.tight, soft=todo.soft)
-    sense = sensors(ref, control, equipment)
-    tip = spec.stream("tip").random() < WITH_TIP.get(spec.effect, 0.1)
-    if spec.effect in ("timestamp_skew", "sensor_gain", "sensor_noise", "lying:dq_scaled"):
-        sense = replace(sense, dq=True)
-    return Draft(
-        spec=spec,
-        plan=todo,
-        arm=arm,
-        believed=believed,
-        armature=armature,
-        roles=roles,
-        motions=motions,
-        ref=ref,
-        control=control,
-        sensors=replace(sense, tip=bool(tip)),
-    )
-
-
-def _motions(spec: WorldSpec, arm: Arm, style: Style) -> tuple[list[str], list[Motion]]:
-    rng = spec.stream("motions")
-    plans = [
-        ("fit", ("sines", "reversals"), 1.0),
-        ("fit", ("moves", "sines"), 0.8),
-        ("validate", ("reversals", "sines", "fast_moves"), 1.15),
-    ]
-    if rng.random() < 0.3:
-        plans.append(("validate", ("moves", "reversals"), 0.7))
-    order = rng.permutation(len(plans))
-    motions = []
-    for k in order:
-        _, kinds, pace = plans[k]
-        duration = float(np.round(rng.uniform(20.0, 28.0)))
-        pace *= rng.uniform(0.85, 1.15)
-        motions.append(recording_motion(arm, rng, kinds, duration, pace, style))
-    return [plans[k][0] for k in order], motions
-
-
-def _effects(draft: Draft) -> tuple[Effect, ...]:
+def drawn(draft: Draft) -> tuple[Effect, ...]:
+    """What is hidden first, then what stands before it."""
     spec, todo, rng = draft.spec, draft.plan, draft.spec.stream("effect")
     scene = Scene(
         ref=draft.ref,
@@ -207,7 +133,7 @@ def _simulated(
             continue
         if not effects or not effects[0].calibrated or attempt >= 4 or draft.plan.style.still:
             break
-        ratio = wanted / max(_size(_seen(draft, world, runs, rows, channels)), 1e-3)
+        ratio = wanted / max(size_of(_seen(draft, world, runs, rows, channels)), 1e-3)
         scaled = _times(effects[0], float(np.clip(ratio, 0.2, 3.0)), draft)
         if 0.6 < ratio < 1.6 or scaled == effects[0]:
             break
@@ -231,10 +157,6 @@ def _seen(
     channels: list[dict[str, Array]],
 ) -> dict[str, list[float]]:
     return visibility(world.believed, runs, rows, channels, draft.control, draft.sensors)
-
-
-def _size(seen: dict[str, list[float]]) -> float:
-    return max(max(values) for name, values in seen.items() if name != "noise")
 
 
 def _logged(draft: Draft, effects: tuple[Effect, ...]) -> list[str]:
@@ -268,79 +190,3 @@ def _study(draft: Draft, order: Array) -> dict[str, Any]:
     if draft.plan.model_error:
         study["trust"] = {"rigid_body": 0.1}
     return study
-
-
-def _truth(
-    draft: Draft, effects: tuple[Effect, ...], order: Array, seen: dict[str, list[float]]
-) -> Truth:
-    spec, sense, names = draft.spec, draft.sensors, joint_names(draft.arm)
-    entries = []
-    for index, effect in enumerate(effects):
-        entries += _entries(effect, draft.ref, names, "hidden" if index == 0 else "second")
-    noise = np.hypot(sense.q_noise, sense.q_step / np.sqrt(12.0))
-    size = _size(seen)
-    if effects and not effects[0].calibrated:
-        size = multiple(effects[0], draft.ref, sense) or size
-    return Truth(
-        spec=spec,
-        expected=_expected(spec, effects),
-        effects=tuple(entries),
-        joints=tuple(names[k] for k in order),
-        still=tuple(names[k] for k in sorted(draft.plan.style.still)),
-        corner=draft.plan.corner,
-        noise={
-            "tau": [float(sense.tau_noise[k]) for k in order],
-            "tau_step": [float(sense.tau_step[k]) for k in order],
-            "q": [float(noise[k]) for k in order],
-            "dq": [float(sense.dq_noise[k]) for k in order],
-            "tip": sense.tip_noise if sense.tip else None,
-            "tip_turn": sense.tip_turn_noise if sense.tip else None,
-        },
-        wanted=draft.plan.size,
-        size=round(size, 3),
-        visibility={
-            name: [values[k] for k in order] if len(values) == len(order) else values
-            for name, values in seen.items()
-        },
-    )
-
-
-def _expected(spec: WorldSpec, effects: tuple[Effect, ...]) -> str:
-    if spec.effect == "clean":
-        return "no_mismatch"
-    if spec.effect == "still" or spec.hide == "poor":
-        return "cannot_tell"
-    if spec.effect.startswith("outside:"):
-        return "unknown"
-    return "lying_channel" if spec.effect.startswith("lying:") else "mismatch"
-
-
-def _entries(effect: Effect, ref: Reference, names: list[str], role: str) -> list[dict[str, Any]]:
-    gate = effect.gate
-    parameters = getattr(effect, "parameters_of", lambda arm: effect.parameters())(ref.arm)
-    place = {
-        "joints": [names[k] for k in effect.joints(ref)],
-        "links": [f"link{k + 1}" for k in effect.links(ref)],
-        "recordings": None
-        if gate.recordings is None
-        else [f"rec{k + 1}.csv" for k in gate.recordings],
-        "window": [gate.low, min(gate.high, 60.0)] if gate.kind == "time" else None,
-        "position_window": [gate.low, gate.high] if gate.kind == "position" else None,
-        "channel": getattr(effect, "of", None) if effect.id in CHANNELS else None,
-        "kind": getattr(effect, "kind", None) or VARIANTS.get(effect.id, lambda e: None)(effect),
-    }
-    entries = [{"effect": effect.id, "parameters": parameters, "role": role, **place}]
-    for name, values in effect.beside().items():
-        entries.append({"effect": name, "parameters": values, "role": "beside", **place})
-    return entries
-
-
-CHANNELS = ("timestamp_skew", "sensor_gain", "sensor_noise", "lying_channel")
-VARIANTS = {
-    "command_delay": lambda effect: effect.of,
-    "torque_gain": lambda effect: "drive" if effect.by_drive else "sensor",
-    "torque_offset": lambda effect: "drive" if effect.by_drive else "sensor",
-    "external_contact": lambda effect: "tip" if effect.at_tip else "origin",
-    "unknown": lambda effect: type(effect).__name__.lower(),
-    "coulomb_friction": lambda effect: "mujoco" if effect.native else "elastoplastic",
-}

@@ -48,10 +48,7 @@ def slosh(arm: Arm, rng: np.random.Generator) -> Slosh:
     reach += float(np.linalg.norm(arm.T_last_tip[:3, 3]))
     effort = max(joint.effort for joint in arm.joints)
     mass = float(f"{rng.uniform(0.05, 0.12) * effort / (9.81 * reach):.4g}")
-    drop, hertz = (
-        float(np.round(rng.uniform(0.05, 0.15), 3)),
-        float(np.round(rng.uniform(1, 2.5), 3)),
-    )
+    drop, hertz = (float(x) for x in np.round(rng.uniform([0.05, 1.0], [0.15, 2.5]), 3))
     return Slosh(mass=mass, pivot=arm.T_last_tip[:3, 3].copy(), drop=drop, hertz=hertz)
 
 

@@ -4,15 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from bench.concealed.effect import Effect
-from bench.concealed.effects_drive import (
-    Delay,
-    Lag,
-    Ripple,
-    Saturation,
-    Spring,
-    TorqueGain,
-    TorqueOffset,
-)
+from bench.concealed.effects_drive import Ripple, Saturation, Spring, TorqueGain, TorqueOffset
+from bench.concealed.effects_late import Delay, Lag
 from bench.concealed.scene import Scene
 from bench.concealed.sizing import multiple
 

@@ -3,15 +3,8 @@
 from __future__ import annotations
 
 from bench.concealed.effect import Effect
-from bench.concealed.effects_friction import (
-    Asymmetric,
-    Coulomb,
-    Dahl,
-    LoadDependent,
-    Stribeck,
-    Viscous,
-    Warming,
-)
+from bench.concealed.effects_friction import Coulomb, Stribeck, Viscous
+from bench.concealed.effects_friction_laws import Asymmetric, Dahl, LoadDependent, Warming
 from bench.concealed.scene import Scene
 
 

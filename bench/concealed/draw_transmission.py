@@ -86,8 +86,7 @@ def coupling(scene: Scene) -> Effect:
 def skew(scene: Scene) -> Effect:
     """Torque or speed logged late; speeds never less than some milliseconds when obvious."""
     of = "tau" if scene.torque_logged and scene.rng.random() < 0.5 else "dq"
-    effect = scene.sized(Skew(of=of))
-    return effect
+    return scene.sized(Skew(of=of))
 
 
 def sensor_gain(scene: Scene) -> Effect:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from bench.concealed.arm import Array
 from bench.concealed.effect import Effect, one_column
-from bench.concealed.effects_drive import rate
+from bench.concealed.effects_late import rate
 from bench.concealed.measure import torque_along
 from bench.concealed.reference import Reference
 from bench.concealed.world import Run

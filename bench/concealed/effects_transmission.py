@@ -19,7 +19,7 @@ class Backlash(Effect):
 
     id = "backlash"
     amplitude = "gap"
-    bounds = (0.0008, 0.05)
+    bounds = (0.0003, 0.05)
     calibrated = True
 
     def parameters(self) -> dict[str, float]:

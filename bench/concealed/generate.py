@@ -36,22 +36,25 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--size", type=float, help="multiple of the noise floor")
     options = parser.parse_args(arguments)
     for seed in range(options.seed, options.seed + options.count):
-        rng = np.random.default_rng([seed, 77])
-        effect = options.effect or str(rng.choice([*EFFECTS, "clean", *DECOYS]))
-        hide = options.hide or str(rng.choice(ways_of(effect) if effect in EFFECTS else ("plain",)))
-        spec = WorldSpec(
-            seed=seed,
-            effect=effect,
-            hide=hide,
-            robot=options.robot or str(rng.choice(NAMES)),
-            size=options.size,
-        )
+        spec = _spec(options, seed)
         begin = time.perf_counter()
         truth = make_study(options.out / "studies" / f"{seed:05d}", spec, options.out / "truth")
         took = time.perf_counter() - begin
         print(f"{seed:05d} {spec.effect} {spec.hide} {spec.robot} x{truth.size:.1f} {took:.1f} s")
         sys.stdout.flush()
     return 0
+
+
+def _spec(options: argparse.Namespace, seed: int) -> WorldSpec:
+    """What the command asks for; what it leaves open is drawn by the seed."""
+    rng = np.random.default_rng([seed, 77])
+    group = rng.choice(["effect", "clean", "decoy"], p=[0.75, 0.1, 0.15])
+    names = {"effect": list(EFFECTS), "clean": ["clean"], "decoy": list(DECOYS)}[str(group)]
+    effect = options.effect or str(rng.choice(names))
+    ways = ways_of(effect) if effect in EFFECTS else ("plain",)
+    hide = options.hide or str(rng.choice(ways))
+    robot = options.robot or str(rng.choice(NAMES))
+    return WorldSpec(seed=seed, effect=effect, hide=hide, robot=robot, size=options.size)
 
 
 if __name__ == "__main__":

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from bench.concealed.arm import Arm, Link
 from bench.concealed.catalogue import CORNERS, EFFECTS, WAYS, ways_of
 from bench.concealed.effect import Gate
-from bench.concealed.motion import Style
+from bench.concealed.motion import Style, center
 from bench.concealed.spec import WorldSpec
 
 OF_THE_BODY = (  # what errors of the model's inertias look like
@@ -46,9 +47,8 @@ def plan(spec: WorldSpec, arm: Arm) -> Plan:
     if way not in WAYS:
         raise ValueError(f"hide is {way!r}, expected one of {', '.join(WAYS)}")
     if effect in EFFECTS and way not in ways_of(effect):
-        raise ValueError(
-            f"{effect} cannot be hidden by {way}, only by {', '.join(ways_of(effect))}"
-        )
+        known = ", ".join(ways_of(effect))
+        raise ValueError(f"hide is {way!r}, expected one of {known} for {effect}")
     places = tuple(int(j) for j in rng.permutation(arm.n))
     corner = str(rng.choice(CORNERS[effect])) if way == "corner" and effect in CORNERS else ""
     style, gate = Style(), Gate()
@@ -61,9 +61,9 @@ def plan(spec: WorldSpec, arm: Arm) -> Plan:
         gate = Gate(kind="time", low=float(np.round(rng.uniform(13.0, 15.5), 1)), high=1e9)
     if effect == "still" or way == "poor":
         places = places[:1]
-        style = Style(still=frozenset(places))
+        style = _still(spec, arm, places)
         if effect in OF_THE_BODY[:3] or effect in ("kinematic_error", "joint_offset"):
-            style = Style(still=frozenset(range(arm.n)))
+            style = _still(spec, arm, range(arm.n))
     low, high = (2.0, 3.5) if way == "noise" else (6.0, 25.0)
     size = spec.size or float(np.exp(rng.uniform(np.log(low), np.log(high))))
     return Plan(
@@ -77,6 +77,12 @@ def plan(spec: WorldSpec, arm: Arm) -> Plan:
         torque_logged=way != "no_torque",
         model_error=0.05 if way == "inertia" else 0.0,
     )
+
+
+def _still(spec: WorldSpec, arm: Arm, joints: Iterable[int]) -> Style:
+    """The same position in all recordings."""
+    pose = center(arm, spec.stream("pose"))[0]
+    return Style(still={j: float(pose[j]) for j in joints})
 
 
 def misjudged(arm: Arm, error: float, rng: np.random.Generator) -> Arm:

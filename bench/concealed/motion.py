@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from bench.concealed.arm import Arm, Array
@@ -29,7 +29,7 @@ class Motion:
 class Style:
     """What a way of hiding demands of the motions."""
 
-    still: frozenset[int] = frozenset()  # joints that never move
+    still: dict[int, float] = field(default_factory=dict)  # joints that never move, and where
     slow: frozenset[int] = frozenset()  # joints that creep
 
 
@@ -57,9 +57,9 @@ def recording_motion(
     q = np.concatenate(parts)
     for joint in style.slow:
         q[:, joint] = _creep(rng, len(q), middle[joint], half[joint])
-    for joint in style.still:
-        q[:, joint] = middle[joint]
-    q = _smoothed(q, 0.12)
+    for joint, position in style.still.items():
+        q[:, joint] = position
+    q = _smoothed(q, 0.2)
     dq = np.gradient(q, STEP, axis=0)
     return Motion(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
 
@@ -80,7 +80,10 @@ def _segment(
         speed = 1.6 * speed
     path = make(rng, rows, speed, half)
     reach = np.max(np.abs(path), axis=0)
-    return middle + path * np.minimum(1.0, half / np.maximum(reach, 1e-9))
+    fastest = np.max(np.abs(np.diff(path, axis=0)), axis=0) / STEP
+    allowed = np.array([0.85 * joint.speed for joint in arm.joints])
+    share = np.minimum(half / np.maximum(reach, 1e-9), allowed / np.maximum(fastest, 1e-9))
+    return middle + path * np.minimum(1.0, share)
 
 
 def _sines(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Array:
@@ -123,8 +126,8 @@ def _moves(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Ar
 
 
 def _landing(rows: int) -> Array:
-    """One, and down to zero over the last second, so that segments meet at the middle."""
-    left = np.clip(np.arange(rows)[::-1] * STEP / 1.0, 0.0, 1.0)
+    """One, and down to zero over the last 1.6 s, so that segments meet at the middle."""
+    left = np.clip(np.arange(rows)[::-1] * STEP / 1.6, 0.0, 1.0)
     return left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
 
 

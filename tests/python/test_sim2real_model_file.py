@@ -248,7 +248,7 @@ def test_an_mjcf_is_kept_without_its_shapes_and_improved_as_mjcf_only(tmp_path: 
     paths = write_exports(model, tmp_path)
     assert [path.name for path in paths] == ["improved.xml"]
     improved = mujoco.MjModel.from_xml_path(str(paths[0]))
-    assert improved.dof_frictionloss.tolist() == [1.5, 0.0]
+    assert improved.dof_frictionloss.tolist() == [0.5 + 1.5, 0.0]  # the user's and what was found
     assert improved.dof_armature[0] == 0.1
     with pytest.raises(ValueError, match="it is an MJCF, expected a URDF"):
         export_urdf(model)

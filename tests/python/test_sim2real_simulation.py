@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 from pdoik.errors import LoadError
+from pdoik.sim2real.effects.unknown import VARIABLES
 from pdoik.sim2real.recording import Recording
 from pdoik.sim2real.simulation import (
     SimulationError,
@@ -46,11 +47,20 @@ def free_run(robot: str, q0: float, dq0: float, duration: float, *added: Part) -
     return simulator.replay(run, window=duration)
 
 
-def swing(t: np.ndarray, q0: float, damping: float = 0.0, armature: float = 0.0) -> np.ndarray:
+def unknown(variable: str, lowest: float, highest: float, *values: float) -> tuple[Part, ...]:
+    at_knots = {f"value_{k}": value for k, value in enumerate(values)}
+    code = float(VARIABLES.index(variable))
+    return parts("unknown", variable=code, lowest=lowest, highest=highest, **at_knots)
+
+
+def swing(
+    t: np.ndarray, q0: float, damping: float = 0.0, armature: float = 0.0, friction: float = 0.0
+) -> np.ndarray:
     """A pendulum's angle by SciPy: gravity at horizontal angle q pulls with m g l cos q."""
 
     def rate(_: float, x: np.ndarray) -> list[float]:
         torque = MASS * G * LENGTH * np.cos(x[0]) - damping * x[1]
+        torque -= friction * np.tanh(x[1] / 1e-2)
         return [x[1], torque / (ABOUT_PIVOT + armature)]
 
     solution = solve_ivp(rate, (0, t[-1]), [q0, 0.0], t_eval=t, rtol=1e-10, atol=1e-10)
@@ -140,9 +150,21 @@ SPEED = 0.8
             lambda t, q, dq: np.interp(q, [-1.0, 0.0, 1.0], [0.5, 0.0, 1.0]),
         ),
         (
-            parts("unknown", speed_0=-1.0, speed_1=0.0, speed_2=1.0, torque_0=1.0, torque_1=0.0,
-                  torque_2=0.5),
+            unknown("speed", -1.0, 1.0, 1.0, 0.0, 0.5),
             lambda t, q, dq: np.interp(dq, [-1.0, 0.0, 1.0], [1.0, 0.0, 0.5]),
+        ),
+        (
+            unknown("position and speed", -1.0, 1.0, 0.5, 0.5, 1.0, 0.1, 0.3, 0.1),
+            lambda t, q, dq: np.sign(dq) * np.interp(q, [-1.0, 0.0, 1.0], [0.5, 0.5, 1.0])
+            + dq * np.interp(q, [-1.0, 0.0, 1.0], [0.1, 0.3, 0.1]),
+        ),
+        (
+            unknown("position and speed", -1.0, 1.0, -0.5, -0.5, 1.0, 0.0, 0.0, 0.0),
+            lambda t, q, dq: np.tanh(dq / 0.02) * np.interp(q, [-1.0, 0.0, 1.0], [-0.5, -0.5, 1.0]),
+        ),
+        (
+            unknown("clock", 0.3, 1.0, 0.5, -0.7),
+            lambda t, q, dq: 0.5 * np.cos(0.6 * np.pi * t) - 0.7 * np.sin(0.6 * np.pi * t),
         ),
         (
             (JointTorque(joint="joint1", law=lambda t, q, dq, load: q * dq),),
@@ -258,6 +280,32 @@ def test_a_command_delay_shifts_the_motion_by_just_that(delay: float) -> None:
     assert np.abs(prompt.q - late.q).max() > 5e-3
 
 
+@pytest.mark.parametrize("effect", ["command_delay", "actuator_lag"])
+def test_delays_and_lags_of_the_position_and_of_the_torque_are_not_the_same(effect: str) -> None:
+    run = commands(3.0, q_des=lambda t: 0.3 * np.sin(3 * t), dq_des=lambda t: 0.9 * np.cos(3 * t))
+    values = {"delay": 0.01, "time_constant": 0.01}
+    of = {
+        variant: Simulator(
+            TURNTABLE,
+            ["joint1"],
+            pd(100.0, 8.0),
+            parts=parts_of(effect, ["joint1"], values=values, variant=variant),
+        ).replay(run)
+        for variant in ("position", "torque")
+    }
+    plain = Simulator(TURNTABLE, ["joint1"], pd(100.0, 8.0)).replay(run)
+    assert plain.dq is not None
+    settled = plain.time > 0.5
+    speed = plain.dq[settled]
+    later = {
+        variant: float(np.sum(speed * (plain.q - each.q)[settled]) / np.sum(speed**2))
+        for variant, each in of.items()
+    }
+    assert later["torque"] < 0.3 * later["position"]  # the loop makes up for torque that is late
+    if effect == "command_delay":
+        assert later["position"] == pytest.approx(0.01, abs=1e-3)
+
+
 def test_a_delayed_torque_command_acts_later() -> None:
     def step(t: np.ndarray) -> np.ndarray:
         return np.where(t >= 0.1 - 1e-9, 1.0, 0.0)
@@ -345,14 +393,14 @@ def test_encoders_zeros_gains_and_late_logs_are_seen_by_what_reads_them() -> Non
     yaw = 2 * np.arctan2(off.tip[:, 6], off.tip[:, 3])
     assert yaw == pytest.approx(off.q[:, 0] + 0.1, abs=1e-9)
 
-    skew = parts_of("timestamp_skew", ["joint1"], values={"skew": 0.02}, channel="dq")
+    skew = parts_of("timestamp_skew", ["joint1"], values={"skew": 0.02}, variant="speed")
     late = Simulator(TURNTABLE, ["joint1"], pd(900.0, 40.0), parts=skew).replay(run)
     assert late.q == pytest.approx(plain.q, abs=0)
     assert late.dq is not None
     assert plain.dq is not None
     assert late.dq[20:] == pytest.approx(plain.dq[:-20], abs=1e-9)
 
-    gain = parts_of("sensor_gain", ["joint1"], values={"gain": 2.0}, channel="tau")
+    gain = parts_of("sensor_gain", ["joint1"], values={"gain": 2.0}, variant="torque")
     loud = Simulator(TURNTABLE, ["joint1"], pd(900.0, 40.0), parts=gain).replay(run)
     assert loud.q == pytest.approx(plain.q, abs=0)
     assert loud.tau == pytest.approx(2.0 * np.asarray(plain.tau), abs=1e-12)
@@ -459,7 +507,8 @@ def test_every_effect_of_the_table_has_its_parts() -> None:
         "coefficient": 0.1, "level": 1.0, "extra": 0.1, "speed": 0.1, "displacement": 0.01,
         "time_constant": 0.01, "inertia": 0.1, "mass": 0.1, "gain": 1.1, "offset": 0.01,
         "amplitude": 0.1, "harmonic": 4.0, "stiffness": 100.0, "delay": 0.01, "gap": 0.01,
-        "ratio": 0.1, "skew": 0.01, "std": 0.1, "speed_0": 0.0, "torque_0": 1.0,
+        "ratio": 0.1, "skew": 0.01, "std": 0.1, "variable": 1.0,
+        "lowest": -1.0, "highest": 1.0, "value_0": 1.0, "value_1": 0.5,
     }  # fmt: skip
     run = commands(0.1, n=2, q_des=0.0)
     for effect in EFFECTS:
@@ -558,7 +607,7 @@ MJCF = f"""
     <geom type="plane" size="1 1 1"/>
     <body name="link1">
       <inertial pos="{LENGTH} 0 0" mass="{MASS}" diaginertia="0.05 0.05 0.05"/>
-      <joint name="joint1" axis="0 1 0" damping="3" frictionloss="2" armature="0.1"
+      <joint name="joint1" axis="0 1 0" damping="0.3" frictionloss="0.5" armature="0.1"
              range="-10 10" limited="true"/>
       <geom type="mesh" mesh="shell"/>
       <body name="finger"><joint name="slider" type="slide"/><geom size="0.01"/></body>
@@ -569,8 +618,8 @@ MJCF = f"""
 </mujoco>"""
 
 
-def test_an_mjcf_gives_its_links_and_armature_and_nothing_else() -> None:
+def test_an_mjcf_gives_its_links_armature_and_friction_and_nothing_else() -> None:
     run = free_run(MJCF, 0.3, 0.0, 2.0)
-    expected = swing(run.time, 0.3, armature=0.1)  # the finger weighs 4 g
+    expected = swing(run.time, 0.3, 0.3, 0.1, friction=0.5)  # the finger weighs 4 g
     assert run.q[:, 0] == pytest.approx(expected, abs=0.02)
     assert np.ptp(run.q) > 0.8

@@ -29,7 +29,7 @@ def diagnose(
     ] = Path("report"),
     seed: Annotated[int, typer.Option(min=0, help="Of the bootstraps.")] = 0,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Fewer bootstraps, no refinement by simulation.")
+        bool, typer.Option("--quick", help="Without replays and the cut-off's influence.")
     ] = False,
 ) -> None:
     """Say where recordings and model disagree, what physics was left out, and how sure that is.
@@ -46,17 +46,17 @@ def diagnose(
     if out_folder.exists() and not out_folder.is_dir():
         fail(f"--out {out_folder}: is a file, expected a folder")
     with extra_needed("diagnose"), misuse_fails():
-        from pdoik.sim2real import examine, load_study
+        from pdoik.sim2real import evidence_of, examine, files_of, load_study
         from pdoik.sim2real.report import write_report
 
         loaded = load_study(study)
         out_folder.mkdir(parents=True, exist_ok=True)
         with _story() as tell:
-            examination = examine(loaded, tell=tell, seed=seed, quick=quick)
-            tell("report", "Drawing the figures.", 1.0)
-            path = write_report(
-                out_folder, examination.diagnosis, examination.evidence, examination.files
-            )
+            examination = examine(loaded, tell=tell, seed=seed)
+            evidence = evidence_of(examination, quick=quick, tell=tell)
+            tell("report", "drawing the figures", 0.97)
+            files = files_of(examination)
+            path = write_report(out_folder, examination.diagnosis, evidence, files)
         print_diagnosis(examination.diagnosis)
     out.print(escape(str(path)), highlight=False)
 

@@ -21,7 +21,7 @@ _FOLDS = 4
 _LEAST_RANGE = 0.05  # a joint that stays within this has not moved [rad]
 _LEAST_SHARE = 0.1  # of the time that a joint must move to be judged
 
-UNITS = {"torque": "N m", "drive": "N m", "velocity": "rad/s", "servo": "rad"}
+UNITS = {"torque": "N m", "drive": "N m", "law": "N m", "velocity": "rad/s", "servo": "rad"}
 
 
 class Balances:
@@ -103,7 +103,11 @@ class Balances:
             if first.body is not None and first.torque is not None and self._known("torque", j):
                 raw["torque", j] = [_column(m.torque, j) - m.tau[:, j] for m in self.motions]
             if first.command is not None and first.torque is not None and self._known("command", j):
-                raw["drive", j] = [_column(m.torque, j) - m.asked(j) for m in self.motions]
+                raw["drive", j] = [
+                    _column(m.torque, j) - _column(m.command, j) for m in self.motions
+                ]
+            if first.has_law(j) and self._known("law", j) and self._known("torque", j):
+                raw["law", j] = [m.given(j) - _column(m.law, j) for m in self.motions]
             if first.measured_dq is not None and self._known("measured_dq", j):
                 raw["velocity", j] = [_column(m.measured_dq, j) - m.dq[:, j] for m in self.motions]
             if first.source == "" and first.q_des is not None and self._known("q_des", j):
@@ -136,7 +140,7 @@ class Balances:
         self.mask[key] = mask
         self.floor[key] = self._noise(key, values)
         size = 0.0
-        if balance in ("torque", "drive"):
+        if balance in ("torque", "drive", "law"):
             tau = np.concatenate([m.tau[:, channel] for m in self.motions])
             size = MODEL_ERROR * float(np.sqrt(np.mean(tau**2)))
         elif balance == "velocity":

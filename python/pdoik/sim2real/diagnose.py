@@ -13,7 +13,7 @@ from .effects import CATALOGUE, Key
 from .equivalents import equivalents_of, swapped
 from .estimate import estimates, event_estimates
 from .findings import Diagnosis, Evidence, Finding, JointFit, Verdict
-from .naming import Found, finding_of, merged
+from .naming import Found, described, finding_of, merged
 from .nuisance import trusted
 from .prepare import Prepared, prepare
 from .read_study import load_study
@@ -38,6 +38,7 @@ class Examination:
     prepared: Prepared
     state: Search
     terms: tuple[tuple[Term, ...], ...]  # behind each finding of the diagnosis
+    prediction: Prediction  # of the recordings that the diagnosis is judged by
 
 
 def diagnose(
@@ -64,7 +65,7 @@ def examine(
     study = load_study(study)
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)
-    say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque from {_source(prepared)}", 0.15)
+    say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {_source(prepared)}", 0.15)
     state = run_search(prepared, say)
     add_unknown(state)
     say("name", "looking for what else would explain the same", 0.75)
@@ -78,14 +79,16 @@ def run_search(prepared: Prepared, say: Tell) -> Search:
     """Accept effects, then contacts, then effects again beside these."""
     nuisance = trusted(prepared.fit, prepared.study.trust.rigid_body)
     state = search(
-        prepared.fit, nuisance, lambda text, share: say("name", text, 0.15 + 0.5 * share)
+        prepared.fit,
+        nuisance,
+        lambda term, share: say("name", described(prepared, term), 0.15 + 0.5 * share),
     )
     for _ in range(4):
         term = contact_term(state.fit)
         if term is None:
             break
-        say("name", f"contact in {term.place.recording} at {term.place.window}", 0.6)
-        state = search(prepared.fit, nuisance, lambda text, share: None, (*state.contacts, term))
+        say("name", described(prepared, term), 0.6)
+        state = search(prepared.fit, nuisance, contacts=(*state.contacts, term))
     return state
 
 
@@ -168,6 +171,7 @@ def conclude(prepared: Prepared, state: Search, seed: int) -> Examination:
         prepared=prepared,
         state=state,
         terms=tuple(terms for _, terms in found),
+        prediction=prediction,
     )
 
 
@@ -213,7 +217,7 @@ def joint_fits(prepared: Prepared, fit: Fit, prediction: Prediction) -> dict[str
 
 
 def _preferred(j: int) -> tuple[Key, ...]:
-    return (("torque", j), ("servo", j), ("drive", j), ("velocity", j))
+    return (("torque", j), ("servo", j), ("drive", j), ("law", j), ("velocity", j))
 
 
 def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Verdict:
@@ -261,7 +265,7 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
             f"The model's masses, centres and inertias were adjusted within"
             f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
         )
-    return tuple(notes)
+    return tuple(dict.fromkeys(notes))
 
 
 def _source(prepared: Prepared) -> str:
@@ -279,7 +283,8 @@ def _channel(prepared: Prepared, key: Key) -> str:
     source = prepared.fit.motions[0].source
     return {
         "torque": "q_des" if source == "law" else source,
-        "drive": "tau_cmd" if prepared.study.fit[0].tau_cmd is not None else "q_des",
+        "drive": "tau_cmd",
+        "law": "q_des",
         "velocity": "dq",
         "tip": "tip",
         "servo": "q_des",

@@ -123,7 +123,8 @@ def _mjcf_has_words(part: Part) -> bool:
     if isinstance(part, HardFriction):
         return not callable(part.level)
     if isinstance(part, DriveChange):
-        return part.delay == 0.0
+        late = part.delay or part.command_lag or part.torque_delay
+        return not late and part.command_gain == 1.0 and part.command_offset == 0.0
     if isinstance(part, SensorChange):
         return _is_zero_of_encoder(part)
     if isinstance(part, GearPlay):

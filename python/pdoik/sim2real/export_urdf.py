@@ -18,7 +18,7 @@ from .simulation.plant import build_plant, changed_inertials
 def improve_urdf(
     text: str, joints: tuple[str, ...], parts: Sequence[Part], comment: Iterable[str] = ()
 ) -> str:
-    """Damping, friction, inertials and joint frames of `parts`; everything else stays.
+    """Damping, friction, inertials and joint frames with `parts`; everything else stays.
 
     Raises:
         ValueError: a part is of a joint or link that is not there.
@@ -39,7 +39,8 @@ def improve_urdf(
             _move(elements[nearest(part.joint, elements, "joint")], part)
     for name, values in (("damping", damping), ("friction", friction)):
         for joint, value in values.items():
-            _child(elements[nearest(joint, elements, "joint")], "dynamics").set(name, repr(value))
+            dynamics = _child(elements[nearest(joint, elements, "joint")], "dynamics")
+            dynamics.set(name, repr(float(dynamics.get(name, 0.0)) + value))
     _set_inertials(root, text, joints, parts)
     ElementTree.indent(root)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
@@ -55,8 +56,9 @@ def _set_inertials(
     inertials = changed_inertials(read_description(text), links, changes)
     elements = {each.get("name", ""): each for each in root.findall("link")}
     for link in dict.fromkeys(change.link or links[-1] for change in changes):
-        inertials[link].principal(link)  # raises where no body is like that
-        _set_inertial(elements[link], inertials[link])
+        body = inertials[link].nearest_body()
+        body.principal(link)  # raises where no body is like that
+        _set_inertial(elements[link], body)
 
 
 def _set_inertial(link: ElementTree.Element, inertial: Inertial) -> None:

@@ -59,6 +59,8 @@ class Finding:
     equivalents: tuple[Equivalent, ...] = ()
     decided_by: str = ""
     evidence: Evidence = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
+    variant: str = ""  # what it is of, where the effect may be of several: torque, speed, position
+    shape: tuple[float, ...] = ()  # the nonlinear parameters behind it, as its effect has them
 
     @property
     def values(self) -> dict[str, float]:
@@ -134,6 +136,8 @@ def _finding(content: dict[str, Any]) -> Finding:
             interval95=tuple(content["evidence"]["interval95"]),
             channels=tuple(content["evidence"].get("channels", ())),
         ),
+        variant=str(content.get("variant", "")),
+        shape=tuple(float(each) for each in content.get("shape", ())),
     )
 
 

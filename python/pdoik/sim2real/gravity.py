@@ -22,7 +22,7 @@ def gravity_torque(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatA
     """
     if ElementTree.parse(path).getroot().tag == "mujoco":
         return _by_mujoco(path, joints, q)
-    import pinocchio as pin  # type: ignore[import-untyped,unused-ignore]
+    import pinocchio as pin
 
     try:
         model = pin.buildModelFromUrdf(str(path))

@@ -40,6 +40,7 @@ class Model:
     findings: tuple[Finding, ...] = ()
     rigid_body: Mapping[str, FloatArray] = field(default_factory=dict)
     """By link: ten corrected parameters instead of the robot's own, in `Inertial.ten`'s order."""
+    cutoff: float | None = None  # of the filter that the findings were made with [Hz]
 
     def __repr__(self) -> str:
         found = ", ".join(finding.effect for finding in self.findings) or "nothing"
@@ -51,6 +52,7 @@ class Model:
         study: Study,
         findings: tuple[Finding, ...] = (),
         rigid_body: Mapping[str, FloatArray] | None = None,
+        cutoff: float | None = None,
     ) -> Model:
         """A study's robot with findings.
 
@@ -65,6 +67,7 @@ class Model:
             rotor_inertia=study.rotor_inertia,
             findings=findings,
             rigid_body=rigid_body or {},
+            cutoff=cutoff,
         )
 
     def parts(self, *, findings: bool = True) -> tuple[Part, ...]:
@@ -149,6 +152,7 @@ class Model:
             "controller": _controller_content(self.controller),
             "rotor_inertia": _listed(self.rotor_inertia),
             "gravity": list(self.gravity),
+            "cutoff": self.cutoff,
             "findings": json.loads(found.to_json())["findings"],
             "rigid_body": {link: _listed(ten) for link, ten in self.rigid_body.items()},
             "robot": self.robot,
@@ -185,6 +189,8 @@ class Model:
             rigid_body = {
                 str(link): _required(_array(ten, 10)) for link, ten in content["rigid_body"].items()
             }
+            key = "cutoff"
+            cutoff = None if content.get("cutoff") is None else float(content["cutoff"])
             key = "robot"
             robot, tip = content["robot"], content["tip"]
             if robot is not None and not isinstance(robot, str):
@@ -202,6 +208,7 @@ class Model:
             gravity=(x, y, z),
             findings=findings,
             rigid_body=rigid_body,
+            cutoff=cutoff,
         )
 
 
@@ -217,6 +224,11 @@ def robot_text(robot: Path) -> str:
         raise LoadError(f"{robot}: {error}") from None
     described = read_description(robot)
     return text if described.format == "urdf" else flat_mjcf(robot)
+
+
+def load_model(path: str | Path) -> Model:
+    """`Model.load`."""
+    return Model.load(path)
 
 
 def replay(model: Model, commands: Recording, *, findings: bool = True) -> Recording:

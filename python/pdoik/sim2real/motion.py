@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from .recording import FloatArray, Recording
 from .rigid_body import RigidBody
@@ -38,7 +39,7 @@ class Motion:
     valid: NDArray[np.bool_]  # (T,)
     torque: FloatArray | None  # as recorded, commanded or by the controller's law; NaN columns
     source: Source  # of the torque
-    command: FloatArray | None  # torque the drive was told to give, where both are known
+    command: FloatArray | None  # torque the drive was told to give, where both were recorded
     law: FloatArray | None  # torque by the controller's law
     controller: Controller | None
     tau: FloatArray  # of the rigid body; zeros without a model
@@ -80,11 +81,44 @@ class Motion:
         """Whether joint j's torque was recorded beside what the drive was told."""
         return self.command is not None and bool(np.isfinite(self.command[:, j]).all())
 
-    def asked(self, j: int) -> FloatArray:
-        """The torque asked of joint j: the command, else what stands for the torque; (T,)."""
-        asked = self.command if self.has_command(j) else self.torque
-        assert asked is not None
-        return np.ascontiguousarray(asked[:, j])
+    def has_law(self, j: int) -> bool:
+        """Whether a torque or a command of joint j was recorded beside the controller's law."""
+        return self.law is not None and self.source not in ("law", "")
+
+    def given(self, j: int) -> FloatArray:
+        """What the controller gave joint j: the command, else the torque; (T,)."""
+        recorded = self.recording.tau_cmd
+        given = self.torque if recorded is None else recorded
+        assert given is not None
+        return np.ascontiguousarray(given[:, j])
+
+    def transmitted(self, j: int) -> FloatArray | None:
+        """Torque through joint j's gear, (T,), from what was commanded; None where nothing was.
+
+        Not from the torque's sensor: a second derivative of its noise would explain that noise.
+        """
+        recorded = self.recording.tau_cmd
+        asked = self.law if recorded is None else recorded
+        if asked is None or not np.isfinite(asked[:, j]).all():
+            return None
+        smooth = zero_phase(asked[:, j], 2.0 * self.cutoff, self.period)
+        return np.asarray(smooth - self.rotor(j), dtype=np.float64)
+
+    def tau_without_rotor(self) -> FloatArray:
+        """Torques of the rigid body alone, (T, n)."""
+        if "rigid" not in self.cache:
+            assert self.body is not None
+            self.cache["rigid"] = self.body.torque(self.q, self.dq, self.ddq)
+        return self.cache["rigid"]
+
+    def tip_moved(self, q: FloatArray) -> FloatArray:
+        """Change of the tip's pose from the motion's to other positions (T, n); (T, 6)."""
+        assert self.body is not None
+        frame = self.body.frame(self.tip)
+        here = self.body.poses_and_jacobians(self.q, frame)[0]
+        there = self.body.poses_and_jacobians(q, frame)[0]
+        turn = Rotation.from_matrix(there[:, :3, :3] @ np.transpose(here[:, :3, :3], (0, 2, 1)))
+        return np.hstack([there[:, :3, 3] - here[:, :3, 3], turn.as_rotvec()])
 
     def tip_position(self) -> FloatArray:
         """The tip's position by the model, (T, 3)."""
@@ -196,9 +230,7 @@ def motion_of(
             cache["tip_position"] = np.ascontiguousarray(poses[:, :3, 3])
     law = None if controller is None else control_law(recording, controller, body)
     torque, source = _torque(recording, law)
-    command = recording.tau_cmd if recording.tau_cmd is not None else law
-    if source in ("tau_cmd", "law", ""):
-        command = law if source == "tau_cmd" else None
+    command = recording.tau_cmd if source in ("tau", "current") else None
     return Motion(
         recording=recording,
         body=body,
@@ -246,8 +278,6 @@ def _torque(recording: Recording, law: FloatArray | None) -> tuple[FloatArray | 
 
 def _pose_error(measured: FloatArray, poses: FloatArray) -> FloatArray:
     """Translation and rotation vector from the model's tip to the measured one, base axes."""
-    from scipy.spatial.transform import Rotation
-
     wxyz = measured[:, 3:]
     rotation = Rotation.from_quat(wxyz[:, [1, 2, 3, 0]])
     turned = rotation * Rotation.from_matrix(poses[:, :3, :3]).inv()

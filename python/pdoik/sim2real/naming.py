@@ -49,20 +49,41 @@ def finding_of(
         links=links,
         recordings=recordings,
         window=place.window,
-        regime=effect.regime(where),
+        regime=effect.regime(_inside(where)),
         statement=effect.statement(where, plain),
         parameters=values,
         equivalents=equivalents,
         decided_by=decided,
         evidence=evidence,
+        variant=CATALOGUE[term.effect].variant(term.shape),
+        shape=term.shape,
     )
+
+
+def described(prepared: Prepared, term: Term) -> str:
+    """An effect and its place in words."""
+    place = term.place
+    where = " and ".join(prepared.study.joints[j] for j in place.joints) or "the base"
+    if place.link is not None and prepared.body is not None:
+        where = prepared.body.links[place.link]
+    if place.window is not None:
+        where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
+    return f"{term.effect.replace('_', ' ')} at {where}"
+
+
+def _inside(where: str) -> str:
+    """Within a sentence."""
+    first, _, rest = where.partition(" ")
+    return f"{first.lower()} {rest}" if first in ("Joint", "Joints", "Link", "The") else where
 
 
 def _where(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> str:
     if links:
-        return f"Link {', '.join(links)}"
+        said = ", ".join(links)
+        return said if "link" in links[0].lower() else f"Link {said}"
     if joints:
-        return f"Joint {joints[0]}" if len(joints) == 1 else f"Joints {' and '.join(joints)}"
+        said = " and ".join(joints)
+        return said if "joint" in said.lower() else f"Joint{'s' * (len(joints) > 1)} {said}"
     return "The base" if on == "base" else "The robot"
 
 

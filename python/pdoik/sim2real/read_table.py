@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, TextIO, cast
 
 import numpy as np
-import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
-import pyarrow.csv  # type: ignore[import-untyped,unused-ignore]
-import pyarrow.parquet  # type: ignore[import-untyped,unused-ignore]
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
 
 from pdoik.errors import LoadError
 

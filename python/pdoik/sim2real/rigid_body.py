@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from itertools import pairwise
@@ -102,6 +103,33 @@ class RigidBody:
             dtau_dgravity=self._by_gravity(configuration),
         )
 
+    def torque(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+        """Torques of the rigid body alone, (T, n): no rotors, no friction."""
+        model, data, v = self.model, self._data, self._v
+        rows = zip(self._position(q), self._velocity(dq), self._velocity(ddq), strict=True)
+        return np.stack([pin.rnea(model, data, a, b, c)[v] for a, b, c in rows])
+
+    def displaced(self, j: int, shift: FloatArray, turn: FloatArray) -> RigidBody:
+        """The same body with joint j placed elsewhere.
+
+        Args:
+            j: a study joint.
+            shift: (3,) added to its origin, in its parent's axes [m].
+            turn: (3,) rotation vector after its orientation, in its own axes [rad].
+        """
+        other = copy.copy(self)
+        other.model = self.model.copy()
+        placement = other.model.jointPlacements[self._ids[j]].copy()
+        placement.translation = placement.translation + shift
+        placement.rotation = placement.rotation @ pin.exp3(turn)
+        other.model.jointPlacements[self._ids[j]] = placement
+        other._data = other.model.createData()
+        return other
+
+    def placement_rotation(self, j: int) -> FloatArray:
+        """Orientation of joint j's frame on its parent at its zero, (3, 3)."""
+        return np.array(self.model.jointPlacements[self._ids[j]].rotation)
+
     def mass_diagonal(self, q: FloatArray) -> FloatArray:
         """Inertia each joint sees with the others at rest, rotors included; q and result (n,)."""
         row = self._position(q[None])[0]
@@ -166,6 +194,8 @@ class RigidBody:
     def frame(self, name: str | None) -> int:
         """Index of the frame of a link; of the last link for None."""
         wanted = self.links[self.last] if name is None else name
+        if self.model.existFrame(wanted, pin.BODY):  # a joint may have the same name
+            return int(self.model.getFrameId(wanted, pin.BODY))
         if not self.model.existFrame(wanted):
             raise ValueError(f"tip {wanted!r} is no link of the robot")
         return int(self.model.getFrameId(wanted))
@@ -217,5 +247,5 @@ def _dry_friction(model: Any) -> FloatArray:
     """The description's dry friction of each joint (Pinocchio has renamed the field)."""
     for name in ("upperDryFrictionLimit", "friction"):
         if hasattr(model, name):
-            return np.abs(np.array(getattr(model, name)))
+            return np.abs(np.array(getattr(model, name), dtype=np.float64))
     return np.zeros(model.nv)

@@ -18,7 +18,7 @@ from .ripple import ripple_terms
 
 _SCREENED = 12  # candidates of the highest training gain that are cross-validated, a round
 _LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
-_LEAST_T = 3.5  # held-out gain over its standard error, by blocks
+LEAST_T = 3.5  # held-out gain over its standard error, by blocks
 _LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
 _LEAST_SHARE = 0.004  # of the mean square residual that the effect's channels began with
 _TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
@@ -26,7 +26,7 @@ _TIE = 0.03  # or the share of the gain, where blocks differ as much
 _MOST = 40  # terms
 _FIXED_WITHIN = (0.6, 1.6)  # where a coefficient that should be 1 may lie when it is set free
 
-Tell = Callable[[str, float], None]
+Tell = Callable[[Term, float], None]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,7 +46,7 @@ class Trial:
     @property
     def significant(self) -> bool:
         """Whether the gain is real and large enough to matter."""
-        return self.t >= _LEAST_T and self.size >= _LEAST_SIZE and self.share >= _LEAST_SHARE
+        return self.t >= LEAST_T and self.size >= _LEAST_SIZE and self.share >= _LEAST_SHARE
 
 
 @dataclass(kw_only=True)
@@ -76,6 +76,8 @@ def candidates(balances: Balances) -> list[Term]:
         for place in effect.places(balances.motions):
             if effect.per_joint_moving and not all(balances.excited[j] for j in place.joints):
                 continue
+            if effect.costly and not any(_restless(balances, j) for j in place.joints):
+                continue
             for shape in effect.shapes(balances.motions, place):
                 term = term_of(balances, effect, place, shape)
                 if term is not None:
@@ -86,7 +88,7 @@ def candidates(balances: Balances) -> list[Term]:
 def search(
     balances: Balances,
     nuisance: tuple[Term, ...],
-    tell: Tell = lambda text, share: None,
+    tell: Tell = lambda term, share: None,
     contacts: tuple[Term, ...] = (),
 ) -> Search:
     """Accept the best candidate until none is worth it; drop those no longer needed.
@@ -94,7 +96,7 @@ def search(
     Args:
         balances: of the recordings to fit.
         nuisance: terms that are always there (the model's inertias within the user's trust).
-        tell: called with what was accepted and how far the search is, 0 to 1.
+        tell: called with the term accepted and how far the search is, 0 to 1.
         contacts: found in what an earlier search left, accepted beforehand.
     """
     start = Fit(balances, nuisance)
@@ -108,11 +110,16 @@ def search(
             break
         term = refined(state.fit, best.term)
         state.fit = state.fit.extended(term)
-        effect = CATALOGUE[term.effect]
-        tell(f"{effect.id} at {term.place}", min(0.9, 0.1 * len(state.accepted)))
+        tell(term, min(0.9, 0.1 * len(state.accepted)))
         _drop(state)
     polish(state)
     return state
+
+
+def _restless(balances: Balances, j: int) -> bool:
+    """Whether something is left in joint j's torque, or in the tip's pose."""
+    keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
+    return any(balances.rms(k) > 1.5 * balances.sigma[k] for k in keys if k in balances.residual)
 
 
 def _round(state: Search, pool: list[Term]) -> Trial | None:
@@ -122,7 +129,7 @@ def _round(state: Search, pool: list[Term]) -> Trial | None:
     fresh += [t for t in ripple_terms(state.fit) if (t.effect, t.place) not in taken]
     screened = screen(state.fit, fresh)
     held = held_out_squares(state.fit)
-    trials = []
+    trials: list[Trial] = []
     hopeless = 0
     for term, training_gain in screened:
         if trials and training_gain < 0.5 * trials[0].gain and len(trials) >= 4:
@@ -244,13 +251,18 @@ def cross_validated(
     squares = held_out_squares(wider)
     blocks = base.by_block({key: held[key] - squares[key] for key in squares})
     relief = base.penalty() - (wider.penalty() - _own_penalty(wider, term))
-    active_rows, acting = _activity(base, term)
+    active_rows, acting = activity(base, term)
     t, coefficient = wider.wald(term)
+    effect = CATALOGUE[term.effect]
+    if not term.fixed and not effect.admissible(wider.beta[-term.width :]):
+        t = 0.0
+    if not effect.plausible(base.balances.motions, term.place, term.shape):
+        t = 0.0
     if term.fixed and not _FIXED_WITHIN[0] < coefficient < _FIXED_WITHIN[1]:
         t = 0.0  # the data want another multiple of it: it is something else
     gain = float(blocks.sum())
     if relief > 30.0 and gain > -0.2 * relief:  # the prior asks for it
-        gain, t = gain + relief, max(t, _LEAST_T)
+        gain, t = gain + relief, max(t, LEAST_T)
     began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
     return Trial(
         term=term,
@@ -270,7 +282,7 @@ def _own_penalty(fit: Fit, term: Term) -> float:
     return float(np.sum(term.prior * beta**2))
 
 
-def _activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
+def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
     """On how many rows a term acts, and which."""
     count = 0
     acting: dict[Key, NDArray[np.bool_]] = {}
@@ -307,7 +319,12 @@ def refined(base: Fit, term: Term) -> Term:
             return np.inf, new
         return base.extended(new).cost(), new
 
-    if len(free) == 1:
+    if effect.costly:
+        here = term.shape[0]
+        tries = [here * 1.06**power for power in range(-6, 7)]  # simulated along with one another
+        costs = [at(np.array([value]))[0] for value in tries]
+        best, cost = np.array([tries[int(np.argmin(costs))]]), float(min(costs))
+    elif len(free) == 1:
         low, high = bounds[free[0]]
         found = optimize.minimize_scalar(
             lambda x: at(np.array([x]))[0],
@@ -318,7 +335,7 @@ def refined(base: Fit, term: Term) -> Term:
         best, cost = np.array([found.x]), float(found.fun)
     else:
         start = np.array([term.shape[i] for i in free])
-        result = optimize.minimize(
+        result = optimize.minimize(  # type: ignore[call-overload]  # its stubs know no fatol
             lambda x: at(x)[0],
             start,
             method="Nelder-Mead",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
@@ -22,10 +24,16 @@ def zero_phase(values: FloatArray, cutoff: float, period: float) -> FloatArray:
     nyquist = 0.5 / period
     if cutoff >= 0.9 * nyquist or len(values) < 3:
         return np.asarray(values, dtype=np.float64)
-    sections = signal.butter(_ORDER, cutoff / nyquist, output="sos")
+    sections = _sections(cutoff / nyquist)
     pad = min(len(values) - 1, int(3 / (cutoff * period)))
     filtered = signal.sosfiltfilt(sections, values, axis=0, padtype="odd", padlen=pad)
     return np.ascontiguousarray(filtered, dtype=np.float64)
+
+
+@lru_cache(maxsize=64)
+def _sections(ratio: float) -> FloatArray:
+    """Of the filter with this cut-off over Nyquist's frequency; its design costs as much as use."""
+    return np.asarray(signal.butter(_ORDER, ratio, output="sos"), dtype=np.float64)
 
 
 def derivative(values: FloatArray, period: float) -> FloatArray:
@@ -61,7 +69,7 @@ def noise_density(values: FloatArray, period: float, above: float) -> FloatArray
     """
     nyquist = 0.5 / period
     length = min(256, len(values))
-    frequency, density = signal.welch(
+    frequency, density = signal.welch(  # type: ignore[call-overload]  # its stubs do not know linear
         values, fs=1.0 / period, nperseg=length, axis=0, detrend="linear"
     )
     low = min(max(above, 0.5 * nyquist), 0.8 * nyquist)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from .effects import CATALOGUE, Place
+from .effects import CATALOGUE, Key, Place
 from .effects.unknown import VARIABLES
 from .regression import Fit, Term, term_of
 from .search import Search, Trial, cross_validated, held_out_squares, screen
@@ -76,7 +76,8 @@ def _best(state: Search) -> Trial | None:
 
 def _clocks(fit: Fit, j: int) -> list[tuple[float, float, float]]:
     """The strongest frequencies of the residual over time."""
-    b, key = fit.balances, ("torque", j)
+    b = fit.balances
+    key: Key = ("torque", j)
     code = float(VARIABLES.index("clock"))
     full = np.zeros(b.count)
     full[fit.rows[key]] = fit.residual(key)

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ..motion import Motion
 from ..recording import FloatArray
 from ..signals import lagged
-from .command_delay import OF_POSITION, command_changed, drive_shapes, within_sampling
+from .command_delay import (
+    OF_POSITION,
+    drive_shapes,
+    drive_variant,
+    late_position,
+    late_torque,
+    within_sampling,
+)
 from .effect import Columns, Effect, Parameter, Place, Shape
 
 
@@ -41,9 +50,8 @@ class ActuatorLag(Effect):
             assert motion.q_des is not None
             aim = motion.q_des[:, j]
             late = lagged(aim, time, motion.period) - aim
-            return command_changed(motion, j, late, late)
-        command = motion.asked(j)
-        return command_changed(motion, j, None, lagged(command, time, motion.period) - command)
+            return late_position(motion, j, late)
+        return late_torque(motion, j, lambda x: lagged(x, time, motion.period))
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The time constant."""
@@ -57,6 +65,16 @@ class ActuatorLag(Effect):
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
         return within_sampling(motions, shape[1])
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The coefficient is 1."""
+        return (shape[0] if shape else OF_POSITION, values["time_constant"]), np.ones(1)
+
+    def variant(self, shape: Shape) -> str:
+        """What lags."""
+        return drive_variant(shape)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
@@ -13,34 +15,51 @@ OF_POSITION, OF_TORQUE = 0.0, 1.0
 """First entry of a shape: whether the commanded position or the torque comes late."""
 
 
-def command_changed(motion: Motion, j: int, late: FloatArray | None, torque: FloatArray) -> Columns:
-    """Columns of a command that arrives as `late` (position, (T,)) or as `torque` ((T,) change).
+def late_position(motion: Motion, j: int, change: FloatArray) -> Columns:
+    """Of a commanded position that differs by `change` (T,) from what was logged.
 
-    In the drive's balance where the torque given was recorded beside the command, else in the
-    torque's, where the command stands for the torque.
+    In the law's balance where a torque was recorded, else in the torque's, where the law stands
+    for the torque.
     """
-    change = torque
-    if late is not None:
-        assert motion.controller is not None
-        change = motion.controller.kp[j] * late
+    assert motion.controller is not None
+    torque = motion.controller.kp[j] * change
+    if motion.has_law(j):
+        return {("law", j): torque[:, None]}
+    return {("torque", j): -torque[:, None]}
+
+
+def late_torque(motion: Motion, j: int, late: Callable[[FloatArray], FloatArray]) -> Columns:
+    """Of a torque that follows its command as `late` says."""
     if motion.has_command(j):
-        return {("drive", j): change[:, None]}
-    return {("torque", j): -change[:, None]}
+        assert motion.command is not None
+        command = motion.command[:, j]
+        return {("drive", j): (late(command) - command)[:, None]}
+    if motion.source == "tau" or motion.source == "current":
+        assert motion.law is not None
+        law = motion.law[:, j]
+        return {("law", j): (late(law) - law)[:, None]}
+    assert motion.torque is not None
+    command = motion.torque[:, j]
+    return {("torque", j): (command - late(command))[:, None]}
 
 
 def drive_shapes(motions: Sequence[Motion], place: Place, times: Sequence[float]) -> list[Shape]:
     """Shapes (what, time) for the channels that were recorded."""
     (j,) = place.joints
     first = motions[0]
-    if first.source == "" and first.q_des is not None:
-        return [(OF_POSITION, time) for time in times]
+    if first.source == "":
+        return [(OF_POSITION, time) for time in times] if first.q_des is not None else []
     shapes: list[Shape] = []
-    command = first.command if first.has_command(j) else first.torque
-    if command is None or (not first.has_command(j) and first.source not in ("law", "tau_cmd")):
-        return []
-    if command is first.law:
+    if first.law is not None:
         shapes += [(OF_POSITION, time) for time in times]
-    return shapes + [(OF_TORQUE, time) for time in times]
+    if first.has_command(j) or first.law is not None or first.source == "tau_cmd":
+        shapes += [(OF_TORQUE, time) for time in times]
+    return shapes
+
+
+def drive_variant(shape: Shape) -> str:
+    """Whether the commanded position or torque comes late."""
+    return "torque" if shape[0] == OF_TORQUE else "position"
 
 
 def within_sampling(motions: Sequence[Motion], time: float) -> bool:
@@ -85,9 +104,8 @@ class CommandDelay(Effect):
                 speed = motion.dq_des[:, j]
                 ratio = motion.controller.kd[j] / motion.controller.kp[j]
                 late = late + ratio * (shifted(speed, delay, motion.period) - speed)
-            return command_changed(motion, j, late, late)
-        command = motion.asked(j)
-        return command_changed(motion, j, None, shifted(command, delay, motion.period) - command)
+            return late_position(motion, j, late)
+        return late_torque(motion, j, lambda x: shifted(x, delay, motion.period))
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The delay."""
@@ -101,6 +119,16 @@ class CommandDelay(Effect):
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
         return within_sampling(motions, shape[1])
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The coefficient is 1."""
+        return (shape[0] if shape else OF_POSITION, values["delay"]), np.ones(1)
+
+    def variant(self, shape: Shape) -> str:
+        """What comes late."""
+        return drive_variant(shape)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

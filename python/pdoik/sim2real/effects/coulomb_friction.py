@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ..motion import Motion
 from ..recording import FloatArray
 from .effect import Columns, Effect, Parameter, Place, Shape
@@ -32,6 +34,12 @@ class CoulombFriction(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The level."""
         return {"level": float(beta[0])}
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The level; the speed of rest it was found with."""
+        return shape or (0.0,), np.array([values["level"]])
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -12,7 +12,7 @@ import numpy as np
 from ..motion import Motion
 from ..recording import FloatArray
 
-Balance = Literal["torque", "drive", "velocity", "tip", "servo"]
+Balance = Literal["torque", "drive", "law", "velocity", "tip", "servo"]
 Key = tuple[Balance, int]  # a balance and its channel: a joint, or an axis of the tip's error
 Columns = dict[Key, FloatArray]  # (T, k) for every channel the effect changes
 Shape = tuple[float, ...]  # the parameters that enter nonlinearly
@@ -42,7 +42,8 @@ class Effect(ABC):
     """One kind of physics a model may have left out.
 
     An effect's columns times its coefficients are what it adds to the residual of a balance:
-    torque: recorded torque less the rigid body's; drive: recorded less commanded torque; velocity:
+    torque: recorded torque less the rigid body's; drive: recorded less commanded torque; law:
+    commanded torque less the controller's law; velocity:
     recorded speed less the positions' derivative; tip: measured pose less the model's; servo:
     position less its command. What is not linear is the shape, found by search.
     """
@@ -55,6 +56,7 @@ class Effect(ABC):
     decided_by: ClassVar[str] = ""
     source: ClassVar[str] = ""
     fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
+    costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     complexity: ClassVar[int] = 1  # simpler effects go first where data cannot tell
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
@@ -75,6 +77,21 @@ class Effect(ABC):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The parameters by name, from shape and coefficients."""
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """Shape and coefficients of parameters by name: `values` turned round.
+
+        Args:
+            values: the parameters.
+            shape: that they were found with, for what the values leave open.
+        """
+        return shape, np.array([values[each.name] for each in self.parameters])
+
+    def variant(self, shape: Shape) -> str:
+        """What it is of (torque, speed, position) where it may be of several; "" elsewhere."""
+        return ""
+
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest value of each coefficient."""
@@ -94,6 +111,10 @@ class Effect(ABC):
     def prior(self, width: int) -> FloatArray:
         """Inverse variances of the coefficients; zero where they are free."""
         return np.zeros(width)
+
+    def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
+        """Whether nothing in the recordings contradicts it outright."""
+        return True
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Whether it is too small for the recordings' sampling to tell."""

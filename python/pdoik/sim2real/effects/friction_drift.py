@@ -47,6 +47,12 @@ class FrictionDrift(Effect):
         """Surplus at the start and the time over which it fades."""
         return {"extra": float(beta[0]), "time_constant": shape[0]}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The surplus is linear, its time constant is not."""
+        return (values["time_constant"],), np.array([values["extra"]])
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (

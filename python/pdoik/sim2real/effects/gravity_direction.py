@@ -52,6 +52,13 @@ class GravityDirection(Effect):
         """Both tilts."""
         return {"tilt_x": float(beta[0]), "tilt_y": float(beta[1])}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """Both tilts, and what their cosines take from gravity."""
+        x, y = values["tilt_x"], values["tilt_y"]
+        return (), np.array([x, y, 1.0 - np.cos(x) * np.cos(y)])
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         x, y = np.degrees(values["tilt_x"]), np.degrees(values["tilt_y"])

@@ -126,6 +126,18 @@ class Payload(LinkInertials):
         names = [p.name for p in self.parameters]
         return dict(zip(names, map(float, (mass, *com, *inertias)), strict=True))
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """Ten inertial parameters about the frame's origin."""
+        mass = values["mass"]
+        com = np.array([values[f"com_{axis}"] for axis in "xyz"])
+        xx, xy, yy, xz, yz, zz = (values[name] for name in INERTIAS)
+        about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        about = about + mass * (com @ com * np.eye(3) - np.outer(com, com))
+        inertias = (about[0, 0], about[0, 1], about[1, 1], about[0, 2], about[1, 2], about[2, 2])
+        return (), np.array([mass, *(mass * com), *inertias])
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         com = ", ".join(f"{1e3 * values[f'com_{axis}']:.3g}" for axis in "xyz")

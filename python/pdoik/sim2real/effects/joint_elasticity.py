@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
+from ..signals import lagged
 from .effect import Columns, Effect, Key, Parameter, Place, Shape
 
 
@@ -37,10 +38,23 @@ class JointElasticity(Effect):
     source = "Spong, ASME J. Dyn. Sys. 109(4), 1987"
     complexity = 3
 
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Damping over stiffness: the time the spring takes to give [s]."""
+        return [(0.0,), (0.005,), (0.015,)]
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """Up to a sluggish spring."""
+        return [(0.0, 0.05)]
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Of a deflection by the load's torque, per compliance."""
         (j,) = place.joints
-        return deflected(motion, j, motion.tau[:, j] - motion.rotor(j))
+        load = motion.transmitted(j)
+        if load is None:
+            return {}
+        if shape[0] > 1e-4:
+            load = lagged(load, shape[0], motion.period)
+        return deflected(motion, j, load)
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -48,8 +62,16 @@ class JointElasticity(Effect):
         return np.full(1, 1e-7), np.full(1, 0.1)
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The stiffness; damping is not told by this balance."""
-        return {"stiffness": 1.0 / max(float(beta[0]), 1e-12), "damping": 0.0}
+        """Stiffness and damping."""
+        stiffness = 1.0 / max(float(beta[0]), 1e-12)
+        return {"stiffness": stiffness, "damping": shape[0] * stiffness}
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The compliance, and damping over stiffness."""
+        stiffness = values["stiffness"]
+        return (values["damping"] / stiffness,), np.array([1.0 / stiffness])
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
 from .effect import Columns, Effect, Key, Parameter, Place, Shape
+
+_SMALL = 2e-3  # below it the derivative is as good [rad]
 
 
 class JointOffset(Effect):
@@ -24,22 +26,45 @@ class JointOffset(Effect):
     complexity = 2
     per_joint_moving = False
 
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """The derivative first; `refined` moves on to the secant at the offset itself."""
+        return [(0.0,)]
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """A third of a radian either way."""
+        return [(-0.35, 0.35)]
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Derivatives by the joint's position."""
+        """Change of torques and tip per offset, on the way to the offset in the shape."""
         (j,) = place.joints
-        columns: dict[Key, FloatArray] = {
-            ("torque", i): motion.dtau_dq[:, i, j, None] for i in range(motion.n)
-        }
-        if motion.tip_jacobian is not None:
-            for axis in range(6):
-                columns["tip", axis] = motion.tip_jacobian[:, axis, j, None]
         if motion.body is None:
             return {("servo", j): -np.ones((len(motion.time), 1))}
+        columns: dict[Key, FloatArray] = {}
+        torque = motion.dtau_dq[:, :, j]
+        tip = None if motion.tip_jacobian is None else motion.tip_jacobian[:, :, j]
+        if abs(shape[0]) > _SMALL:
+            q = motion.q.copy()
+            q[:, j] += shape[0]
+            here = motion.tau_without_rotor()
+            torque = (motion.body.torque(q, motion.dq, motion.ddq) - here) / shape[0]
+            if tip is not None:
+                tip = motion.tip_moved(q) / shape[0]
+        for i in range(motion.n):
+            columns["torque", i] = np.ascontiguousarray(torque[:, i, None])
+        if tip is not None:
+            for axis in range(6):
+                columns["tip", axis] = np.ascontiguousarray(tip[:, axis, None])
         return columns
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The offset."""
         return {"offset": float(beta[0])}
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The offset, along the secant to it."""
+        return shape or (values["offset"],), np.array([values["offset"]])
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

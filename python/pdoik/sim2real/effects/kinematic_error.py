@@ -8,15 +8,16 @@ import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
+from ..rigid_body import RigidBody
 from .effect import Columns, Effect, Parameter, Place, Shape
 
 
 class KinematicError(Effect):
-    """Translation and rotation of one joint's placement, in the axes of its frame."""
+    """One joint's placement: translation in its parent's axes, rotation after it in its own."""
 
     id = "kinematic_error"
     on = "link"
-    equation = "T_parent_joint = T_model exp(dx, dy, dz, rx, ry, rz)"
+    equation = "origin = origin_model + (dx, dy, dz); R = R_model exp(rx, ry, rz)"
     parameters = (
         *(Parameter(name, "m", lower=-0.3, upper=0.3) for name in ("dx", "dy", "dz")),
         *(Parameter(name, "rad", lower=-0.5, upper=0.5) for name in ("rx", "ry", "rz")),
@@ -38,11 +39,15 @@ class KinematicError(Effect):
         # The placement's frame is the joint's before it turned: turn back about its own axis.
         before = _turned_back(motion, j, frame)
         lever = motion.tip_position() - frame[:, :3, 3]
+        parent = before @ motion.body.placement_rotation(j).T
         columns: Columns = {}
         turning = np.cross(np.transpose(before, (0, 2, 1)), lever[:, None, :])  # (T, 3 axes, 3)
         for axis in range(3):
-            columns["tip", axis] = np.hstack([before[:, axis, :], turning[:, :, axis]])
+            columns["tip", axis] = np.hstack([parent[:, axis, :], turning[:, :, axis]])
             columns["tip", 3 + axis] = np.hstack([np.zeros_like(lever), before[:, axis, :]])
+        torque = _torques(motion, motion.body, j)
+        for i in range(motion.n):
+            columns["torque", i] = torque[:, i]
         return columns
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
@@ -62,6 +67,21 @@ class KinematicError(Effect):
     def regime(self, where: str) -> str:
         """When it shows."""
         return "the tip's pose, in every pose of the arm"
+
+
+_STEP = 1e-4  # of the finite differences [m, rad]
+
+
+def _torques(motion: Motion, body: RigidBody, j: int) -> FloatArray:
+    """Change of the rigid body's torques per metre and radian, (T, n, 6)."""
+    name = f"placement {j}"
+    if name not in motion.cache:
+        here = body.torque(motion.q, motion.dq, motion.ddq)
+        steps = _STEP * np.eye(6)
+        moved = [body.displaced(j, step[:3], step[3:]) for step in steps]
+        each = [(m.torque(motion.q, motion.dq, motion.ddq) - here) / _STEP for m in moved]
+        motion.cache[name] = np.stack(each, axis=2)
+    return motion.cache[name]
 
 
 def _turned_back(motion: Motion, j: int, frame: FloatArray) -> FloatArray:

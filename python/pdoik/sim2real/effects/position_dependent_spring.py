@@ -71,6 +71,15 @@ class PositionDependentSpring(Effect):
             onset = -float(beta[1]) / stiffness if stiffness > 0.0 else 0.0
         return {"stiffness": stiffness, "onset": onset, "side": side}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """Of a full spring the onset is a constant torque."""
+        stiffness, onset, side = values["stiffness"], values["onset"], values["side"]
+        if side == 0.0:
+            return (0.0, 0.0), np.array([stiffness, -stiffness * onset])
+        return (side, onset), np.array([stiffness])
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         beyond = {0.0: "around", 1.0: "above", -1.0: "below"}[values["side"]]

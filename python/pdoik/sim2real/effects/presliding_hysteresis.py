@@ -59,6 +59,12 @@ class PreslidingHysteresis(Effect):
         """Level and displacement."""
         return {"level": float(beta[0]), "displacement": shape[0]}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The level is linear, the displacement is not."""
+        return (values["displacement"],), np.array([values["level"]])
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (

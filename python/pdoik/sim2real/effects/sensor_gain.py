@@ -39,7 +39,7 @@ class SensorGain(Effect):
         (j,) = place.joints
         q, dq, ddq = motion.q[:, j], motion.dq[:, j], motion.ddq[:, j]
         if shape[0] == OF_SPEED:
-            return {("velocity", j): dq[:, None]}
+            return {("velocity", j): dq[:, None], **through_law(motion, j, dq)}
         # The true position is q / k = q + b q: coefficient b = 1/k - 1. Where speed was measured
         # apart it stays right, and the balance of speed sees the positions' derivative grow.
         change = (
@@ -72,9 +72,29 @@ class SensorGain(Effect):
         by_one = 1.0 + float(beta[0])
         return {"gain": by_one if shape[0] == OF_SPEED else 1.0 / by_one}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """By one more or less, see `columns`."""
+        what = shape[0] if shape else OF_SPEED
+        gain = values["gain"]
+        return (what,), np.array([gain - 1.0 if what == OF_SPEED else 1.0 / gain - 1.0])
+
+    def variant(self, shape: Shape) -> str:
+        """The channel."""
+        return "speed" if shape[0] == OF_SPEED else "position"
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return f"A sensor of {where} reads {values['gain']:.3g} times what is true."
+
+
+def through_law(motion: Motion, j: int, speed_error: FloatArray) -> Columns:
+    """Where the controller's law is worked out with a logged speed that is off by so much (T,)."""
+    if motion.controller is None or motion.law is None:
+        return {}
+    torque = (motion.controller.kd[j] * speed_error)[:, None]
+    return {("law", j): torque} if motion.has_law(j) else {("torque", j): -torque}
 
 
 def _known(values: FloatArray) -> bool:

@@ -47,6 +47,12 @@ class StribeckFriction(Effect):
         """Extra friction at rest and the speed at which it fades."""
         return {"extra": float(beta[0]), "speed": shape[0]}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The extra friction is linear, the speed is not."""
+        return (values["speed"],), np.array([values["extra"]])
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (

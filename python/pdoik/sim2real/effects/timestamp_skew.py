@@ -11,6 +11,7 @@ from ..recording import FloatArray
 from ..signals import shifted
 from .command_delay import within_sampling
 from .effect import Columns, Effect, Key, Parameter, Place, Shape
+from .sensor_gain import through_law
 
 OF_TORQUE, OF_SPEED = 0.0, 1.0
 
@@ -45,14 +46,20 @@ class TimestampSkew(Effect):
         what, skew = shape
         if what == OF_SPEED:
             speed = motion.dq[:, j]
-            return {("velocity", j): (shifted(speed, skew, motion.period) - speed)[:, None]}
+            late = shifted(speed, skew, motion.period) - speed
+            return {("velocity", j): late[:, None], **through_law(motion, j, late)}
         tau = motion.tau[:, j]
         columns: dict[Key, FloatArray] = {
             ("torque", j): (shifted(tau, skew, motion.period) - tau)[:, None]
         }
         if motion.has_command(j):
-            command = motion.asked(j)
+            assert motion.command is not None
+            command = motion.command[:, j]
             columns["drive", j] = (shifted(command, skew, motion.period) - command)[:, None]
+        elif motion.has_law(j):
+            assert motion.law is not None
+            law = motion.law[:, j]
+            columns["law", j] = (shifted(law, skew, motion.period) - law)[:, None]
         return columns
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
@@ -68,6 +75,16 @@ class TimestampSkew(Effect):
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
         return within_sampling(motions, shape[1])
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The coefficient is 1."""
+        return (shape[0] if shape else OF_TORQUE, values["skew"]), np.ones(1)
+
+    def variant(self, shape: Shape) -> str:
+        """The channel."""
+        return "speed" if shape[0] == OF_SPEED else "torque"
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -52,6 +52,14 @@ class TorqueRipple(Effect):
         phase = float(np.arctan2(-beta[1], beta[0]))
         return {"amplitude": amplitude, "phase": phase, "harmonic": shape[0]}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """Of cosine and sine."""
+        amplitude, phase = values["amplitude"], values["phase"]
+        beta = amplitude * np.array([np.cos(phase), -np.sin(phase)])
+        return (values["harmonic"],), beta
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (

@@ -8,7 +8,12 @@ import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
+from ..signals import zero_phase
 from .effect import Columns, Effect, Parameter, Place, Shape
+
+_LEAST_REACHED = 12  # samples
+OF_REPORTED, OF_COMMAND, OF_LAW = 0.0, 1.0, 2.0
+"""First entry of a shape: what is larger than the torque truly given."""
 
 
 class TorqueSaturation(Effect):
@@ -25,30 +30,65 @@ class TorqueSaturation(Effect):
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Levels below the highest torque asked for."""
+        """What is clipped, and levels below the highest torque asked for."""
         (j,) = place.joints
-        asked = np.concatenate([np.abs(_asked(m)[:, j]) for m in motions])
-        if not np.isfinite(asked).any():
-            return []
-        levels = np.nanquantile(asked, (0.7, 0.85, 0.93, 0.97, 0.985, 0.993, 0.997, 0.999))
-        return [(float(level),) for level in levels if level > 0.0]
+        first = motions[0]
+        kinds = [OF_REPORTED] if first.source else []
+        kinds += [OF_COMMAND] if first.has_command(j) else []
+        kinds += [OF_LAW] if first.has_law(j) else []
+        shapes: list[Shape] = []
+        for kind in kinds:
+            asked = np.concatenate([np.abs(_asked(m, j, kind)) for m in motions])
+            if np.isfinite(asked).all():
+                levels = np.quantile(asked, (0.7, 0.85, 0.93, 0.97, 0.985, 0.993, 0.997, 0.999))
+                shapes += [(kind, float(level)) for level in levels if level > 0.0]
+        return shapes
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """What is missing beyond the level, of the recorded torque or of the command."""
+        """What is missing beyond the level."""
         (j,) = place.joints
-        asked = _asked(motion)[:, j]
-        beyond = asked - np.clip(asked, -shape[0], shape[0])
-        if motion.command is not None and np.isfinite(motion.command[:, j]).all():
+        kind, level = shape
+        asked = _asked(motion, j, kind)
+        beyond = asked - np.clip(asked, -level, level)
+        if kind == OF_COMMAND:
             return {("drive", j): -beyond[:, None]}
+        if kind == OF_LAW:
+            return {("law", j): -beyond[:, None]}
         return {("torque", j): beyond[:, None]}
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The level."""
-        return {"level": shape[0]}
+        return {"level": shape[1]}
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """Near the level found first."""
-        return [(0.8 * shape[0], 1.25 * shape[0])]
+        kind, level = shape
+        return [(kind, kind), (0.8 * level, 1.25 * level)]
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The coefficient is 1."""
+        return (shape[0] if shape else OF_COMMAND, values["level"]), np.ones(1)
+
+    def variant(self, shape: Shape) -> str:
+        """What is larger than the torque given."""
+        return {OF_REPORTED: "reported torque", OF_COMMAND: "command", OF_LAW: "law"}[shape[0]]
+
+    def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
+        """Nowhere does the joint get more than the level, noise apart."""
+        (j,) = place.joints
+        kind, level = shape
+        highest, asked = [], []
+        for m in motions:
+            given = m.tau[:, j] if kind == OF_REPORTED else m.given(j)
+            if kind == OF_COMMAND and m.torque is not None:
+                given = m.torque[:, j]
+            smooth = np.abs(zero_phase(given, m.cutoff, m.period))
+            highest.append(float(np.quantile(smooth, 0.9995)))
+            asked.append(np.abs(_asked(m, j, kind)))
+        reached = int(np.count_nonzero(np.concatenate(asked) > level))
+        return max(highest) < 1.06 * level and reached >= _LEAST_REACHED
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
@@ -59,8 +99,8 @@ class TorqueSaturation(Effect):
         return f"the highest torques of {where}"
 
 
-def _asked(motion: Motion) -> FloatArray:
-    """Commanded torque, else what stands for the torque."""
-    asked = motion.torque if motion.command is None else motion.command
+def _asked(motion: Motion, j: int, kind: float) -> FloatArray:
+    """The torque that is clipped, (T,)."""
+    asked = {OF_REPORTED: motion.torque, OF_COMMAND: motion.command, OF_LAW: motion.law}[kind]
     assert asked is not None
-    return asked
+    return np.ascontiguousarray(asked[:, j])

@@ -86,6 +86,14 @@ class Unknown(Effect):
         result = {"variable": shape[0], "lowest": shape[1], "highest": shape[2]}
         return result | {f"value_{i}": float(b) for i, b in enumerate(beta)}
 
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """The function at its knots."""
+        count = sum(name.startswith("value_") for name in values)
+        beta = np.array([values[f"value_{i}"] for i in range(count)])
+        return (values["variable"], values["lowest"], values["highest"]), beta
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         name = VARIABLES[int(values["variable"])]

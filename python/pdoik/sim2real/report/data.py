@@ -29,6 +29,7 @@ class Traces:
     measured: FloatArray | None = None  # what the residuals are of: torque, or else
     predicted_before: FloatArray | None = None
     predicted_after: FloatArray | None = None
+    parts: tuple[FloatArray, ...] = ()  # (T, n) each: a finding's share of before - after
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,13 +63,14 @@ class RegimeMap:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Replay:
-    """Closed-loop simulation for the commands of a recording, beside what the machine did."""
+    """Simulation of a recording's commands, beside what the machine did."""
 
     recording: str
     time: FloatArray  # (T,) [s]
     recorded: FloatArray  # (T, n) q [rad] or [m]
     before: FloatArray  # (T, n) q of the user's model
     after: FloatArray  # (T, n) q with the findings
+    how: str = "closed-loop simulation for the recorded commands"
 
     def __post_init__(self) -> None:
         for name in ("recorded", "before", "after"):
@@ -122,6 +124,8 @@ class ReportData:
             for name in ("measured", "predicted_before", "predicted_after"):
                 if (array := getattr(traces, name)) is not None:
                     _expect(f"{name} of {traces.name}", array, shape)
+            for array in traces.parts:
+                _expect(f"parts of {traces.name}", array, shape)
         if self.regimes is not None:
             _expect("regimes.share", self.regimes.share, (n, None))
         for replay in self.replays:

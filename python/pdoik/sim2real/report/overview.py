@@ -38,7 +38,7 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
     figure.text(0.018, 0.944, _subtitle(diagnosis, data), fontsize=9.5, va="top", color=MUTED,
                 linespacing=1.5)  # fmt: skip
     left, right = 0.062, 0.985
-    shown = order[:2]
+    shown = [joint for joint in order[:2] if _badness(diagnosis, data, joint) < -1.3] or order[:1]
     top = figure.add_gridspec(
         len(shown), 1, left=left, right=0.62, top=0.845, bottom=0.475, hspace=0.35
     )
@@ -55,8 +55,9 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
         1, max(len(found), 1), left=left, right=0.58, top=0.375, bottom=0.075, wspace=0.24
     )
     for k, finding in enumerate(found):
-        joint = data.joints.index(finding.joints[0])
-        finding_curve(figure.add_subplot(curves[k]), data, joint, finding)
+        joint = data.joints.index(finding.joints[0]) if finding.joints else order[0]
+        number = diagnosis.findings.index(finding)
+        finding_curve(figure.add_subplot(curves[k]), data, joint, finding, number)
     if not found:
         finding_curve(figure.add_subplot(curves[0]), data, order[0], None)
     scores = figure.add_gridspec(1, 1, left=0.75, right=right, top=0.375, bottom=0.075)
@@ -73,22 +74,24 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
 
 def affected_joints(diagnosis: Diagnosis, data: ReportData) -> list[int]:
     """Numbers of the joints, those with the largest residual beside their noise first."""
+    return sorted(range(len(data.joints)), key=lambda joint: _badness(diagnosis, data, joint))
 
-    def badness(joint: int) -> float:
-        fit = diagnosis.joints.get(data.joints[joint])
-        if fit is None or not fit.excited or not fit.noise_floor > 0:
-            return 0.0
-        return -float(np.nan_to_num(fit.before / fit.noise_floor))
 
-    return sorted(range(len(data.joints)), key=badness)
+def _badness(diagnosis: Diagnosis, data: ReportData, joint: int) -> float:
+    """Less the residual in units of its noise."""
+    fit = diagnosis.joints.get(data.joints[joint])
+    if fit is None or not fit.excited or not fit.noise_floor > 0:
+        return 0.0
+    return -float(np.nan_to_num(fit.before / fit.noise_floor))
 
 
 def curve_findings(diagnosis: Diagnosis, data: ReportData) -> list[Finding]:
     """The first two findings that are seen in a curve of one joint, each in another curve."""
     chosen: dict[tuple[str, str], Finding] = {}
     for finding in diagnosis.findings:
-        if finding.joints and finding.joints[0] in data.joints:
-            chosen.setdefault((finding.joints[0], _against(finding)), finding)
+        joint = finding.joints[0] if finding.joints else ""
+        if joint in data.joints or (not joint and finding.effect in _AGAINST):
+            chosen.setdefault((joint, _against(finding)), finding)
     return list(chosen.values())[:2]
 
 
@@ -96,24 +99,35 @@ def _against(finding: Finding | None) -> str:
     return _AGAINST.get(finding.effect, "dq") if finding else "dq"
 
 
-def finding_curve(axes: Axes, data: ReportData, joint: int, finding: Finding | None) -> None:
-    """The residual over what the finding depends on, and the findings' part of it."""
+def finding_curve(
+    axes: Axes, data: ReportData, joint: int, finding: Finding | None, number: int = 0
+) -> None:
+    """The residual over what a finding depends on, less the others' part, and its own part.
+
+    `number` is the finding's among those of the diagnosis.
+    """
     field = _against(finding)
     some = data.held_out
     x, before, after = (
         np.concatenate([getattr(traces, name)[:, joint] for traces in some])
         for name in (field, "before", "after")
     )
+    alone = all(number < len(traces.parts) for traces in some)
+    if alone and finding:
+        before = after + np.concatenate([traces.parts[number][:, joint] for traces in some])
     chosen = sample(len(x), 5000)
     axes.plot(x[chosen], before[chosen], ".", ms=2.0, mew=0, alpha=0.35, color=BEFORE,
               rasterized=True, label="_")  # fmt: skip
     axes.axhline(0, color=MUTED, lw=0.8)
     bins = binned(x, before, 26)
     axes.fill_between(bins.x, bins.low, bins.high, color=BEFORE, alpha=0.22, lw=0)
-    axes.plot(bins.x, bins.median, "o", ms=4, color=BEFORE, label="residual, median")
+    several = finding is not None and alone and len(some[0].parts) > 1
+    label = "residual less the other findings" if several else "residual"
+    axes.plot(bins.x, bins.median, "o", ms=4, color=BEFORE, label=f"{label}, median")
     if finding:
         model = binned(x, before - after, 26)
-        axes.plot(model.x, model.median, color=AFTER, lw=2.2, label="the findings' part")
+        own = "the finding's part" if alone else "the findings' part"
+        axes.plot(model.x, model.median, color=AFTER, lw=2.2, label=own)
     unit = data.position_unit(joint)
     label = {
         "dq": f"speed [{unit}/s]",

@@ -35,8 +35,8 @@ def replay_picture(data: ReportData, replay: Replay, index: int) -> Picture:
         if k // columns == lines - 1:
             axes.set_xlabel("time [s]")
     caption = (
-        f"{replay.recording}: closed-loop simulation for the recorded commands. Above the stretch"
-        f" of {data.joints[joint]} where it was furthest off; below simulated minus recorded."
+        f"{replay.recording}: {replay.how}. Above the stretch of {data.joints[joint]} where it was"
+        " furthest off; below simulated minus recorded."
     )
     return picture(figure, f"replay{index + 1}_{slug(replay.recording)}", caption)
 

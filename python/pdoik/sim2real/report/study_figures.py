@@ -223,7 +223,7 @@ def cutoff_picture(data: ReportData, cutoff: CutoffInfluence) -> Picture:
         if cutoff.chosen is not None:
             axes.axvline(cutoff.chosen, color=MUTED, lw=1, ls=(0, (4, 2)), label="chosen")
         axes.set_xscale("log")
-        axes.set_xticks(cutoff.frequency, [f"{value:g}" for value in cutoff.frequency])
+        axes.set_xticks(cutoff.frequency, [f"{value:.2g}" for value in cutoff.frequency])
         axes.minorticks_off()
         axes.set_ylim(0, reach_up(before, after))
         axes.set_title(f"{short(data.joints[joint], 20)} [{data.units[joint]}]")

@@ -108,10 +108,9 @@ def joint_state(fit: JointFit) -> str:
     """How a joint stands after the findings: quiet, better, left or still."""
     if not fit.excited:
         return "not moved enough to judge"
-    floor = 1.3 * fit.noise_floor
-    if fit.before <= floor:
+    if fit.before <= 1.3 * fit.noise_floor:
         return "agrees within noise"
-    if fit.after <= floor:
+    if fit.after <= max(1.6 * fit.noise_floor, 0.05 * fit.before):  # as the verdict has it
         return "explained"
     return "partly explained" if fit.after < 0.9 * fit.before else "not explained"
 

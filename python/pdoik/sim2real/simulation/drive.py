@@ -18,10 +18,14 @@ def combine(changes: Iterable[DriveChange], joint: str) -> DriveChange:
             whole = replace(
                 whole,
                 delay=whole.delay + change.delay,
+                command_lag=whole.command_lag + change.command_lag,
+                torque_delay=whole.torque_delay + change.torque_delay,
                 limit=min(whole.limit, change.limit),
                 time_constant=whole.time_constant + change.time_constant,
                 gain=whole.gain * change.gain,
                 offset=whole.offset + change.offset,
+                command_gain=whole.command_gain * change.command_gain,
+                command_offset=whole.command_offset + change.command_offset,
             )
     return whole
 
@@ -29,11 +33,15 @@ def combine(changes: Iterable[DriveChange], joint: str) -> DriveChange:
 class Drive:
     """Limit, first-order lag, and what the drive believes against what it exerts."""
 
-    __slots__ = ("_change", "_decay", "_gain", "_limit", "_mean", "_offset", "_state")
+    __slots__ = (
+        *("_change", "_command_gain", "_command_offset", "_decay", "_gain", "_limit", "_mean"),
+        *("_offset", "_state"),
+    )
 
     def __init__(self, change: DriveChange, dt: float) -> None:
         self._change, self._limit = change, change.limit
         self._gain, self._offset = 1.0 / change.gain, change.offset
+        self._command_gain, self._command_offset = change.command_gain, change.command_offset
         share = dt / max(change.time_constant, 1e-12)
         self._decay = math.exp(-share)  # of the distance to the command over a step
         self._mean = -math.expm1(-share) / share  # of that distance on average within the step
@@ -42,6 +50,7 @@ class Drive:
     def __call__(self, command: float) -> tuple[float, float]:
         """Reported at the step's start, and exerted on average over the step [N m]."""
         limit = self._limit
+        command = command * self._command_gain + self._command_offset
         command = -limit if command < -limit else limit if command > limit else command
         state = self._state
         if state is None or not self._change.time_constant:

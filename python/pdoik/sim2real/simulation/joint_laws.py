@@ -18,6 +18,7 @@ class JointLaws:
     def __init__(self, plant: Plant, parts: tuple[Part, ...]) -> None:
         self._plant, self._parts, self._model = plant, parts, plant.model
         self._resting_friction: FloatArray = plant.model.dof_frictionloss.copy()
+        self.start = 0.0  # of what is simulated, on the study's clock [s]
         self.forget()
 
     def forget(self) -> None:
@@ -25,7 +26,7 @@ class JointLaws:
         plant = self._plant
         self._load = [0.0] * len(plant.joints)
         self._at_link = [0.0] * len(plant.joints)  # torques beyond the gear
-        self._torques: list[tuple[int, int, bool, Law | StatefulLaw]] = []
+        self._torques: list[tuple[int, int, bool, bool, Law | StatefulLaw]] = []
         self._levels: dict[int, list[Law]] = {}
         self.memories: list[tuple[int, StatefulLaw]] = []
         loaded = set()
@@ -43,7 +44,7 @@ class JointLaws:
             if isinstance(law, StatefulLaw):
                 law = law.fresh()
                 self.memories.append((source, law))
-            self._torques.append((k, source, part.at_link, law))
+            self._torques.append((k, source, part.at_link, part.by_clock, law))
         self.loaded = sorted(loaded)
         self._springs = [
             (play, gear)
@@ -68,13 +69,14 @@ class JointLaws:
         dofs, plays, loads = self._plant.dof, self._plant.play, self._load
         if self.loaded:
             self._at_link = [0.0] * len(dofs)
-        for k, source, at_link, law in self._torques:
+        for k, source, at_link, by_clock, law in self._torques:
+            now = t + self.start if by_clock else t
             dof, other = dofs[k], dofs[source]
             play = plays[source] if at_link else None
             if play is None:
-                torque = law(t, q[other], v[other], loads[k])
+                torque = law(now, q[other], v[other], loads[k])
             else:
-                torque = law(t, q[other] + q[play], v[other] + v[play], loads[k])
+                torque = law(now, q[other] + q[play], v[other] + v[play], loads[k])
             applied[dof] -= torque
             if at_link:
                 self._at_link[k] += torque

@@ -99,6 +99,34 @@ def drift(extra: float, time_constant: float) -> Law:
     return law
 
 
+def cycle(frequency: float, cosine: float, sine: float) -> Law:
+    """Cosine cos(2 pi f t) + sine sin(2 pi f t)."""
+    omega = 2.0 * math.pi * frequency
+
+    def law(t: float, q: float, dq: float, load: float) -> float:
+        return cosine * math.cos(omega * t) + sine * math.sin(omega * t)
+
+    return law
+
+
+def of_speed(coefficient: Law) -> Law:
+    """Torque c dq, c by another law."""
+
+    def law(t: float, q: float, dq: float, load: float) -> float:
+        return coefficient(t, q, dq, load) * dq
+
+    return law
+
+
+def smooth_sign(level: Law, within: float = 0.02) -> Law:
+    """Torque level tanh(dq / within)."""
+
+    def law(t: float, q: float, dq: float, load: float) -> float:
+        return level(t, q, dq, load) * math.tanh(dq / within)
+
+    return law
+
+
 def curve(variable: Variable, knots: Sequence[float], values: Sequence[float]) -> Law:
     """Straight lines between points; beyond the outermost knots the outermost values.
 

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
+from ..effects.unknown import VARIABLES as DEPENDS
 from ..findings import Finding
 from .inertial import Inertial
 from .laws import (
-    VARIABLES,
     Dahl,
     Variable,
     curve,
+    cycle,
     drift,
     level_asymmetry,
     of_load,
+    of_speed,
     ripple,
+    smooth_sign,
     spring,
     stribeck,
     viscous_asymmetry,
@@ -31,6 +35,7 @@ from .parts import (
     GravityTilt,
     HardFriction,
     JointTorque,
+    Law,
     LinkChange,
     Part,
     Placement,
@@ -38,7 +43,8 @@ from .parts import (
     SensorChange,
 )
 
-CHANNELS: tuple[SensedChannel, ...] = ("q", "dq", "tau")
+CHANNELS: dict[str, SensedChannel] = {"position": "q", "speed": "dq", "torque": "tau"}
+"""By an effect's variant."""
 INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")  # Pinocchio's order
 
 
@@ -50,7 +56,7 @@ class _Where:
     links: tuple[str, ...]
     window: tuple[float, float] | None
     recordings: tuple[str, ...]
-    channel: SensedChannel
+    variant: str
     values: Mapping[str, float]
 
     def __getitem__(self, parameter: str) -> float:
@@ -58,6 +64,9 @@ class _Where:
 
     def get(self, parameter: str) -> float:
         return float(self.values.get(parameter, 0.0))
+
+    def channel(self, default: SensedChannel) -> SensedChannel:
+        return CHANNELS.get(self.variant, default)
 
     @property
     def link(self) -> str:
@@ -69,7 +78,6 @@ class _Where:
 
 def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
     """What a finding adds to the simulation."""
-    channels = [each for each in CHANNELS if each in finding.evidence.channels]
     return parts_of(
         finding.effect,
         finding.joints,
@@ -77,7 +85,7 @@ def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
         finding.window,
         finding.values,
         recordings=finding.recordings,
-        channel=channels[0] if len(channels) == 1 else None,
+        variant=finding.variant,
     )
 
 
@@ -89,7 +97,7 @@ def parts_of(
     values: Mapping[str, float] = {},
     *,
     recordings: Sequence[str] = (),
-    channel: SensedChannel | None = None,
+    variant: str = "",
 ) -> tuple[Part, ...]:
     """What an effect adds to the simulation.
 
@@ -101,15 +109,16 @@ def parts_of(
         window: Of external_contact [s].
         values: Its parameters by name.
         recordings: Where external_contact acts; () for all.
-        channel: What sensor_gain and timestamp_skew are of; dq and tau if None.
+        variant: What sensor_gain (of speed unless it says position or torque), timestamp_skew (of
+            torque), command_delay and actuator_lag (of torque or position) are of; whether
+            torque_gain and torque_offset are those of the report or the drive, or "" of both.
 
     Raises:
         ValueError: there is no such effect, or a parameter is missing.
     """
     if effect not in EFFECTS:
         raise ValueError(f"no effect {effect!r}, expected one of {', '.join(EFFECTS)}")
-    of = channel or ("dq" if effect == "sensor_gain" else "tau")
-    where = _Where(tuple(joints), tuple(links), window, tuple(recordings), of, values)
+    where = _Where(tuple(joints), tuple(links), window, tuple(recordings), variant, values)
     try:
         return EFFECTS[effect](where)
     except KeyError as error:
@@ -160,21 +169,63 @@ def _contact(w: _Where) -> tuple[Part, ...]:
     return (ExternalForce(link=w.link, force=force, window=w.window, recordings=w.recordings),)
 
 
+def _torque_gain(w: _Where) -> tuple[Part, ...]:
+    gain = w["gain"]
+    if w.variant == "report":
+        return w.each(lambda j: SensorChange(joint=j, channel="tau", gain=gain))
+    if w.variant == "drive":
+        return w.each(lambda j: DriveChange(joint=j, command_gain=gain))
+    return w.each(lambda j: DriveChange(joint=j, gain=gain))
+
+
+def _torque_offset(w: _Where) -> tuple[Part, ...]:
+    offset = w["offset"]
+    if w.variant == "report":
+        return w.each(lambda j: SensorChange(joint=j, channel="tau", offset=-offset))
+    if w.variant == "drive":
+        return w.each(lambda j: DriveChange(joint=j, command_offset=offset))
+    return w.each(lambda j: DriveChange(joint=j, offset=offset))
+
+
+def _delay(w: _Where) -> tuple[Part, ...]:
+    if w.variant == "torque":
+        return w.each(lambda j: DriveChange(joint=j, torque_delay=w["delay"]))
+    return w.each(lambda j: DriveChange(joint=j, delay=w["delay"]))
+
+
+def _lag(w: _Where) -> tuple[Part, ...]:
+    if w.variant == "position":
+        return w.each(lambda j: DriveChange(joint=j, command_lag=w["time_constant"]))
+    return w.each(lambda j: DriveChange(joint=j, time_constant=w["time_constant"]))
+
+
 def _unknown(w: _Where) -> tuple[Part, ...]:
-    """A curve of torque over one variable: `speed_0`, `torque_0`, `speed_1`, `torque_1`, ..."""
-    for variable in VARIABLES:
-        if f"{variable}_0" in w.values:
-            count = sum(name.startswith(f"{variable}_") for name in w.values)
-            return (
-                unknown_part(
-                    w.joints[0],
-                    variable,
-                    [w[f"{variable}_{k}"] for k in range(count)],
-                    [w[f"torque_{k}"] for k in range(count)],
-                    of=w.joints[1] if len(w.joints) > 1 else "",
-                ),
-            )
-    return ()
+    """A torque by its values at even knots of a variable, as the effect `unknown` has it."""
+    depends, joint = DEPENDS[int(w["variable"])], w.joints[0]
+    low, high = w["lowest"], w["highest"]
+    values = [w[f"value_{k}"] for k in range(sum(each.startswith("value_") for each in w.values))]
+    if depends == "clock":
+        law = cycle(low, values[0], values[1])
+        return (JointTorque(joint=joint, law=law, by_clock=True),)
+    if depends == "position and speed":
+        count = len(values) // 2
+        knots = np.linspace(low, high, count).tolist()
+        level = curve("position", knots, values[:count])
+        slope = curve("position", knots, values[count:])
+        return (
+            _dry(joint, level, min(values[:count])),
+            JointTorque(joint=joint, law=of_speed(slope)),
+        )
+    variable = cast(Variable, depends.removeprefix("other "))
+    knots = np.linspace(low, high, len(values)).tolist()
+    return (unknown_part(joint, variable, knots, values, of=w.joints[-1]),)
+
+
+def _dry(joint: str, level: Law, lowest: float) -> Part:
+    """Friction of a level that varies; where it may be negative, smooth and without sticking."""
+    if lowest >= 0.0:
+        return HardFriction(joint=joint, level=level)
+    return JointTorque(joint=joint, law=smooth_sign(level))
 
 
 def unknown_part(
@@ -205,17 +256,15 @@ EFFECTS: dict[str, Callable[[_Where], tuple[Part, ...]]] = {
     "payload": _payload,
     "link_inertial_error": _link_error,
     "gravity_direction": lambda w: (GravityTilt(x=w.get("tilt_x"), y=w.get("tilt_y")),),
-    "torque_gain": lambda w: w.each(lambda j: DriveChange(joint=j, gain=w["gain"])),
-    "torque_offset": lambda w: w.each(lambda j: DriveChange(joint=j, offset=w["offset"])),
+    "torque_gain": _torque_gain,
+    "torque_offset": _torque_offset,
     "torque_saturation": lambda w: w.each(lambda j: DriveChange(joint=j, limit=w["level"])),
     "torque_ripple": lambda w: w.each(
         lambda j: JointTorque(joint=j, law=ripple(w["amplitude"], w.get("phase"), w["harmonic"]))
     ),
     "position_dependent_spring": _spring,
-    "command_delay": lambda w: w.each(lambda j: DriveChange(joint=j, delay=w["delay"])),
-    "actuator_lag": lambda w: w.each(
-        lambda j: DriveChange(joint=j, time_constant=w["time_constant"])
-    ),
+    "command_delay": _delay,
+    "actuator_lag": _lag,
     "backlash": lambda w: w.each(lambda j: GearPlay(joint=j, gap=w["gap"])),
     "joint_elasticity": lambda w: w.each(
         lambda j: GearPlay(joint=j, stiffness=w["stiffness"], damping=w.get("damping"))
@@ -226,10 +275,10 @@ EFFECTS: dict[str, Callable[[_Where], tuple[Part, ...]]] = {
     "kinematic_error": _kinematic_error,
     "joint_coupling": _coupling,
     "timestamp_skew": lambda w: w.each(
-        lambda j: SensorChange(joint=j, channel=w.channel, skew=w["skew"])
+        lambda j: SensorChange(joint=j, channel=w.channel("tau"), skew=w["skew"])
     ),
     "sensor_gain": lambda w: w.each(
-        lambda j: SensorChange(joint=j, channel=w.channel, gain=w["gain"])
+        lambda j: SensorChange(joint=j, channel=w.channel("dq"), gain=w["gain"])
     ),
     "sensor_noise": lambda w: (),
     "external_contact": _contact,

@@ -47,6 +47,7 @@ class JointTorque:
     of: str = ""  # the joint whose position and speed the law sees, if another
     at_link: bool = False  # beyond the gear's play and elasticity, and of the link's position
     needs_load: bool = False  # or the load it sees is 0
+    by_clock: bool = False  # the time it sees is the study's clock, not since the start
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,15 +114,20 @@ class DriveChange:
     """What a drive makes of commands.
 
     The command acts `delay` later, is limited, lags; the result y is what the drive reports, and
-    (y - offset) / gain what it exerts.
+    (y - offset) / gain what it exerts. Of a controller's commands that is the desired position;
+    the torque it makes of that may come late besides.
     """
 
     joint: str
-    delay: float = 0.0  # [s]
+    delay: float = 0.0  # of commands from outside [s]
+    command_lag: float = 0.0  # time constant by which desired positions lag [s]
+    torque_delay: float = 0.0  # of commanded torques, within the loop [s]
     limit: float = float("inf")  # [N m]
     time_constant: float = 0.0  # [s]
     gain: float = 1.0
     offset: float = 0.0  # [N m]
+    command_gain: float = 1.0  # the command is first changed to command_gain * command
+    command_offset: float = 0.0  # + command_offset [N m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

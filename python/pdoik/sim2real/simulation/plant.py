@@ -89,8 +89,9 @@ def build_plant(
 ) -> Plant:
     """Compile a robot whose other joints are held at zero.
 
-    Damping, friction and springs of the description are left out, as inverse dynamics leaves them
-    out; its armatures hold where `rotor_inertia` is None. There are no end stops and no contacts.
+    Damping and dry friction of the description stay, as in inverse dynamics; its springs are left
+    out, as there; its armatures hold where `rotor_inertia` is None. There are no end stops and no
+    contacts. A changed link whose figures are no body's gets those of the nearest body.
 
     Raises:
         ValueError: a joint or link is missing, or a link's inertial parameters are no body's.
@@ -113,7 +114,7 @@ def build_plant(
     for joint in spec.joints:
         joint.armature = 1.0  # a motor and its link's play alone are singular
     model = spec.compile()
-    _set_inertials(model, changed_inertials(described, links, parts))
+    notes = _set_inertials(model, described, links, parts)
     _set_options(model, gravity, parts)
     address = {model.joint(j).name: int(model.jnt_dofadr[j]) for j in range(model.njnt)}
     dof = tuple(address[joint] for joint in joints)
@@ -126,6 +127,7 @@ def build_plant(
         links=links,
         tip=model.body(tip).id,
         pushed=tuple(model.body(name).id for name in pushed),
+        notes=notes,
     )
     model.dof_armature[:] = 0.0
     known = [armature[joint] for joint in joints] if rotor_inertia is None else rotor_inertia
@@ -155,10 +157,21 @@ def tilted(gravity: Vector, tilt: GravityTilt) -> FloatArray:
     return np.asarray((Rx @ Ry).T @ gravity)
 
 
-def _set_inertials(model: Any, inertials: dict[str, Inertial]) -> None:
-    for name, inertial in inertials.items():
+def _set_inertials(
+    model: Any, described: Description, links: tuple[str, ...], parts: tuple[Part, ...]
+) -> tuple[str, ...]:
+    changed = {part.link or links[-1] for part in parts if isinstance(part, LinkChange)}
+    notes = []
+    for name, inertial in changed_inertials(described, links, parts).items():
         if name not in ("world", ""):
             k = model.body(name).id
+            if name in changed:
+                body = inertial.nearest_body()
+                if body is not inertial:
+                    notes.append(
+                        f"link {name}: its figures are no body's; simulated with the nearest"
+                    )
+                inertial = body
             moments, axes = inertial.principal(name)
             model.body_mass[k], model.body_inertia[k] = inertial.mass, moments
             model.body_ipos[k] = inertial.com
@@ -166,6 +179,7 @@ def _set_inertials(model: Any, inertials: dict[str, Inertial]) -> None:
             mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
             model.body_iquat[k] = quaternion
     model.body_sameframe[1:] = 0
+    return tuple(notes)
 
 
 def _set_options(model: Any, gravity: Vector, parts: tuple[Part, ...]) -> None:
@@ -182,7 +196,10 @@ def _set_options(model: Any, gravity: Vector, parts: tuple[Part, ...]) -> None:
 
 def _set_dofs(plant: Plant, parts: tuple[Part, ...]) -> None:
     model = plant.model
-    model.dof_damping[:] = model.dof_frictionloss[:] = 0.0
+    motors = np.zeros(model.nv)
+    motors[list(plant.dof)] = 1.0
+    model.dof_damping[:] *= motors  # the description's
+    model.dof_frictionloss[:] *= motors
     model.dof_dampingpoly[:] = 0.0
     model.jnt_stiffness[:] = 0.0
     model.jnt_stiffnesspoly[:] = 0.0

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..recording import FloatArray, Recording
+from ..signals import lagged
 from ..study import Controller
 from .control import (
     Control,
@@ -136,7 +137,7 @@ class Simulator:
         if stepper.timestep != dt:
             stepper.timestep = dt
         self._add_missing_rotors(q[0], dt * hold, drive)
-        stepper.recording = commands.name
+        stepper.recording, stepper.laws.start = commands.name, commands.start
         stepper.reset(q[0], dq[0])
         duration = float(commands.time[-1])
         ticks = self._commands(commands, drive, np.arange(0.0, duration + 2 * dt, dt * hold))
@@ -186,7 +187,7 @@ class Simulator:
 
     def _commands(self, commands: Recording, drive: Drive, times: FloatArray) -> list[Any]:
         """Per command: desired positions and speeds, or torques, as they act."""
-        delays = [self.stepper.delay_of(k) for k in range(len(self.joints))]
+        drives = [self.stepper.drive_of(k) for k in range(len(self.joints))]
 
         def acting(channel: str, delayed: bool = True) -> list[list[float]]:
             values = getattr(commands, channel)
@@ -196,9 +197,16 @@ class Simulator:
                 if not np.isfinite(values[:, k]).all():
                     raise ValueError(f"{commands.name}: {channel}.{joint} is needed, it has gaps")
             columns = [
-                np.interp(times - delays[k] * delayed, commands.time, values[:, k])
+                np.interp(times - drives[k].delay * delayed, commands.time, values[:, k])
                 for k in range(len(self.joints))
             ]
+            if channel == "q_des":
+                columns = [
+                    lagged(column, drives[k].command_lag, float(times[1] - times[0]))
+                    if drives[k].command_lag
+                    else column
+                    for k, column in enumerate(columns)
+                ]
             rows: list[list[float]] = np.stack(columns, axis=1).tolist()
             return rows
 

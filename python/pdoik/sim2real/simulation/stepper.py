@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -187,14 +188,16 @@ class Stepper:
         """Drives, delays and friction as before the first command."""
         dt, n = self._dt, len(self.joints)
         changes = self._drives_of
-        plain = {k: DriveChange(joint=joint) for k, joint in enumerate(self.joints)}
         self._drives = [
             (k, Drive(change, dt))
             for k, change in changes.items()
-            if (change.limit, change.time_constant, change.gain, change.offset)
-            != (plain[k].limit, 0.0, 1.0, 0.0)
+            if replace(change, delay=0.0, command_lag=0.0, torque_delay=0.0)
+            != DriveChange(joint=change.joint)
         ]
         self._delays = [(k, DelayLine(c.delay, dt)) for k, c in changes.items() if c.delay > 0]
+        self._torque_delays = [
+            (k, DelayLine(c.torque_delay, dt)) for k, c in changes.items() if c.torque_delay > 0
+        ]
         self._reported = [0.0] * n
         self.laws.forget()
 
@@ -217,9 +220,9 @@ class Stepper:
         self.advance(command, data.qpos.tolist(), data.qvel.tolist())
         self.check(data.qvel.tolist())
 
-    def delay_of(self, k: int) -> float:
-        """By how much commands of the k-th joint act late [s]."""
-        return self._drives_of[k].delay
+    def drive_of(self, k: int) -> DriveChange:
+        """What the k-th joint's drive makes of commands."""
+        return self._drives_of[k]
 
     def check(self, velocity: list[float]) -> None:
         """Raises SimulationError where a speed is no robot's."""
@@ -233,11 +236,15 @@ class Stepper:
         )
 
     def advance(self, command: list[float], q: list[float], v: list[float]) -> list[float]:
-        """One step from qpos q and qvel v, for commands that were delayed already.
+        """One step from qpos q and qvel v, for commands that `delay` was applied to already.
 
         Returns:
             Torques as the drives report them, before their sensors' gain and skew, (n,).
         """
+        if self._torque_delays:
+            command = command[:]
+            for k, line in self._torque_delays:
+                command[k] = line(command[k])
         reported, exerted = command, command
         if self._drives:
             reported, exerted = command[:], command[:]

@@ -1,0 +1,70 @@
+"""Simulations of held-out recordings, with and without the findings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pdoik.errors import PdoikError
+
+from ..model_file import Model
+from ..recording import Recording
+from ..report.data import Replay
+from ..split import part
+
+if TYPE_CHECKING:
+    from ..diagnose import Examination
+
+MOST = 3
+LONGEST = 20.0  # of a recording [s]: a simulation costs more than all else here
+
+
+def replays_of(
+    examination: Examination, model: Model
+) -> tuple[tuple[Replay, ...], tuple[str, ...]]:
+    """At most three, and notes on what was assumed or could not be simulated."""
+    study = examination.prepared.study
+    if model.robot is None:
+        return (), ("Nothing was replayed: the study has no robot.",)
+    replays: list[Replay] = []
+    notes: list[str] = []
+    for recording in (study.validate or study.fit)[:MOST]:
+        try:
+            replays.append(_replay(model, _shortened(recording), notes))
+        except (PdoikError, ValueError) as error:
+            notes.append(f"No replay of {recording.name}: {error}.")
+    return tuple(replays), tuple(dict.fromkeys(notes))
+
+
+def _replay(model: Model, recording: Recording, notes: list[str]) -> Replay:
+    runs = []
+    for findings in (False, True):
+        simulator = model.simulator(findings=findings)
+        drive = simulator.drive_for(recording)
+        run = simulator.replay(recording, drive=drive, tip=False)
+        notes += [
+            f"Replay {'with' if findings else 'without'} findings: {n}." for n in run.notes[1:]
+        ]
+        runs.append(run)
+    how = "closed-loop simulation for the recorded commands"
+    if drive != "controller":
+        how = (
+            f"open-loop simulation, driven by the recorded {drive}, put back to the recorded state"
+            " every 0.2 s, since no controller and commands are known"
+        )
+        if drive == "tau":
+            how = how.replace("recorded tau", "reported torque")
+    return Replay(
+        recording=recording.name,
+        time=recording.time,
+        recorded=np.asarray(recording.q),
+        before=runs[0].q,
+        after=runs[1].q,
+        how=how,
+    )
+
+
+def _shortened(recording: Recording) -> Recording:
+    count = int(LONGEST / recording.period) + 1
+    return recording if len(recording.time) <= count else part(recording, 0, count)
