@@ -16,6 +16,7 @@ from bench.concealed.hide import OF_THE_BODY
 from bench.concealed.measure import visibility
 from bench.concealed.robots import robot
 from bench.concealed.scene import Scene
+from bench.concealed.sizing import multiple
 from bench.concealed.spec import Truth, WorldSpec
 from bench.concealed.study_files import joint_names, write_recording, write_study, write_truth
 from bench.concealed.truths import size_of, truth_of
@@ -34,8 +35,7 @@ def make_study(
     (FOLDER.npz: recN_time, recN_q, recN_dq, recN_tau).
     """
     draft = draft_of(spec)
-    effects = drawn(draft)
-    world, runs, rows, channels = _simulated(draft, effects)
+    world, runs, rows, channels, found = _visible(draft)
     effects, noiseless = world.effects, {}
     folder.mkdir(parents=True, exist_ok=True)
     logged = _logged(draft, effects)
@@ -49,7 +49,7 @@ def make_study(
         noiseless |= {f"rec{index + 1}_{name}": values[kept] for name, values in true.items()}
     order = spec.stream("order").permutation(draft.arm.n)
     write_study(folder, draft.believed, _study(draft, order))
-    truth = truth_of(draft, effects, order, _seen(draft, world, runs, rows, channels))
+    truth = truth_of(draft, effects, order, _seen(draft, world, runs, rows, channels), found)
     if truth_folder is not None:
         write_truth(truth_folder / f"{folder.name}.json", truth.to_json())
         if clean:
@@ -57,15 +57,36 @@ def make_study(
     return truth
 
 
-def drawn(draft: Draft) -> tuple[Effect, ...]:
+def _visible(draft: Draft) -> tuple[World, list[Run], list[Rows], list[dict[str, Array]], float]:
+    """The simulated machine and the hidden effect's size; drawn again where it cannot be seen."""
+    for attempt in range(4):
+        effects = drawn(draft, attempt)
+        found = None  # a size that only simulation tells, of the hidden effect alone
+        if effects and effects[0].calibrated and (len(effects) > 1 or draft.plan.model_error):
+            alone = replace(draft, believed=draft.arm)
+            trial = _simulated(alone, effects[:1], calibrate=True)
+            effects, found = (*trial[0].effects, *effects[1:]), size_of(_seen(alone, *trial))
+        result = _simulated(draft, effects, calibrate=found is None)
+        effects = result[0].effects
+        if found is None:
+            found = size_of(_seen(draft, *result))
+            if effects and not effects[0].calibrated:
+                found = multiple(effects[0], draft.ref, draft.sensors) or found
+        if found > 1.9 or draft.spec.effect not in EFFECTS or draft.plan.style.still:
+            break
+    return *result, found
+
+
+def drawn(draft: Draft, attempt: int = 0) -> tuple[Effect, ...]:
     """What is hidden first, then what stands before it."""
-    spec, todo, rng = draft.spec, draft.plan, draft.spec.stream("effect")
+    spec, todo, rng = draft.spec, draft.plan, draft.spec.stream(f"effect{attempt}")
+    places = (*todo.places[attempt:], *todo.places[:attempt])
     scene = Scene(
         ref=draft.ref,
         control=draft.control,
         sensors=draft.sensors,
         rng=rng,
-        places=todo.places,
+        places=places,
         gate=todo.gate,
         size=todo.size,
         torque_logged=todo.torque_logged,
@@ -111,7 +132,7 @@ def _second(scene: Scene, hidden: Effect) -> tuple[Effect, ...]:
 
 
 def _simulated(
-    draft: Draft, effects: tuple[Effect, ...]
+    draft: Draft, effects: tuple[Effect, ...], *, calibrate: bool
 ) -> tuple[World, list[Run], list[Rows], list[dict[str, Array]]]:
     """All recordings; an effect that the arm cannot bear is made smaller and tried again."""
     wanted = draft.plan.size
@@ -131,7 +152,13 @@ def _simulated(
                 raise
             effects = (_times(effects[0], 0.6, draft), *effects[1:])
             continue
-        if not effects or not effects[0].calibrated or attempt >= 4 or draft.plan.style.still:
+        if (
+            not calibrate
+            or not effects
+            or not effects[0].calibrated
+            or attempt >= 4
+            or draft.plan.style.still
+        ):
             break
         ratio = wanted / max(size_of(_seen(draft, world, runs, rows, channels)), 1e-3)
         scaled = _times(effects[0], float(np.clip(ratio, 0.2, 3.0)), draft)

@@ -31,7 +31,10 @@ def elasticity(scene: Scene) -> Effect:
     ref = scene.ref
     body = ref.inertia - ref.armature
     loaded = scene.loaded()
-    joint = next((j for j in loaded if body[j] > 0.1 * ref.armature[j]), loaded[0])
+    share = body / ref.armature  # of a link that swings against a light rotor more is seen
+    least = 0.1 if scene.sensors.tip else 0.6
+    heaviest = max(scene.places, key=lambda j: share[j])
+    joint = next((j for j in loaded if share[j] > least), heaviest)
     stiffness = body[joint] * (2.0 * np.pi * scene.uniform(5.0, 12.0)) ** 2
     load = float(np.max(np.abs(ref.tau[:, joint])))
     stiffness = max(stiffness, load / 0.05)

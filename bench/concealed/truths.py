@@ -9,22 +9,23 @@ from bench.concealed.arm import Array
 from bench.concealed.draft import Draft
 from bench.concealed.effect import Effect
 from bench.concealed.reference import Reference
-from bench.concealed.sizing import multiple
 from bench.concealed.spec import Truth, WorldSpec
 from bench.concealed.study_files import joint_names
 
 
 def truth_of(
-    draft: Draft, effects: tuple[Effect, ...], order: Array, seen: dict[str, list[float]]
+    draft: Draft,
+    effects: tuple[Effect, ...],
+    order: Array,
+    seen: dict[str, list[float]],
+    size: float,
 ) -> Truth:
+    """The answer; `size` is the hidden effect's beside the noise."""
     spec, sense, names = draft.spec, draft.sensors, joint_names(draft.arm)
     entries = []
     for index, effect in enumerate(effects):
         entries += _entries(effect, draft.ref, names, "hidden" if index == 0 else "second")
     noise = np.hypot(sense.q_noise, sense.q_step / np.sqrt(12.0))
-    size = size_of(seen)
-    if effects and not effects[0].calibrated:
-        size = multiple(effects[0], draft.ref, sense) or size
     return Truth(
         spec=spec,
         expected=_expected(spec, effects),

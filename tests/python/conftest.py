@@ -1,6 +1,9 @@
 """Robots the tests share."""
 
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,3 +40,23 @@ def robot(request: pytest.FixtureRequest) -> pdoik.Robot:
 def pinocchio(robot: pdoik.Robot) -> PinocchioRobot:
     """Pinocchio's model of the same robot."""
     return PinocchioRobot.from_xml((ROBOTS / f"{robot.name}.urdf").read_text())
+
+
+@pytest.fixture(scope="session")
+def example_study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The study that bench/diagnose_example.py writes: friction at the elbow, a weight held."""
+    pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
+    folder = tmp_path_factory.mktemp("example") / "arm_study"
+    program = Path(__file__).parents[2] / "bench/diagnose_example.py"
+    subprocess.run([sys.executable, program, folder], check=True)
+    return folder / "study.yaml"
+
+
+@pytest.fixture(scope="session")
+def examination(example_study: Path) -> Any:
+    """What `examine` makes of it; made once, since it takes a few seconds."""
+    for package in ("pinocchio", "pyarrow", "jinja2"):
+        pytest.importorskip(package, reason="pip install 'pdoik[sim2real]'")
+    from pdoik.sim2real import examine
+
+    return examine(example_study)

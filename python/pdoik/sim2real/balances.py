@@ -15,9 +15,11 @@ from .signals import dilated, noise_density, zero_phase
 MODEL_ERROR = 0.003
 """Share of a torque's own size below which nothing is claimed: differentiation, rounding."""
 
+FIT_ERROR = 0.01
+"""Share of a mismatch's own size to which the laws of the catalogue are held to be exact."""
+
 _BLOCK = 1.5  # of the bootstrap [s], longer than the residual remembers
-_BLOCKS_PER_FOLD = 3  # neighbours that stay together in cross-validation
-_FOLDS = 4
+_FOLDS = 4  # of cross-validation: recordings, or long stretches where these are few
 _LEAST_RANGE = 0.05  # a joint that stays within this has not moved [rad]
 _LEAST_SHARE = 0.1  # of the time that a joint must move to be judged
 
@@ -38,7 +40,7 @@ class Balances:
         self.time = self._stack([m.time for m in motions])
         self.recording = np.repeat(np.arange(len(motions)), counts)
         self.block = self._blocks()
-        self.fold = (self.block // _BLOCKS_PER_FOLD) % _FOLDS
+        self.fold = self._folds()
         self.excited = np.array([_excited(motions, j) for j in range(self.n)])
         self.residual: dict[Key, FloatArray] = {}
         self.mask: dict[Key, NDArray[np.bool_]] = {}
@@ -146,6 +148,7 @@ class Balances:
         elif balance == "velocity":
             speeds = np.concatenate([m.dq[:, channel] for m in self.motions])
             size = MODEL_ERROR * float(np.sqrt(np.mean(speeds**2)))
+        size = float(np.hypot(size, FIT_ERROR * self.rms(key)))
         self.sigma[key] = float(np.hypot(self.floor[key], size)) or 1e-9
 
     def _noise(self, key: Key, values: list[FloatArray]) -> float:
@@ -171,6 +174,16 @@ class Balances:
             blocks.append(first + number)
             first += int(number[-1]) + 1
         return np.concatenate(blocks)
+
+    def _folds(self) -> NDArray[np.intp]:
+        """Recordings, or halves or quarters of them, so that about four are left out in turn."""
+        parts = -(-_FOLDS // len(self.motions))
+        folds = np.empty(self.count, dtype=np.intp)
+        for i in range(len(self.motions)):
+            span = slice(int(self.starts[i]), int(self.starts[i + 1]))
+            place = np.arange(span.stop - span.start)
+            folds[span] = i * parts + np.minimum(place * parts // len(place), parts - 1)
+        return folds if len(self.motions) * parts <= 2 * _FOLDS else folds % _FOLDS
 
     def _stack(self, values: list[FloatArray]) -> FloatArray:
         parts = [v[::s] for v, s in zip(values, self._steps, strict=True)]

@@ -57,8 +57,13 @@ def stands(fit: Fit, term: Term) -> bool:
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
         part = column[fit.rows[key]] @ beta / fit.balances.sigma[key]
+        at = np.abs(part) > 1e-3 * np.abs(part).max()
+        after = fit.residual(key)[at]
+        before = after + part[at]
+        if after @ after > 1.1 * (before @ before) + 2.0 * len(after):
+            return False  # it would make a joint worse
         gain += float(part @ part)
-        rows += int(np.count_nonzero(part))
+        rows += int(at.sum())
     return gain > _LEAST_GAIN and gain > _LEAST_SIZE**2 * rows and fit.wald(term)[0] > _LEAST_T
 
 

@@ -11,7 +11,7 @@ from .recording import FloatArray, Recording
 from .rigid_body import RigidBody
 from .signals import noise_density
 
-_LOWEST, _HIGHEST = 3.0, 20.0  # [Hz]
+_LOWEST, _HIGHEST = 5.0, 20.0  # [Hz]
 _OF_RATE = 0.11  # highest share of the sampling rate
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .channels import ChannelCheck, check_channels
 from .contact import contact_term, stands
 from .effects import CATALOGUE, Key
 from .equivalents import equivalents_of, swapped
@@ -66,13 +67,19 @@ def examine(
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)
     say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {_source(prepared)}", 0.15)
+    check = check_channels(prepared)
+    for note in check.notes:
+        say("channels", note, 0.16)
+    if check.mended:
+        prepared = prepare(check.study, prepared.body)
     state = run_search(prepared, say)
     add_unknown(state)
     say("name", "looking for what else would explain the same", 0.75)
     swapped(state)
     forget_contacts(state)
+    vetoed = veto(prepared, state)
     say("estimate", "intervals by the block bootstrap", 0.85)
-    return conclude(prepared, state, seed)
+    return conclude(prepared, state, seed, check, vetoed)
 
 
 def run_search(prepared: Prepared, say: Tell) -> Search:
@@ -99,6 +106,29 @@ def forget_contacts(state: Search) -> None:
         if not stands(others.extended(term), term):
             state.fit = others
     state.contacts = tuple(term for term in state.contacts if term in state.fit.terms)
+
+
+def veto(prepared: Prepared, state: Search) -> tuple[str, ...]:
+    """Leave out what makes recordings worse that nothing was fitted to; says so in words.
+
+    Held-out recordings choose nothing, but what they contradict is not claimed.
+    """
+    if prepared.validate is None:
+        return ()
+    notes = []
+    prediction = Prediction(prepared.validate)
+    for term in state.accepted:
+        if term in state.contacts:
+            continue
+        evidence = prediction.evidence(state.fit, term, (), 0)
+        if evidence.interval95[1] < 0.0:
+            state.fit = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+            where = ", ".join(prepared.study.joints[j] for j in term.place.joints)
+            notes.append(
+                f"{term.effect} {where}: suggested by the fit recordings, contradicted by the"
+                " held-out ones, and left out."
+            )
+    return tuple(notes)
 
 
 def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
@@ -131,7 +161,13 @@ def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> l
     return found
 
 
-def conclude(prepared: Prepared, state: Search, seed: int) -> Examination:
+def conclude(
+    prepared: Prepared,
+    state: Search,
+    seed: int,
+    check: ChannelCheck | None = None,
+    vetoed: tuple[str, ...] = (),
+) -> Examination:
     """Findings, joints and verdict of a search."""
     study = prepared.study
     held_out = prepared.validate or prepared.fit
@@ -156,6 +192,8 @@ def conclude(prepared: Prepared, state: Search, seed: int) -> Examination:
         found.append((finding, (term,)))
     if prepared.validate is not None:
         found += held_out_contacts(prepared, state.fit, prediction)
+    if check is not None:
+        found += [(finding, ()) for finding in check.findings]
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].evidence.validation_gain)
     joints = joint_fits(prepared, state.fit, prediction)
@@ -164,7 +202,7 @@ def conclude(prepared: Prepared, state: Search, seed: int) -> Examination:
         verdict=verdict_of(findings, joints),
         findings=findings,
         joints=joints,
-        notes=notes_of(prepared, state, joints),
+        notes=(*notes_of(prepared, state, joints), *(check.notes if check else ()), *vetoed),
     )
     return Examination(
         diagnosis=diagnosis,
@@ -230,6 +268,10 @@ def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Ve
         for each in judged
     )
     named = [f for f in findings if f.effect != "unknown"]
+    if not findings and any(
+        not each.excited and each.before > 3.0 * each.noise_floor > 0.0 for each in joints.values()
+    ):
+        return "cannot_tell"
     if not findings:
         return "no_mismatch" if near or _small(judged) else "mismatch_unexplained"
     if not named:
@@ -257,6 +299,11 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
         f"Both sides of every balance were filtered at {prepared.cutoff:.3g} Hz without delay;"
         f" torque is {_source(prepared)}."
     )
+    if prepared.fit.motions[0].source == "":
+        notes.append(
+            "Without torques, or gains of the controller, friction, play, loads and inertias cannot"
+            " be told apart: only how positions follow their commands."
+        )
     still = [name for name, each in joints.items() if not each.excited]
     if still:
         notes.append(f"{', '.join(still)}: moved too little to be judged.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,8 @@ from .simulation import Part, Simulator, Stepper, parts_of_finding
 from .simulation.description import read_description
 from .simulation.inertial import Inertial
 from .simulation.mjcf import flat_mjcf
-from .simulation.parts import LinkChange, Vector
-from .simulation.plant import STANDARD_GRAVITY
+from .simulation.parts import ExternalForce, LinkChange, Vector
+from .simulation.plant import STANDARD_GRAVITY, link_carrying
 from .study import Controller, Study
 
 SCHEMA = "pdoik.model/1"
@@ -78,7 +78,11 @@ class Model:
             LinkChange(link=link, inertial=Inertial.from_ten(ten.tolist()), replace=True)
             for link, ten in self.rigid_body.items()
         )
-        return sum((parts_of_finding(finding) for finding in self.findings), corrected)
+        parts = sum((parts_of_finding(finding) for finding in self.findings), corrected)
+        if self.tip is None or not any(isinstance(part, ExternalForce) for part in parts):
+            return parts
+        carrier = link_carrying(self._robot(), self.joints, self.tip)
+        return tuple(_pushed_at_tip(part, carrier, self.tip) for part in parts)
 
     def simulator(self, *, findings: bool = True, timestep: float = 1e-3) -> Simulator:
         """Closed-loop simulation with what was found, or as it was before.
@@ -224,6 +228,13 @@ def robot_text(robot: Path) -> str:
         raise LoadError(f"{robot}: {error}") from None
     described = read_description(robot)
     return text if described.format == "urdf" else flat_mjcf(robot)
+
+
+def _pushed_at_tip(part: Part, carrier: str, tip: str) -> Part:
+    """A push on the link that carries the tip acts at the tip, as the diagnosis has it."""
+    if isinstance(part, ExternalForce) and part.link in (carrier, ""):
+        return replace(part, link=tip)
+    return part
 
 
 def load_model(path: str | Path) -> Model:

@@ -144,11 +144,12 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
     names = tuple(j for j in joints if any(j in f.joints for f in inside))
     effect = CATALOGUE[best[0].effect]
     where = "all joints" if len(names) == len(joints) else ", ".join(names)
+    others = {k: e for k, e in best[0].parameters.items() if k != name}
     one = replace(
         best[0],
         joints=names,
-        parameters={name: estimate},
-        statement=effect.statement(where, {name: value}),
+        parameters={name: estimate} | others,
+        statement=effect.statement(where, {name: value} | {k: e.value for k, e in others.items()}),
         regime=effect.regime(where),
     )
     terms = tuple(term for i in near for term in group[i][1])

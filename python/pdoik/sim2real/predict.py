@@ -15,11 +15,26 @@ from .model_file import Model
 from .motion import Motion, motion_of, thinned
 from .recording import FloatArray, Recording
 from .rigid_body import RigidBody
+from .signals import zero_phase
 from .simulation.description import nearest, read_description
 from .simulation.plant import build_plant
 
 OF_COMMANDS = frozenset({"command_delay", "actuator_lag", "torque_saturation"})
 """Effects that change what becomes of a command, not what a motion needs."""
+
+SHARP = frozenset(
+    {
+        "asymmetric_friction",
+        "coulomb_friction",
+        "external_contact",
+        "friction_drift",
+        "load_dependent_friction",
+        "presliding_hysteresis",
+        "stribeck_friction",
+        "unknown",
+    }
+)
+"""Effects whose torque jumps, which no filter should round."""
 
 
 def predict(model: Model, recording: Recording, findings: bool = True) -> FloatArray:
@@ -43,11 +58,14 @@ def predict(model: Model, recording: Recording, findings: bool = True) -> FloatA
     if recording.q.shape[1] != n:
         raise ValueError(f"recording has {recording.q.shape[1]} joints, the model has {n}")
     motion = _motion(model, recording)
-    tau = motion.tau.copy()
+    smooth, sharp = motion.tau.copy(), np.zeros_like(motion.tau)
     if findings:
-        tau += _corrections(model, motion)
+        smooth += _corrections(model, motion)
         for finding in model.findings:
-            tau += torque_of(finding, motion, model.joints)
+            kind = sharp if finding.effect in SHARP else smooth
+            kind += torque_of(finding, motion, model.joints)
+    # Accelerations are noisy: what depends on them goes through the diagnosis's own filter.
+    tau = zero_phase(smooth, motion.cutoff, motion.period) + sharp
     if len(motion.time) == len(recording.time):
         return tau
     columns = [np.interp(recording.time, motion.time, column) for column in tau.T]

@@ -168,6 +168,7 @@ class RigidBody:
             each = pin.computeJointTorqueRegressor(
                 self.model, self._data, configuration[t], velocity[t], acceleration[t]
             )
+            each = each.reshape(self.model.nv, -1)  # flat where there is one joint
             result[t] = each[self._v][:, order].reshape(self.n, self.n, 10)
         return result
 
@@ -207,7 +208,7 @@ class RigidBody:
         jacobians = np.empty((len(q), 6, self.n))
         for t, row in enumerate(self._position(q)):
             jacobian = pin.computeFrameJacobian(model, data, row, frame, pin.LOCAL_WORLD_ALIGNED)
-            jacobians[t] = jacobian[:, v]
+            jacobians[t] = jacobian.reshape(6, -1)[:, v]  # flat where there is one joint
             poses[t] = data.oMf[frame].homogeneous
         return poses, jacobians
 

@@ -17,10 +17,12 @@ from .regression import Fit, Term, term_of
 from .ripple import ripple_terms
 
 _SCREENED = 12  # candidates of the highest training gain that are cross-validated, a round
+_HOPELESS = 60  # candidates of no significance after which a round gives up
 _LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
 LEAST_T = 3.5  # held-out gain over its standard error, by blocks
 _LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
 _LEAST_SHARE = 0.004  # of the mean square residual that the effect's channels began with
+_LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
 _TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
 _TIE = 0.03  # or the share of the gain, where blocks differ as much
 _MOST = 40  # terms
@@ -38,6 +40,7 @@ class Trial:
     t: float  # its mean over blocks by the standard error
     size: float  # root mean square in sigmas on the rows where it acts
     share: float  # of the mean square that its channels began with
+    of_rest: float  # of the mean square that was left where it acts
     rows: int  # on which it acts
     blocks: FloatArray  # gain of each block
     accepted: bool = False
@@ -130,24 +133,26 @@ def _round(state: Search, pool: list[Term]) -> Trial | None:
     screened = screen(state.fit, fresh)
     held = held_out_squares(state.fit)
     trials: list[Trial] = []
+    best = 0.0  # gain of the best significant trial
     hopeless = 0
     for term, training_gain in screened:
-        if trials and training_gain < 0.5 * trials[0].gain and len(trials) >= 4:
-            break
-        trial = cross_validated(state, term, held)
+        coarse = CATALOGUE[term.effect].costly  # its grid is: refined it may do far better
+        if training_gain < (0.2 if coarse else 0.5) * best and len(trials) > 3:
+            continue
+        tried = refined(state.fit, term) if coarse else term
+        trial = cross_validated(state, tried, held)
         trials.append(trial)
-        trials.sort(key=lambda each: -each.gain)
+        if trial.significant:
+            best = max(best, trial.gain)
         hopeless += not trial.significant
-        if len(trials) >= _SCREENED and any(each.significant for each in trials):
+        if (len(trials) >= _SCREENED and best > 0.0) or hopeless >= _HOPELESS:
             break
-        if hopeless >= 3 * _SCREENED:
-            break
+    trials.sort(key=lambda each: -each.gain)
     state.tried.extend(trials)
     good = [each for each in trials if each.significant]
     if not good:
         return None
-    best = good[0]
-    near = [each for each in good if level(best, each)]
+    near = [each for each in good if level(good[0], each)]
     return min(near, key=lambda each: _simplicity(state, each))
 
 
@@ -171,6 +176,8 @@ def implausibility(fit: Fit, term: Term) -> float:
 def has_company(term: Term, taken: set[tuple[str, Place]]) -> bool:
     """Whether what the effect only comes beside was found at its place."""
     beside = CATALOGUE[term.effect].beside
+    if any((effect, term.place) in taken for effect in CATALOGUE[term.effect].instead):
+        return False
     return not beside or any((effect, term.place) in taken for effect in beside)
 
 
@@ -264,12 +271,14 @@ def cross_validated(
     if relief > 30.0 and gain > -0.2 * relief:  # the prior asks for it
         gain, t = gain + relief, max(t, LEAST_T)
     began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
+    rest = sum(float(np.sum(held[key][acting[key]])) for key in term.columns)
     return Trial(
         term=term,
         gain=gain,
         t=t,
         size=float(np.sqrt(max(gain, 0.0) / max(active_rows, 1))),
         share=gain / max(began, 1e-12),
+        of_rest=gain / max(rest, 1e-12),
         rows=active_rows,
         blocks=blocks,
     )
@@ -340,7 +349,7 @@ def refined(base: Fit, term: Term) -> Term:
             start,
             method="Nelder-Mead",
             bounds=[bounds[i] for i in free],
-            options={"maxfev": 40, "xatol": 1e-3, "fatol": 1.0},
+            options={"maxfev": 60, "xatol": 1e-3, "fatol": 1.0},
         )
         best, cost = result.x, float(result.fun)
     return at(best)[1] if cost < base.extended(term).cost() else term

@@ -11,6 +11,7 @@ from .regression import Fit, Term, term_of
 from .search import Search, Trial, cross_validated, held_out_squares, screen
 
 _LEAST_SHARE = 0.08  # of the mean square residual the joint began with
+_NAMES_EXPLAIN = 0.96  # of what the unnamed function does; less, and the names are not right
 _LEAST_LEFT = 1.35  # root mean square in sigmas below which nothing is left to explain
 _SAME_VARIABLE = {
     "speed": (
@@ -41,8 +42,9 @@ def add_unknown(state: Search) -> None:
         if best is None:
             return
         state.tried.append(best)
+        named = state.fit
         state.fit = state.fit.extended(best.term)
-        _names_given_up(state, best.term)
+        _names_given_up(state, named, best.term)
 
 
 def _best(state: Search) -> Trial | None:
@@ -71,7 +73,12 @@ def _best(state: Search) -> Trial | None:
         found.sort(key=lambda each: -each[1])
         trials += [cross_validated(state, term, held) for term, _ in found[:4]]
     good = [t for t in trials if t.significant and t.share >= _LEAST_SHARE]
-    return max(good, key=lambda t: t.gain) if good else None
+    plain = [t for t in good if VARIABLES[int(t.term.shape[0])] != "position and speed"]
+    best = max(good, key=lambda t: t.gain, default=None)
+    simple = max(plain, key=lambda t: t.gain, default=None)
+    if best is not None and simple is not None and simple.gain > 0.85 * best.gain:
+        return simple
+    return best
 
 
 def _clocks(fit: Fit, j: int) -> list[tuple[float, float, float]]:
@@ -94,15 +101,25 @@ def _clocks(fit: Fit, j: int) -> list[tuple[float, float, float]]:
     return [(code, float(frequency[i]), 1.0) for i in top]
 
 
-def _names_given_up(state: Search, unknown: Term) -> None:
-    """Drop names of the same joint and variable where the unnamed function does as well."""
+def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
+    """Drop names of the same joint and variable where these explain clearly less."""
     name = VARIABLES[int(unknown.shape[0])]
     j = unknown.place.joints[0]
-    for effect in _SAME_VARIABLE.get(name, ()):
-        for term in list(state.accepted):
-            if term.effect != effect or term.place.joints != (j,):
-                continue
-            others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
-            trial = cross_validated(state, term, held_out_squares(others), others)
-            if trial.share < 0.02 or not trial.significant:
-                state.fit = others
+    names = [
+        term
+        for term in state.accepted
+        if term.effect in _SAME_VARIABLE.get(name, ()) and term.place.joints == (j,)
+    ]
+    if not names:
+        return
+    alone = Fit(state.balances, [t for t in state.fit.terms if t not in names])
+    start, by_names, by_unknown, both = (
+        _left(fit, j) for fit in (state.start, named, alone, state.fit)
+    )
+    explained = (start - by_names) / max(start - by_unknown, 1e-12)
+    if explained < _NAMES_EXPLAIN and by_unknown < 1.3 * both + 0.002 * start:
+        state.fit = alone
+
+
+def _left(fit: Fit, j: int) -> float:
+    return float(np.sum(fit.residual(("torque", j)) ** 2))

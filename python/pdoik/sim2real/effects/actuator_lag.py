@@ -42,10 +42,6 @@ class ActuatorLag(Effect):
         """The lagged command less the command."""
         (j,) = place.joints
         what, time = shape
-        if motion.source == "":
-            assert motion.q_des is not None
-            aim = motion.q_des[:, j]
-            return {("servo", j): (lagged(aim, time, motion.period) - aim)[:, None]}
         if what == OF_POSITION:
             assert motion.q_des is not None
             aim = motion.q_des[:, j]

@@ -61,6 +61,7 @@ class Backlash(Effect):
     confused_with = ("joint_elasticity", "presliding_hysteresis", "coulomb_friction")
     decided_by = "slow motion through the pose where the joint's load changes its sign"
     source = "Nordin and Gutman, Automatica 38(10), 2002"
+    instead = ("joint_elasticity",)
     complexity = 3
     costly = True
 
@@ -107,7 +108,7 @@ class Backlash(Effect):
 
 
 def _lag(motion: Motion, j: int, gap: float) -> FloatArray:
-    """Joint j's lag with this play, (T,), kept with those of the gaps and joints simulated along."""
+    """Joint j's lag with this play, (T,), kept with the gaps and joints simulated along."""
     name = f"play {j} {gap:.9g}"
     if name not in motion.cache:
         first = any(math.isclose(gap, each) for each in _GAPS)

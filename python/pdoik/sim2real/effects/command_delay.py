@@ -8,7 +8,7 @@ import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
-from ..signals import shifted
+from ..signals import lagged, shifted
 from .effect import Columns, Effect, Parameter, Place, Shape
 
 OF_POSITION, OF_TORQUE = 0.0, 1.0
@@ -48,7 +48,7 @@ def drive_shapes(motions: Sequence[Motion], place: Place, times: Sequence[float]
     (j,) = place.joints
     first = motions[0]
     if first.source == "":
-        return [(OF_POSITION, time) for time in times] if first.q_des is not None else []
+        return []
     shapes: list[Shape] = []
     if first.law is not None:
         shapes += [(OF_POSITION, time) for time in times]
@@ -66,7 +66,7 @@ def within_sampling(motions: Sequence[Motion], time: float) -> bool:
     """Whether a time is within what sampling and the controller's ticks blur [s]."""
     first = motions[0]
     period = first.controller.period if first.controller is not None else None
-    return abs(time) < max(2.5 * (period or 0.0), 0.8 * first.recording.raw_period)
+    return abs(time) < max(2.5 * (period or 0.0), 1.0 * first.recording.raw_period)
 
 
 class CommandDelay(Effect):
@@ -75,7 +75,10 @@ class CommandDelay(Effect):
     id = "command_delay"
     on = "drive"
     equation = "tau(t) = tau_cmd(t - d), or q_des(t - d) enters the controller"
-    parameters = (Parameter("delay", "s", lower=0.0, upper=0.5),)
+    parameters = (
+        Parameter("delay", "s", lower=0.0, upper=0.5),
+        Parameter("time_constant", "s", lower=0.0, upper=0.5),  # of a servo, positions only
+    )
     confused_with = ("actuator_lag", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "transport delay"
@@ -85,16 +88,22 @@ class CommandDelay(Effect):
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Delays from half a sample to a third of a second [s]."""
         times = (0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
+        if motions[0].source == "" and motions[0].q_des is not None:
+            lags = (0.0, 0.03, 0.08, 0.2)
+            return [(OF_POSITION, time, lag) for time in times[3:] for lag in lags]
         return drive_shapes(motions, place, times)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The command late less the command."""
         (j,) = place.joints
-        what, delay = shape
+        what, delay = shape[:2]
         if motion.source == "":
             assert motion.q_des is not None
             aim = motion.q_des[:, j]
-            return {("servo", j): (shifted(aim, delay, motion.period) - aim)[:, None]}
+            late = shifted(aim, delay, motion.period)
+            if shape[2] > 1e-3:
+                late = lagged(late, shape[2], motion.period)
+            return {("servo", j): (late - aim)[:, None]}
         if what == OF_POSITION:
             assert motion.q_des is not None
             assert motion.controller is not None
@@ -108,13 +117,16 @@ class CommandDelay(Effect):
         return late_torque(motion, j, lambda x: shifted(x, delay, motion.period))
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The delay."""
+        """The delay, and where positions alone are known, the lag of the servo after it."""
+        if len(shape) > 2:
+            return {"delay": shape[1], "time_constant": shape[2]}
         return {"delay": shape[1]}
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """What comes late is what it is; the time within a factor."""
-        what, time = shape
-        return [(what, what), (0.4 * time, 2.5 * time)]
+        what, time = shape[:2]
+        first = [(what, what), (0.4 * time, 2.5 * time)]
+        return [*first, (0.0, 0.5)] if len(shape) > 2 else first
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
@@ -132,7 +144,10 @@ class CommandDelay(Effect):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
-        return f"Commands to {where} act {1e3 * values['delay']:.3g} ms late."
+        late = f"Commands to {where} act {1e3 * values['delay']:.3g} ms late"
+        lag = values.get("time_constant", 0.0)
+        after = f", and the servo follows with a lag of {1e3 * lag:.3g} ms" if lag > 1e-3 else ""
+        return late + after + "."
 
     def regime(self, where: str) -> str:
         """When it shows."""

@@ -24,7 +24,7 @@ class CoulombFriction(Effect):
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Speeds within which the sign turns [rad/s]."""
-        return [(0.0,), (0.02,), (0.06,)]
+        return [(0.0,), (0.02,), (0.06,), (0.15,)]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The direction of motion."""

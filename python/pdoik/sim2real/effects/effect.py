@@ -58,7 +58,8 @@ class Effect(ABC):
     fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
-    complexity: ClassVar[int] = 1  # simpler effects go first where data cannot tell
+    instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
+    complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:

@@ -36,6 +36,7 @@ class JointElasticity(Effect):
     confused_with = ("backlash", "rotor_inertia", "presliding_hysteresis")
     decided_by = "a quick stop, sampled at 500 Hz or more: the ring's frequency is sqrt(k / I)"
     source = "Spong, ASME J. Dyn. Sys. 109(4), 1987"
+    instead = ("backlash",)
     complexity = 3
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

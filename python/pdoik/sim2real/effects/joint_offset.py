@@ -23,7 +23,7 @@ class JointOffset(Effect):
     confused_with = ("link_inertial_error", "gravity_direction", "kinematic_error")
     decided_by = "the tip's pose measured in ten spread poses"
     source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
-    complexity = 2
+    complexity = 1.9
     per_joint_moving = False
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

@@ -61,7 +61,7 @@ class SensorGain(Effect):
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Coefficient k - 1, or 1/k - 1."""
-        return np.full(1, -3.0), np.full(1, 5.0)
+        return np.full(1, -3.0), np.full(1, 200.0)
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """The channel is what it is."""

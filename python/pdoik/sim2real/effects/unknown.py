@@ -24,6 +24,7 @@ VARIABLES = (
 
 _KNOTS = 9
 _KNOTS_2D = 5
+_MOST = 2 * _KNOTS_2D  # coefficients
 
 
 class Unknown(Effect):
@@ -67,7 +68,7 @@ class Unknown(Effect):
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """None."""
-        return np.full(_KNOTS, -np.inf), np.full(_KNOTS, np.inf)
+        return np.full(_MOST, -np.inf), np.full(_MOST, np.inf)
 
     def prior(self, width: int) -> FloatArray:
         """A trace, so that knots no sample came near stay at zero."""

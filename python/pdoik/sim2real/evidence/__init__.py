@@ -63,6 +63,12 @@ def evidence_of(
         hypotheses=hypotheses_of(examination),
         replays=replays,
         cutoff=cutoff,
+        events=tuple(
+            (name, *finding.window)
+            for finding in examination.diagnosis.findings
+            if finding.window is not None
+            for name in finding.recordings
+        ),
         notes=notes,
     )
 

@@ -47,19 +47,34 @@ def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
         else:
             trial = cross_validated(state, alone.term, held)
         score = float(np.clip(trial.share, -1.0, 1.0))
+        tiny = name in accepted and name not in found
         result.append(
             Hypothesis(
                 effect=name[0],
-                place=place_words(examination, name[1]),
+                place=place_words(examination, name[1]) + " (tiny)" * tiny,
                 score=score,
                 interval95=_interval(state.start, trial, score, rng),
                 accepted=name in found,
-                reason=_reason(alone, trial, name in accepted, rivals.get(name))
-                if name not in found
-                else "",
+                reason="" if name in found else _reason(alone, trial, tiny, rivals.get(name)),
             )
         )
-    return tuple(result)
+    return (*result, *_events(examination, set(first)))
+
+
+def _events(examination: Examination, listed: set[Name]) -> list[Hypothesis]:
+    """Findings that were looked for in the residual itself, such as contacts."""
+    found = zip(examination.diagnosis.findings, examination.terms, strict=True)
+    return [
+        Hypothesis(
+            effect=finding.effect,
+            place=place_words(examination, terms[0].place),
+            score=finding.evidence.validation_gain,
+            interval95=finding.evidence.interval95,
+            accepted=True,
+        )
+        for finding, terms in found
+        if (terms[0].effect, terms[0].place) not in listed
+    ]
 
 
 def place_words(examination: Examination, place: Place) -> str:

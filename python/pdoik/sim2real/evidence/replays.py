@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..diagnose import Examination
 
 MOST = 3
-LONGEST = 20.0  # of a recording [s]: a simulation costs more than all else here
+LONGEST = 60.0  # of a recording [s]
 
 
 def replays_of(

@@ -121,7 +121,9 @@ def _traces(
             continue
         left = zero_phase(raw[1], motion.cutoff, motion.period)
         gone = zero_phase(change.get(key, np.zeros(shape[0])), motion.cutoff, motion.period)
-        mask = np.repeat(b.mask[key][b.starts[i] : b.starts[i + 1]], step)[: shape[0]]
+        rows = b.mask[key][b.starts[i] : b.starts[i + 1]]
+        rows = rows & np.append(rows[1:], rows[-1])  # a sample counts if both rows about it do
+        mask = np.repeat(rows, step)[: shape[0]]
         if not mask.any():
             mask = np.ones(shape[0], dtype=bool)
         before[:, j] = np.where(mask, left, np.nan)

@@ -107,6 +107,7 @@ class ReportData:
     regimes: RegimeMap | None = None  # None: worked out from the recordings
     replays: tuple[Replay, ...] = ()
     cutoff: CutoffInfluence | None = None
+    events: tuple[tuple[str, float, float], ...] = ()  # recording, begin and end [s] of each
     notes: tuple[str, ...] = field(default_factory=tuple)  # besides the diagnosis's own
 
     def __post_init__(self) -> None:
@@ -138,6 +139,14 @@ class ReportData:
         """The recordings that nothing was fitted to; all of them if there are none."""
         some = tuple(traces for traces in self.recordings if traces.role == "validate")
         return some or self.recordings
+
+    @property
+    def telling(self) -> tuple[Traces, ...]:
+        """Those held out, and those in which something happened."""
+        names = {name for name, _, _ in self.events}
+        held_out = self.held_out
+        some = (t for t in self.recordings if t.name in names and t not in held_out)
+        return (*held_out, *some)
 
     def position_unit(self, joint: int) -> str:
         """Of joint number `joint`: rad or m."""

@@ -167,7 +167,7 @@ def worst_recording(data: ReportData, joint: int) -> Traces:
         part = busiest(traces.time, traces.before[:, joint], CLOSE_UP)
         return float(np.nansum(traces.before[part, joint] ** 2))
 
-    return max(data.held_out, key=badness)
+    return max(data.telling, key=badness)
 
 
 def _by_clock(axes: Axes, data: ReportData, joint: int, points: int) -> None:

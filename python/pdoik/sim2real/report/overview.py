@@ -23,6 +23,7 @@ _AGAINST = {
     "payload": "q",
     "link_inertial_error": "q",
     "torque_offset": "q",
+    "external_contact": "q",
     "load_dependent_friction": "load",
     "torque_gain": "load",
     "torque_saturation": "load",
@@ -38,7 +39,11 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
     figure.text(0.018, 0.944, _subtitle(diagnosis, data), fontsize=9.5, va="top", color=MUTED,
                 linespacing=1.5)  # fmt: skip
     left, right = 0.062, 0.985
-    shown = [joint for joint in order[:2] if _badness(diagnosis, data, joint) < -1.3] or order[:1]
+    shown = [
+        joint
+        for joint in order[:2]
+        if _during(data, joint) or _badness(diagnosis, data, joint) < -1.3
+    ] or order[:1]
     top = figure.add_gridspec(
         len(shown), 1, left=left, right=0.62, top=0.845, bottom=0.475, hspace=0.35
     )
@@ -64,7 +69,7 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
     axes = figure.add_subplot(scores[0])
     if data.hypotheses:
         forest(axes, forest_rows(data.hypotheses, 10), width=32)
-        axes.set_xlabel("gain on held-out data, 95 % interval")
+        axes.set_xlabel("gain on held-out data beside the rest")
         axes.set_title("what was tried")
     else:
         axes.set_axis_off()
@@ -74,7 +79,26 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
 
 def affected_joints(diagnosis: Diagnosis, data: ReportData) -> list[int]:
     """Numbers of the joints, those with the largest residual beside their noise first."""
-    return sorted(range(len(data.joints)), key=lambda joint: _badness(diagnosis, data, joint))
+
+    def key(joint: int) -> tuple[float, float]:
+        return -_during(data, joint), _badness(diagnosis, data, joint)
+
+    return sorted(range(len(data.joints)), key=key)
+
+
+def _during(data: ReportData, joint: int) -> float:
+    """Residual during events in units of its noise, where it stands out; 0 without any."""
+    floor = data.noise_floor[joint]
+    worst = 0.0
+    for name, begin, end in data.events:
+        for traces in data.recordings:
+            if traces.name == name and floor > 0:
+                inside = (traces.time >= begin) & (traces.time < end)
+                values = traces.before[inside, joint]
+                values = values[np.isfinite(values)]
+                if values.size:
+                    worst = max(worst, float(np.sqrt(np.mean(values**2))) / floor)
+    return worst if worst > 2.0 else 0.0
 
 
 def _badness(diagnosis: Diagnosis, data: ReportData, joint: int) -> float:
@@ -108,11 +132,14 @@ def finding_curve(
     """
     field = _against(finding)
     some = data.held_out
+    alone = all(number < len(traces.parts) for traces in some)
+    if finding and alone and not finding.joints:
+        _predicted(axes, data, joint, finding, number)
+        return
     x, before, after = (
         np.concatenate([getattr(traces, name)[:, joint] for traces in some])
         for name in (field, "before", "after")
     )
-    alone = all(number < len(traces.parts) for traces in some)
     if alone and finding:
         before = after + np.concatenate([traces.parts[number][:, joint] for traces in some])
     chosen = sample(len(x), 5000)
@@ -122,7 +149,7 @@ def finding_curve(
     bins = binned(x, before, 26)
     axes.fill_between(bins.x, bins.low, bins.high, color=BEFORE, alpha=0.22, lw=0)
     several = finding is not None and alone and len(some[0].parts) > 1
-    label = "residual less the other findings" if several else "residual"
+    label = "residual less the others" if several else "residual"
     axes.plot(bins.x, bins.median, "o", ms=4, color=BEFORE, label=f"{label}, median")
     if finding:
         model = binned(x, before - after, 26)
@@ -141,12 +168,40 @@ def finding_curve(
     axes.legend(loc="best", fontsize=7.5)
 
 
+def _predicted(axes: Axes, data: ReportData, joint: int, finding: Finding, number: int) -> None:
+    """The residual less the others' part over what a finding of a link or the base predicts."""
+    some = data.held_out
+    if finding.window:
+        some = tuple(t for t in data.recordings if t.name in finding.recordings)
+    part, after = (
+        np.concatenate(arrays)
+        for arrays in zip(
+            *((t.parts[number][:, joint], t.after[:, joint]) for t in some), strict=True
+        )
+    )
+    if finding.window:
+        after = np.where(np.abs(part) > 0.02 * np.abs(part).max(), after, np.nan)
+    chosen = sample(len(part), 4000)
+    axes.plot(part[chosen], (after + part)[chosen], ".", ms=2.5, mew=0, alpha=0.5, color=BEFORE,
+              rasterized=True, label="residual less the others")  # fmt: skip
+    known = part[np.isfinite(after)]
+    ends = [float(known.min()), float(known.max())] if known.size else [0.0, 0.0]
+    axes.plot(ends, ends, color=AFTER, lw=1.6, label="the finding")
+    unit = data.units[joint]
+    axes.set(xlabel=f"predicted by the finding [{unit}]", ylabel=f"residual [{unit}]")
+    axes.set_title(short(f"{short(data.joints[joint], 20)}: {effect_name(finding.effect)}", 44))
+    axes.legend(loc="best", fontsize=7.5, markerscale=3)
+
+
 def _residual(axes: Axes, data: ReportData, joint: int, first: bool, last: bool) -> None:
     traces = worst_recording(data, joint)
     residual_lines(axes, traces.time, traces.before[:, joint], traces.after[:, joint])
     floor = data.noise_floor[joint]
     if np.isfinite(floor):
         axes.axhspan(-2 * floor, 2 * floor, color=NOISE, alpha=0.3, lw=0, zorder=0)
+    for name, begin, end in data.events:
+        if name == traces.name:
+            axes.axvspan(begin, end, color=MUTED, alpha=0.15, lw=0, zorder=0)
     axes.plot([], [], color=BEFORE, label="before")
     axes.plot([], [], color=AFTER, label="after")
     axes.fill_between([], [], [], color=NOISE, alpha=0.3, lw=0, label="noise, ±2 std")
@@ -172,5 +227,8 @@ def _subtitle(diagnosis: Diagnosis, data: ReportData) -> str:
     found = "; ".join(parts) or "no finding"
     more = len(diagnosis.findings) - 3
     first = f"{data.title}: {found}{f'; and {more} more' if more > 0 else ''}."
-    shares = "Shares are of the mean square residual on recordings nothing was fitted to."
+    shares = (
+        "Shares are of the mean square residual of the joints each acts on, on recordings nothing"
+        " was fitted to."
+    )
     return f"{short(first, 150)}\n{shares}" if diagnosis.findings else short(first, 150)

@@ -159,7 +159,10 @@ def hypotheses_picture(hypotheses: Sequence[Hypothesis]) -> Picture:
     quiet_legend(axes)
     left_out = len(hypotheses) - len(shown)
     rest = f" {left_out} with lower scores are in the table only." if left_out else ""
-    caption = f"Hypotheses tried, by gain on held-out data, with 95 % intervals.{rest}"
+    caption = (
+        "Hypotheses tried, by what each gains on held-out data beside everything that was found,"
+        f" with 95 % intervals.{rest}"
+    )
     return picture(figure, "hypotheses", caption)
 
 

@@ -137,6 +137,16 @@ def build_plant(
     return plant
 
 
+def link_carrying(robot: str | Path, joints: tuple[str, ...], tip: str) -> str:
+    """The link moved by one of the joints that a tip is, or is fixed to; "" if there is none."""
+    described = read_description(robot)
+    moved = {body.name for body in hold_others(described.spec, joints).values()}
+    body = described.spec.body(nearest(tip, described.links, "link"))
+    while body is not None and body.name not in moved:
+        body = body.parent if body.name not in ("world", "") else None
+    return "" if body is None else str(body.name)
+
+
 def changed_inertials(
     described: Description, links: tuple[str, ...], parts: Iterable[Part]
 ) -> dict[str, Inertial]:

@@ -1,0 +1,242 @@
+"""Channels first: a sign, a factor, a model logged as a measurement, a noisy sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .balances import Balances
+from .findings import Estimate, Evidence, Finding
+from .motion import Motion, thinned
+from .prepare import Prepared
+from .recording import FloatArray, Recording
+from .rigid_body import RigidBody
+from .signals import derivative, noise_density, zero_phase
+from .study import Study
+
+_WITHIN = (0.4, 2.5)  # a torque's factor outside these is no drive's gain but a lie of the channel
+_LEAST_CORRELATION = 0.7
+_TINY = 0.15
+_SLOW = 2e-3  # [rad/s]
+_NOISIER = 3.0  # than the noisiest other joint's
+_NOISIER_THAN_USUAL = 4.0
+_COPY = 1.5  # times the noise, within which a torque copies the model's for the commanded motion
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ChannelCheck:
+    """What was found in the channels, and the study with what can be mended mended."""
+
+    study: Study
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def mended(self) -> bool:
+        """Whether the study is another than before."""
+        return bool(self.notes)
+
+
+def check_channels(prepared: Prepared) -> ChannelCheck:
+    """Test every channel against what the others say."""
+    study = prepared.study
+    findings = list(_noisy(study))
+    notes: list[str] = []
+    body = prepared.body
+    if body is not None and study.fit[0].tau is not None:
+        if _copies_model(prepared.fit, body):
+            notes.append(
+                "tau is no measurement: it is the model's own torque for the commanded motion, and"
+                " was left out."
+            )
+            study = _without_tau(study)
+        else:
+            factors = _factors(prepared.fit)
+            for j, (factor, error) in factors.items():
+                findings.append(_lie(prepared, j, factor, error))
+                notes.append(
+                    f"tau.{study.joints[j]} was divided by {factor:.4g} before all else was judged."
+                )
+            study = _scaled(study, {j: factor for j, (factor, _) in factors.items()})
+    return ChannelCheck(study=study, findings=tuple(findings), notes=tuple(notes))
+
+
+def _factors(b: Balances) -> dict[int, tuple[float, float]]:
+    """Joints whose torque is a wrong multiple of the model's, with factor and standard error."""
+    result = {}
+    for j in range(b.n):
+        if ("torque", j) not in b.residual or not b.excited[j]:
+            continue
+        columns, torque = [], []
+        for i, m in enumerate(b.motions):
+            assert m.torque is not None
+            fit = np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+            columns.append(b.thin(i, fit))
+            torque.append(b.thin(i, m.torque[:, j]))
+        keep = b.mask["torque", j]
+        A, y = np.concatenate(columns)[keep], np.concatenate(torque)[keep]
+        if len(y) < 30 or not np.any(A[:, 0]):
+            continue
+        beta = np.linalg.lstsq(A, y, rcond=None)[0]
+        part = A[:, 0] - A[:, 3] * A[:, 0].mean()
+        left = y - A[:, 1:] @ beta[1:]
+        correlation = float(np.corrcoef(part, left)[0, 1])
+        error = 3.0 * float(np.std(y - A @ beta) / max(np.sqrt(np.sum(part**2)), 1e-12))
+        outside = not _WITHIN[0] < beta[0] < _WITHIN[1]
+        # A torque far below the model's drowns in its noise: then its smallness is what is sure.
+        tiny = abs(beta[0]) < _TINY and error < 0.2 * _TINY
+        if outside and (abs(correlation) > _LEAST_CORRELATION or tiny):
+            result[j] = (float(beta[0]), error)
+    return result
+
+
+def _copies_model(b: Balances, body: RigidBody) -> bool:
+    """Whether most joints' torques are the model's for the commands, not for the motion."""
+    copies = judged = 0
+    for m in b.motions:
+        if m.q_des is None or m.torque is None:
+            return False
+        planned = _planned(m, body)
+        good = m.valid & (np.arange(len(m.time)) * m.period > 0.5)
+        good &= good[::-1]
+        for j in range(m.n):
+            if not b.excited[j]:
+                continue
+            torque = zero_phase(m.torque[:, j], m.cutoff, m.period)[good]
+            by_plan = np.std(torque - zero_phase(planned[:, j], m.cutoff, m.period)[good])
+            by_motion = np.std(torque - zero_phase(m.tau[:, j], m.cutoff, m.period)[good])
+            judged += 1
+            floor = b.floor["torque", j]
+            copies += bool(by_plan < 0.7 * by_motion and by_plan < _COPY * floor)
+    return judged > 0 and copies > 0.6 * judged
+
+
+def _planned(m: Motion, body: RigidBody) -> FloatArray:
+    assert m.q_des is not None
+    q = zero_phase(m.q_des, 2.5 * m.cutoff, m.period)
+    dq = derivative(q, m.period)
+    return body.dynamics(q, dq, derivative(dq, m.period)).tau
+
+
+def _without_tau(study: Study) -> Study:
+    return replace(study, recordings=tuple(replace(r, tau=None) for r in study.recordings))
+
+
+def _scaled(study: Study, factors: dict[int, float]) -> Study:
+    if not factors:
+        return study
+
+    def mended(recording: Recording) -> Recording:
+        assert recording.tau is not None
+        tau = recording.tau.copy()
+        for j, factor in factors.items():
+            tau[:, j] /= factor
+        return replace(recording, tau=tau)
+
+    return replace(study, recordings=tuple(mended(r) for r in study.recordings))
+
+
+def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
+    name = prepared.study.joints[j]
+    what = "has the wrong sign" if factor < 0 else "is not at the joint, or in another unit"
+    b = prepared.validate or prepared.fit
+    rows = b.mask["torque", j]
+    before = b.residual["torque", j][rows]
+    measured = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[rows]
+    after = before - measured * (1.0 - 1.0 / factor)
+    share = 1.0 - float(np.mean(after**2) / max(np.mean(before**2), 1e-12))
+    return Finding(
+        effect="sensor_gain",
+        joints=(name,),
+        recordings=tuple(r.name for r in prepared.study.fit),
+        regime=f"in proportion to the torque of {name}",
+        statement=f"The torque of Joint {name} reads {factor:.4g} times the model's: it {what}.",
+        parameters={
+            "gain": Estimate(
+                value=factor,
+                std=error,
+                interval95=(factor - 1.96 * error, factor + 1.96 * error),
+                unit="-",
+            )
+        },
+        decided_by="the channel beside a second instrument, or the drive's manual",
+        evidence=Evidence(
+            validation_gain=float(np.clip(share, 0.0, 1.0)),
+            interval95=(float(np.clip(share, 0.0, 1.0)),) * 2,
+            channels=("tau",),
+        ),
+    )
+
+
+def _torque(m: Motion, j: int) -> FloatArray:
+    assert m.torque is not None
+    return np.ascontiguousarray(m.torque[:, j])
+
+
+def _noisy(study: Study) -> list[Finding]:
+    """Positions or speeds of one joint that are noisier than all the others'."""
+    found = []
+    recordings = [thinned(r) for r in study.fit]
+    for channel in ("q", "dq"):
+        each = [getattr(r, channel) for r in recordings]
+        if any(values is None or not np.isfinite(values).all() for values in each):
+            continue
+        if each[0].shape[1] < 2:
+            continue
+        periods = [r.period for r in recordings]
+        std = np.stack([_white(v, p) for v, p in zip(each, periods, strict=True)])
+        if channel == "dq":
+            std /= np.stack([_gain_of_speed(r) for r in recordings])
+        middle = np.median(std, axis=0)
+        worst = int(np.argmax(middle))
+        others = np.delete(middle, worst)
+        if middle[worst] > max(
+            _NOISIER * others.max(), _NOISIER_THAN_USUAL * np.median(others), 1e-12
+        ):
+            found.append(_noise_finding(study, channel, worst, std[:, worst], others))
+    return found
+
+
+def _gain_of_speed(recording: Recording) -> FloatArray:
+    """How many times the positions' derivative each logged speed is, at least a hundredth."""
+    assert recording.dq is not None
+    speed = derivative(zero_phase(recording.q, 10.0, recording.period), recording.period)
+    gain = np.sum(speed * recording.dq, axis=0) / np.maximum(np.sum(speed**2, axis=0), 1e-12)
+    moved = np.std(speed, axis=0) > 10.0 * _SLOW
+    return np.where(moved, np.maximum(np.abs(gain), 0.01), 1.0)
+
+
+def _white(values: FloatArray, period: float) -> FloatArray:
+    """Standard deviation of white noise in each column."""
+    return np.asarray(np.sqrt(noise_density(values, period, 0.25 / period) / (2.0 * period)))
+
+
+def _noise_finding(
+    study: Study, channel: str, j: int, std: FloatArray, others: FloatArray
+) -> Finding:
+    name, unit = study.joints[j], "rad" if channel == "q" else "rad/s"
+    value = float(np.median(std))
+    error = float(max(np.std(std) / np.sqrt(len(std)), 0.03 * value))
+    times = value / float(np.median(others))
+    share = float(1.0 - (np.median(others) / value) ** 2)
+    return Finding(
+        effect="sensor_noise",
+        joints=(name,),
+        recordings=tuple(r.name for r in study.fit),
+        regime=f"always, in {channel}.{name}",
+        statement=(
+            f"{channel}.{name} is {times:.2g} times as noisy as the same channel of the other"
+            f" joints: {value:.2g} {unit} of white noise."
+        ),
+        parameters={
+            "std": Estimate(
+                value=value,
+                std=error,
+                interval95=(value - 1.96 * error, value + 1.96 * error),
+                unit=unit,
+            )
+        },
+        decided_by="the robot at rest, brakes on",
+        evidence=Evidence(validation_gain=share, interval95=(share, share), channels=(channel,)),
+    )
