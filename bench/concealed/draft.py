@@ -80,6 +80,8 @@ def _motions(
         ("fit", ("moves", "sines"), 0.8),
         ("validate", ("reversals", "sines", "fast_moves"), 1.15),
     ]
+    if spec.effect == "torque_saturation":  # a limit that no recording to fit reaches teaches none
+        plans[1] = ("fit", ("fast_moves", "reversals", "fast_moves"), 1.2)
     if rng.random() < 0.3:
         plans.append(("validate", ("moves", "reversals"), 0.7))
     order = rng.permutation(len(plans))

@@ -283,7 +283,7 @@ def test_a_command_delay_shifts_the_motion_by_just_that(delay: float) -> None:
 @pytest.mark.parametrize("effect", ["command_delay", "actuator_lag"])
 def test_delays_and_lags_of_the_position_and_of_the_torque_are_not_the_same(effect: str) -> None:
     run = commands(3.0, q_des=lambda t: 0.3 * np.sin(3 * t), dq_des=lambda t: 0.9 * np.cos(3 * t))
-    values = {"delay": 0.01, "time_constant": 0.01}
+    values = {{"command_delay": "delay", "actuator_lag": "time_constant"}[effect]: 0.01}
     of = {
         variant: Simulator(
             TURNTABLE,

@@ -96,7 +96,13 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 
 
 def _findings(diagnosis: Diagnosis) -> Table:
-    from pdoik.sim2real.report.words import effect_name, estimate_numbers, percent, place
+    from pdoik.sim2real.report.words import (
+        effect_name,
+        estimate_numbers,
+        parameters_of,
+        percent,
+        place,
+    )
 
     table = _table("finding", "where", "parameter")
     table.add_column("95 % interval", no_wrap=True)
@@ -106,9 +112,10 @@ def _findings(diagnosis: Diagnosis) -> Table:
         gain = percent(finding.evidence.validation_gain)
         if not finding.parameters:
             table.add_row(*map(escape, head), "", "", gain)
-        for name, estimate in finding.parameters.items():
+        for name, estimate in parameters_of(finding).items():
             value, low, high = estimate_numbers(estimate)
-            cells = [*head, f"{name} {value} {estimate.unit}", f"{low} to {high}"]
+            unit = "" if estimate.unit == "-" else f" {estimate.unit}"
+            cells = [*head, f"{name} {value}{unit}", f"{low} to {high}"]
             table.add_row(*map(escape, cells), gain)
             head, gain = ["", ""], ""
     return table

@@ -46,6 +46,7 @@ class Balances:
         self.mask: dict[Key, NDArray[np.bool_]] = {}
         self.floor: dict[Key, float] = {}
         self.sigma: dict[Key, float] = {}
+        self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[tuple[str, Place, Shape], dict[Key, FloatArray]] = {}
         for key, values in self._raw().items():
             self._add(key, values)

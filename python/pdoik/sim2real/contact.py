@@ -16,6 +16,7 @@ _LEAST_GAIN = 80.0  # squared sigmas
 _LEAST_SIZE = 1.0  # root mean square in sigmas of every joint inside the window
 _LEAST_EXPLAINED = 0.5  # share of the squared residual inside
 _ABOVE_OTHERS = 3.0  # gain over that of the third best window apart from it: contacts are rare
+_ABOVE_USUAL = 3.0  # mean square over what the others leave at other times
 _SHORTEST = 0.2  # [s]
 _LEAST_T = 6.0  # of the force over its error
 
@@ -53,7 +54,7 @@ def contact_term(fit: Fit) -> Term | None:
 
 def stands(fit: Fit, term: Term) -> bool:
     """Whether a contact, the fit's last term, is clear beside all the others."""
-    gain, rows = 0.0, 0
+    gain, rows, elsewhere = 0.0, 0, 0.0
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
         part = column[fit.rows[key]] @ beta / fit.balances.sigma[key]
@@ -64,6 +65,10 @@ def stands(fit: Fit, term: Term) -> bool:
             return False  # it would make a joint worse
         gain += float(part @ part)
         rows += int(at.sum())
+        elsewhere += float(np.sum(fit.residual(key)[~at] ** 2)) / max(int((~at).sum()), 1)
+    usual = elsewhere / max(len(term.columns), 1)
+    if gain < _ABOVE_USUAL * usual * rows:
+        return False  # no larger than what is left at other times
     return gain > _LEAST_GAIN and gain > _LEAST_SIZE**2 * rows and fit.wald(term)[0] > _LEAST_T
 
 

@@ -27,6 +27,7 @@ from .validation import Prediction
 
 Tell = Callable[[str, str, float], None]
 
+_LEAST_CONTACT = 0.01  # share of the first residual within its window
 _NEAR_FLOOR = 1.6
 """A residual within this factor of the noise floor counts as explained."""
 
@@ -103,7 +104,8 @@ def forget_contacts(state: Search) -> None:
     """Leave out contacts that later findings have made needless."""
     for term in state.contacts:
         others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
-        if not stands(others.extended(term), term):
+        share = _within(state, term, ()).validation_gain
+        if share < _LEAST_CONTACT or not stands(others.extended(term), term):
             state.fit = others
     state.contacts = tuple(term for term in state.contacts if term in state.fit.terms)
 
@@ -149,8 +151,10 @@ def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> l
         if term is None:
             break
         rest = rest.extended(term)
-        prediction.events.append((term, rest.beta[-term.width :].copy()))
         share = prediction.share(rest, term)
+        if share < _LEAST_CONTACT:
+            break
+        prediction.events.append((term, rest.beta[-term.width :].copy()))
         evidence = Evidence(
             validation_gain=share,
             interval95=(share, share),
@@ -181,6 +185,9 @@ def conclude(
     values = estimates(state.fit, accepted, seed)
     found: list[Found] = []
     for number, term in enumerate(accepted):
+        plain = {name: each.value for name, each in values[number].items()}
+        if CATALOGUE[term.effect].trifling(plain):
+            continue
         channels = tuple(sorted({_channel(prepared, key) for key in term.columns}))
         evidence = prediction.evidence(state.fit, term, channels, seed)
         if term in state.contacts:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -50,7 +51,7 @@ def finding_of(
         recordings=recordings,
         window=place.window,
         regime=effect.regime(_inside(where)),
-        statement=effect.statement(where, plain),
+        statement=_sentence(effect.statement(where, plain)),
         parameters=values,
         equivalents=equivalents,
         decided_by=decided,
@@ -69,6 +70,11 @@ def described(prepared: Prepared, term: Term) -> str:
     if place.window is not None:
         where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
     return f"{term.effect.replace('_', ' ')} at {where}"
+
+
+def _sentence(text: str) -> str:
+    """With names of places in small letters where they do not begin it."""
+    return re.sub(r"(?<=[a-z,] )(Joint|Joints|Link|The)\b", lambda word: word[0].lower(), text)
 
 
 def _inside(where: str) -> str:

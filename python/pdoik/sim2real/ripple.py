@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .balances import Balances
 from .effects import CATALOGUE, Place
+from .recording import FloatArray
 from .regression import Fit, Term, term_of
 
 _LOWEST, _HIGHEST = 4, 300  # cycles per turn; fewer look like gravity
@@ -24,18 +27,24 @@ def ripple_terms(fit: Fit) -> list[Term]:
         rows = fit.rows[key]
         if len(rows) < 50:
             continue
-        left = fit.residual(key)
-        q = b.sampled([m.q[:, j] for m in b.motions])[rows]
-        dq = b.sampled([m.dq[:, j] for m in b.motions])[rows]
-        cutoff = 2 * np.pi * b.motions[0].cutoff
-        power = np.empty(len(harmonics))
-        for i, h in enumerate(harmonics):
-            seen = (np.abs(dq) * h < cutoff).astype(float)  # what the filter lets pass
-            wave = np.exp(1j * h * q) * seen
-            power[i] = 2.0 * np.abs(np.sum(left * wave)) ** 2 / max(seen.sum(), 50.0)
+        waves, count = _waves(b, j)
+        power = 2.0 * np.abs(fit.residual(key) @ waves[rows]) ** 2 / np.maximum(count, 50.0)
         for i in np.argsort(power)[::-1][:_TRIED]:
             if power[i] > 20.0:
                 term = term_of(b, effect, Place(joints=(j,)), (float(harmonics[i]),))
                 if term is not None:
                     terms.append(term)
     return terms
+
+
+def _waves(b: Balances, j: int) -> tuple[NDArray[np.complex64], FloatArray]:
+    """Harmonics of joint j's angle at every row, zero where the filter would take them, kept."""
+    name = f"waves {j}"
+    if name not in b.scratch:
+        q = b.sampled([m.q[:, j] for m in b.motions])
+        dq = b.sampled([m.dq[:, j] for m in b.motions])
+        harmonics = np.arange(_LOWEST, _HIGHEST + 1)
+        passes = np.abs(dq)[:, None] * harmonics < 2 * np.pi * b.motions[0].cutoff
+        waves = np.exp(1j * q[:, None] * harmonics) * passes
+        b.scratch[name] = (waves.astype(np.complex64), passes.sum(axis=0).astype(np.float64))
+    return b.scratch[name]

@@ -49,7 +49,18 @@ class Trial:
     @property
     def significant(self) -> bool:
         """Whether the gain is real and large enough to matter."""
-        return self.t >= LEAST_T and self.size >= _LEAST_SIZE and self.share >= _LEAST_SHARE
+        explains = max(_LEAST_OF_REST, CATALOGUE[self.term.effect].least_of_rest)
+        return (
+            self.t >= LEAST_T
+            and self.size >= _LEAST_SIZE
+            and self.share >= _LEAST_SHARE
+            and self.of_rest >= explains
+        )
+
+    @property
+    def needed(self) -> bool:
+        """Whether an accepted term still earns its place beside those accepted after it."""
+        return self.t >= 0.7 * LEAST_T and self.size >= 0.7 * _LEAST_SIZE
 
 
 @dataclass(kw_only=True)
@@ -61,6 +72,7 @@ class Search:
     fit: Fit
     start: Fit
     contacts: tuple[Term, ...] = ()
+    dropped: set[tuple[str, Place]] = field(default_factory=set)  # accepted once, needless later
     tried: list[Trial] = field(default_factory=list)
     level: dict[int, list[Trial]] = field(default_factory=dict)  # by id of the accepted term
 
@@ -128,8 +140,9 @@ def _restless(balances: Balances, j: int) -> bool:
 def _round(state: Search, pool: list[Term]) -> Trial | None:
     """The best significant candidate, the simplest where data cannot tell; None if none is."""
     taken = {(t.effect, t.place) for t in state.accepted}
-    fresh = [t for t in pool if (t.effect, t.place) not in taken and has_company(t, taken)]
-    fresh += [t for t in ripple_terms(state.fit) if (t.effect, t.place) not in taken]
+    gone = taken | state.dropped
+    fresh = [t for t in pool if (t.effect, t.place) not in gone and has_company(t, taken)]
+    fresh += [t for t in ripple_terms(state.fit) if (t.effect, t.place) not in gone]
     screened = screen(state.fit, fresh)
     held = held_out_squares(state.fit)
     trials: list[Trial] = []
@@ -325,7 +338,7 @@ def refined(base: Fit, term: Term) -> Term:
             prior=term.prior,
         )
         if not columns:
-            return np.inf, new
+            return 2.0 * base.cost() + 1.0, new  # worse than without it; infinity upsets SciPy
         return base.extended(new).cost(), new
 
     if effect.costly:
@@ -363,10 +376,11 @@ def _drop(state: Search) -> None:
             if term in state.contacts:
                 continue
             trial = without(state, term)
-            if not trial.significant and trial.t < weakest:
+            if not trial.needed and trial.t < weakest:
                 worst, weakest = term, trial.t
         if worst is None:
             return
+        state.dropped.add((worst.effect, worst.place))  # or it would come and go for ever
         kept = [t for t in state.fit.terms if t is not worst]
         state.fit = Fit(state.balances, kept)
 

@@ -69,7 +69,7 @@ class Prediction:
         others = Fit(fit.balances, [t for t in fit.terms if t is not term])
         without, with_it = self.residual(others), self.residual(fit)
         count = int(b.block.max()) + 1
-        gained, began = np.zeros(count), np.zeros(count)
+        gained, began, other = np.zeros(count), np.zeros(count), np.zeros(count)
         for key in term.columns:
             if key not in without:
                 continue
@@ -79,6 +79,9 @@ class Prediction:
             gained += np.bincount(block, difference, minlength=count)
             square = b.residual[key][rows] ** 2 * scale
             began += np.bincount(block, square, minlength=count)
+            other += np.bincount(block, without[key][rows] ** 2 * scale, minlength=count)
+        if other.sum() > began.sum():  # the rest alone make it worse than it was
+            began = other
         total = max(float(began.sum()), 1e-12)
         rng = np.random.default_rng(seed)
         draws = []

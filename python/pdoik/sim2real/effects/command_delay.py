@@ -136,7 +136,9 @@ class CommandDelay(Effect):
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
         """The coefficient is 1."""
-        return (shape[0] if shape else OF_POSITION, values["delay"]), np.ones(1)
+        first = (shape[0] if shape else OF_POSITION, values["delay"])
+        lag = (values["time_constant"],) if "time_constant" in values else ()
+        return (*first, *lag), np.ones(1)
 
     def variant(self, shape: Shape) -> str:
         """What comes late."""

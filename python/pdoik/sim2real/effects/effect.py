@@ -56,6 +56,7 @@ class Effect(ABC):
     decided_by: ClassVar[str] = ""
     source: ClassVar[str] = ""
     fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
+    least_of_rest: ClassVar[float] = 0.0  # share of what is left that it must explain where it acts
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
@@ -119,6 +120,10 @@ class Effect(ABC):
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Whether it is too small for the recordings' sampling to tell."""
+        return False
+
+    def trifling(self, values: Mapping[str, float]) -> bool:
+        """Whether its figures are within what differentiation and rounding may take."""
         return False
 
     @abstractmethod

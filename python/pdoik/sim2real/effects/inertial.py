@@ -53,11 +53,9 @@ class LinkInertials(Effect):
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """Every link but the last, where it is a payload's."""
+        """Every link; on the last it may be lighter, where a payload cannot."""
         body = motions[0].body
-        if body is None:
-            return []
-        return [Place(link=link) for link in range(body.n) if link != body.last]
+        return [] if body is None else [Place(link=link) for link in range(body.n)]
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """One, with a model."""

@@ -84,6 +84,10 @@ class SensorGain(Effect):
         """The channel."""
         return "speed" if shape[0] == OF_SPEED else "position"
 
+    def trifling(self, values: Mapping[str, float]) -> bool:
+        """Less than half a percent."""
+        return abs(values["gain"] - 1.0) < 5e-3
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return f"A sensor of {where} reads {values['gain']:.3g} times what is true."

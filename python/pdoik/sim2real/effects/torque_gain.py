@@ -70,6 +70,10 @@ class TorqueGain(Effect):
         """Whether the report is wrong or the drive; "" where both are, or nobody can tell."""
         return {OF_BOTH: "", OF_REPORT: "report", OF_DRIVE: "drive"}[shape[0]]
 
+    def trifling(self, values: Mapping[str, float]) -> bool:
+        """Less than half a percent."""
+        return abs(values["gain"] - 1.0) < 5e-3
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return f"The torque of {where} reads {values['gain']:.3g} times what it is."

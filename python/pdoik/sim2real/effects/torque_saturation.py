@@ -27,6 +27,7 @@ class TorqueSaturation(Effect):
     decided_by = "one motion that asks for more torque than this, recorded beside its command"
     source = "drive data sheet"
     fixed = True
+    least_of_rest = 0.5
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

@@ -73,7 +73,7 @@ def _events(examination: Examination, listed: set[Name]) -> list[Hypothesis]:
             accepted=True,
         )
         for finding, terms in found
-        if (terms[0].effect, terms[0].place) not in listed
+        if terms and (terms[0].effect, terms[0].place) not in listed
     ]
 
 

@@ -77,7 +77,7 @@ def _card(finding: Finding) -> dict[str, object]:
         "width": round(100 * _within(evidence.validation_gain), 1),
         "parameters": [
             (name, estimate, *words.estimate_numbers(estimate), _bar(estimate))
-            for name, estimate in finding.parameters.items()
+            for name, estimate in words.parameters_of(finding).items()
         ],
         "window": _window(finding),
     }

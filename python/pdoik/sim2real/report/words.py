@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Finding, JointFit, Verdict
 
@@ -53,6 +54,8 @@ def effect_name(effect: str) -> str:
 
 def place(thing: Finding | Equivalent) -> str:
     """The link that has it, or else the joints."""
+    if thing.effect == "gravity_direction":
+        return "the base"
     return ", ".join(thing.links or thing.joints) or "the whole robot"
 
 
@@ -88,6 +91,32 @@ def estimate_numbers(estimate: Estimate) -> tuple[str, str, str]:
     decimals = max(1 - math.floor(math.log10(spread)), 0)
     middle, low, high = (f"{entry:.{decimals}f}".replace("-", MINUS) for entry in entries)
     return middle, low, high
+
+
+def parameters_of(finding: Finding) -> dict[str, Estimate]:
+    """As a reader wants them: of an unnamed torque, its values at the knots."""
+    if finding.effect != "unknown":
+        return finding.parameters
+    values = finding.values
+    names = [name for name in values if name.startswith("value_")]
+    low, high = values.get("lowest", 0.0), values.get("highest", 0.0)
+    shown: dict[str, Estimate] = {}
+    for k, name in enumerate(names):
+        said = _knot(int(values.get("variable", -1)), k, len(names), low, high)
+        shown[said] = replace(finding.parameters[name], unit="N m")
+    return shown
+
+
+def _knot(variable: int, k: int, count: int, low: float, high: float) -> str:
+    """What the k-th of an unnamed torque's values stands for; by the codes of its effect."""
+    if variable == 7:
+        return f"{'cosine' if k == 0 else 'sine'} at {number(low)} Hz"
+    part = ""
+    if variable == 4:
+        count //= 2
+        part = "direction, " if k < count else "speed, "
+        k %= count
+    return f"{part}at {number(low + (high - low) * k / max(count - 1, 1))}"
 
 
 def percent(share: float) -> str:

@@ -190,7 +190,8 @@ def _torque_offset(w: _Where) -> tuple[Part, ...]:
 def _delay(w: _Where) -> tuple[Part, ...]:
     if w.variant == "torque":
         return w.each(lambda j: DriveChange(joint=j, torque_delay=w["delay"]))
-    return w.each(lambda j: DriveChange(joint=j, delay=w["delay"]))
+    lag = w.get("time_constant")  # of a servo of which positions alone are known
+    return w.each(lambda j: DriveChange(joint=j, delay=w["delay"], command_lag=lag))
 
 
 def _lag(w: _Where) -> tuple[Part, ...]:
