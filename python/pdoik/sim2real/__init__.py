@@ -11,7 +11,8 @@ Needs the extra: pip install 'pdoik[sim2real]'. SI units and radians; joint arra
 order of the study's joints.
 """
 
-from .diagnose import Examination, conclude, diagnose, examine
+from .conclude import Examination, conclude
+from .diagnose import diagnose, examine
 from .effects import CATALOGUE
 from .evidence import evidence_of, files_of, model_of, write
 from .export import export_mjcf, export_urdf

@@ -145,7 +145,7 @@ def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
     before = b.residual["torque", j][rows]
     measured = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[rows]
     after = before - measured * (1.0 - 1.0 / factor)
-    share = 1.0 - float(np.mean(after**2) / max(np.mean(before**2), 1e-12))
+    share = 1.0 - float(np.mean(after**2)) / max(float(np.mean(before**2)), 1e-12)
     return Finding(
         effect="sensor_gain",
         joints=(name,),
@@ -162,8 +162,8 @@ def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
         },
         decided_by="the channel beside a second instrument, or the drive's manual",
         evidence=Evidence(
-            validation_gain=float(np.clip(share, 0.0, 1.0)),
-            interval95=(float(np.clip(share, 0.0, 1.0)),) * 2,
+            validation_gain=max(share, 0.0),
+            interval95=(max(share, 0.0), max(share, 0.0)),
             channels=("tau",),
         ),
     )

@@ -16,7 +16,7 @@ from ..simulation.description import read_description
 from ..simulation.plant import build_plant
 
 if TYPE_CHECKING:
-    from ..diagnose import Examination
+    from ..conclude import Examination
     from ..report.data import ReportData
 
 __all__ = ["evidence_of", "files_of", "model_of", "write"]

@@ -17,7 +17,7 @@ from ..validation import Prediction
 from .traces import shown_key
 
 if TYPE_CHECKING:
-    from ..diagnose import Examination
+    from ..conclude import Examination
 
 FACTORS = (0.5, 0.7, 1.4)  # of the chosen cut-off
 

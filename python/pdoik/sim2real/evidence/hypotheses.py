@@ -13,7 +13,7 @@ from ..report.words import effect_name
 from ..search import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
 
 if TYPE_CHECKING:
-    from ..diagnose import Examination
+    from ..conclude import Examination
 
 _DRAWS = 400
 

@@ -14,7 +14,7 @@ from ..report.data import Replay
 from ..split import part
 
 if TYPE_CHECKING:
-    from ..diagnose import Examination
+    from ..conclude import Examination
 
 MOST = 3
 LONGEST = 60.0  # of a recording [s]

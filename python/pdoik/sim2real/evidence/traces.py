@@ -17,7 +17,7 @@ from ..report.data import Traces
 from ..signals import zero_phase
 
 if TYPE_CHECKING:
-    from ..diagnose import Examination
+    from ..conclude import Examination
 
 Weighted = list[tuple[Term, FloatArray]]
 
@@ -50,9 +50,9 @@ def weighted_terms(fit: Fit) -> Weighted:
 
 def shown_key(balances: Balances, j: int) -> Key | None:
     """The balance that joint j is judged by."""
-    from ..diagnose import _preferred
+    from ..verdict import preferred
 
-    return next((key for key in _preferred(j) if key in balances.residual), None)
+    return next((key for key in preferred(j) if key in balances.residual), None)
 
 
 def units_of(examination: Examination) -> tuple[str, ...]:

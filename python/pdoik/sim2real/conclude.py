@@ -1,0 +1,147 @@
+"""From a finished search to the diagnosis: findings with intervals and evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .channels import ChannelCheck
+from .contact import contact_term
+from .effects import CATALOGUE, Key
+from .equivalents import equivalents_of
+from .estimate import estimates, event_estimates
+from .findings import Diagnosis, Evidence
+from .naming import Found, finding_of, merged
+from .prepare import Prepared
+from .regression import Fit, Term
+from .search import Search
+from .validation import Prediction
+from .verdict import joint_fits, notes_of, verdict_of
+
+LEAST_CONTACT = 0.01
+"""Share of the first residual within its window that a contact must explain."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Examination:
+    """A diagnosis with all it rests on."""
+
+    diagnosis: Diagnosis
+    prepared: Prepared
+    state: Search
+    terms: tuple[tuple[Term, ...], ...]  # behind each finding of the diagnosis
+    prediction: Prediction  # of the recordings that the diagnosis is judged by
+
+
+def conclude(
+    prepared: Prepared,
+    state: Search,
+    seed: int,
+    check: ChannelCheck | None = None,
+    vetoed: tuple[str, ...] = (),
+) -> Examination:
+    """Findings, joints and verdict of a search."""
+    study = prepared.study
+    held_out = prepared.validate or prepared.fit
+    prediction = Prediction(held_out)
+    motions = prepared.fit.motions
+    accepted = tuple(
+        term
+        for term in state.accepted
+        if not CATALOGUE[term.effect].negligible(motions, term.shape)
+    )
+    values = estimates(state.fit, accepted, seed)
+    found: list[Found] = []
+    for number, term in enumerate(accepted):
+        plain = {name: each.value for name, each in values[number].items()}
+        if CATALOGUE[term.effect].trifling(plain):
+            continue
+        channels = tuple(sorted({channel_of(prepared, key) for key in term.columns}))
+        evidence = prediction.evidence(state.fit, term, channels, seed)
+        if term in state.contacts:
+            evidence = within(state, term, channels)
+            others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+            values[number] = event_estimates(others.extended(term), term)
+        rivals = equivalents_of(state, term, study.joints, prepared.body)
+        finding = finding_of(prepared, term, values[number], rivals, evidence)
+        found.append((finding, (term,)))
+    if prepared.validate is not None:
+        found += held_out_contacts(prepared, state.fit, prediction)
+    if check is not None:
+        found += [(finding, ()) for finding in check.findings]
+    found = merged(found, study.joints)
+    found.sort(key=lambda each: -each[0].evidence.validation_gain)
+    joints = joint_fits(prepared, state.fit, prediction)
+    findings = tuple(finding for finding, _ in found)
+    diagnosis = Diagnosis(
+        verdict=verdict_of(findings, joints),
+        findings=findings,
+        joints=joints,
+        notes=(*notes_of(prepared, state, joints), *(check.notes if check else ()), *vetoed),
+    )
+    return Examination(
+        diagnosis=diagnosis,
+        prepared=prepared,
+        state=state,
+        terms=tuple(terms for _, terms in found),
+        prediction=prediction,
+    )
+
+
+def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
+    """Contacts in recordings that were held out; an event is found where it happened.
+
+    They are taken out of the residual of these recordings.
+    """
+    found: list[Found] = []
+    if prepared.validate is None:
+        return found
+    b = prepared.validate
+    left = prediction.residual(fit)
+    rest = Fit(b, ())
+    for key in rest.target:
+        rest.target[key] = left[key][rest.rows[key]] / b.sigma[key]
+    for _ in range(3):
+        term = contact_term(rest)
+        if term is None:
+            break
+        rest = rest.extended(term)
+        share = prediction.share(rest, term)
+        if share < LEAST_CONTACT:
+            break
+        prediction.events.append((term, rest.beta[-term.width :].copy()))
+        evidence = Evidence(
+            validation_gain=share,
+            interval95=(share, share),
+            channels=tuple(sorted({channel_of(prepared, key) for key in term.columns})),
+        )
+        values = event_estimates(rest, term)
+        found.append((finding_of(prepared, term, values, (), evidence), (term,)))
+    return found
+
+
+def within(state: Search, term: Term, channels: tuple[str, ...]) -> Evidence:
+    """Evidence of an event: it cannot repeat, so it is held against its own window."""
+    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    fit = others.extended(term)
+    gained = began = 0.0
+    for key, column in term.columns.items():
+        at = np.any(column[fit.rows[key]] != 0.0, axis=1)
+        gained += float(np.sum(others.residual(key)[at] ** 2 - fit.residual(key)[at] ** 2))
+        began += float(np.sum(state.start.residual(key)[at] ** 2))
+    share = float(np.clip(gained / max(began, 1e-12), 0.0, 1.0))
+    return Evidence(validation_gain=share, interval95=(share, share), channels=channels)
+
+
+def channel_of(prepared: Prepared, key: Key) -> str:
+    """The column a balance rests on."""
+    source = prepared.fit.motions[0].source
+    return {
+        "torque": "q_des" if source == "law" else source,
+        "drive": "tau_cmd",
+        "law": "q_des",
+        "velocity": "dq",
+        "tip": "tip",
+        "servo": "q_des",
+    }[key[0]]

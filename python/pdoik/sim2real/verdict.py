@@ -1,0 +1,122 @@
+"""How far each joint is explained, the verdict in one word, and what cannot be told."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .effects import Key
+from .findings import Finding, JointFit, Verdict
+from .prepare import Prepared
+from .recording import FloatArray
+from .regression import Fit
+from .search import Search
+from .validation import Prediction
+
+_NEAR_FLOOR = 1.6
+"""A residual within this factor of the noise floor counts as explained."""
+
+
+def joint_fits(prepared: Prepared, fit: Fit, prediction: Prediction) -> dict[str, JointFit]:
+    """Residual of each joint before and after, on held-out recordings."""
+    b = prediction.balances
+    left = prediction.residual(fit)
+    names = ", ".join(m.recording.name for m in b.motions)
+    result = {}
+    for j, name in enumerate(prepared.study.joints):
+        key = next((k for k in preferred(j) if k in b.residual), None)
+        if key is None:
+            result[name] = JointFit(
+                before=0.0, after=0.0, noise_floor=0.0, unit="N m", data=names, excited=False
+            )
+            continue
+        rows = b.mask[key]
+        excited = bool(prepared.fit.excited[j])
+        if not rows.any():
+            rows, excited = np.ones_like(rows), False
+        result[name] = JointFit(
+            before=_rms(b.residual[key][rows]),
+            after=_rms(left[key][rows]),
+            noise_floor=b.floor[key],
+            unit="rad" if key[0] == "servo" else "N m",
+            data=names,
+            excited=excited,
+        )
+    return result
+
+
+def preferred(j: int) -> tuple[Key, ...]:
+    """Balances that say how far joint j is explained, the first that there is."""
+    return (("torque", j), ("servo", j), ("drive", j), ("law", j), ("velocity", j))
+
+
+def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Verdict:
+    """The verdict in one word."""
+    judged = [each for each in joints.values() if each.excited]
+    if not judged:
+        return "cannot_tell"
+    near = all(
+        each.after <= _NEAR_FLOOR * max(each.noise_floor, 1e-12) or each.after <= 0.05 * each.before
+        for each in judged
+    )
+    named = [f for f in findings if f.effect != "unknown"]
+    if not findings and any(
+        not each.excited and each.before > 3.0 * each.noise_floor > 0.0 for each in joints.values()
+    ):
+        return "cannot_tell"
+    if not findings:
+        return "no_mismatch" if near or _small(judged) else "mismatch_unexplained"
+    if not named:
+        return "mismatch_unexplained"
+    return (
+        "mismatch_explained"
+        if near and len(named) == len(findings)
+        else ("mismatch_partly_explained")
+    )
+
+
+def _small(judged: list[JointFit]) -> bool:
+    """Whether no joint is far from its floor: a factor of two is no mismatch worth a name."""
+    return all(each.after <= 2.0 * each.noise_floor for each in judged)
+
+
+def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:
+    """What was assumed and what cannot be told, in words."""
+    study = prepared.study
+    notes = list(study.notes)
+    for recording in study.recordings:
+        notes += [f"{recording.name}: {note}" for note in recording.notes]
+    notes.append(f"Fit and held-out recordings were parted {study.split}.")
+    notes.append(
+        f"Both sides of every balance were filtered at {prepared.cutoff:.3g} Hz without delay;"
+        f" torque is {source_in_words(prepared)}."
+    )
+    if prepared.fit.motions[0].source == "":
+        notes.append(
+            "Without torques, or gains of the controller, friction, play, loads and inertias cannot"
+            " be told apart: only how positions follow their commands."
+        )
+    still = [name for name, each in joints.items() if not each.excited]
+    if still:
+        notes.append(f"{', '.join(still)}: moved too little to be judged.")
+    if state.nuisance:
+        notes.append(
+            f"The model's masses, centres and inertias were adjusted within"
+            f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
+        )
+    return tuple(dict.fromkeys(notes))
+
+
+def source_in_words(prepared: Prepared) -> str:
+    """Where the torque comes from."""
+    words = {
+        "tau": "as the drives report it",
+        "current": "in proportion to the drives' currents",
+        "tau_cmd": "as commanded (none was reported)",
+        "law": "by the controller's law (none was recorded)",
+        "": "not known: positions are held against their commands",
+    }
+    return words[prepared.fit.motions[0].source]
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
