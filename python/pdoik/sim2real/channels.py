@@ -63,32 +63,49 @@ def check_channels(prepared: Prepared) -> ChannelCheck:
 
 
 def _factors(b: Balances) -> dict[int, tuple[float, float]]:
-    """Joints whose torque is a wrong multiple of the model's, with factor and standard error."""
+    """Joints whose torque is a wrong multiple of what it should be, with factor and error.
+
+    Of the command or the controller's law where these are known; else of the model's, beside
+    friction and a payload, which may outweigh what a wrist carries by itself.
+    """
     result = {}
     for j in range(b.n):
         if ("torque", j) not in b.residual or not b.excited[j]:
             continue
-        columns, torque = [], []
-        for i, m in enumerate(b.motions):
-            assert m.torque is not None
-            fit = np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
-            columns.append(b.thin(i, fit))
-            torque.append(b.thin(i, m.torque[:, j]))
         keep = b.mask["torque", j]
-        A, y = np.concatenate(columns)[keep], np.concatenate(torque)[keep]
-        if len(y) < 30 or not np.any(A[:, 0]):
+        torque = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
+        by_command = all(m.has_command(j) or m.has_law(j) for m in b.motions)
+        columns = [_commanded(m, j) if by_command else _by_model(m, j) for m in b.motions]
+        A = np.concatenate([b.thin(i, column) for i, column in enumerate(columns)])[keep]
+        if len(torque) < 30 or not np.any(A[:, 0]):
             continue
-        beta = np.linalg.lstsq(A, y, rcond=None)[0]
-        part = A[:, 0] - A[:, 3] * A[:, 0].mean()
-        left = y - A[:, 1:] @ beta[1:]
-        correlation = float(np.corrcoef(part, left)[0, 1])
-        error = 3.0 * float(np.std(y - A @ beta) / max(np.sqrt(np.sum(part**2)), 1e-12))
+        scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-12
+        inverse = np.linalg.inv((A / scale).T @ (A / scale) + 1e-6 * len(A) * np.eye(len(scale)))
+        beta = inverse @ ((A / scale).T @ torque) / scale
+        left = torque - A @ beta
+        error = 3.0 * float(np.std(left) * np.sqrt(inverse[0, 0]) / scale[0])
+        part = A[:, 0] * beta[0]
+        explained = float(np.std(part) / max(np.std(part + left), 1e-12))
         outside = not _WITHIN[0] < beta[0] < _WITHIN[1]
-        # A torque far below the model's drowns in its noise: then its smallness is what is sure.
+        # A torque far below what it should be drowns in its noise: its smallness is what is sure.
         tiny = abs(beta[0]) < _TINY and error < 0.2 * _TINY
-        if outside and (abs(correlation) > _LEAST_CORRELATION or tiny):
+        clear = abs(beta[0] - 1.0) > 4.0 * error
+        if outside and clear and (explained > _LEAST_CORRELATION or tiny):
             result[j] = (float(beta[0]), error)
     return result
+
+
+def _commanded(m: Motion, j: int) -> FloatArray:
+    """The command or the law, and a constant; (T, 2)."""
+    asked = m.command[:, j] if m.has_command(j) and m.command is not None else m.law_of(j)
+    return np.stack([asked, np.ones(len(m.time))], axis=1)
+
+
+def _by_model(m: Motion, j: int) -> FloatArray:
+    """The model's torque, friction's columns, a constant and a payload's ten; (T, 14)."""
+    assert m.body is not None
+    own = np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+    return np.hstack([own, m.regressor()[:, j, m.body.last]])
 
 
 def _copies_model(b: Balances, body: RigidBody) -> bool:

@@ -12,7 +12,7 @@ from .effects import CATALOGUE, Key
 from .equivalents import equivalents_of
 from .estimate import estimates, event_estimates
 from .findings import Diagnosis, Evidence
-from .naming import Found, finding_of, merged
+from .naming import Found, described, finding_of, merged
 from .prepare import Prepared
 from .regression import Fit, Term
 from .search import Search
@@ -21,6 +21,21 @@ from .verdict import joint_fits, notes_of, verdict_of
 
 LEAST_CONTACT = 0.01
 """Share of the first residual within its window that a contact must explain."""
+
+_AMPLITUDE_FIRST = (
+    "viscous_friction",
+    "coulomb_friction",
+    "stribeck_friction",
+    "load_dependent_friction",
+    "presliding_hysteresis",
+    "friction_drift",
+    "rotor_inertia",
+    "torque_offset",
+    "torque_saturation",
+    "torque_ripple",
+    "position_dependent_spring",
+)
+"""Effects whose first parameter is their size: without it there is no finding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,10 +68,18 @@ def conclude(
     )
     values = estimates(state.fit, accepted, seed)
     found: list[Found] = []
+    unsure: list[str] = []
     for number, term in enumerate(accepted):
         plain = {name: each.value for name, each in values[number].items()}
         if CATALOGUE[term.effect].trifling(plain):
             continue
+        if term.effect in _AMPLITUDE_FIRST and term not in state.contacts:
+            first = next(iter(values[number].values()))
+            if abs(first.value) < 2.0 * first.std:
+                unsure.append(
+                    f"{described(prepared, term)}: suggested, but not larger than its error."
+                )
+                continue
         channels = tuple(sorted({channel_of(prepared, key) for key in term.columns}))
         evidence = prediction.evidence(state.fit, term, channels, seed)
         if term in state.contacts:
@@ -78,7 +101,12 @@ def conclude(
         verdict=verdict_of(findings, joints),
         findings=findings,
         joints=joints,
-        notes=(*notes_of(prepared, state, joints), *(check.notes if check else ()), *vetoed),
+        notes=(
+            *notes_of(prepared, state, joints),
+            *(check.notes if check else ()),
+            *vetoed,
+            *unsure,
+        ),
     )
     return Examination(
         diagnosis=diagnosis,

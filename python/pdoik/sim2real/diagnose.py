@@ -15,13 +15,16 @@ from .nuisance import trusted
 from .prepare import Prepared, prepare
 from .read_study import load_study
 from .regression import Fit
-from .search import Search, search
+from .search import Search, search, without
 from .study import Study
 from .unexplained import add_unknown
 from .validation import Prediction
 from .verdict import source_in_words
 
 Tell = Callable[[str, str, float], None]
+
+_VERY_CLEAR, _VERY_LARGE = 8.0, 3.0
+"""Wald statistic and size in sigmas of what held-out recordings cannot confirm."""
 
 
 def diagnose(
@@ -92,9 +95,10 @@ def forget_contacts(state: Search) -> None:
 
 
 def veto(prepared: Prepared, state: Search) -> tuple[str, ...]:
-    """Leave out what makes recordings worse that nothing was fitted to; says so in words.
+    """Leave out what recordings that nothing was fitted to do not confirm; says so in words.
 
-    Held-out recordings choose nothing, but what they contradict is not claimed.
+    Held-out recordings choose nothing, but what they do not bear out is not claimed. What never
+    acts in them (a limit that is not reached) must be very clear in the others.
     """
     if prepared.validate is None:
         return ()
@@ -104,11 +108,17 @@ def veto(prepared: Prepared, state: Search) -> tuple[str, ...]:
         if term in state.contacts:
             continue
         evidence = prediction.evidence(state.fit, term, (), 0)
-        if evidence.interval95[1] < 0.0:
-            state.fit = Fit(state.balances, [t for t in state.fit.terms if t is not term])
-            where = ", ".join(prepared.study.joints[j] for j in term.place.joints)
-            notes.append(
-                f"{term.effect} {where}: suggested by the fit recordings, contradicted by the"
-                " held-out ones, and left out."
-            )
+        low, high = evidence.interval95
+        if low > 0.0:
+            continue
+        if low == high == 0.0:
+            trial = without(state, term)
+            if trial.t >= _VERY_CLEAR and trial.size >= _VERY_LARGE:
+                continue
+        state.fit = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+        said = "contradicted" if high < 0.0 else "not confirmed"
+        notes.append(
+            f"{described(prepared, term)}: suggested by the fit recordings, {said} by the held-out"
+            " ones, and left out."
+        )
     return tuple(notes)

@@ -85,6 +85,11 @@ class Motion:
         """Whether a torque or a command of joint j was recorded beside the controller's law."""
         return self.law is not None and self.source not in ("law", "")
 
+    def law_of(self, j: int) -> FloatArray:
+        """The controller's law for joint j, (T,)."""
+        assert self.law is not None
+        return np.ascontiguousarray(self.law[:, j])
+
     def given(self, j: int) -> FloatArray:
         """What the controller gave joint j: the command, else the torque; (T,)."""
         recorded = self.recording.tau_cmd

@@ -69,9 +69,11 @@ def noise_density(values: FloatArray, period: float, above: float) -> FloatArray
     """
     nyquist = 0.5 / period
     length = min(256, len(values))
+    known = np.isfinite(values).all(axis=0)  # SciPy refuses the NaN columns of absent channels
     frequency, density = signal.welch(  # type: ignore[call-overload]  # its stubs do not know linear
-        values, fs=1.0 / period, nperseg=length, axis=0, detrend="linear"
+        np.where(known, values, 0.0), fs=1.0 / period, nperseg=length, axis=0, detrend="linear"
     )
+    density = np.where(known, density, np.nan)
     low = min(max(above, 0.5 * nyquist), 0.8 * nyquist)
     band = (frequency >= low) & (frequency <= 0.95 * nyquist)
     # The median of a chi-squared with 2 degrees of freedom per average is ln 2 of its mean; with

@@ -37,7 +37,7 @@ class JointCoupling(Effect):
             + motion.dtau_dv[:, :, k] * dq[:, None]
             + motion.mass_matrix[:, :, k] * ddq[:, None]
         )
-        change[:, j] += motion.tau[:, k]
+        change[:, j] += motion.tau_without_rotor()[:, k]  # rotor k turns with its own motor
         columns: dict[Key, FloatArray] = {
             ("torque", i): change[:, i, None] for i in range(motion.n)
         }
