@@ -19,12 +19,15 @@ def blocks(language: str) -> list[str]:
 
 
 def run_python_blocks(folder: Path) -> None:
+    pytest.importorskip("rosbags", reason="the extra sim2real is not installed")
+    example = [sys.executable, str(REPOSITORY / "bench/diagnose_example.py"), "arm_study"]
+    subprocess.run(example, cwd=folder, check=True, stdout=subprocess.DEVNULL)
     program = "\n".join(blocks("python"))
     subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=folder, check=True)
 
 
 def test_the_python_examples_run_one_after_the_other(tmp_path: Path) -> None:
-    assert len(blocks("python")) == 4
+    assert len(blocks("python")) == 5
     run_python_blocks(tmp_path)
 
 
@@ -43,7 +46,7 @@ def test_the_command_lines_run_and_solve(tmp_path: Path) -> None:
         line for block in blocks("bash") for line in block.splitlines() if line.startswith("pdoik ")
     ]
     assert {shlex.split(line)[1] for line in lines} == {
-        *("info", "solve", "occupancy", "bench", "view", "h1")
+        *("info", "solve", "occupancy", "bench", "view", "h1", "diagnose", "predict", "replay")
     }
     for line in lines:
         words = shlex.split(line, comments=True)[1:]

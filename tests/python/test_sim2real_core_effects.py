@@ -30,7 +30,7 @@ STEP = 1e-4
 def motion(tmp_path_factory: pytest.TempPathFactory) -> Motion:
     """Three joints, every channel."""
     folder = tmp_path_factory.mktemp("arm")
-    return moved(folder, 3, tip=True, controller=pd(3))
+    return moved(folder, 3, tip=True, controller=pd(3), seconds=10.0)
 
 
 def place_of(effect: str, motion: Motion, j: int = 1) -> Place:
@@ -564,6 +564,7 @@ def test_play_of_a_joint_shows_at_the_tip_as_the_lag_of_its_link(motion: Motion)
     load = torque(motion)[:, 1]
     inertia = float(np.median(motion.mass_matrix[:, 1, 1]))
     loaded = np.abs(load) > 0.5 * np.abs(load).max()
+    loaded[:50] = False  # it begins on the flank without leaning on it
     assert loaded.mean() > 0.3
     lean = np.sign(load) * 0.0055 + load / inertia / FLANK**2  # the flank gives a little
     assert lag[loaded] == pytest.approx(lean[loaded], abs=3e-4)
@@ -600,7 +601,7 @@ def test_an_unnamed_torque_is_a_function_of_its_variable_alone(motion: Motion, n
         "other position": motion.q[:, i],
         "other speed": motion.dq[:, i] - 0.2,
     }[name]
-    inside = (motion.time > 0.2) & (motion.time < 13.8)
+    inside = (motion.time > 0.2) & (motion.time < 9.8)
     beta = np.linalg.lstsq(columns["torque", j][inside], truth[inside], rcond=None)[0]
     left = columns["torque", j][inside] @ beta - truth[inside]
     assert np.std(left) < 0.05 * np.std(truth)

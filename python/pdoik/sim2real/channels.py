@@ -44,7 +44,9 @@ def check_channels(prepared: Prepared) -> ChannelCheck:
     findings = list(_noisy(study))
     notes: list[str] = []
     body = prepared.body
-    if body is not None and study.fit[0].tau is not None:
+    if body is not None and prepared.fit.motions[0].source == "current":
+        study, notes = _torque_of_current(prepared)
+    elif body is not None and study.fit[0].tau is not None:
         if _copies_model(prepared.fit, body):
             notes.append(
                 "tau is no measurement: it is the model's own torque for the commanded motion, and"
@@ -60,6 +62,41 @@ def check_channels(prepared: Prepared) -> ChannelCheck:
                 )
             study = _scaled(study, {j: factor for j, (factor, _) in factors.items()})
     return ChannelCheck(study=study, findings=tuple(findings), notes=tuple(notes))
+
+
+def _torque_of_current(prepared: Prepared) -> tuple[Study, list[str]]:
+    """Currents turned into torques by the constants that fit the model best, beside friction."""
+    study, b = prepared.study, prepared.fit
+    constants = np.full(b.n, np.nan)
+    for j in range(b.n):
+        if ("torque", j) not in b.residual or not b.excited[j]:
+            continue
+        keep = b.mask["torque", j]
+        current = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
+        own = [
+            np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+            for m in b.motions
+        ]
+        A = np.concatenate([b.thin(i, column) for i, column in enumerate(own)])[keep]
+        if len(current) >= 30 and np.any(A[:, 0]):
+            slope = float(np.linalg.lstsq(A, current, rcond=None)[0][0])
+            constants[j] = 1.0 / slope if slope else np.nan
+
+    def turned(recording: Recording) -> Recording:
+        assert recording.current is not None
+        return replace(recording, tau=recording.current * constants)
+
+    known = [
+        f"{name} {constant:.4g}"
+        for name, constant in zip(study.joints, constants, strict=True)
+        if np.isfinite(constant)
+    ]
+    note = (
+        "Torques are currents times constants that were fitted to the model [N m/A]: "
+        f"{', '.join(known)}. Masses and torque gains can then not be told apart."
+    )
+    changed = replace(study, recordings=tuple(turned(r) for r in study.recordings))
+    return changed, [note]
 
 
 def _factors(b: Balances) -> dict[int, tuple[float, float]]:

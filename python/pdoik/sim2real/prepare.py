@@ -55,6 +55,16 @@ def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = 
     )
 
 
+def simulated(prepared: Prepared) -> Balances | None:
+    """Balances of what the user's own simulator gave; None without any."""
+    study = prepared.study
+    if not study.simulation or prepared.body is None:
+        return None
+    thin = [thinned(r) for r in study.simulation]
+    noise = np.zeros(len(study.joints))
+    return Balances(_motions(study, thin, prepared.body, prepared.cutoff, noise))
+
+
 def _motions(
     study: Study,
     recordings: list[Recording],
@@ -63,7 +73,7 @@ def _motions(
     noise: FloatArray,
 ) -> list[Motion]:
     begins: dict[str, float] = {}
-    for each in study.recordings:
+    for each in (*study.recordings, *recordings):
         name = _file(each)
         begins[name] = min(begins.get(name, np.inf), each.start)
     return [

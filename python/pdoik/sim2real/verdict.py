@@ -6,12 +6,13 @@ import numpy as np
 
 from .effects import Key
 from .findings import Finding, JointFit, Verdict
-from .prepare import Prepared
+from .prepare import Prepared, simulated
 from .recording import FloatArray
 from .regression import Fit
 from .search import Search
 from .validation import Prediction
 
+_OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics
 _NEAR_FLOOR = 1.6
 """A residual within this factor of the noise floor counts as explained."""
 
@@ -95,6 +96,7 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
             "Without torques, or gains of the controller, friction, play, loads and inertias cannot"
             " be told apart: only how positions follow their commands."
         )
+    notes += simulation_notes(prepared)
     still = [name for name, each in joints.items() if not each.excited]
     if still:
         notes.append(f"{', '.join(still)}: moved too little to be judged.")
@@ -104,6 +106,26 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
             f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
         )
     return tuple(dict.fromkeys(notes))
+
+
+def simulation_notes(prepared: Prepared) -> list[str]:
+    """Whether the user's own simulation is of the model that was given."""
+    b = simulated(prepared)
+    if b is None:
+        return []
+    apart = []
+    for j, name in enumerate(prepared.study.joints):
+        key: Key = ("torque", j)
+        if key in b.residual and b.mask[key].any():
+            left, size = b.rms(key), _rms(np.concatenate([m.tau[:, j] for m in b.motions]))
+            if left > _OF_THE_MODEL * size and left > 0.2 * prepared.fit.rms(key):
+                apart.append(f"{name} by {left:.3g} N m")
+    if not apart:
+        return ["The given simulation obeys the given model: what differs is the machine."]
+    return [
+        "The given simulation is not of the given model: its torques differ from inverse dynamics"
+        f" at {', '.join(apart)} (its own friction, gains, masses or another description)."
+    ]
 
 
 def source_in_words(prepared: Prepared) -> str:

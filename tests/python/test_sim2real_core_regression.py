@@ -1,0 +1,296 @@
+"""Least squares over all balances against NumPy and SciPy, and what its intervals are worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+
+from pdoik.sim2real.balances import Balances
+from pdoik.sim2real.effects import CATALOGUE, Place
+from pdoik.sim2real.estimate import estimates
+from pdoik.sim2real.regression import Fit, Term, term_of
+from pdoik.sim2real.search import refined
+from sim2real_motions import CUTOFF, moved
+
+KEYS = (("torque", 0), ("torque", 1), ("drive", 1))
+COUNT = 600
+
+
+@dataclass
+class Rows:
+    """Balances of made-up numbers: what a fit asks of them."""
+
+    residual: dict[Any, np.ndarray]
+    mask: dict[Any, np.ndarray]
+    sigma: dict[Any, float]
+    fold: np.ndarray
+    block: np.ndarray
+
+    @property
+    def keys(self) -> tuple[Any, ...]:
+        return tuple(self.residual)
+
+    @property
+    def count(self) -> int:
+        return len(self.fold)
+
+
+def rows(seed: int) -> Rows:
+    rng = np.random.default_rng(seed)
+    place = np.arange(COUNT)
+    return Rows(
+        residual={key: rng.standard_normal(COUNT) for key in KEYS},
+        mask={key: rng.random(COUNT) < 0.8 for key in KEYS},
+        sigma=dict(zip(KEYS, (0.3, 1.7, 0.05), strict=True)),
+        fold=place * 4 // COUNT,
+        block=place // 20,
+    )
+
+
+def term(seed: int, effect: str, width: int, keys: Any = KEYS, prior: float = 0.0) -> Term:
+    rng = np.random.default_rng(1000 + seed)
+    scale = 10.0 ** rng.uniform(-4, 4, width)  # N m per rad/s beside N m per kg m^2
+    return Term(
+        effect=effect,
+        place=Place(joints=(seed,)),
+        shape=(),
+        columns={key: scale * rng.standard_normal((COUNT, width)) for key in keys},
+        prior=prior * rng.random(width) * scale**2,
+    )
+
+
+def terms() -> list[Term]:
+    return [
+        term(0, "free", 2),
+        term(1, "actuator_lag", 1, KEYS[2:]),  # its coefficient is one
+        term(2, "payload", 10, KEYS[:2], prior=30.0),
+        term(3, "viscous_friction", 1, KEYS[:1]),
+    ]
+
+
+def stacked(b: Rows, among: list[Term], use: Any = None) -> tuple[np.ndarray, np.ndarray]:
+    """Design and target of all rows that count, in sigmas, and the prior's rows below."""
+    design, target = [], []
+    free = [t for t in among if not t.fixed]
+    for key in b.keys:
+        at = b.mask[key] & (True if use is None else use)
+        each = [
+            t.columns.get(key, np.zeros((COUNT, t.width)))[at] / b.sigma[key] for t in free
+        ]
+        known = sum(t.columns[key][:, 0] for t in among if t.fixed and key in t.columns)
+        design.append(np.hstack(each))
+        target.append((b.residual[key] - known)[at] / b.sigma[key])
+    prior = np.concatenate([t.prior for t in free])
+    design.append(np.diag(np.sqrt(prior)))
+    target.append(np.zeros(len(prior)))
+    return np.vstack(design), np.concatenate(target)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_coefficients_are_those_of_numpys_least_squares(seed: int) -> None:
+    b = rows(seed)
+    fit = Fit(b, terms())
+    A, y = stacked(b, terms())
+    expected, *_ = np.linalg.lstsq(A / np.linalg.norm(A, axis=0), y, rcond=None)
+    expected /= np.linalg.norm(A, axis=0)
+    assert fit.beta == pytest.approx(expected, rel=1e-6)
+    assert fit.cost() == pytest.approx(float(np.sum((y - A @ expected) ** 2)), rel=1e-9)
+    left = np.concatenate([fit.residual(key) for key in KEYS])
+    assert left == pytest.approx((y - A @ expected)[: len(left)], abs=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_bounded_coefficients_are_those_of_scipys_bounded_least_squares(seed: int) -> None:
+    b = rows(seed)
+    # More friction is wanted than none: the other way round for odd seeds.
+    rubs = term(3, "viscous_friction", 1, KEYS[:1])
+    sign = 1.0 if seed % 2 else -1.0
+    b.residual["torque", 0] += sign * 0.5 * rubs.columns["torque", 0][:, 0] / np.std(
+        rubs.columns["torque", 0]
+    )
+    among = [term(0, "free", 2), rubs, term(2, "payload", 10, KEYS[:2], prior=30.0)]
+    fit = Fit(b, among)
+    A, y = stacked(b, among)
+    scale = np.linalg.norm(A, axis=0)
+    low, high = np.full(13, -np.inf), np.full(13, np.inf)
+    low[2] = low[3] = 0.0  # of viscous friction, and a payload's mass
+    expected = optimize.lsq_linear(A / scale, y, (low * 1.0, high), tol=1e-14).x / scale
+    found = fit.bounded()
+    assert (found >= low).all()
+    assert found * scale == pytest.approx(expected * scale, abs=1e-5)
+    assert (found[2] == pytest.approx(0.0, abs=1e-9 / scale[2])) == (sign < 0)
+    if (fit.beta >= low).all():
+        assert found == pytest.approx(fit.beta)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 2, 1, 0), (1, 3, 0, 2)])
+def test_an_extended_fit_is_a_fresh_one(order: tuple[int, ...]) -> None:
+    b, among = rows(7), terms()
+    grown = Fit(b, [])
+    for i in order:
+        grown = grown.extended(among[i])
+    fresh = Fit(b, [among[i] for i in order])
+    at_once = Fit(b, [among[order[0]]]).extended(*(among[i] for i in order[1:]))
+    for other in (grown, at_once):
+        assert other.terms == fresh.terms
+        assert other.beta == pytest.approx(fresh.beta, rel=1e-7)
+        assert other.cost() == pytest.approx(fresh.cost(), rel=1e-10)
+        for one, two in zip(other.fold_betas(), fresh.fold_betas(), strict=True):
+            assert one == pytest.approx(two, rel=1e-7)
+        for key in KEYS:
+            assert other.residual(key) == pytest.approx(fresh.residual(key), abs=1e-8)
+    assert np.array_equal(grown.offsets, fresh.offsets)
+
+
+def test_held_out_rows_are_predicted_by_a_fit_without_their_fold() -> None:
+    b, among = rows(8), terms()
+    fit = Fit(b, among)
+    held = fit.held_out()
+    for f in range(4):
+        A, y = stacked(b, among, b.fold != f)
+        scale = np.linalg.norm(A, axis=0)
+        beta = np.linalg.lstsq(A / scale, y, rcond=None)[0] / scale
+        A, y = stacked(b, among, b.fold == f)
+        size = len(beta)
+        expected = (y - A @ beta)[:-size]
+        at = [b.fold[b.mask[key]] == f for key in KEYS]
+        found = np.concatenate([held[key][i] for key, i in zip(KEYS, at, strict=True)])
+        assert found == pytest.approx(expected, abs=1e-6)
+    training = sum(float(np.sum(fit.residual(key) ** 2)) for key in KEYS)
+    assert sum(float(np.sum(left**2)) for left in held.values()) > training
+
+
+def test_squares_by_block_add_up_to_the_whole() -> None:
+    b = rows(9)
+    fit = Fit(b, terms())
+    squares = {key: fit.residual(key) ** 2 for key in KEYS}
+    by_block = fit.by_block(squares)
+    assert by_block.shape == (30,)
+    assert by_block.sum() == pytest.approx(sum(float(s.sum()) for s in squares.values()))
+    first = sum(float(squares[key][b.block[b.mask[key]] == 3].sum()) for key in KEYS)
+    assert by_block[3] == pytest.approx(first)
+
+
+def test_a_fit_of_nothing_leaves_everything() -> None:
+    b = rows(10)
+    fit = Fit(b, [])
+    assert fit.beta.shape == fit.bounded().shape == (0,)
+    for key in KEYS:
+        assert fit.residual(key) == pytest.approx(b.residual[key][b.mask[key]] / b.sigma[key])
+
+
+def test_columns_that_say_the_same_share_what_they_explain() -> None:
+    b = rows(11)
+    one = term(4, "free", 1)
+    fit = Fit(b, [one, replace(one, place=Place(joints=(5,)))])
+    alone = Fit(b, [one])
+    assert fit.beta.sum() == pytest.approx(alone.beta[0], rel=1e-4)
+    assert np.abs(fit.beta).max() < 1e3 * np.abs(alone.beta[0])
+    assert fit.cost() == pytest.approx(alone.cost(), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_on_white_noise_the_bootstrap_and_the_clusters_have_the_analytic_spread(
+    seed: int,
+) -> None:
+    rng = np.random.default_rng(seed)
+    b = rows(seed)
+    for key in KEYS:
+        b.residual[key] = b.sigma[key] * rng.standard_normal(COUNT)
+    among = [term(0, "free", 2), term(6, "free", 1)]
+    fit = Fit(b, among)
+    A, _ = stacked(b, among)
+    analytic = np.sqrt(np.diag(np.linalg.inv(A[:-3].T @ A[:-3])))
+    draws = fit.bootstrap(np.random.default_rng(0), 400)
+    assert draws.shape == (400, 3)
+    assert draws.std(axis=0) == pytest.approx(analytic, rel=0.45)  # thirty blocks
+    assert draws.mean(axis=0) == pytest.approx(fit.beta, abs=0.3 * analytic.max())
+
+
+def test_the_bootstrap_widens_where_neighbouring_rows_err_alike() -> None:
+    b = rows(12)
+    # Columns and errors that last as long as a block: a tenth of the rows' worth of news.
+    rng = np.random.default_rng(3)
+    slow = np.repeat(rng.standard_normal(60), 10)
+    one = Term(
+        effect="free",
+        place=Place(),
+        shape=(),
+        columns={("torque", 0): slow[:, None]},
+        prior=np.zeros(1),
+    )
+    b.residual["torque", 0] = 0.3 * np.repeat(rng.standard_normal(60), 10)
+    b.residual["torque", 1][:] = b.residual["drive", 1][:] = 0.0
+    fit = Fit(b, [one])
+    plain = 1.0 / np.sqrt(fit.gram[0, 0])
+    spread = fit.bootstrap(np.random.default_rng(0), 400).std()
+    assert 2.0 * plain < spread < 5.0 * plain  # sqrt(10)
+
+
+# Intervals of effects on a real arm's balances
+
+TRUE = {"coefficient": 0.7, "offset": -0.4, "stiffness": 2.0, "onset": 0.5}
+NOISE = 0.6  # of each sample's torque [N m]
+DRAWS = 60
+
+
+def repeated(folder: Path, colour: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values, half widths and whether the truth is inside, (draws, parameters)."""
+    motion = moved(folder, 2, seconds=30.0, tau_cmd=None, q_des=None, dq_des=None)
+    assert motion.torque is not None
+    joint = Place(joints=(1,))
+    parts = (
+        (CATALOGUE["viscous_friction"], (), ("coefficient",)),
+        (CATALOGUE["torque_offset"], (0.0,), ("offset",)),
+        (CATALOGUE["position_dependent_spring"], (1.0, 0.5), ("stiffness", "onset")),
+    )
+    truth = motion.tau.copy()
+    truth[:, 1] += TRUE["coefficient"] * motion.dq[:, 1] + TRUE["offset"]
+    truth[:, 1] += TRUE["stiffness"] * np.maximum(motion.q[:, 1] - TRUE["onset"], 0.0)
+    values, halves, inside = [], [], []
+    for draw in range(DRAWS):
+        rng = np.random.default_rng(draw)
+        noise = rng.standard_normal(truth.shape)
+        if colour:  # first-order, forgotten within a block
+            for t in range(1, len(noise)):
+                noise[t] = colour * noise[t - 1] + np.sqrt(1 - colour**2) * noise[t]
+        b = Balances([replace(motion, torque=truth + NOISE * noise, cache={})])
+        fit = Fit(b, [])
+        for effect, shape, _ in parts:
+            each = term_of(b, effect, joint, shape)
+            assert each is not None
+            fit = fit.extended(each)
+        spring = fit.terms[-1]
+        spring = refined(Fit(b, fit.terms[:-1]), spring)
+        fit = Fit(b, [*fit.terms[:-1], spring])
+        found = estimates(fit, fit.terms, draw)
+        row = [found[i][name] for i, (_, _, names) in enumerate(parts) for name in names]
+        values.append([e.value for e in row])
+        halves.append([0.5 * (e.interval95[1] - e.interval95[0]) for e in row])
+        inside.append([e.interval95[0] <= TRUE[n] <= e.interval95[1] for n, e in zip(TRUE, row, strict=True)])  # noqa: E501
+    return np.array(values), np.array(halves), np.array(inside)
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.95])
+def test_intervals_hold_the_truth_about_as_often_as_they_say(
+    tmp_path: Path, colour: float
+) -> None:
+    values, halves, inside = repeated(tmp_path, colour)
+    assert inside.mean(axis=0) == pytest.approx(0.925, abs=0.0751)  # 85 to 100 % of sixty
+    assert 0.88 < inside.mean() < 0.995
+    spread = values.std(axis=0)
+    # Neither a lucky centre nor a useless width.
+    assert np.abs(values.mean(axis=0) - list(TRUE.values())) == pytest.approx(
+        0.0, abs=3.5 * spread.max() / np.sqrt(DRAWS)
+    )
+    ratio = np.median(halves, axis=0) / (1.96 * spread)
+    assert (ratio > 0.75).all()
+    assert (ratio < 1.6).all()
+    assert CUTOFF == 10.0
