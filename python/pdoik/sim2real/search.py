@@ -310,6 +310,9 @@ def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
     acting: dict[Key, NDArray[np.bool_]] = {}
     for key, column in term.columns.items():
         part = column[fit.rows[key]]
+        if not len(part):  # a joint at rest throughout
+            acting[key] = np.zeros(0, dtype=np.bool_)
+            continue
         scale = np.sqrt(np.mean(part**2, axis=0)) + 1e-300
         energy = np.sum((part / scale) ** 2, axis=1)
         acting[key] = energy > 0.05 * energy.mean()
