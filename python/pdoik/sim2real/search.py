@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -21,8 +22,10 @@ _HOPELESS = 60  # candidates of no significance after which a round gives up
 _LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
 LEAST_T = 3.5  # held-out gain over its standard error, by blocks
 _LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
-_LEAST_SHARE = 0.004  # of the mean square residual that the effect's channels began with
+_LEAST_SHARE = 0.002  # of the mean square residual that the effect's channels began with
 _LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
+_SHARP = 0.4  # of a hump's speed, within which dry friction must turn for the hump to count
+_LEAST_RELIEF = 12.0  # of the prior's penalty: a log evidence of six that figures are beyond trust
 _TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
 _TIE = 0.03  # or the share of the gain, where blocks differ as much
 _MOST = 40  # terms
@@ -72,7 +75,9 @@ class Search:
     fit: Fit
     start: Fit
     contacts: tuple[Term, ...] = ()
-    dropped: set[tuple[str, Place]] = field(default_factory=set)  # accepted once, needless later
+    dropped: Counter[tuple[str, Place]] = field(
+        default_factory=Counter
+    )  # how often, needless later
     tried: list[Trial] = field(default_factory=list)
     level: dict[int, list[Trial]] = field(default_factory=dict)  # by id of the accepted term
 
@@ -126,6 +131,7 @@ def search(
         term = refined(state.fit, best.term)
         state.fit = state.fit.extended(term)
         tell(term, min(0.9, 0.1 * len(state.accepted)))
+        polish(state, {*term.place.joints})
         _drop(state)
     polish(state)
     return state
@@ -140,8 +146,9 @@ def _restless(balances: Balances, j: int) -> bool:
 def _round(state: Search, pool: list[Term]) -> Trial | None:
     """The best significant candidate, the simplest where data cannot tell; None if none is."""
     taken = {(t.effect, t.place) for t in state.accepted}
-    gone = taken | state.dropped
+    gone = taken | {name for name, times in state.dropped.items() if times > 1}
     fresh = [t for t in pool if (t.effect, t.place) not in gone and has_company(t, taken)]
+    fresh = [t for t in fresh if not blurred(t, state.accepted)]
     fresh += [t for t in ripple_terms(state.fit) if (t.effect, t.place) not in gone]
     screened = screen(state.fit, fresh)
     held = held_out_squares(state.fit)
@@ -192,6 +199,16 @@ def has_company(term: Term, taken: set[tuple[str, Place]]) -> bool:
     if any((effect, term.place) in taken for effect in CATALOGUE[term.effect].instead):
         return False
     return not beside or any((effect, term.place) in taken for effect in beside)
+
+
+def blurred(term: Term, others: tuple[Term, ...]) -> bool:
+    """Whether a Stribeck hump is only the edge of dry friction that is smooth about rest."""
+    return term.effect == "stribeck_friction" and any(
+        t.effect == "coulomb_friction"
+        and t.place == term.place
+        and t.shape[0] > _SHARP * term.shape[0]
+        for t in others
+    )
 
 
 def level(best: Trial, other: Trial) -> bool:
@@ -281,7 +298,7 @@ def cross_validated(
     if term.fixed and not _FIXED_WITHIN[0] < coefficient < _FIXED_WITHIN[1]:
         t = 0.0  # the data want another multiple of it: it is something else
     gain = float(blocks.sum())
-    if relief > 30.0 and gain > -0.2 * relief:  # the prior asks for it
+    if relief > _LEAST_RELIEF and gain > -0.2 * relief:  # the prior asks for it
         gain, t = gain + relief, max(t, LEAST_T)
     began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
     rest = sum(float(np.sum(held[key][acting[key]])) for key in term.columns)
@@ -378,12 +395,15 @@ def _drop(state: Search) -> None:
         for term in state.accepted[:-1]:
             if term in state.contacts:
                 continue
+            if blurred(term, state.accepted):
+                worst, weakest = term, -np.inf
+                continue
             trial = without(state, term)
             if not trial.needed and trial.t < weakest:
                 worst, weakest = term, trial.t
         if worst is None:
             return
-        state.dropped.add((worst.effect, worst.place))  # or it would come and go for ever
+        state.dropped[worst.effect, worst.place] += 1  # twice, and it would come and go for ever
         kept = [t for t in state.fit.terms if t is not worst]
         state.fit = Fit(state.balances, kept)
 
@@ -394,10 +414,15 @@ def without(state: Search, term: Term) -> Trial:
     return cross_validated(state, term, held_out_squares(others), others)
 
 
-def polish(state: Search) -> None:
-    """Move every nonlinear parameter once more with all terms there."""
+def polish(state: Search, joints: set[int] | None = None) -> None:
+    """Move nonlinear parameters once more with all terms there; of these joints, or of all.
+
+    A shape found before its neighbours were there may have stood in for them.
+    """
     for term in state.accepted:
         if not CATALOGUE[term.effect].shape_bounds(term.shape):
+            continue
+        if joints is not None and joints.isdisjoint(term.place.joints):
             continue
         others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
         better = refined(others, term)

@@ -54,10 +54,11 @@ def shifted(values: FloatArray, delay: float, period: float) -> FloatArray:
 
 
 def lagged(values: FloatArray, time_constant: float, period: float) -> FloatArray:
-    """First-order lag along axis 0, at rest at the first value."""
+    """First-order lag along axis 0, at rest at the first value; exact between samples in line."""
     a = np.exp(-period / time_constant)
-    state = (values[:1] * a).astype(np.float64)
-    filtered, _ = signal.lfilter([1.0 - a], [1.0, -a], values, axis=0, zi=state)
+    before = (1.0 - a) * time_constant / period - a  # weight of the last sample
+    state = (values[:1] * (before + a)).astype(np.float64)
+    filtered, _ = signal.lfilter([1.0 - a - before, before], [1.0, -a], values, axis=0, zi=state)
     return np.asarray(filtered, dtype=np.float64)
 
 

@@ -26,6 +26,10 @@ class CoulombFriction(Effect):
         """Speeds within which the sign turns [rad/s]."""
         return [(0.0,), (0.02,), (0.06,), (0.15,)]
 
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """From a step to what is nearly viscous."""
+        return [(0.0, 0.3)]
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The direction of motion."""
         (j,) = place.joints

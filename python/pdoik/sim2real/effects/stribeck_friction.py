@@ -28,7 +28,7 @@ class StribeckFriction(Effect):
         """Speeds at which the extra friction fades, within what the recordings contain."""
         (j,) = place.joints
         fastest = max(float(np.quantile(np.abs(m.dq[:, j]), 0.98)) for m in motions)
-        slowest = 8.0 * max(float(m.speed_floor[j]) for m in motions)
+        slowest = 5.0 * max(float(m.speed_floor[j]) for m in motions)
         grid = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6)
         return [(v,) for v in grid if slowest < v < 0.5 * fastest]
 
