@@ -228,12 +228,12 @@ def times_table(seed: int) -> str:
         seconds, memory, findings = np.median(runs, axis=0)
         figures = [f"{seconds:.1f}", f"{1e6 * seconds / samples:.0f}", f"{memory:.2f}"]
         rows.append([f"3 x {factor * LONG:g} s", samples, *figures, int(findings)])
-    header = ["recordings", "samples", "median seconds", "us per sample", "peak memory [GB]"]
+    header = ["recordings", "samples", "median seconds", "us per sample", "peak memory [GiB]"]
     return markdown_table([*header, "findings"], rows)
 
 
 def alone(study: Path) -> tuple[float, float, int]:
-    """Seconds, gigabytes and findings of one diagnosis in a process of its own."""
+    """Seconds, GiB and findings of one diagnosis in a process of its own."""
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=context) as pool:
         return pool.submit(timed, study).result()

@@ -28,7 +28,8 @@ def write_arm(folder: Path, n: int) -> Path:
         <joint name="j{k}" type="revolute"><parent link="{parent}"/><child link="l{k}"/>
           <origin xyz="{origin}" rpy="{0.2 * k} {-0.1 * k} 0.3"/><axis xyz="{AXES[k - 1]}"/>
           <limit lower="-3" upper="3" effort="90" velocity="3"/></joint>
-        <link name="l{k}"><inertial><origin xyz="0.15 {0.04 * k} 0.06"/><mass value="{2.5 - k / 2}"/>
+        <link name="l{k}"><inertial><origin xyz="0.15 {0.04 * k} 0.06"/>
+          <mass value="{2.5 - k / 2}"/>
           <inertia ixx="0.02" iyy="0.03" izz="0.025" ixy="0.002" ixz="-0.001" iyz="0.003"/>
         </inertial></link>"""
     text += f"""<link name="tool"/><joint name="flange" type="fixed"><parent link="l{n}"/>

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-mujoco = pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
+pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+
+import mujoco
 
 import pdoik
 from pdoik.sim2real.rigid_body import RigidBody
@@ -284,5 +287,5 @@ def test_places_along_the_chain_follow_the_robot_not_the_studys_order() -> None:
     assert joints[body.last] == "wrist_3_joint"
     assert body.links[body.last] == "wrist_3_link"
     pairs = {(joints[a], joints[b]) for a, b in body.neighbours()}
-    expected = {(f"{a}_joint", f"{b}_joint") for a, b in zip(chain, chain[1:], strict=False)}
+    expected = {(f"{a}_joint", f"{b}_joint") for a, b in pairwise(chain)}
     assert pairs == expected | {(b, a) for a, b in expected}

@@ -81,9 +81,7 @@ def stacked(b: Rows, among: list[Term], use: Any = None) -> tuple[np.ndarray, np
     free = [t for t in among if not t.fixed]
     for key in b.keys:
         at = b.mask[key] & (True if use is None else use)
-        each = [
-            t.columns.get(key, np.zeros((COUNT, t.width)))[at] / b.sigma[key] for t in free
-        ]
+        each = [t.columns.get(key, np.zeros((COUNT, t.width)))[at] / b.sigma[key] for t in free]
         known = sum(t.columns[key][:, 0] for t in among if t.fixed and key in t.columns)
         design.append(np.hstack(each))
         target.append((b.residual[key] - known)[at] / b.sigma[key])
@@ -112,8 +110,8 @@ def test_bounded_coefficients_are_those_of_scipys_bounded_least_squares(seed: in
     # More friction is wanted than none: the other way round for odd seeds.
     rubs = term(3, "viscous_friction", 1, KEYS[:1])
     sign = 1.0 if seed % 2 else -1.0
-    b.residual["torque", 0] += sign * 0.5 * rubs.columns["torque", 0][:, 0] / np.std(
-        rubs.columns["torque", 0]
+    b.residual["torque", 0] += (
+        sign * 0.5 * rubs.columns["torque", 0][:, 0] / np.std(rubs.columns["torque", 0])
     )
     among = [term(0, "free", 2), rubs, term(2, "payload", 10, KEYS[:2], prior=30.0)]
     fit = Fit(b, among)
@@ -274,14 +272,14 @@ def repeated(folder: Path, colour: float) -> tuple[np.ndarray, np.ndarray, np.nd
         row = [found[i][name] for i, (_, _, names) in enumerate(parts) for name in names]
         values.append([e.value for e in row])
         halves.append([0.5 * (e.interval95[1] - e.interval95[0]) for e in row])
-        inside.append([e.interval95[0] <= TRUE[n] <= e.interval95[1] for n, e in zip(TRUE, row, strict=True)])  # noqa: E501
+        inside.append(
+            [e.interval95[0] <= TRUE[n] <= e.interval95[1] for n, e in zip(TRUE, row, strict=True)]
+        )
     return np.array(values), np.array(halves), np.array(inside)
 
 
 @pytest.mark.parametrize("colour", [0.0, 0.95])
-def test_intervals_hold_the_truth_about_as_often_as_they_say(
-    tmp_path: Path, colour: float
-) -> None:
+def test_intervals_hold_the_truth_about_as_often_as_they_say(tmp_path: Path, colour: float) -> None:
     values, halves, inside = repeated(tmp_path, colour)
     assert inside.mean(axis=0) == pytest.approx(0.925, abs=0.0751)  # 85 to 100 % of sixty
     assert 0.88 < inside.mean() < 0.995

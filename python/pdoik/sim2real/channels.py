@@ -19,7 +19,7 @@ _WITHIN = (0.4, 2.5)  # a torque's factor outside these is no drive's gain but a
 _LEAST_CORRELATION = 0.7
 _TINY = 0.15
 _SLOW = 2e-3  # [rad/s]
-_NOISIER = 3.0  # than the noisiest other joint's
+_NOISIER = 2.5  # than the noisiest other joint's
 _NOISIER_THAN_USUAL = 4.0
 _COPY = 1.5  # times the noise, within which a torque copies the model's for the commanded motion
 
@@ -155,7 +155,7 @@ def _copies_model(b: Balances, body: RigidBody) -> bool:
         good = m.valid & (np.arange(len(m.time)) * m.period > 0.5)
         good &= good[::-1]
         for j in range(m.n):
-            if not b.excited[j]:
+            if not b.excited[j] or ("torque", j) not in b.floor:
                 continue
             torque = zero_phase(m.torque[:, j], m.cutoff, m.period)[good]
             by_plan = np.std(torque - zero_phase(planned[:, j], m.cutoff, m.period)[good])

@@ -54,11 +54,15 @@ def shifted(values: FloatArray, delay: float, period: float) -> FloatArray:
 
 
 def lagged(values: FloatArray, time_constant: float, period: float) -> FloatArray:
-    """First-order lag along axis 0, at rest at the first value; exact between samples in line."""
-    a = np.exp(-period / time_constant)
-    before = (1.0 - a) * time_constant / period - a  # weight of the last sample
-    state = (values[:1] * (before + a)).astype(np.float64)
-    filtered, _ = signal.lfilter([1.0 - a - before, before], [1.0, -a], values, axis=0, zi=state)
+    """First-order lag along axis 0, at rest at the first value; exact for straight lines between.
+
+    A filter that holds its input over a sample would itself be half a sample early.
+    """
+    ratio = period / time_constant
+    a = float(np.exp(-ratio))
+    now, before = 1.0 - (1.0 - a) / ratio, (1.0 - a) / ratio - a
+    state = ((before + a) * values[:1]).astype(np.float64)
+    filtered, _ = signal.lfilter([now, before], [1.0, -a], values, axis=0, zi=state)
     return np.asarray(filtered, dtype=np.float64)
 
 

@@ -43,7 +43,8 @@ class TorqueSaturation(Effect):
             if np.isfinite(asked).all():
                 levels = np.quantile(asked, (0.7, 0.85, 0.93, 0.97, 0.985, 0.993, 0.997, 0.999))
                 # A limit that is rarely reached lies between these: at the highest torque given.
-                levels = np.append(levels, max(_highest(m, j, kind) for m in motions))
+                if kind != OF_REPORTED:
+                    levels = np.append(levels, max(_highest(m, j, kind) for m in motions))
                 shapes += [(kind, float(level)) for level in levels if level > 0.0]
         return shapes
 
