@@ -15,8 +15,8 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from pdoik.sim2real.balances import Balances
 from pdoik.sim2real.effects import CATALOGUE, Place
 from pdoik.sim2real.estimate import estimates
+from pdoik.sim2real.refine import refined
 from pdoik.sim2real.regression import Fit, Term, term_of
-from pdoik.sim2real.search import refined
 from sim2real_motions import CUTOFF, moved
 
 KEYS = (("torque", 0), ("torque", 1), ("drive", 1))

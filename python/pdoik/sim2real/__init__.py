@@ -22,9 +22,10 @@ from .predict import predict
 from .prepare import Prepared, prepare
 from .read_study import load_study
 from .recording import Recording
-from .search import Search, search
+from .search import search
 from .simulation import SimulationError, Simulator, Stepper
 from .study import Controller, Study, Trust
+from .trial import Search
 
 __all__ = [
     "CATALOGUE",

@@ -15,7 +15,7 @@ from .findings import Diagnosis, Evidence
 from .naming import Found, described, finding_of, merged
 from .prepare import Prepared
 from .regression import Fit, Term
-from .search import Search
+from .trial import Search
 from .validation import Prediction
 from .verdict import joint_fits, notes_of, verdict_of
 

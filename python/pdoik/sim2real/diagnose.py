@@ -15,8 +15,9 @@ from .nuisance import trusted
 from .prepare import Prepared, prepare
 from .read_study import load_study
 from .regression import Fit
-from .search import Search, search, without
+from .search import search
 from .study import Study
+from .trial import Search, without
 from .unexplained import add_unknown
 from .validation import Prediction
 from .verdict import source_in_words

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
+from .candidates import candidates, has_company, implausibility
 from .effects import CATALOGUE
 from .findings import Equivalent
+from .refine import refined
 from .regression import Fit, Term
 from .rigid_body import RigidBody
-from .search import (
-    Search,
-    Trial,
-    candidates,
-    cross_validated,
-    has_company,
-    held_out_squares,
-    implausibility,
-    level,
-    refined,
-    screen,
-)
+from .trial import Search, Trial, cross_validated, held_out_squares, level, screen
 
 _TRIED = 8
 _MOST = 3  # equivalents listed

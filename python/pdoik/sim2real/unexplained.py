@@ -7,7 +7,7 @@ import numpy as np
 from .effects import CATALOGUE, Key, Place
 from .effects.unknown import VARIABLES
 from .regression import Fit, Term, term_of
-from .search import Search, Trial, cross_validated, held_out_squares, screen
+from .trial import Search, Trial, cross_validated, held_out_squares, screen
 
 _LEAST_SHARE = 0.08  # of the mean square residual the joint began with
 _NAMES_EXPLAIN = 0.96  # of what the unnamed function does; less, and the names are not right

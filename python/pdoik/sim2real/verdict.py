@@ -9,7 +9,7 @@ from .findings import Finding, JointFit, Verdict
 from .prepare import Prepared, simulated
 from .recording import FloatArray
 from .regression import Fit
-from .search import Search
+from .trial import Search
 from .validation import Prediction
 
 _OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape
-
-OF_BOTH, OF_REPORT, OF_DRIVE = 0.0, 1.0, 2.0
-"""Shapes: report and command are wrong alike; the report alone; what the drive makes of it."""
+from .effect import Parameter, Shape
+from .torque_channel import OF_BOTH, TorqueChannel
 
 
-class TorqueGain(Effect):
+class TorqueGain(TorqueChannel):
     """tau_reported = k tau."""
 
     id = "torque_gain"
@@ -27,29 +25,9 @@ class TorqueGain(Effect):
     complexity = 2
     per_joint_moving = False
 
-    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Where it is wrong."""
-        (j,) = place.joints
-        first = motions[0]
-        apart = first.has_command(j) or first.has_law(j)
-        return [(OF_BOTH,), (OF_REPORT,), (OF_DRIVE,)] if apart else [(OF_BOTH,)]
-
-    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
-        """It is where it is."""
-        return [(shape[0], shape[0])]
-
-    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """The rigid body's torque, the command, the law."""
-        (j,) = place.joints
-        columns: Columns = {}
-        if shape[0] != OF_DRIVE:
-            columns["torque", j] = motion.tau[:, j, None]
-        if shape[0] != OF_BOTH:
-            if motion.has_command(j) and motion.command is not None:
-                columns["drive", j] = motion.command[:, j, None]
-            elif motion.has_law(j) and motion.law is not None:
-                columns["law", j] = motion.law[:, j, None]
-        return columns
+    def error(self, motion: Motion, true: FloatArray) -> FloatArray:
+        """In proportion to the torque."""
+        return true[:, None]
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -65,10 +43,6 @@ class TorqueGain(Effect):
     ) -> tuple[Shape, FloatArray]:
         """By one less."""
         return shape or (OF_BOTH,), np.array([values["gain"] - 1.0])
-
-    def variant(self, shape: Shape) -> str:
-        """Whether the report is wrong or the drive; "" where both are, or nobody can tell."""
-        return {OF_BOTH: "", OF_REPORT: "report", OF_DRIVE: "drive"}[shape[0]]
 
     def trifling(self, values: Mapping[str, float]) -> bool:
         """Less than half a percent."""

@@ -10,7 +10,7 @@ from ..effects import Place
 from ..regression import Fit
 from ..report.data import Hypothesis
 from ..report.words import effect_name
-from ..search import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
+from ..trial import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
 
 if TYPE_CHECKING:
     from ..conclude import Examination
