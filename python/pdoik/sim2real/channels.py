@@ -102,34 +102,48 @@ def _torque_of_current(prepared: Prepared) -> tuple[Study, list[str]]:
 def _factors(b: Balances) -> dict[int, tuple[float, float]]:
     """Joints whose torque is a wrong multiple of what it should be, with factor and error.
 
-    Of the command or the controller's law where these are known; else of the model's, beside
-    friction and a payload, which may outweigh what a wrist carries by itself.
+    Of the command where it was recorded. Of the controller's law only where the model agrees, since
+    the law is worked out with positions and speeds that may lie themselves. Else of the model's,
+    beside friction and a payload, which may outweigh what a wrist carries by itself.
     """
     result = {}
     for j in range(b.n):
         if ("torque", j) not in b.residual or not b.excited[j]:
             continue
-        keep = b.mask["torque", j]
-        torque = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
-        by_command = all(m.has_command(j) or m.has_law(j) for m in b.motions)
-        columns = [_commanded(m, j) if by_command else _by_model(m, j) for m in b.motions]
-        A = np.concatenate([b.thin(i, column) for i, column in enumerate(columns)])[keep]
-        if len(torque) < 30 or not np.any(A[:, 0]):
-            continue
-        scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-12
-        inverse = np.linalg.inv((A / scale).T @ (A / scale) + 1e-6 * len(A) * np.eye(len(scale)))
-        beta = inverse @ ((A / scale).T @ torque) / scale
-        left = torque - A @ beta
-        error = 3.0 * float(np.std(left) * np.sqrt(inverse[0, 0]) / scale[0])
-        part = A[:, 0] * beta[0]
-        explained = float(np.std(part) / max(np.std(part + left), 1e-12))
-        outside = not _WITHIN[0] < beta[0] < _WITHIN[1]
-        # A torque far below what it should be drowns in its noise: its smallness is what is sure.
-        tiny = abs(beta[0]) < _TINY and error < 0.2 * _TINY
-        clear = abs(beta[0] - 1.0) > 4.0 * error
-        if outside and clear and (explained > _LEAST_CORRELATION or tiny):
-            result[j] = (float(beta[0]), error)
+        if all(m.has_command(j) for m in b.motions):
+            found = _factor(b, j, [_commanded(m, j) for m in b.motions])
+        elif all(m.has_law(j) for m in b.motions):
+            found = _factor(b, j, [_commanded(m, j) for m in b.motions])
+            beside = _factor(b, j, [_by_model(m, j)[:, :4] for m in b.motions])
+            if found is not None and (beside is None or not 0.5 < beside[0] / found[0] < 2.0):
+                found = None
+        else:
+            found = _factor(b, j, [_by_model(m, j) for m in b.motions])
+        if found is not None:
+            result[j] = found
     return result
+
+
+def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:
+    """Joint j's torque over the first column, beside the others; None where that is near one."""
+    keep = b.mask["torque", j]
+    torque = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
+    A = np.concatenate([b.thin(i, column) for i, column in enumerate(columns)])[keep]
+    if len(torque) < 30 or not np.any(A[:, 0]):
+        return None
+    scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-12
+    inverse = np.linalg.inv((A / scale).T @ (A / scale) + 1e-6 * len(A) * np.eye(len(scale)))
+    beta = inverse @ ((A / scale).T @ torque) / scale
+    left = torque - A @ beta
+    error = 3.0 * float(np.std(left) * np.sqrt(inverse[0, 0]) / scale[0])
+    part = A[:, 0] * beta[0]
+    explained = float(np.std(part) / max(np.std(part + left), 1e-12))
+    outside = not _WITHIN[0] < beta[0] < _WITHIN[1]
+    # A torque far below what it should be drowns in its noise: its smallness is what is sure.
+    tiny = abs(beta[0]) < _TINY and error < 0.2 * _TINY
+    clear = abs(beta[0] - 1.0) > 4.0 * error
+    sure = outside and clear and (explained > _LEAST_CORRELATION or tiny)
+    return (float(beta[0]), error) if sure else None
 
 
 def _commanded(m: Motion, j: int) -> FloatArray:
