@@ -23,8 +23,6 @@ _FOLDS = 4  # of cross-validation: recordings, or long stretches where these are
 _LEAST_RANGE = 0.05  # a joint that stays within this has not moved [rad]
 _LEAST_SHARE = 0.1  # of the time that a joint must move to be judged
 
-UNITS = {"torque": "N m", "drive": "N m", "law": "N m", "velocity": "rad/s", "servo": "rad"}
-
 
 class Balances:
     """Rows of every balance of some motions: (N,) per key, recordings one after the other."""
@@ -71,10 +69,6 @@ class Balances:
         if name not in self._columns:
             self._columns[name] = self.compute(effect, place, shape)
         return self._columns[name]
-
-    def forget(self) -> None:
-        """Drop the columns kept."""
-        self._columns.clear()
 
     def compute(self, effect: Effect, place: Place, shape: Shape) -> dict[Key, FloatArray]:
         """`columns`, computed anew."""

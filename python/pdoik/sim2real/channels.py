@@ -71,13 +71,7 @@ def _torque_of_current(prepared: Prepared) -> tuple[Study, list[str]]:
     for j in range(b.n):
         if ("torque", j) not in b.residual or not b.excited[j]:
             continue
-        keep = b.mask["torque", j]
-        current = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
-        own = [
-            np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
-            for m in b.motions
-        ]
-        A = np.concatenate([b.thin(i, column) for i, column in enumerate(own)])[keep]
+        current, A = _rows(b, j, [_own(m, j) for m in b.motions])
         if len(current) >= 30 and np.any(A[:, 0]):
             slope = float(np.linalg.lstsq(A, current, rcond=None)[0][0])
             constants[j] = 1.0 / slope if slope else np.nan
@@ -114,7 +108,7 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
         elif all(m.has_law(j) for m in b.motions):
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
-            beside = _factor(b, j, [_by_model(m, j)[:, :4] for m in b.motions])
+            beside = _factor(b, j, [_own(m, j) for m in b.motions])
             if found is not None and (beside is None or not 0.5 < beside[0] / found[0] < 2.0):
                 found = None
         else:
@@ -126,9 +120,7 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
 
 def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:
     """Joint j's torque over the first column, beside the others; None where that is near one."""
-    keep = b.mask["torque", j]
-    torque = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
-    A = np.concatenate([b.thin(i, column) for i, column in enumerate(columns)])[keep]
+    torque, A = _rows(b, j, columns)
     if len(torque) < 30 or not np.any(A[:, 0]):
         return None
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-12
@@ -146,17 +138,28 @@ def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, floa
     return (float(beta[0]), error) if sure else None
 
 
+def _rows(b: Balances, j: int, columns: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Joint j's torque and columns of each motion, filtered, on the rows that count."""
+    keep = b.mask["torque", j]
+    torque = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[keep]
+    return torque, np.concatenate([b.thin(i, column) for i, column in enumerate(columns)])[keep]
+
+
 def _commanded(m: Motion, j: int) -> FloatArray:
     """The command or the law, and a constant; (T, 2)."""
     asked = m.command[:, j] if m.has_command(j) and m.command is not None else m.law_of(j)
     return np.stack([asked, np.ones(len(m.time))], axis=1)
 
 
+def _own(m: Motion, j: int) -> FloatArray:
+    """The model's torque, friction's columns, a constant; (T, 4)."""
+    return np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+
+
 def _by_model(m: Motion, j: int) -> FloatArray:
     """The model's torque, friction's columns, a constant and a payload's ten; (T, 14)."""
     assert m.body is not None
-    own = np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
-    return np.hstack([own, m.regressor()[:, j, m.body.last]])
+    return np.hstack([_own(m, j), m.regressor()[:, j, m.body.last]])
 
 
 def _copies_model(b: Balances, body: RigidBody) -> bool:

@@ -138,6 +138,15 @@ class Motion:
             self.cache[name] = self.body.poses_and_jacobians(self.q, frame)[1][:, :3]
         return self.cache[name]
 
+    def by_motion(self, j: int, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+        """Change of the torques, (T, n), where joint j moves by (T,) more, to first order."""
+        change = (
+            self.dtau_dq[:, :, j] * q[:, None]
+            + self.dtau_dv[:, :, j] * dq[:, None]
+            + self.mass_matrix[:, :, j] * ddq[:, None]
+        )
+        return np.asarray(change, dtype=np.float64)
+
     def by_deflection(self, deflection: FloatArray, j: int) -> FloatArray:
         """Change of the rigid body's torques where joint j's link lags by `deflection`; (T, n).
 
@@ -146,12 +155,7 @@ class Motion:
         smooth = zero_phase(deflection, self.cutoff, self.period)
         speed = derivative(smooth, self.period)
         acceleration = derivative(speed, self.period)
-        change = (
-            self.dtau_dq[:, :, j] * smooth[:, None]
-            + self.dtau_dv[:, :, j] * speed[:, None]
-            + self.mass_matrix[:, :, j] * acceleration[:, None]
-        )
-        return np.asarray(-change, dtype=np.float64)
+        return -self.by_motion(j, smooth, speed, acceleration)
 
 
 def thinned(recording: Recording) -> Recording:

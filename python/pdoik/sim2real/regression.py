@@ -179,10 +179,10 @@ class Fit:
         left = sum(float(np.sum(self.residual(key) ** 2)) for key in self.design)
         return left + self.penalty()
 
-    def held_out(self, beta_of_fold: list[FloatArray] | None = None) -> dict[Key, FloatArray]:
+    def held_out(self) -> dict[Key, FloatArray]:
         """Residuals in sigmas of rows that their fit did not see."""
         b = self.balances
-        folds = beta_of_fold or self.fold_betas()
+        folds = self.fold_betas()
         result = {}
         for key, design in self.design.items():
             fold = b.fold[self.rows[key]]

@@ -133,3 +133,16 @@ class Effect(ABC):
     def regime(self, where: str) -> str:
         """When it shows."""
         return f"motion of {where}"
+
+
+def on_torque_and_tip(torque: FloatArray, tip: FloatArray | None) -> Columns:
+    """One coefficient's columns from changes of all torques (T, n) and of the tip's pose (T, 6)."""
+    columns: Columns = {("torque", i): torque[:, i, None] for i in range(torque.shape[1])}
+    if tip is not None:
+        columns |= {("tip", axis): tip[:, axis, None] for axis in range(6)}
+    return columns
+
+
+def tip_turned(motion: Motion, j: int, by: FloatArray) -> FloatArray | None:
+    """Change of the tip's pose where joint j stands `by` (T,) further; None without tip poses."""
+    return None if motion.tip_jacobian is None else motion.tip_jacobian[:, :, j] * by[:, None]

@@ -16,20 +16,6 @@ PRIOR = np.array([5.0, 1.0, 1.0, 1.0] + [0.3] * 6)
 """Standard deviations that keep what no motion shows near zero: kg, kg m, kg m^2."""
 
 
-def consistent(ten: FloatArray) -> bool:
-    """Whether ten inertial parameters belong to a body: mass and density nowhere negative."""
-    return bool(ten[0] > 0.0 and np.linalg.eigvalsh(pseudo_inertia(ten))[0] > -1e-9)
-
-
-def pseudo_inertia(ten: FloatArray) -> FloatArray:
-    """The 4x4 matrix that is positive for a body (Wensing, Kim and Slotine, RA-L 3(1), 2018)."""
-    m, h = ten[0], ten[1:4]
-    xx, xy, yy, xz, yz, zz = ten[4:]
-    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    sigma = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    return np.block([[sigma, h[:, None]], [h[None, :], np.array([[m]])]])
-
-
 class LinkInertials(Effect):
     """Ten inertial parameters added to one link; only combinations of them are visible."""
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from ..motion import Motion
 from ..recording import FloatArray
-from .effect import Columns, Effect, Key, Parameter, Place, Shape
+from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
 
 
 class JointCoupling(Effect):
@@ -31,21 +29,10 @@ class JointCoupling(Effect):
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Derivatives by joint k's position times joint j's, and the torque handed to motor j."""
         k, j = place.joints
-        q, dq, ddq = motion.q[:, j], motion.dq[:, j], motion.ddq[:, j]
-        change = (
-            motion.dtau_dq[:, :, k] * q[:, None]
-            + motion.dtau_dv[:, :, k] * dq[:, None]
-            + motion.mass_matrix[:, :, k] * ddq[:, None]
-        )
+        q = motion.q[:, j]
+        change = motion.by_motion(k, q, motion.dq[:, j], motion.ddq[:, j])
         change[:, j] += motion.tau_without_rotor()[:, k]  # rotor k turns with its own motor
-        columns: dict[Key, FloatArray] = {
-            ("torque", i): change[:, i, None] for i in range(motion.n)
-        }
-        if motion.tip_jacobian is not None:
-            for axis in range(6):
-                column = motion.tip_jacobian[:, axis, k] * q
-                columns["tip", axis] = np.ascontiguousarray(column[:, None])
-        return columns
+        return on_torque_and_tip(change, tip_turned(motion, k, q))
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The ratio."""

@@ -9,18 +9,13 @@ import numpy as np
 from ..motion import Motion
 from ..recording import FloatArray
 from ..signals import lagged
-from .effect import Columns, Effect, Key, Parameter, Place, Shape
+from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
 
 
 def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:
     """What a link that lags its motor by `deflection` (T,) changes in torques and tip."""
     change = motion.by_deflection(deflection, j)
-    columns: dict[Key, FloatArray] = {("torque", i): change[:, i, None] for i in range(motion.n)}
-    if motion.tip_jacobian is not None:
-        for axis in range(6):
-            column = -motion.tip_jacobian[:, axis, j] * deflection
-            columns["tip", axis] = np.ascontiguousarray(column[:, None])
-    return columns
+    return on_torque_and_tip(change, tip_turned(motion, j, -deflection))
 
 
 class JointElasticity(Effect):

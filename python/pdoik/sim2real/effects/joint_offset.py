@@ -8,7 +8,7 @@ import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
-from .effect import Columns, Effect, Key, Parameter, Place, Shape
+from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip
 
 _SMALL = 2e-3  # below it the derivative is as good [rad]
 
@@ -39,7 +39,6 @@ class JointOffset(Effect):
         (j,) = place.joints
         if motion.body is None:
             return {("servo", j): -np.ones((len(motion.time), 1))}
-        columns: dict[Key, FloatArray] = {}
         torque = motion.dtau_dq[:, :, j]
         tip = None if motion.tip_jacobian is None else motion.tip_jacobian[:, :, j]
         if abs(shape[0]) > _SMALL:
@@ -49,12 +48,7 @@ class JointOffset(Effect):
             torque = (motion.body.torque(q, motion.dq, motion.ddq) - here) / shape[0]
             if tip is not None:
                 tip = motion.tip_moved(q) / shape[0]
-        for i in range(motion.n):
-            columns["torque", i] = np.ascontiguousarray(torque[:, i, None])
-        if tip is not None:
-            for axis in range(6):
-                columns["tip", axis] = np.ascontiguousarray(tip[:, axis, None])
-        return columns
+        return on_torque_and_tip(torque, tip)
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The offset."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..motion import Motion
 from ..recording import FloatArray
-from .effect import Columns, Effect, Key, Parameter, Place, Shape
+from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
 
 OF_SPEED, OF_POSITION = 0.0, 1.0
 
@@ -42,18 +42,7 @@ class SensorGain(Effect):
             return {("velocity", j): dq[:, None], **through_law(motion, j, dq)}
         # The true position is q / k = q + b q: coefficient b = 1/k - 1. Where speed was measured
         # apart it stays right, and the balance of speed sees the positions' derivative grow.
-        change = (
-            motion.dtau_dq[:, :, j] * q[:, None]
-            + motion.dtau_dv[:, :, j] * dq[:, None]
-            + motion.mass_matrix[:, :, j] * ddq[:, None]
-        )
-        columns: dict[Key, FloatArray] = {
-            ("torque", i): change[:, i, None] for i in range(motion.n)
-        }
-        if motion.tip_jacobian is not None:
-            for axis in range(6):
-                column = motion.tip_jacobian[:, axis, j] * q
-                columns["tip", axis] = np.ascontiguousarray(column[:, None])
+        columns = on_torque_and_tip(motion.by_motion(j, q, dq, ddq), tip_turned(motion, j, q))
         if motion.measured_dq is not None and _known(motion.measured_dq[:, j]):
             columns["velocity", j] = dq[:, None]
         return columns
