@@ -7,38 +7,25 @@ The target goes down between the objects at 60 poses a second while the page is 
 
 from __future__ import annotations
 
-import io
 import os
-import shutil
 import sys
-import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
-from playwright.sync_api import Page, sync_playwright
 
 import pdoik
 from arm_meshes import _example_robot_data_share
 from pdoik.clouds import load_cloud
 from pdoik.view import Session
 from pdoik.view.model import Model
-from pdoik.view.server import start_server
 from pdoik.view.shapes import pose_of
-from pdoik.view.viewer import Viewer
 from pdoik.view.visuals import load_visuals
+from view_page import drag, opened, save, served
 
 FloatArray = npt.NDArray[np.float64]
 
-SIZE = {"width": 1400, "height": 850}
-FLAGS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-]
 OBJECTS = {  # x, y [m] and turn about z [rad] on the table
     "003_cracker_box": (0.66, -0.24, 0.5),
     "006_mustard_bottle": (0.60, 0.21, 0.2),
@@ -71,28 +58,10 @@ def downward(xyz: npt.ArrayLike) -> FloatArray:
     return T
 
 
-def photograph(viewer: Viewer, page: Page) -> bytes:
-    """Move the target, then take the page, PNG."""
-    page.goto(viewer.server.url)
-    page.get_by_text("worst constraint").wait_for()
-    page.locator(".mantine-Notification-closeButton").first.click()  # about software rendering
-    page.get_by_label("Ball", exact=True).check(force=True)
-    page.wait_for_timeout(4000)
+def way() -> Iterator[FloatArray]:
+    """Of the tip, from above the table down between the objects."""
     for t in np.linspace(0, 1, 180):
-        T = downward((1 - t) * np.array(START) + t * np.array(GOAL))
-        viewer.targets.by_tip[TIP].place(T)
-        viewer.session.set_target(TIP, T)
-        viewer.worker.wake()
-        time.sleep(1 / 60)
-    page.wait_for_timeout(6000)  # software rendering trails behind
-    return page.screenshot()
-
-
-def save(png: bytes, out: Path) -> None:
-    """Colours in steps of 4, which compress better."""
-    with Image.open(io.BytesIO(png)) as image:
-        steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
-        image.convert("RGB").point(3 * steps).save(out, optimize=True)
+        yield downward((1 - t) * np.array(START) + t * np.array(GOAL))
 
 
 def main(out: Path) -> None:
@@ -108,16 +77,14 @@ def main(out: Path) -> None:
     session.set_thinning(0.02, True)
     session.set_cloud(scanned_table(Path(os.environ["PDOIK_YCB"])))
     session.set_target(TIP, downward(START))
-    server = start_server("127.0.0.1", 0)
-    viewer = Viewer(server, model, session)
-    viewer.obstacle_scene.ball.place(pose_of([1.0, 0.0, 0.0, 0.0], BALL))
-    with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-        png = photograph(viewer, browser.new_page(viewport=SIZE))
-        browser.close()
-    viewer.close()
-    server.stop()
-    save(png, out)
+    with served(model, session) as viewer:
+        viewer.obstacle_scene.ball.place(pose_of([1.0, 0.0, 0.0, 0.0], BALL))
+        with opened(viewer, height=850) as page:
+            page.get_by_label("Ball", exact=True).check(force=True)
+            page.wait_for_timeout(4000)
+            drag(viewer, TIP, way())
+            page.wait_for_timeout(6000)  # software rendering trails behind
+            save(page.screenshot(), out)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Robots the tests share."""
+"""Robots, studies and motions the tests share."""
 
 import subprocess
 import sys
@@ -40,6 +40,15 @@ def robot(request: pytest.FixtureRequest) -> pdoik.Robot:
 def pinocchio(robot: pdoik.Robot) -> PinocchioRobot:
     """Pinocchio's model of the same robot."""
     return PinocchioRobot.from_xml((ROBOTS / f"{robot.name}.urdf").read_text())
+
+
+@pytest.fixture(scope="session")
+def motion(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Of an arm with three joints in space, every channel; needs the extra sim2real."""
+    from sim2real_motions import moved, pd
+
+    folder = tmp_path_factory.mktemp("arm")
+    return moved(folder, 3, tip=True, controller=pd(3), seconds=10.0)
 
 
 @pytest.fixture(scope="session")

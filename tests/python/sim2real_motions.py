@@ -12,6 +12,7 @@ from pdoik.sim2real.motion import Motion, motion_of
 from pdoik.sim2real.recording import Recording
 from pdoik.sim2real.rigid_body import RigidBody
 from pdoik.sim2real.study import Controller
+from sim2real_recordings import even_recording
 
 PERIOD = 0.004
 CUTOFF = 10.0  # [Hz]
@@ -69,16 +70,7 @@ def recording(body: RigidBody | None, n: int, seconds: float = 14.0, **channels:
         "q_des": wave(time + 0.01, n),
         "dq_des": wave(time + 0.01, n, 1),
     }
-    return Recording(
-        name="rec.csv",
-        role="fit",
-        start=100.0,
-        time=time,
-        valid=np.ones(len(time), dtype=bool),
-        raw_period=PERIOD,
-        jitter=0.0,
-        **(made | channels),
-    )
+    return even_recording(time, start=100.0, **(made | channels))
 
 
 def measured_tip(body: RigidBody, q: np.ndarray, link: str = "tool") -> np.ndarray:

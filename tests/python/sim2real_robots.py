@@ -1,4 +1,4 @@
-"""Small robots, recordings and controllers for the tests of the simulation."""
+"""Small robots, parts, recordings and controllers for the tests of the simulation."""
 
 from __future__ import annotations
 
@@ -7,8 +7,12 @@ from typing import Any
 import numpy as np
 
 from pdoik.sim2real.recording import Recording
+from pdoik.sim2real.simulation import parts_of
+from pdoik.sim2real.simulation.parts import Part
 from pdoik.sim2real.study import Controller
+from sim2real_recordings import even_recording
 
+G = 9.81  # [m/s^2]
 MASS, LENGTH, INERTIA = 2.0, 0.3, 0.05  # of each link: com along x, inertia about it
 
 
@@ -35,6 +39,28 @@ def arm_urdf(n: int, axis: str = "0 1 0", *, extra: str = "") -> str:
 ABOUT_PIVOT = INERTIA + MASS * LENGTH**2
 PENDULUM = arm_urdf(1)  # swings in the x z plane; q = pi / 2 hangs down
 TURNTABLE = arm_urdf(1, "0 0 1")  # gravity does nothing
+MJCF = f"""
+<mujoco>
+  <compiler angle="degree"/>
+  <asset><mesh name="shell" file="no/where.stl"/></asset>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="link1">
+      <inertial pos="{LENGTH} 0 0" mass="{MASS}" diaginertia="0.05 0.05 0.05"/>
+      <joint name="joint1" axis="0 1 0" damping="0.3" frictionloss="0.5" armature="0.1"
+             range="-10 10" limited="true"/>
+      <geom type="mesh" mesh="shell"/>
+      <body name="finger"><joint name="slider" type="slide"/><geom size="0.01"/></body>
+    </body>
+  </worldbody>
+  <actuator><position joint="joint1" kp="100"/></actuator>
+  <keyframe><key qpos="0 0"/></keyframe>
+</mujoco>"""  # the pendulum, with a drive, a shape, a floor and a finger that are to be left out
+
+
+def parts(effect: str, joint: str = "joint1", **values: float) -> tuple[Part, ...]:
+    """Of an effect in one joint."""
+    return parts_of(effect, [joint], values=values)
 
 
 def commands(duration: float, period: float = 1e-3, n: int = 1, **channels: Any) -> Recording:
@@ -49,16 +75,7 @@ def commands(duration: float, period: float = 1e-3, n: int = 1, **channels: Any)
         return np.broadcast_to(value, (len(time), n)).copy()
 
     arrays = {name: filled(value) for name, value in {"q": 0.0, **channels}.items()}
-    return Recording(
-        name="rec.csv",
-        role="validate",
-        start=0.0,
-        time=time,
-        valid=np.ones(len(time), dtype=bool),
-        raw_period=period,
-        jitter=0.0,
-        **arrays,
-    )
+    return even_recording(time, role="validate", **arrays)
 
 
 def pd(kp: float, kd: float, n: int = 1, **options: Any) -> Controller:

@@ -21,8 +21,7 @@ from pdoik.sim2real.recording import Recording  # noqa: E402
 from pdoik.sim2real.simulation import Stepper  # noqa: E402
 from pdoik.sim2real.simulation.inertial import Inertial  # noqa: E402
 from pdoik.sim2real.study import Study  # noqa: E402
-from sim2real_robots import PENDULUM, arm_urdf, commands, pd  # noqa: E402
-from test_sim2real_simulation import MJCF  # noqa: E402
+from sim2real_robots import MJCF, PENDULUM, arm_urdf, commands, pd  # noqa: E402
 
 PANDA = Path(pdoik.__file__).parent / "robots" / "panda.urdf"
 JOINTS = tuple(f"panda_joint{k}" for k in range(1, 8))

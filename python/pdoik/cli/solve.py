@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,20 @@ import pdoik
 
 from .messages import NOT_SOLVED, fail, misuse_fails, out
 from .obstacles import Obstacles, load_obstacles
+from .options import (
+    GOAL,
+    ROBOT,
+    BaseLink,
+    Clearance,
+    CloudFile,
+    Goal,
+    GoalAxis,
+    HeedFixedHulls,
+    HullsFile,
+    Leaf,
+    Method,
+    Radii,
+)
 from .report import Solution, facts, print_report
 from .robots import load_robot, numbers
 from .tables import json_text
@@ -21,19 +35,14 @@ from .target import FORMS, parse_target
 
 FloatArray = npt.NDArray[np.float64]
 _DEFAULTS = pdoik.Options()
-_ROBOT, _GOAL, _OBSTACLES, _SEARCH, _OUTPUT = "Robot", "Goal", "Obstacles", "Search", "Output"
-
-
-Goal = Literal["pose", "axis", "position"]
-Axis = Literal["x", "y", "z"]
-Method = Literal["default", "paper"]
+_SEARCH, _OUTPUT = "Search", "Output"  # panels
 
 
 def solve(
     robot: Annotated[
         str,
         typer.Option(
-            help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT", rich_help_panel=_ROBOT
+            help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT", rich_help_panel=ROBOT
         ),
     ],
     target: Annotated[
@@ -41,66 +50,29 @@ def solve(
         typer.Option(
             help=f"Where the tip is to go, in metres and radians: {FORMS}.",
             metavar="TARGET",
-            rich_help_panel=_GOAL,
+            rich_help_panel=GOAL,
         ),
     ],
-    occupancy: Annotated[
-        Path | None,
-        typer.Option(
-            help="Hulls of the robot, YAML (see pdoik occupancy).", rich_help_panel=_ROBOT
-        ),
-    ] = None,
-    base_link: Annotated[
-        str | None, typer.Option(help="First link; the root otherwise.", rich_help_panel=_ROBOT)
-    ] = None,
+    occupancy: HullsFile = None,
+    base_link: BaseLink = None,
     tip_link: Annotated[
-        str | None, typer.Option(help="Last link; the only leaf otherwise.", rich_help_panel=_ROBOT)
+        str | None, typer.Option(help="Last link; the only leaf otherwise.", rich_help_panel=ROBOT)
     ] = None,
     goal: Annotated[
-        Goal, typer.Option(help="What of the target counts.", rich_help_panel=_GOAL)
+        Goal, typer.Option(help="What of the target counts.", rich_help_panel=GOAL)
     ] = "pose",
-    goal_axis: Annotated[
-        Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=_GOAL)
-    ] = "z",
+    goal_axis: GoalAxis = "z",
     position_tolerance: Annotated[
-        float, typer.Option(help="Largest error of a success, metres.", rich_help_panel=_GOAL)
+        float, typer.Option(help="Largest error of a success, metres.", rich_help_panel=GOAL)
     ] = _DEFAULTS.position_tolerance,
     rotation_tolerance: Annotated[
-        float, typer.Option(help="Largest error of a success, radians.", rich_help_panel=_GOAL)
+        float, typer.Option(help="Largest error of a success, radians.", rich_help_panel=GOAL)
     ] = _DEFAULTS.rotation_tolerance,
-    cloud: Annotated[
-        Path | None,
-        typer.Option(
-            help="Points in the base frame, metres: .pcd, .ply, .npy, .xyz, .txt, .csv.",
-            rich_help_panel=_OBSTACLES,
-        ),
-    ] = None,
-    leaf: Annotated[
-        float,
-        typer.Option(
-            help="Edge of the cells the cloud is thinned to, metres; 0 keeps every point.",
-            rich_help_panel=_OBSTACLES,
-        ),
-    ] = 0.02,
-    radii: Annotated[
-        bool,
-        typer.Option(
-            help="Keep off the points that thinning leaves out, too.", rich_help_panel=_OBSTACLES
-        ),
-    ] = True,
-    heed_fixed_hulls: Annotated[
-        bool,
-        typer.Option(
-            help="Fail where a point is in a hull that no joint moves.", rich_help_panel=_OBSTACLES
-        ),
-    ] = _DEFAULTS.heed_fixed_hulls,
-    clearance: Annotated[
-        float,
-        typer.Option(
-            help="Least distance wanted between points and hulls, metres.",
-            rich_help_panel=_OBSTACLES,
-        ),
-    ] = _DEFAULTS.clearance,
+    cloud: CloudFile = None,
+    leaf: Leaf = 0.02,
+    radii: Radii = True,
+    heed_fixed_hulls: HeedFixedHulls = _DEFAULTS.heed_fixed_hulls,
+    clearance: Clearance = _DEFAULTS.clearance,
     q0: Annotated[
         str | None,
         typer.Option(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -13,104 +13,77 @@ import pdoik
 
 from .messages import fail, misuse_fails, out
 from .obstacles import load_obstacles
+from .options import (
+    GOAL,
+    ROBOT,
+    BaseLink,
+    Clearance,
+    CloudFile,
+    Goal,
+    GoalAxis,
+    HeedFixedHulls,
+    HullsFile,
+    Leaf,
+    Method,
+    Radii,
+)
 from .robots import BUILTIN, load_robot, numbers
 
 _DEFAULTS = pdoik.Options()
-_ROBOT, _GOAL, _OBSTACLES, _PAGE = "Robot", "Goal", "Obstacles", "Page"
-
-Goal = Literal["pose", "axis", "position"]
-Axis = Literal["x", "y", "z"]
-Method = Literal["default", "paper"]
+_PAGE = "Page"  # panel
 
 
 def view(
     robot: Annotated[
         str, typer.Argument(help=f"{', '.join(BUILTIN)}, or a URDF file.", metavar="ROBOT")
     ] = "panda",
-    base_link: Annotated[
-        str | None, typer.Option(help="First link; the root otherwise.", rich_help_panel=_ROBOT)
-    ] = None,
+    base_link: BaseLink = None,
     tip_link: Annotated[
         list[str] | None,
         typer.Option(
             help="Link to drag, repeatable; the shipped robot's own or every leaf otherwise.",
-            rich_help_panel=_ROBOT,
+            rich_help_panel=ROBOT,
         ),
     ] = None,
-    occupancy: Annotated[
-        Path | None,
-        typer.Option(
-            help="Hulls of the robot, YAML (see pdoik occupancy).", rich_help_panel=_ROBOT
-        ),
-    ] = None,
+    occupancy: HullsFile = None,
     package_dir: Annotated[
         list[Path] | None,
         typer.Option(
             help="Folder that holds the packages of package:// addresses; repeatable.",
-            rich_help_panel=_ROBOT,
+            rich_help_panel=ROBOT,
         ),
     ] = None,
     q0: Annotated[
         str | None,
         typer.Option(
             help="First posture, one number per joint; H1's stance or mid-range otherwise.",
-            rich_help_panel=_ROBOT,
+            rich_help_panel=ROBOT,
         ),
     ] = None,
     goal: Annotated[
         Goal | None,
         typer.Option(
             help="What of each target counts; pose otherwise, or position where joints are few.",
-            rich_help_panel=_GOAL,
+            rich_help_panel=GOAL,
         ),
     ] = None,
-    goal_axis: Annotated[
-        Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=_GOAL)
-    ] = "z",
+    goal_axis: GoalAxis = "z",
     method: Annotated[
         Method,
-        typer.Option(help="'paper' is the paper's algorithm.", rich_help_panel=_GOAL),
+        typer.Option(help="'paper' is the paper's algorithm.", rich_help_panel=GOAL),
     ] = "default",
     max_time: Annotated[
-        float, typer.Option(help="Deadline of a solve, seconds.", rich_help_panel=_GOAL)
+        float, typer.Option(help="Deadline of a solve, seconds.", rich_help_panel=GOAL)
     ] = 0.02,
     self_collision: Annotated[
         bool | None,
-        typer.Option(help="Keep hulls off each other; on for H1 otherwise.", rich_help_panel=_GOAL),
+        typer.Option(help="Keep hulls off each other; on for H1 otherwise.", rich_help_panel=GOAL),
     ] = None,
-    cloud: Annotated[
-        Path | None,
-        typer.Option(
-            help="Points in the base frame, metres: .pcd, .ply, .npy, .xyz, .txt, .csv.",
-            rich_help_panel=_OBSTACLES,
-        ),
-    ] = None,
-    leaf: Annotated[
-        float,
-        typer.Option(
-            help="Edge of the cells the cloud is thinned to, metres; 0 keeps every point.",
-            rich_help_panel=_OBSTACLES,
-        ),
-    ] = 0.02,
-    radii: Annotated[
-        bool,
-        typer.Option(
-            help="Keep off the points that thinning leaves out, too.", rich_help_panel=_OBSTACLES
-        ),
-    ] = True,
-    clearance: Annotated[
-        float,
-        typer.Option(
-            help="Least distance wanted between points and hulls, metres.",
-            rich_help_panel=_OBSTACLES,
-        ),
-    ] = _DEFAULTS.clearance,
-    heed_fixed_hulls: Annotated[
-        bool,
-        typer.Option(
-            help="Fail where a point is in a hull that no joint moves.", rich_help_panel=_OBSTACLES
-        ),
-    ] = _DEFAULTS.heed_fixed_hulls,
+    cloud: CloudFile = None,
+    leaf: Leaf = 0.02,
+    radii: Radii = True,
+    clearance: Clearance = _DEFAULTS.clearance,
+    heed_fixed_hulls: HeedFixedHulls = _DEFAULTS.heed_fixed_hulls,
     replay: Annotated[
         Path | None,
         typer.Option(

@@ -1,0 +1,74 @@
+"""The page of `pdoik view` in headless Chromium, for the README's pictures."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+from pdoik.view import Session
+from pdoik.view.model import Model
+from pdoik.view.server import start_server
+from pdoik.view.viewer import Viewer
+
+FloatArray = npt.NDArray[np.float64]
+
+WIDTH = 1400  # pixels
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+]
+
+
+@contextmanager
+def served(model: Model, session: Session) -> Iterator[Viewer]:
+    """A viewer on a port of its own."""
+    server = start_server("127.0.0.1", 0)
+    viewer = Viewer(server, model, session)
+    try:
+        yield viewer
+    finally:
+        viewer.close()
+        server.stop()
+
+
+@contextmanager
+def opened(viewer: Viewer, height: int) -> Iterator[Page]:
+    """Its page, with a first answer on it and nothing in front of it."""
+    chromium = shutil.which("chromium")
+    with (
+        sync_playwright() as driver,
+        driver.chromium.launch(executable_path=chromium, args=FLAGS) as browser,
+    ):
+        page = browser.new_page(viewport={"width": WIDTH, "height": height})
+        page.goto(viewer.server.url)
+        page.get_by_text("worst constraint").wait_for()
+        page.locator(".mantine-Notification-closeButton").first.click()  # about software rendering
+        yield page
+
+
+def drag(viewer: Viewer, tip: str, poses: Iterable[FloatArray]) -> None:
+    """Move a tip's target, 60 poses a second, (4, 4) each."""
+    for T in poses:
+        viewer.targets.by_tip[tip].place(T)
+        viewer.session.set_target(tip, T)
+        viewer.worker.wake()
+        time.sleep(1 / 60)
+
+
+def save(png: bytes, out: Path) -> None:
+    """Colours in steps of 4, which compress better."""
+    with Image.open(io.BytesIO(png)) as image:
+        steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
+        image.convert("RGB").point(3 * steps).save(out, optimize=True)

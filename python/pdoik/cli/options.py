@@ -1,0 +1,55 @@
+"""Options that solve and view share, each with its panel of the help."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+ROBOT, GOAL, OBSTACLES = "Robot", "Goal", "Obstacles"  # panels
+
+Goal = Literal["pose", "axis", "position"]
+Axis = Literal["x", "y", "z"]
+Method = Literal["default", "paper"]
+
+BaseLink = Annotated[
+    str | None, typer.Option(help="First link; the root otherwise.", rich_help_panel=ROBOT)
+]
+HullsFile = Annotated[
+    Path | None,
+    typer.Option(help="Hulls of the robot, YAML (see pdoik occupancy).", rich_help_panel=ROBOT),
+]
+GoalAxis = Annotated[Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=GOAL)]
+CloudFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Points in the base frame, metres: .pcd, .ply, .npy, .xyz, .txt, .csv.",
+        rich_help_panel=OBSTACLES,
+    ),
+]
+Leaf = Annotated[
+    float,
+    typer.Option(
+        help="Edge of the cells the cloud is thinned to, metres; 0 keeps every point.",
+        rich_help_panel=OBSTACLES,
+    ),
+]
+Radii = Annotated[
+    bool,
+    typer.Option(
+        help="Keep off the points that thinning leaves out, too.", rich_help_panel=OBSTACLES
+    ),
+]
+Clearance = Annotated[
+    float,
+    typer.Option(
+        help="Least distance wanted between points and hulls, metres.", rich_help_panel=OBSTACLES
+    ),
+]
+HeedFixedHulls = Annotated[
+    bool,
+    typer.Option(
+        help="Fail where a point is in a hull that no joint moves.", rich_help_panel=OBSTACLES
+    ),
+]
