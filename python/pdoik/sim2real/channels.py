@@ -7,20 +7,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .balances import Balances
+from .effects.torque_saturation import kinds, top_of
 from .findings import Estimate, Evidence, Finding
-from .motion import Motion, thinned
+from .motion import Motion
+from .noisy_channels import noisy_channels
 from .prepare import Prepared
 from .recording import FloatArray, Recording
 from .rigid_body import RigidBody
-from .signals import derivative, noise_density, zero_phase
+from .signals import derivative, zero_phase
 from .study import Study
 
 _WITHIN = (0.4, 2.5)  # a torque's factor outside these is no drive's gain but a lie of the channel
 _LEAST_CORRELATION = 0.7
 _TINY = 0.15
-_SLOW = 2e-3  # [rad/s]
-_NOISIER = 2.5  # than the noisiest other joint's
-_NOISIER_THAN_USUAL = 4.0
 _COPY = 1.5  # times the noise, within which a torque copies the model's for the commanded motion
 
 
@@ -41,7 +40,7 @@ class ChannelCheck:
 def check_channels(prepared: Prepared) -> ChannelCheck:
     """Test every channel against what the others say."""
     study = prepared.study
-    findings = list(_noisy(study))
+    findings: list[Finding] = []
     notes: list[str] = []
     body = prepared.body
     if body is not None and prepared.fit.motions[0].source == "current":
@@ -61,6 +60,7 @@ def check_channels(prepared: Prepared) -> ChannelCheck:
                     f"tau.{study.joints[j]} was divided by {factor:.4g} before all else was judged."
                 )
             study = _scaled(study, {j: factor for j, (factor, _) in factors.items()})
+    findings += noisy_channels(prepared, study)
     return ChannelCheck(study=study, findings=tuple(findings), notes=tuple(notes))
 
 
@@ -113,9 +113,14 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
                 found = None
         else:
             found = _factor(b, j, [_by_model(m, j) for m in b.motions])
-        if found is not None:
+        if found is not None and (found[0] < _TINY or not _limited(b, j)):
             result[j] = found
     return result
+
+
+def _limited(b: Balances, j: int) -> bool:
+    """Whether joint j's torque is cut off, which makes it less than it should be."""
+    return any(top_of(b.motions, j, kind) for kind in kinds(b.motions[0], j))
 
 
 def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:
@@ -243,71 +248,3 @@ def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
 def _torque(m: Motion, j: int) -> FloatArray:
     assert m.torque is not None
     return np.ascontiguousarray(m.torque[:, j])
-
-
-def _noisy(study: Study) -> list[Finding]:
-    """Positions or speeds of one joint that are noisier than all the others'."""
-    found = []
-    recordings = [thinned(r) for r in study.fit]
-    for channel in ("q", "dq"):
-        each = [getattr(r, channel) for r in recordings]
-        if any(values is None or not np.isfinite(values).all() for values in each):
-            continue
-        if each[0].shape[1] < 2:
-            continue
-        periods = [r.period for r in recordings]
-        std = np.stack([_white(v, p) for v, p in zip(each, periods, strict=True)])
-        if channel == "dq":
-            std /= np.stack([_gain_of_speed(r) for r in recordings])
-        middle = np.median(std, axis=0)
-        worst = int(np.argmax(middle))
-        others = np.delete(middle, worst)
-        if middle[worst] > max(
-            _NOISIER * others.max(), _NOISIER_THAN_USUAL * np.median(others), 1e-12
-        ):
-            found.append(_noise_finding(study, channel, worst, std[:, worst], others))
-    return found
-
-
-def _gain_of_speed(recording: Recording) -> FloatArray:
-    """How many times the positions' derivative each logged speed is, at least a hundredth."""
-    assert recording.dq is not None
-    speed = derivative(zero_phase(recording.q, 10.0, recording.period), recording.period)
-    gain = np.sum(speed * recording.dq, axis=0) / np.maximum(np.sum(speed**2, axis=0), 1e-12)
-    moved = np.std(speed, axis=0) > 10.0 * _SLOW
-    return np.where(moved, np.maximum(np.abs(gain), 0.01), 1.0)
-
-
-def _white(values: FloatArray, period: float) -> FloatArray:
-    """Standard deviation of white noise in each column."""
-    return np.asarray(np.sqrt(noise_density(values, period, 0.25 / period) / (2.0 * period)))
-
-
-def _noise_finding(
-    study: Study, channel: str, j: int, std: FloatArray, others: FloatArray
-) -> Finding:
-    name, unit = study.joints[j], "rad" if channel == "q" else "rad/s"
-    value = float(np.median(std))
-    error = float(max(np.std(std) / np.sqrt(len(std)), 0.03 * value))
-    times = value / float(np.median(others))
-    share = float(1.0 - (np.median(others) / value) ** 2)
-    return Finding(
-        effect="sensor_noise",
-        joints=(name,),
-        recordings=tuple(r.name for r in study.fit),
-        regime=f"always, in {channel}.{name}",
-        statement=(
-            f"{channel}.{name} is {times:.2g} times as noisy as the same channel of the other"
-            f" joints: {value:.2g} {unit} of white noise."
-        ),
-        parameters={
-            "std": Estimate(
-                value=value,
-                std=error,
-                interval95=(value - 1.96 * error, value + 1.96 * error),
-                unit=unit,
-            )
-        },
-        decided_by="the robot at rest, brakes on",
-        evidence=Evidence(validation_gain=share, interval95=(share, share), channels=(channel,)),
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,9 +12,12 @@ from .effects import CATALOGUE, Key
 from .equivalents import equivalents_of
 from .estimate import estimates, event_estimates
 from .findings import Diagnosis, Evidence
+from .held_out_limits import held_out_limits
 from .naming import Found, described, finding_of, merged
 from .prepare import Prepared
 from .regression import Fit, Term
+from .sampling import widened, without_sampling
+from .simulated_estimates import simulated_estimates
 from .trial import Search
 from .validation import Prediction
 from .verdict import joint_fits, notes_of, verdict_of
@@ -66,10 +69,12 @@ def conclude(
         for term in state.accepted
         if not CATALOGUE[term.effect].negligible(motions, term.shape)
     )
+    accepted, unsure = without_sampling(prepared, state.fit, accepted)
     values = estimates(state.fit, accepted, seed)
+    values, simulated = simulated_estimates(prepared, state, accepted, values)
     found: list[Found] = []
-    unsure: list[str] = []
     for number, term in enumerate(accepted):
+        values[number] = widened(motions, term, values[number])
         plain = {name: each.value for name, each in values[number].items()}
         if CATALOGUE[term.effect].trifling(plain):
             continue
@@ -86,16 +91,19 @@ def conclude(
             evidence = within(state, term, channels)
             others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
             values[number] = event_estimates(others.extended(term), term)
+        if id(term) in state.confirmed:
+            evidence = replace(state.confirmed[id(term)], channels=channels)
         rivals = equivalents_of(state, term, study.joints, prepared.body)
         finding = finding_of(prepared, term, values[number], rivals, evidence)
         found.append((finding, (term,)))
     if prepared.validate is not None:
+        found += held_out_limits(prepared, state.fit, prediction)
         found += held_out_contacts(prepared, state.fit, prediction)
     if check is not None:
         found += [(finding, ()) for finding in check.findings]
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].evidence.validation_gain)
-    joints = joint_fits(prepared, state.fit, prediction)
+    joints = joint_fits(prepared, state, prediction)
     findings = tuple(finding for finding, _ in found)
     diagnosis = Diagnosis(
         verdict=verdict_of(findings, joints),
@@ -105,6 +113,7 @@ def conclude(
             *notes_of(prepared, state, joints),
             *(check.notes if check else ()),
             *vetoed,
+            *([simulated] if simulated else []),
             *unsure,
         ),
     )

@@ -17,15 +17,13 @@ from .read_study import load_study
 from .regression import Fit
 from .search import search
 from .study import Study
-from .trial import Search, without
+from .told_by_simulation import told_by_simulation
+from .trial import Search
 from .unexplained import add_unknown
-from .validation import Prediction
 from .verdict import source_in_words
+from .veto import veto
 
 Tell = Callable[[str, str, float], None]
-
-_VERY_CLEAR, _VERY_LARGE = 8.0, 3.0
-"""Wald statistic and size in sigmas of what held-out recordings cannot confirm."""
 
 
 def diagnose(
@@ -63,6 +61,7 @@ def examine(
     say("name", "looking for what else would explain the same", 0.75)
     swapped(state)
     forget_contacts(state)
+    told_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.8))
     vetoed = veto(prepared, state)
     say("estimate", "intervals by the block bootstrap", 0.85)
     return conclude(prepared, state, seed, check, vetoed)
@@ -93,33 +92,3 @@ def forget_contacts(state: Search) -> None:
         if share < LEAST_CONTACT or not stands(others.extended(term), term):
             state.fit = others
     state.contacts = tuple(term for term in state.contacts if term in state.fit.terms)
-
-
-def veto(prepared: Prepared, state: Search) -> tuple[str, ...]:
-    """Leave out what recordings that nothing was fitted to do not confirm; says so in words.
-
-    Held-out recordings choose nothing, but what they do not bear out is not claimed. What never
-    acts in them (a limit that is not reached) must be very clear in the others.
-    """
-    if prepared.validate is None:
-        return ()
-    notes = []
-    prediction = Prediction(prepared.validate)
-    for term in state.accepted:
-        if term in state.contacts:
-            continue
-        evidence = prediction.evidence(state.fit, term, (), 0)
-        low, high = evidence.interval95
-        if low > 0.0:
-            continue
-        if low > -1e-9:  # it acts in few blocks or none, and some draws have none of them
-            trial = without(state, term)
-            if trial.t >= _VERY_CLEAR and trial.size >= _VERY_LARGE:
-                continue
-        state.fit = Fit(state.balances, [t for t in state.fit.terms if t is not term])
-        said = "contradicted" if high < 0.0 else "not confirmed"
-        notes.append(
-            f"{described(prepared, term)}: suggested by the fit recordings, {said} by the held-out"
-            " ones, and left out."
-        )
-    return tuple(notes)

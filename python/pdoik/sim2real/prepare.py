@@ -50,8 +50,8 @@ def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = 
         study=study,
         body=body,
         cutoff=cutoff,
-        fit=Balances(_motions(study, fit, body, cutoff, noise)),
-        validate=Balances(_motions(study, held_out, body, cutoff, noise)) if held_out else None,
+        fit=Balances(motions_of(study, fit, body, cutoff, noise)),
+        validate=Balances(motions_of(study, held_out, body, cutoff, noise)) if held_out else None,
     )
 
 
@@ -62,16 +62,17 @@ def simulated(prepared: Prepared) -> Balances | None:
         return None
     thin = [thinned(r) for r in study.simulation]
     noise = np.zeros(len(study.joints))
-    return Balances(_motions(study, thin, prepared.body, prepared.cutoff, noise))
+    return Balances(motions_of(study, thin, prepared.body, prepared.cutoff, noise))
 
 
-def _motions(
+def motions_of(
     study: Study,
     recordings: list[Recording],
     body: RigidBody | None,
     cutoff: float,
     noise: FloatArray,
 ) -> list[Motion]:
+    """Motions of thinned recordings, with the density (n,) of noise in their positions."""
     begins: dict[str, float] = {}
     for each in (*study.recordings, *recordings):
         name = _file(each)

@@ -11,6 +11,7 @@ from scipy import linalg
 
 from .balances import Balances
 from .effects import CATALOGUE, Key, Place
+from .findings import Evidence
 from .recording import FloatArray
 from .regression import Fit, Term
 
@@ -18,7 +19,7 @@ _LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
 LEAST_T = 3.5  # held-out gain over its standard error, by blocks
 _LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
 _LEAST_SHARE = 0.002  # of the mean square residual that the effect's channels began with
-_LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
+LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
 _LEAST_RELIEF = 12.0  # of the prior's penalty: a log evidence of six that figures are beyond trust
 _TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
 _TIE = 0.03  # or the share of the gain, where blocks differ as much
@@ -43,7 +44,7 @@ class Trial:
     @property
     def significant(self) -> bool:
         """Whether the gain is real and large enough to matter."""
-        explains = max(_LEAST_OF_REST, CATALOGUE[self.term.effect].least_of_rest)
+        explains = max(LEAST_OF_REST, CATALOGUE[self.term.effect].least_of_rest)
         return (
             self.t >= LEAST_T
             and self.size >= _LEAST_SIZE
@@ -71,6 +72,9 @@ class Search:
     )  # how often, needless later
     tried: list[Trial] = field(default_factory=list)
     level: dict[int, list[Trial]] = field(default_factory=dict)  # by id of the accepted term
+    simulated: dict[int, dict[str, float]] = field(default_factory=dict)  # figures by term's id
+    confirmed: dict[int, Evidence] = field(default_factory=dict)  # by simulations, by term's id
+    left: dict[Key, float] = field(default_factory=dict)  # by simulations of held-out recordings
 
     @property
     def accepted(self) -> tuple[Term, ...]:

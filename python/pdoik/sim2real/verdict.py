@@ -8,7 +8,6 @@ from .effects import Key
 from .findings import Finding, JointFit, Verdict
 from .prepare import Prepared, simulated
 from .recording import FloatArray
-from .regression import Fit
 from .trial import Search
 from .validation import Prediction
 
@@ -17,10 +16,14 @@ _NEAR_FLOOR = 1.6
 """A residual within this factor of the noise floor counts as explained."""
 
 
-def joint_fits(prepared: Prepared, fit: Fit, prediction: Prediction) -> dict[str, JointFit]:
-    """Residual of each joint before and after, on held-out recordings."""
+def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dict[str, JointFit]:
+    """Residual of each joint before and after, on held-out recordings.
+
+    What is left is the regression's, or where an effect was confirmed by simulations, the less of
+    theirs and the regression's.
+    """
     b = prediction.balances
-    left = prediction.residual(fit)
+    left = prediction.residual(state.fit)
     names = ", ".join(m.recording.name for m in b.motions)
     result = {}
     for j, name in enumerate(prepared.study.joints):
@@ -36,7 +39,7 @@ def joint_fits(prepared: Prepared, fit: Fit, prediction: Prediction) -> dict[str
             rows, excited = np.ones_like(rows), False
         result[name] = JointFit(
             before=_rms(b.residual[key][rows]),
-            after=_rms(left[key][rows]),
+            after=min(_rms(left[key][rows]), state.left.get(key, np.inf)),
             noise_floor=b.floor[key],
             unit="rad" if key[0] == "servo" else "N m",
             data=names,

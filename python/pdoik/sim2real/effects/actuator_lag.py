@@ -11,11 +11,12 @@ from ..recording import FloatArray
 from ..signals import lagged
 from .command_delay import (
     OF_POSITION,
+    TIMES,
     drive_shapes,
     drive_variant,
     late_position,
     late_torque,
-    within_sampling,
+    too_short,
 )
 from .effect import Columns, Effect, Parameter, Place, Shape
 
@@ -35,8 +36,7 @@ class ActuatorLag(Effect):
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Time constants [s]."""
-        times = (0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
-        return drive_shapes(motions, place, times)
+        return drive_shapes(motions, place, TIMES)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The lagged command less the command."""
@@ -60,7 +60,7 @@ class ActuatorLag(Effect):
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
-        return within_sampling(motions, shape[1])
+        return too_short(motions, shape)
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()

@@ -62,6 +62,8 @@ class Backlash(Effect):
     decided_by = "slow motion through the pose where the joint's load changes its sign"
     source = "Nordin and Gutman, Automatica 38(10), 2002"
     instead = ("joint_elasticity",)
+    simplified = 0.05  # flanks' stiffness and grease are not fitted
+    simulated_rivals = ("joint_elasticity",)
     complexity = 3
     costly = True
 

@@ -14,6 +14,13 @@ from .effect import Columns, Effect, Parameter, Place, Shape
 OF_POSITION, OF_TORQUE = 0.0, 1.0
 """First entry of a shape: whether the commanded position or the torque comes late."""
 
+LEAST_POSITION, LEAST_TORQUE = 0.2, 0.3
+"""Of the controller's period, below which a position's or a torque's delay is not claimed."""
+
+LEAST_OF_LOG = 0.05  # the same of the log's period
+TIMES = (0.0008, 0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
+"""Delays and time constants to try first [s]."""
+
 
 def late_position(motion: Motion, j: int, change: FloatArray) -> Columns:
     """Of a commanded position that differs by `change` (T,) from what was logged.
@@ -29,18 +36,34 @@ def late_position(motion: Motion, j: int, change: FloatArray) -> Columns:
 
 
 def late_torque(motion: Motion, j: int, late: Callable[[FloatArray], FloatArray]) -> Columns:
-    """Of a torque that follows its command as `late` says."""
+    """Of a torque that follows its command as `late` says.
+
+    A command that is held until the next comes half a period late on average: that is no delay.
+    """
     if motion.has_command(j):
         assert motion.command is not None
         command = motion.command[:, j]
-        return {("drive", j): (late(command) - command)[:, None]}
+        return {("drive", j): (late(held(motion, command)) - command)[:, None]}
     if motion.source == "tau" or motion.source == "current":
         assert motion.law is not None
-        law = motion.law[:, j]
+        law = motion.law[:, j]  # as held
         return {("law", j): (late(law) - law)[:, None]}
     assert motion.torque is not None
     command = motion.torque[:, j]
-    return {("torque", j): (command - late(command))[:, None]}
+    acting = command if motion.source == "law" else held(motion, command)
+    return {("torque", j): (command - late(acting))[:, None]}
+
+
+def held(motion: Motion, command: FloatArray) -> FloatArray:
+    """A command as it acts on average where the controller holds it over a known period; (T,)."""
+    period, known = period_of(motion)
+    return shifted(command, 0.5 * period, motion.period) if known else command
+
+
+def period_of(motion: Motion) -> tuple[float, bool]:
+    """The controller's period [s], and whether it is known: if not, the log's stands for it."""
+    period = motion.controller.period if motion.controller is not None else None
+    return (period, True) if period else (motion.recording.raw_period, False)
 
 
 def drive_shapes(motions: Sequence[Motion], place: Place, times: Sequence[float]) -> list[Shape]:
@@ -63,10 +86,23 @@ def drive_variant(shape: Shape) -> str:
 
 
 def within_sampling(motions: Sequence[Motion], time: float) -> bool:
-    """Whether a time is within what sampling and the controller's ticks blur [s]."""
+    """Whether a skew of clocks is within what sampling and the controller's ticks blur [s]."""
     first = motions[0]
     period = first.controller.period if first.controller is not None else None
     return abs(time) < max(2.5 * (period or 0.0), 1.0 * first.recording.raw_period)
+
+
+def too_short(motions: Sequence[Motion], shape: Shape) -> bool:
+    """Whether a delay or lag is within three times what machines without any seem to have.
+
+    Where a law or a torque is known; of positions alone nothing below a sample can be told.
+    """
+    first = motions[0]
+    if first.source == "":
+        return within_sampling(motions, shape[1])
+    period, known = period_of(first)
+    share = (LEAST_POSITION if shape[0] == OF_POSITION else LEAST_TORQUE) if known else 1.0
+    return abs(shape[1]) < max(share * period, LEAST_OF_LOG * first.recording.raw_period)
 
 
 class CommandDelay(Effect):
@@ -86,12 +122,11 @@ class CommandDelay(Effect):
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Delays from half a sample to a third of a second [s]."""
-        times = (0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
+        """Delays from parts of a sample to a third of a second [s]."""
         if motions[0].source == "" and motions[0].q_des is not None:
             lags = (0.0, 0.03, 0.08, 0.2)
-            return [(OF_POSITION, time, lag) for time in times[3:] for lag in lags]
-        return drive_shapes(motions, place, times)
+            return [(OF_POSITION, time, lag) for time in TIMES[4:] for lag in lags]
+        return drive_shapes(motions, place, TIMES)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The command late less the command."""
@@ -130,7 +165,7 @@ class CommandDelay(Effect):
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
-        return within_sampling(motions, shape[1])
+        return too_short(motions, shape)
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()

@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..flat_top import FlatTop, flat_top
 from ..motion import Motion
 from ..recording import FloatArray
 from ..signals import zero_phase
 from .effect import Columns, Effect, Parameter, Place, Shape
 
 _LEAST_REACHED = 12  # samples
+_AT_TOP = 0.1  # how far a level may lie from the flat top that it is meant to be
 OF_REPORTED, OF_COMMAND, OF_LAW = 0.0, 1.0, 2.0
 """First entry of a shape: what is larger than the torque truly given."""
 
@@ -31,21 +33,17 @@ class TorqueSaturation(Effect):
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """What is clipped, and levels below the highest torque asked for."""
+        """The flat top's level; where the torque given was not recorded, levels below the peak."""
         (j,) = place.joints
-        first = motions[0]
-        kinds = [OF_REPORTED] if first.source else []
-        kinds += [OF_COMMAND] if first.has_command(j) else []
-        kinds += [OF_LAW] if first.has_law(j) else []
         shapes: list[Shape] = []
-        for kind in kinds:
-            asked = np.concatenate([np.abs(_asked(m, j, kind)) for m in motions])
+        for kind in kinds(motions[0], j):
+            top = top_of(motions, j, kind)
+            shapes += [(kind, top.level)] if top is not None else []
+        if motions[0].source:
+            asked = np.concatenate([np.abs(_asked(m, j, OF_REPORTED)) for m in motions])
             if np.isfinite(asked).all():
                 levels = np.quantile(asked, (0.7, 0.85, 0.93, 0.97, 0.985, 0.993, 0.997, 0.999))
-                # A limit that is rarely reached lies between these: at the highest torque given.
-                if kind != OF_REPORTED:
-                    levels = np.append(levels, max(_highest(m, j, kind) for m in motions))
-                shapes += [(kind, float(level)) for level in levels if level > 0.0]
+                shapes += [(OF_REPORTED, float(level)) for level in levels if level > 0.0]
         return shapes
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -67,7 +65,8 @@ class TorqueSaturation(Effect):
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """Near the level found first."""
         kind, level = shape
-        return [(kind, kind), (0.8 * level, 1.25 * level)]
+        within = 0.2 if kind == OF_REPORTED else _AT_TOP
+        return [(kind, kind), ((1.0 - within) * level, level / (1.0 - within))]
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
@@ -80,15 +79,17 @@ class TorqueSaturation(Effect):
         return {OF_REPORTED: "reported torque", OF_COMMAND: "command", OF_LAW: "law"}[shape[0]]
 
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
-        """Nowhere does the joint get more than the level, noise apart."""
+        """Whether what is given has a flat top there; by the model, whether it never exceeds it."""
         (j,) = place.joints
         kind, level = shape
-        highest = max(_highest(m, j, kind) for m in motions)
-        if kind == OF_REPORTED and highest < 0.8 * level:
-            return False  # the joint never needed as much: what is cut off is not torque
+        if kind != OF_REPORTED:
+            top = top_of(motions, j, kind)
+            return top is not None and abs(level - top.level) < 1.5 * _AT_TOP * top.level
+        highest = max(_needed(m, j) for m in motions)
         asked = np.concatenate([np.abs(_asked(m, j, kind)) for m in motions])
         reached = int(np.count_nonzero(asked > level))
-        return highest < 1.06 * level and reached >= _LEAST_REACHED
+        # A joint that never needed as much: what is cut off is not torque.
+        return 0.8 * level <= highest < 1.06 * level and reached >= _LEAST_REACHED
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
@@ -99,6 +100,20 @@ class TorqueSaturation(Effect):
         return f"the highest torques of {where}"
 
 
+def kinds(motion: Motion, j: int) -> list[float]:
+    """What may be clipped at joint j and was recorded beside what was given."""
+    command = [OF_COMMAND] if motion.has_command(j) else []
+    return command + ([OF_LAW] if motion.has_law(j) else [])
+
+
+def top_of(motions: Sequence[Motion], j: int, kind: float) -> FlatTop | None:
+    """The flat top of what is given to joint j where a command or the law asks for more."""
+    pairs = [(_given(m, j, kind), _asked(m, j, kind), m.valid, m.period) for m in motions]
+    if not all(np.isfinite(given).all() and np.isfinite(asked).all() for given, asked, *_ in pairs):
+        return None
+    return flat_top(pairs)
+
+
 def _asked(motion: Motion, j: int, kind: float) -> FloatArray:
     """The torque that is clipped, (T,)."""
     asked = {OF_REPORTED: motion.torque, OF_COMMAND: motion.command, OF_LAW: motion.law}[kind]
@@ -106,10 +121,14 @@ def _asked(motion: Motion, j: int, kind: float) -> FloatArray:
     return np.ascontiguousarray(asked[:, j])
 
 
-def _highest(motion: Motion, j: int, kind: float) -> float:
-    """The highest torque truly given, noise apart [N m]."""
-    given = motion.tau[:, j] if kind == OF_REPORTED else motion.given(j)
+def _given(motion: Motion, j: int, kind: float) -> FloatArray:
+    """What came of it, (T,)."""
     if kind == OF_COMMAND and motion.torque is not None:
-        given = motion.torque[:, j]
-    smooth = np.abs(zero_phase(given, motion.cutoff, motion.period))
+        return np.ascontiguousarray(motion.torque[:, j])
+    return motion.given(j)
+
+
+def _needed(motion: Motion, j: int) -> float:
+    """The highest torque that the motion needed by the model, noise apart [N m]."""
+    smooth = np.abs(zero_phase(motion.tau[:, j], motion.cutoff, motion.period))
     return float(np.quantile(smooth, 0.9995))

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..export import export_mjcf, export_urdf
+from ..improved_model import improved_model
 from ..model_file import FILE_NAME, Model
-from ..nuisance import TRUST
 from ..recording import FloatArray
 from ..simulation.description import read_description
-from ..simulation.plant import build_plant
 
 if TYPE_CHECKING:
     from ..conclude import Examination
@@ -83,21 +82,8 @@ def model_of(examination: Examination) -> Model:
     Raises:
         LoadError: the robot's file cannot be read.
     """
-    prepared = examination.prepared
-    model = Model.of_study(prepared.study, examination.diagnosis.findings, cutoff=prepared.cutoff)
-    fit = examination.state.fit
-    changes = {
-        term.place.link: fit.beta[offset : offset + term.width]
-        for term, offset in zip(fit.terms, fit.offsets, strict=False)
-        if term.effect == TRUST and term.place.link is not None
-    }
-    if not changes or model.robot is None:
-        return model
-    links = build_plant(model.robot, model.joints).links
-    own = read_description(model.robot).inertials
-    corrected = {links[k]: own[links[k]].ten() + change for k, change in changes.items()}
-    return Model.of_study(
-        prepared.study, examination.diagnosis.findings, corrected, prepared.cutoff
+    return improved_model(
+        examination.prepared, examination.diagnosis.findings, examination.state.fit
     )
 
 

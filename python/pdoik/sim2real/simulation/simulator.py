@@ -22,7 +22,7 @@ from .control import (
 from .parts import Part, SensedChannel, Vector
 from .plant import STANDARD_GRAVITY
 from .segments import Segment, measured_state, row_at, run_ends, sampled
-from .stepper import Stepper
+from .stepper import Stepper, quiet
 
 OPEN_LOOP_WINDOW = 0.2  # a robot without its controller falls away from a recording [s]
 Drive = Literal["controller", "tau_cmd", "tau"]
@@ -146,7 +146,8 @@ class Simulator:
         for end in ends:
             last = max(first + 1, int(np.ceil(end / dt - 1e-6)))
             last += end == ends[-1]  # for the torque of the last sample
-            segments.append(self._run(first, last, hold, ticks, drive))
+            with quiet():
+                segments.append(self._run(first, last, hold, ticks, drive))
             if end < ends[-1]:
                 stepper.place(*(row_at(last * dt, commands.time, each) for each in (q, dq)))
             first = last

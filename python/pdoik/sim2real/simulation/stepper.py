@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,27 @@ from .parts import DriveChange, ExternalForce, Part, Vector
 from .plant import STANDARD_GRAVITY, Plant, build_plant
 from .sensors import Sensors
 
+UNSTABLE = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 RUNAWAY = 1e3  # no joint is that fast [rad/s]
 
 
 class SimulationError(PdoikError):
     """A simulated robot left all bounds; the message says when and at which joint."""
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """MuJoCo's warnings are neither printed nor written to a file in the working folder."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda text: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 class Stepper:
@@ -74,6 +91,7 @@ class Stepper:
         self.model: Any = self.plant.model  # mujoco.MjModel
         self.data: Any = mujoco.MjData(self.model)  # mujoco.MjData
         self._dof = self.plant.dof
+        self._unstable = [self.data.warning[int(kind)] for kind in UNSTABLE]
         self._qpos, self._qvel = self.data.qpos, self.data.qvel
         self._qacc, self._constraint = self.data.qacc, self.data.qfrc_constraint
         self._applied = self.data.qfrc_applied
@@ -227,6 +245,8 @@ class Stepper:
     def check(self, velocity: list[float]) -> None:
         """Raises SimulationError where a speed is no robot's."""
         if max(velocity) < RUNAWAY and min(velocity) > -RUNAWAY:
+            if any(each.number for each in self._unstable):
+                raise SimulationError("MuJoCo found the simulation unstable and started it anew")
             return
         fast = int(np.argmax(np.abs(np.nan_to_num([velocity[k] for k in self._dof], nan=np.inf))))
         inertia = 1.0 / self.plant.inverse_inertia(np.zeros(len(self.joints)))[fast, fast]
