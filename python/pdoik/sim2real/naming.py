@@ -140,7 +140,10 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
     inside = [group[i][0] for i in near]
     weight = np.array([1.0 / max(f.parameters[name].std, 1e-6) ** 2 for f in inside])
     value = float(np.sum(weight * times[near]) / weight.sum())
-    std = float(max(np.std(times[near]) / np.sqrt(len(near)), weight.sum() ** -0.5))
+    # What sampling leaves open is common to the joints: their number does not make it less.
+    std = float(
+        max(np.std(times[near]) / np.sqrt(len(near)), min(f.parameters[name].std for f in inside))
+    )
     estimate = Estimate(
         value=value,
         std=std,

@@ -235,6 +235,8 @@ def _figures(
             continue
         known = {each.name: each for each in CATALOGUE[term.effect].parameters}
         for name, value in at.values[i].items():
+            if name in known and known[name].chosen:
+                continue
             error = errors[i].get(name, 0.0)
             slope = _slope(arm, term, at.values[i], name, max(0.02 * abs(value), 0.3 * error))
             if slope:

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from .effects import CATALOGUE, Key, Place
-from .effects.command_delay import OF_POSITION, period_of
+from .effects.command_delay import OF_POSITION, OF_TORQUE, period_of
 from .findings import Estimate
 from .motion import Motion
 from .naming import described
@@ -25,8 +25,12 @@ from .regression import Fit, Term
 
 LATE = ("command_delay", "actuator_lag")
 
-_POSITION, _TORQUE, _UNKNOWN = 0.03, 0.1, 0.3
-"""Standard deviation of a delay by sampling, in periods; of any where the period is not known."""
+_POSITION, _TORQUE, _UNKNOWN = 0.03, 0.15, 0.3
+"""Standard deviation of a delay by sampling, in periods; of any where the period is not known.
+
+A position's is what clean studies show; a torque's, twice that, since machines (and simulations)
+differ in when within a tick a torque is said to act.
+"""
 
 _OF_LOG = 0.01  # the same of the log's period, for interpolation
 _SMALL = 0.2  # of a period: the step of a derivative by the delay
@@ -48,7 +52,8 @@ def widened(
     """A delay's or a lag's estimates with the error that sampling adds to a controlled joint's."""
     if term.effect not in LATE or motions[0].source == "":
         return values
-    return {name: _wider(each, blur(motions, term.shape)) for name, each in values.items()}
+    by = blur(motions, term.shape if term.effect in LATE else (OF_TORQUE,))
+    return {name: _wider(each, by) for name, each in values.items()}
 
 
 def _wider(each: Estimate, by: float) -> Estimate:

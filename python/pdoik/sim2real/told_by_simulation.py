@@ -45,7 +45,7 @@ def told_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) 
 
     Nothing is done where there is nothing to simulate the arm by.
     """
-    doubtful = [term for term in state.accepted if CATALOGUE[term.effect].simulated_rivals]
+    doubtful = [term for term in state.accepted if _is_doubtful(state, term)]
     if not doubtful or why_not(prepared.study):
         return
     arm = Arm(prepared, state.fit)
@@ -53,7 +53,7 @@ def told_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) 
     for term in doubtful:
         if term not in state.accepted:
             continue
-        beside = [t for t in state.accepted if t.place == term.place and t.effect in _STAND_INS]
+        beside = _stand_ins(state, term)
         bare = _with(state, [t for t in state.accepted if t not in beside])
         own = _simulated(arm, sketch, bare, seed)
         for rival in _rivals(bare, term):
@@ -82,6 +82,20 @@ def told_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) 
     confirm(prepared, state)
 
 
+def _stand_ins(state: Search, term: Term) -> list[Term]:
+    """What may have been put beside a term to make up for what its columns miss."""
+    if not CATALOGUE[term.effect].shown_poorly:
+        return []
+    return [t for t in state.accepted if t.place == term.place and t.effect in _STAND_INS]
+
+
+def _is_doubtful(state: Search, term: Term) -> bool:
+    """Whether the regression is not to be trusted with a term's name."""
+    effect = CATALOGUE[term.effect]
+    level = {trial.term.effect for trial in state.level.get(id(term), [])}
+    return effect.shown_poorly or not level.isdisjoint(effect.simulated_rivals)
+
+
 def _with(state: Search, accepted: Sequence[Term]) -> Search:
     """The search as if these had been accepted."""
     return replace(
@@ -94,7 +108,7 @@ def _with(state: Search, accepted: Sequence[Term]) -> Search:
 
 def confirm(prepared: Prepared, state: Search) -> None:
     """Hold what only a simulation shows well against simulations of the held-out recordings."""
-    doubtful = [t for t in state.accepted if CATALOGUE[t.effect].simulated_rivals]
+    doubtful = [t for t in state.accepted if CATALOGUE[t.effect].shown_poorly]
     if prepared.validate is None or not doubtful:
         return
     arm = Arm(prepared, state.fit, held_out=True)

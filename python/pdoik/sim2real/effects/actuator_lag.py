@@ -32,6 +32,7 @@ class ActuatorLag(Effect):
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "first-order lag of a current loop"
     fixed = True
+    simulated_rivals = ("command_delay",)
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

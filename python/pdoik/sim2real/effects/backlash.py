@@ -63,6 +63,7 @@ class Backlash(Effect):
     source = "Nordin and Gutman, Automatica 38(10), 2002"
     instead = ("joint_elasticity",)
     simplified = 0.05  # flanks' stiffness and grease are not fitted
+    shown_poorly = True
     simulated_rivals = ("joint_elasticity",)
     complexity = 3
     costly = True

@@ -119,6 +119,7 @@ class CommandDelay(Effect):
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "transport delay"
     fixed = True
+    simulated_rivals = ("actuator_lag",)
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

@@ -26,6 +26,7 @@ class Parameter:
     unit: str
     lower: float = -np.inf
     upper: float = np.inf
+    chosen: bool = False  # among a few values: nothing between them has a meaning
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +61,8 @@ class Effect(ABC):
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
-    simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that only a simulation tells from it
+    simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that a simulation tells from it
+    shown_poorly: ClassVar[bool] = False  # by its columns: simulate before it is believed
     simplified: ClassVar[float] = 0.0  # share of its figures that its law's simplicity may take
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it

@@ -32,6 +32,7 @@ class JointElasticity(Effect):
     decided_by = "a quick stop, sampled at 500 Hz or more: the ring's frequency is sqrt(k / I)"
     source = "Spong, ASME J. Dyn. Sys. 109(4), 1987"
     instead = ("backlash",)
+    shown_poorly = True
     simulated_rivals = ("backlash",)
     complexity = 3
 

@@ -20,7 +20,7 @@ class PositionDependentSpring(Effect):
     parameters = (
         Parameter("stiffness", "N m/rad", lower=0.0),
         Parameter("onset", "rad"),
-        Parameter("side", "-"),
+        Parameter("side", "-", chosen=True),
     )
     confused_with = ("link_inertial_error", "torque_offset", "joint_offset", "torque_ripple")
     decided_by = "slow motion through the whole range with the cable taken off"

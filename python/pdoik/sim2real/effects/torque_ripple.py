@@ -20,7 +20,7 @@ class TorqueRipple(Effect):
     parameters = (
         Parameter("amplitude", "N m", lower=0.0),
         Parameter("phase", "rad"),
-        Parameter("harmonic", "cycles per turn", lower=0.0),
+        Parameter("harmonic", "cycles per turn", lower=0.0, chosen=True),
     )
     confused_with = ("position_dependent_spring", "kinematic_error")
     decided_by = "slow constant speed over a whole turn: ripple repeats with the angle"

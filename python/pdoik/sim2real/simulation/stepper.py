@@ -235,7 +235,8 @@ class Stepper:
         for k, line in self._delays:
             command[k] = line(command[k])
         data = self.data
-        self.advance(command, data.qpos.tolist(), data.qvel.tolist())
+        with quiet():
+            self.advance(command, data.qpos.tolist(), data.qvel.tolist())
         self.check(data.qvel.tolist())
 
     def drive_of(self, k: int) -> DriveChange:
