@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -92,3 +93,22 @@ def test_a_speed_that_reads_too_much_shows_in_speed_and_in_the_controllers_law(
     assert found["velocity", 1][INSIDE] == pytest.approx(0.4 * speed[INSIDE, 1], abs=1e-3)
     by_law = (right.law - wrong.law)[INSIDE, 1]  # given less law: what the law lacks
     assert found["law", 1][INSIDE] == pytest.approx(by_law, abs=1e-2)
+
+
+@pytest.mark.parametrize("compensated", [False, True])
+def test_a_position_that_the_log_alone_has_wrong_spoils_the_law_worked_out_from_it(
+    tmp_path: Path, compensated: bool
+) -> None:
+    right = moved(tmp_path, 2, controller=replace(pd(2), gravity_compensation=compensated))
+    gain, place = 1.02, Place(joints=(1,))
+    sensed = added("sensor_gain", right, place, (1.0,), gain=gain)
+    logged = added("sensor_gain", right, place, (2.0,), gain=gain)
+    assert right.controller is not None
+    assert right.body is not None
+    true = right.q / [1.0, gain]
+    lacks = right.controller.kp * (right.q - true)  # given, with the true position, less the law
+    if compensated:
+        lacks += right.body.gravity(true) - right.body.gravity(right.q)
+    assert ("law", 1) not in sensed
+    assert logged["law", 1] == pytest.approx(lacks[:, 1], abs=0.01 * np.abs(lacks).max())
+    assert (("law", 0) in logged) == (compensated and np.abs(lacks[:, 0]).max() > 1e-6)

@@ -20,7 +20,7 @@ from sim2real_robots import PENDULUM, TURNTABLE, arm_urdf, commands
 VARIANTS = {
     "actuator_lag": (0.0, 1.0),
     "command_delay": (0.0, 1.0),
-    "sensor_gain": (0.0, 1.0),
+    "sensor_gain": (0.0, 1.0, 2.0, 3.0),
     "timestamp_skew": (0.0, 1.0),
     "torque_gain": (0.0, 1.0, 2.0),
     "torque_offset": (0.0, 1.0, 2.0),

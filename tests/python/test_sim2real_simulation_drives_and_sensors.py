@@ -151,3 +151,20 @@ def test_encoders_zeros_gains_and_late_logs_are_seen_by_what_reads_them() -> Non
     loud = Simulator(TURNTABLE, ["joint1"], pd(900.0, 40.0), parts=gain).replay(run)
     assert loud.q == pytest.approx(plain.q, abs=0)
     assert loud.tau == pytest.approx(2.0 * np.asarray(plain.tau), abs=1e-12)
+
+
+@pytest.mark.parametrize(("variant", "channel"), [("position", "q"), ("speed", "dq")])
+def test_what_is_wrong_in_the_log_alone_does_not_move_the_arm(variant: str, channel: str) -> None:
+    run = commands(2.0, q_des=lambda t: 0.3 * np.sin(3 * t), dq_des=lambda t: 0.9 * np.cos(3 * t))
+    plain, sensed, logged = (
+        Simulator(
+            TURNTABLE,
+            ["joint1"],
+            pd(100.0, 8.0),
+            parts=parts_of("sensor_gain", ["joint1"], values={"gain": gain}, variant=of),
+        ).replay(run, q0=np.zeros(1), dq0=np.zeros(1))
+        for gain, of in ((1.0, variant), (1.2, variant), (1.2, f"logged {variant}"))
+    )
+    assert getattr(logged, channel) == pytest.approx(1.2 * getattr(plain, channel), abs=1e-9)
+    assert logged.tau == pytest.approx(plain.tau, abs=1e-9)
+    assert np.abs(np.asarray(sensed.tau) - np.asarray(plain.tau)).max() > 0.05

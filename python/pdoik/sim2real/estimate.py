@@ -94,7 +94,9 @@ def _free(term: Term) -> list[int]:
 
 
 def _step(term: Term, i: int) -> float:
-    return 0.02 * max(abs(term.shape[i]), 0.02)
+    size = abs(term.shape[i])
+    step = 0.02 * max(size, 0.02)
+    return min(step, 0.25 * size) if size else step  # a time stays positive
 
 
 def _sensitivity(fit: Fit, term: Term, i: int) -> Term:

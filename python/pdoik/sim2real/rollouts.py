@@ -28,6 +28,7 @@ from .naming import finding_of
 from .prepare import Prepared, motions_of
 from .recording import FloatArray, Recording
 from .regression import Fit, Term
+from .simulation import SimulationError
 from .split import part
 from .study import Study
 
@@ -119,6 +120,8 @@ class Arm:
             key: (self.data.residual[key] - sim.residual[key])[at] / self.data.sigma[key]
             for key, at in self.rows.items()
         }
+        if not all(np.isfinite(each).all() for each in left.values()):
+            raise SimulationError("the simulation gave no numbers")
         touched = frozenset(key for term in terms for key in term.columns)
         return Rollout(values=tuple(dict(each) for each in values), left=left, touched=touched)
 
@@ -238,7 +241,11 @@ def _figures(
             if name in known and known[name].chosen:
                 continue
             error = errors[i].get(name, 0.0)
-            slope = _slope(arm, term, at.values[i], name, max(0.02 * abs(value), 0.3 * error))
+            lower = known[name].lower if name in known else -np.inf
+            upper = known[name].upper if name in known else np.inf
+            h = max(0.02 * abs(value), 0.3 * error)
+            h = min(h, *(0.5 * abs(value - b) for b in (lower, upper) if value != b), h)
+            slope = _slope(arm, term, at.values[i], name, h)
             if slope:
                 result.append(
                     _Figure(
@@ -247,8 +254,8 @@ def _figures(
                         error=error,
                         scale=max(3.0 * error, 0.2 * abs(value), 1e-9),
                         most=max(3.0 * error, _FARTHEST * abs(value)),
-                        lower=known[name].lower if name in known else -np.inf,
-                        upper=known[name].upper if name in known else np.inf,
+                        lower=lower,
+                        upper=upper,
                         slope=slope,
                     )
                 )
@@ -284,5 +291,7 @@ def _slope(arm: Arm, term: Term, values: Values, name: str, h: float) -> dict[Ke
     return {
         key: (sides[0][key] - sides[1][key]) / (2.0 * h)
         for key in sides[0]
-        if key in sides[1] and np.any(sides[0][key] != sides[1][key])
+        if key in sides[1]
+        and np.isfinite(sides[0][key] - sides[1][key]).all()
+        and np.any(sides[0][key] != sides[1][key])
     }

@@ -92,6 +92,8 @@ def _stand_ins(state: Search, term: Term) -> list[Term]:
 def _is_doubtful(state: Search, term: Term) -> bool:
     """Whether the regression is not to be trusted with a term's name."""
     effect = CATALOGUE[term.effect]
+    if effect.negligible(state.balances.motions, term.shape):
+        return False
     level = {trial.term.effect for trial in state.level.get(id(term), [])}
     return effect.shown_poorly or not level.isdisjoint(effect.simulated_rivals)
 

@@ -33,6 +33,7 @@ class JointElasticity(Effect):
     source = "Spong, ASME J. Dyn. Sys. 109(4), 1987"
     instead = ("backlash",)
     shown_poorly = True
+    simplified = 0.01  # one stiffness and one damping, and the rotor where it is believed
     simulated_rivals = ("backlash",)
     complexity = 3
 

@@ -10,11 +10,14 @@ from ..motion import Motion
 from ..recording import FloatArray
 from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
 
-OF_SPEED, OF_POSITION = 0.0, 1.0
+OF_LOGGED_SPEED, OF_POSITION, OF_LOGGED_POSITION, OF_SPEED = 0.0, 1.0, 2.0, 3.0
+"""What reads wrong: the controller's sensor too, or the log alone."""
+
+_STEP = 1e-4  # of gravity's derivative [rad]
 
 
 class SensorGain(Effect):
-    """logged = k true, of speed or position; of torque see torque_gain."""
+    """logged = k true, in the sensor or the log alone; of torque see torque_gain."""
 
     id = "sensor_gain"
     on = "channel"
@@ -26,12 +29,14 @@ class SensorGain(Effect):
     complexity = 2
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Channels."""
+        """Channels; in the log alone where a law tells that from what the controller reads."""
         (j,) = place.joints
         speed = motions[0].measured_dq
-        shapes: list[Shape] = [(OF_SPEED,)] if speed is not None and _known(speed[:, j]) else []
+        shapes: list[Shape] = []
+        if speed is not None and _known(speed[:, j]):
+            shapes += [(OF_LOGGED_SPEED,), (OF_SPEED,)]
         if motions[0].body is not None:
-            shapes.append((OF_POSITION,))
+            shapes += [(OF_POSITION,), (OF_LOGGED_POSITION,)]
         return shapes
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -39,12 +44,16 @@ class SensorGain(Effect):
         (j,) = place.joints
         q, dq, ddq = motion.q[:, j], motion.dq[:, j], motion.ddq[:, j]
         if shape[0] == OF_SPEED:
+            return {("velocity", j): dq[:, None]}
+        if shape[0] == OF_LOGGED_SPEED:
             return {("velocity", j): dq[:, None], **through_law(motion, j, dq)}
         # The true position is q / k = q + b q: coefficient b = 1/k - 1. Where speed was measured
         # apart it stays right, and the balance of speed sees the positions' derivative grow.
         columns = on_torque_and_tip(motion.by_motion(j, q, dq, ddq), tip_turned(motion, j, q))
         if motion.measured_dq is not None and _known(motion.measured_dq[:, j]):
             columns["velocity", j] = dq[:, None]
+        if shape[0] == OF_LOGGED_POSITION:
+            return added(columns, law_of_position(motion, j, q))
         return columns
 
     @property
@@ -59,19 +68,19 @@ class SensorGain(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The gain."""
         by_one = 1.0 + float(beta[0])
-        return {"gain": by_one if shape[0] == OF_SPEED else 1.0 / by_one}
+        return {"gain": 1.0 / by_one if _of_position(shape) else by_one}
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
         """By one more or less, see `columns`."""
-        what = shape[0] if shape else OF_SPEED
-        gain = values["gain"]
-        return (what,), np.array([gain - 1.0 if what == OF_SPEED else 1.0 / gain - 1.0])
+        shape, gain = shape or (OF_LOGGED_SPEED,), values["gain"]
+        return shape, np.array([1.0 / gain - 1.0 if _of_position(shape) else gain - 1.0])
 
     def variant(self, shape: Shape) -> str:
         """The channel."""
-        return "speed" if shape[0] == OF_SPEED else "position"
+        what = "position" if _of_position(shape) else "speed"
+        return what if shape[0] in (OF_SPEED, OF_POSITION) else f"logged {what}"
 
     def trifling(self, values: Mapping[str, float]) -> bool:
         """Less than half a percent."""
@@ -88,6 +97,35 @@ def through_law(motion: Motion, j: int, speed_error: FloatArray) -> Columns:
         return {}
     torque = (motion.controller.kd[j] * speed_error)[:, None]
     return {("law", j): torque} if motion.has_law(j) else {("torque", j): -torque}
+
+
+def law_of_position(motion: Motion, j: int, change: FloatArray) -> Columns:
+    """Where the law is worked out with a position that is truly `change` (T,) more."""
+    controller = motion.controller
+    if controller is None or motion.law is None:
+        return {}
+    torque = np.zeros_like(motion.q)
+    torque[:, j] = -controller.kp[j] * change
+    if controller.gravity_compensation and motion.body is not None:
+        moved = motion.q.copy()
+        moved[:, j] += _STEP
+        slope = (motion.body.gravity(moved) - motion.body.gravity(motion.q)) / _STEP
+        torque += slope * change[:, None]
+    columns: Columns = {}
+    for i in np.flatnonzero(np.any(torque != 0.0, axis=0)):
+        sign, balance = (1.0, "law") if motion.has_law(int(i)) else (-1.0, "torque")
+        columns[balance, int(i)] = sign * torque[:, i, None]  # type: ignore[index]
+    return columns
+
+
+def added(one: Columns, other: Columns) -> Columns:
+    """Both, summed where they change the same."""
+    both = {key: one[key] + other[key] for key in one.keys() & other.keys()}
+    return {**one, **other, **both}
+
+
+def _of_position(shape: Shape) -> bool:
+    return shape[0] in (OF_POSITION, OF_LOGGED_POSITION)
 
 
 def _known(values: FloatArray) -> bool:

@@ -45,6 +45,9 @@ from .parts import (
 
 CHANNELS: dict[str, SensedChannel] = {"position": "q", "speed": "dq", "torque": "tau"}
 """By an effect's variant."""
+LOGGED = "logged "
+"""Begins the variant of what is wrong in the log alone."""
+
 INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")  # Pinocchio's order
 
 
@@ -66,7 +69,7 @@ class _Where:
         return float(self.values.get(parameter, 0.0))
 
     def channel(self, default: SensedChannel) -> SensedChannel:
-        return CHANNELS.get(self.variant, default)
+        return CHANNELS.get(self.variant.removeprefix(LOGGED), default)
 
     @property
     def link(self) -> str:
@@ -109,7 +112,8 @@ def parts_of(
         window: Of external_contact [s].
         values: Its parameters by name.
         recordings: Where external_contact acts; () for all.
-        variant: What sensor_gain (of speed unless it says position or torque), timestamp_skew (of
+        variant: What sensor_gain (of speed unless it says position or torque; `logged speed` and
+            `logged position` where the controller reads them right), timestamp_skew (of
             torque), command_delay and actuator_lag (of torque or position) are of; whether
             torque_gain and torque_offset are those of the report or the drive, or "" of both.
 
@@ -279,7 +283,12 @@ EFFECTS: dict[str, Callable[[_Where], tuple[Part, ...]]] = {
         lambda j: SensorChange(joint=j, channel=w.channel("tau"), skew=w["skew"])
     ),
     "sensor_gain": lambda w: w.each(
-        lambda j: SensorChange(joint=j, channel=w.channel("dq"), gain=w["gain"])
+        lambda j: SensorChange(
+            joint=j,
+            channel=w.channel("dq"),
+            gain=w["gain"],
+            log_only=w.variant.startswith(LOGGED),
+        )
     ),
     "sensor_noise": lambda w: (),
     "external_contact": _contact,

@@ -134,7 +134,8 @@ class DriveChange:
 class SensorChange:
     """What is measured of a joint: gain (truth - offset), logged `skew` late.
 
-    The controller sees positions and speeds with gain and offset, but without skew.
+    The controller sees positions and speeds with gain and offset, but without skew, and without the
+    gain where that is the log's alone.
     """
 
     joint: str
@@ -142,6 +143,7 @@ class SensorChange:
     offset: float = 0.0
     gain: float = 1.0
     skew: float = 0.0  # [s]
+    log_only: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

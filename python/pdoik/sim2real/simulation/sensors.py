@@ -21,12 +21,14 @@ class Sensors:
         self.gain = {channel: np.ones(n) for channel in CHANNELS}
         self.offset = {channel: np.zeros(n) for channel in CHANNELS}
         self.skew = {channel: np.zeros(n) for channel in CHANNELS}
+        self.log_gain = {channel: np.ones(n) for channel in CHANNELS}  # of the log alone
         self.motors = np.eye(n)  # motor coordinates = motors @ true coordinates
         self.couplings: list[tuple[int, int, float]] = []
         for part in parts:
             if isinstance(part, SensorChange):
                 k = joints.index(nearest(part.joint, joints, "joint"))
-                self.gain[part.channel][k] *= part.gain
+                gain = self.log_gain if part.log_only else self.gain
+                gain[part.channel][k] *= part.gain
                 self.offset[part.channel][k] += part.offset
                 self.skew[part.channel][k] += part.skew
             elif isinstance(part, Coupling):
@@ -40,12 +42,16 @@ class Sensors:
             for channel in ("q", "dq")
         )
 
-    def measured(self, channel: SensedChannel, true: FloatArray) -> FloatArray:
-        """What is read of true values (..., n), without skew."""
+    def seen(self, channel: SensedChannel, true: FloatArray) -> FloatArray:
+        """What the controller reads of true values (..., n)."""
         motor = true if channel == "tau" else true @ self.motors.T
         return np.asarray(self.gain[channel] * (motor - self.offset[channel]))
 
+    def measured(self, channel: SensedChannel, true: FloatArray) -> FloatArray:
+        """What is logged of true values (..., n), without skew."""
+        return np.asarray(self.log_gain[channel] * self.seen(channel, true))
+
     def true(self, channel: SensedChannel, measured: FloatArray) -> FloatArray:
-        """The true values (..., n) of what was read."""
-        motor = measured / self.gain[channel] + self.offset[channel]
+        """The true values (..., n) of what was logged."""
+        motor = measured / (self.gain[channel] * self.log_gain[channel]) + self.offset[channel]
         return np.asarray(motor if channel == "tau" else motor @ self._true.T)

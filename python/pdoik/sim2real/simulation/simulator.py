@@ -245,8 +245,8 @@ class Simulator:
                     w = v if dof == everything else [v[i] for i in dof]
                     x = [q[i] - half * v[i] for i in dof]
                     if not sensors.plain:
-                        x = sensors.measured("q", np.array(x)).tolist()
-                        w = sensors.measured("dq", np.array(w)).tolist()
+                        x = sensors.seen("q", np.array(x)).tolist()
+                        w = sensors.seen("dq", np.array(w)).tolist()
                     tau = control(tick[0], tick[1], x, w)
                 stepper.check(v)
             commanded += tau
