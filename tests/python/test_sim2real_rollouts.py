@@ -16,8 +16,9 @@ from bench.concealed.spec import Truth, WorldSpec
 from pdoik.sim2real import diagnose, load_study
 from pdoik.sim2real.effects import CATALOGUE, Place
 from pdoik.sim2real.prepare import Prepared, prepare
+from pdoik.sim2real.refine_by_rollouts import refine_by_rollouts
 from pdoik.sim2real.regression import Fit, Term, term_of
-from pdoik.sim2real.rollouts import Arm, Rollout, refine_by_rollouts, why_not
+from pdoik.sim2real.rollouts import Arm, Rollout, why_not
 from pdoik.sim2real.simulation import SimulationError, Stepper
 
 

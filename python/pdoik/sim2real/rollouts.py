@@ -1,11 +1,9 @@
-"""The whole arm simulated forward from its commands, and findings moved to where it agrees best.
+"""The whole arm simulated forward from its commands, with what was found, held against recordings.
 
 A regression along the recorded motion sees what differentiation and filtering leave of an effect,
 and takes the recorded motion for granted. The simulation does not: it runs the controller, the
 drives and every finding in MuJoCo for the recorded commands, and what it logs goes through the same
-filters and balances. What recorded and simulated balances differ by is what the findings' figures
-still get wrong; Gauss-Newton steps move them, and a step stands only where the simulation comes
-nearer to the recordings.
+filters and balances.
 """
 
 from __future__ import annotations
@@ -15,8 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from pdoik.errors import PdoikError
 
 from .balances import Balances
 from .cutoff import noise_of
@@ -35,11 +31,7 @@ from .study import Study
 STEPS = 60_000  # of the simulation, of all recordings together
 _STEP = 1e-3  # [s]
 _SETTLING = 0.7  # at the beginning of each run [s]
-_ROUNDS = 4
-_CLEAR = 0.3  # standard errors that a figure must move to be worth another run
-_FAR = 4.0  # sigmas, beyond which what is left counts linearly
-_AS_THEY_ARE = ("external_contact", "unknown")  # simulated, but not refined
-_FARTHEST = 0.5  # of its value that a figure may move in one step
+FAR = 4.0  # sigmas, beyond which what is left counts linearly
 
 Values = dict[str, float]
 _NONE = np.zeros(0)
@@ -67,7 +59,7 @@ class Rollout:
 def huber(left: FloatArray) -> FloatArray:
     """Huber's: a knock between two samples may be logged in either."""
     size = np.abs(left)
-    return np.asarray(np.where(size < _FAR, size**2, _FAR * (2.0 * size - _FAR)))
+    return np.asarray(np.where(size < FAR, size**2, FAR * (2.0 * size - FAR)))
 
 
 class Arm:
@@ -166,132 +158,3 @@ def _as_logged(simulated: Recording, recorded: Recording) -> Recording:
         tau_cmd=None if recorded.tau_cmd is None else simulated.tau_cmd,
         tip=None if recorded.tip is None else simulated.tip,
     )
-
-
-def refine_by_rollouts(
-    arm: Arm,
-    terms: Sequence[Term],
-    start: Sequence[Values],
-    errors: Sequence[Values],
-    rounds: int = _ROUNDS,
-) -> tuple[Rollout, Rollout]:
-    """The rollout of the start and the best one: Gauss-Newton steps with Broyden's updates.
-
-    The first derivatives are those of the regression's columns; every run then corrects them along
-    its step, whether the step stood or not.
-
-    Args:
-        arm: what is simulated.
-        terms: of the findings.
-        start: their figures.
-        errors: standard errors of these.
-        rounds: steps at most.
-    """
-    first = best = arm.run(terms, start)
-    figures = _figures(arm, terms, first, errors)
-    if not figures:
-        return first, best
-    scale = np.array([each.scale for each in figures])
-    A = _stacked(arm, figures, first.touched) * scale
-    for _ in range(rounds):
-        y = best.flat
-        weighted = A * np.minimum(1.0, _FAR / np.maximum(np.abs(y), _FAR))[:, None]
-        move = np.linalg.solve(weighted.T @ A + np.eye(len(scale)), weighted.T @ y)
-        most = np.array([each.most for each in figures]) / scale
-        move = np.clip(move, -most, most)
-        if np.all(np.abs(move * scale) < [_CLEAR * each.error for each in figures]):
-            break
-        values = [dict(each) for each in best.values]
-        for each, step in zip(figures, move * scale, strict=True):
-            moved = values[each.term][each.name] + float(step)
-            values[each.term][each.name] = float(np.clip(moved, each.lower, each.upper))
-        try:
-            there = arm.run(terms, values)
-        except PdoikError:
-            break
-        A += np.outer(y - there.flat - A @ move, move) / float(move @ move)
-        if there.cost < best.cost:
-            best = there
-    return first, best
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Figure:
-    """One parameter of one term."""
-
-    term: int
-    name: str
-    error: float
-    scale: float  # how far it may be off by its nature, held against what data say
-    most: float  # that it may move in one step
-    lower: float
-    upper: float
-    slope: dict[Key, FloatArray]  # change of the balances per unit
-
-
-def _figures(
-    arm: Arm, terms: Sequence[Term], at: Rollout, errors: Sequence[Values]
-) -> list[_Figure]:
-    result = []
-    for i, term in enumerate(terms):
-        if term.effect in _AS_THEY_ARE:
-            continue
-        known = {each.name: each for each in CATALOGUE[term.effect].parameters}
-        for name, value in at.values[i].items():
-            if name in known and known[name].chosen:
-                continue
-            error = errors[i].get(name, 0.0)
-            lower = known[name].lower if name in known else -np.inf
-            upper = known[name].upper if name in known else np.inf
-            h = max(0.02 * abs(value), 0.3 * error)
-            h = min(h, *(0.5 * abs(value - b) for b in (lower, upper) if value != b), h)
-            slope = _slope(arm, term, at.values[i], name, h)
-            if slope:
-                result.append(
-                    _Figure(
-                        term=i,
-                        name=name,
-                        error=error,
-                        scale=max(3.0 * error, 0.2 * abs(value), 1e-9),
-                        most=max(3.0 * error, _FARTHEST * abs(value)),
-                        lower=lower,
-                        upper=upper,
-                        slope=slope,
-                    )
-                )
-    return result
-
-
-def _stacked(arm: Arm, figures: Sequence[_Figure], keys: frozenset[Key]) -> FloatArray:
-    """Slopes on the rows that count, in sigmas, (rows, figures)."""
-    data = arm.data
-    parts = []
-    for key, at in arm.rows.items():
-        if key not in keys:
-            continue
-        none = np.zeros(len(at))
-        each = [f.slope[key][at] if key in f.slope else none for f in figures]
-        parts.append(np.stack(each, axis=1) / data.sigma[key])
-    return np.concatenate(parts)
-
-
-def _slope(arm: Arm, term: Term, values: Values, name: str, h: float) -> dict[Key, FloatArray]:
-    """Change of a term's contribution per unit of one figure, (N,) for each balance."""
-    effect = CATALOGUE[term.effect]
-    if h <= 0.0:
-        return {}
-    sides = []
-    for sign in (1.0, -1.0):
-        moved = dict(values)
-        moved[name] += sign * h
-        shape, beta = effect.coefficients(moved, term.shape)
-        if not effect.admissible(beta) and not effect.fixed:
-            return {}
-        sides.append({k: c @ beta for k, c in arm.data.compute(effect, term.place, shape).items()})
-    return {
-        key: (sides[0][key] - sides[1][key]) / (2.0 * h)
-        for key in sides[0]
-        if key in sides[1]
-        and np.isfinite(sides[0][key] - sides[1][key]).all()
-        and np.any(sides[0][key] != sides[1][key])
-    }

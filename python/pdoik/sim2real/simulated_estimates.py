@@ -9,8 +9,9 @@ from pdoik.errors import PdoikError
 from .effects import CATALOGUE
 from .findings import Estimate
 from .prepare import Prepared
+from .refine_by_rollouts import refine_by_rollouts
 from .regression import Fit, Term
-from .rollouts import Arm, Rollout, Values, refine_by_rollouts, why_not
+from .rollouts import Arm, Rollout, Values, why_not
 from .trial import Search
 
 _STRAYS = 3.0  # times the loss of the regression, beyond which a simulation teaches nothing

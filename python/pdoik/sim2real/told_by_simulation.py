@@ -16,8 +16,9 @@ from .findings import Evidence
 from .naming import described
 from .prepare import Prepared
 from .refine import refined
+from .refine_by_rollouts import refine_by_rollouts
 from .regression import Fit, Term
-from .rollouts import Arm, Rollout, Values, huber, refine_by_rollouts, why_not
+from .rollouts import Arm, Rollout, Values, huber, why_not
 from .trial import Search, cross_validated, held_out_squares, screen
 
 _CLEARLY = 2.5  # standard errors, over blocks, by which one simulation is nearer than another
