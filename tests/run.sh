@@ -52,8 +52,9 @@ stage_consumer() {
   build/consumer/readme
 }
 
+# One worker per core, and one thread each: the files are many and the numerics small.
 stage_python() {
-  .venv/bin/python -m pytest "$@"
+  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
 
 stages=(lint cpp asan consumer python)
