@@ -15,6 +15,7 @@ from .nuisance import trusted
 from .prepare import Prepared, prepare
 from .read_study import load_study
 from .regression import Fit
+from .rollouts import why_not
 from .search import search
 from .study import Study
 from .told_by_simulation import told_by_simulation
@@ -63,7 +64,9 @@ def examine(
     forget_contacts(state)
     told_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.8))
     vetoed = veto(prepared, state)
-    say("estimate", "intervals by the block bootstrap", 0.85)
+    say("estimate", "intervals by the block bootstrap", 0.82)
+    if state.accepted and not why_not(study):
+        say("simulate", "the figures refined by simulating the arm from its commands", 0.85)
     return conclude(prepared, state, seed, check, vetoed)
 
 
