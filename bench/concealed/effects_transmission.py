@@ -8,6 +8,7 @@ import numpy as np
 from bench.concealed.arm import Arm, Array, Machine, rotation_rpy
 from bench.concealed.effect import Effect
 from bench.concealed.reference import Dynamics, Reference
+from scipy.spatial.transform import Rotation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,8 +123,9 @@ class KinematicError(Effect):
     bounds = (0.02, 10.0)
 
     def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        figures = [*(self.size * self.shift), *(self.size * self.turn)]
+        """As the catalogue names them: the rotation as a vector."""
+        turn = Rotation.from_matrix(rotation_rpy(self.size * self.turn)).as_rotvec()
+        figures = [*(self.size * self.shift), *turn]
         names = ("dx", "dy", "dz", "rx", "ry", "rz")
         return {name: float(x) for name, x in zip(names, figures, strict=True)}
 

@@ -17,6 +17,7 @@ from .naming import Found, described, finding_of, merged
 from .prepare import Prepared
 from .regression import Fit, Term
 from .sampling import widened, without_sampling
+from .second_order import to_second_order
 from .simulated_estimates import simulated_estimates
 from .trial import Search
 from .validation import Prediction
@@ -71,6 +72,7 @@ def conclude(
     )
     accepted, unsure = without_sampling(prepared, state.fit, accepted)
     values = estimates(state.fit, accepted, seed)
+    values = {i: to_second_order(state.fit, t, values[i]) for i, t in enumerate(accepted)}
     values, simulated = simulated_estimates(prepared, state, accepted, values)
     found: list[Found] = []
     for number, term in enumerate(accepted):

@@ -116,12 +116,12 @@ class Motion:
             self.cache["rigid"] = self.body.torque(self.q, self.dq, self.ddq)
         return self.cache["rigid"]
 
-    def tip_moved(self, q: FloatArray) -> FloatArray:
-        """Change of the tip's pose from the motion's to other positions (T, n); (T, 6)."""
+    def tip_moved(self, q: FloatArray, body: RigidBody | None = None) -> FloatArray:
+        """Change of the tip's pose to other positions (T, n), or another body's; (T, 6)."""
         assert self.body is not None
-        frame = self.body.frame(self.tip)
-        here = self.body.poses_and_jacobians(self.q, frame)[0]
-        there = self.body.poses_and_jacobians(q, frame)[0]
+        other = body or self.body
+        here = self.body.poses_and_jacobians(self.q, self.body.frame(self.tip))[0]
+        there = other.poses_and_jacobians(q, other.frame(self.tip))[0]
         turn = Rotation.from_matrix(there[:, :3, :3] @ np.transpose(here[:, :3, :3], (0, 2, 1)))
         return np.hstack([there[:, :3, 3] - here[:, :3, 3], turn.as_rotvec()])
 

@@ -20,7 +20,9 @@ from .rollouts import FAR, Arm, Rollout, Values
 
 _ROUNDS = 4
 _CLEAR = 0.3  # standard errors that a figure must move to be worth another run
-_AS_THEY_ARE = ("external_contact", "unknown")  # simulated, but not refined
+_AS_THEY_ARE = ("external_contact", "kinematic_error", "unknown")
+"""Simulated, but not refined: an event, pure geometry, and figures without a meaning."""
+
 _FARTHEST = 0.5  # of its value that a figure may move in one step
 
 

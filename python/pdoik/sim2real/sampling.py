@@ -49,8 +49,8 @@ def blur(motions: Sequence[Motion], shape: tuple[float, ...]) -> float:
 def widened(
     motions: Sequence[Motion], term: Term, values: dict[str, Estimate]
 ) -> dict[str, Estimate]:
-    """A delay's or a lag's estimates with the error that sampling adds to a controlled joint's."""
-    if term.effect not in LATE or motions[0].source == "":
+    """A delay's, lag's or skew's estimates with the error that sampling adds."""
+    if term.effect not in (*LATE, "timestamp_skew") or motions[0].source == "":
         return values
     by = blur(motions, term.shape if term.effect in LATE else (OF_TORQUE,))
     return {name: _wider(each, by) for name, each in values.items()}

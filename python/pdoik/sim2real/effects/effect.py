@@ -83,6 +83,10 @@ class Effect(ABC):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The parameters by name, from shape and coefficients."""
 
+    def exactly(self, motion: Motion, place: Place, values: Mapping[str, float]) -> Columns | None:
+        """What figures add where `columns` are of first order only, (T, 1); None elsewhere."""
+        return None
+
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:

@@ -58,6 +58,16 @@ class KinematicError(Effect):
         """Translation and rotation."""
         return {p.name: float(b) for p, b in zip(self.parameters, beta, strict=True)}
 
+    def exactly(self, motion: Motion, place: Place, values: Mapping[str, float]) -> Columns | None:
+        """The tip's pose with the joint placed so."""
+        (j,) = place.joints
+        if motion.tip_jacobian is None or motion.body is None:
+            return None
+        shift, turn = (np.array([values[f"{of}{axis}"] for axis in "xyz"]) for of in "dr")
+        moved = motion.body.displaced(j, shift, turn)
+        change = motion.tip_moved(motion.q, moved)
+        return {("tip", axis): change[:, axis, None] for axis in range(6)}
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         shift = 1e3 * np.linalg.norm([values["dx"], values["dy"], values["dz"]])
