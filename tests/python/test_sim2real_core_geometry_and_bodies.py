@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -10,9 +13,14 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 import pinocchio as pin
 
+from pdoik.sim2real.balances import Balances
 from pdoik.sim2real.effects import CATALOGUE, Place
+from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion import Motion
+from pdoik.sim2real.regression import Fit, term_of
+from pdoik.sim2real.second_order import to_second_order
 from sim2real_columns import STEP, added, tip_change, tips, torque, torques
+from sim2real_motions import moved
 
 
 @pytest.mark.parametrize("j", range(3))
@@ -139,3 +147,28 @@ def test_a_push_is_held_by_the_torques_that_pinocchio_says(motion: Motion) -> No
     assert found[inside] == pytest.approx(np.array(expected), abs=1e-9)
     other = Place(link=1, recording="another.csv", window=(3.0, 5.0))
     assert not torques(added("external_contact", motion, other, **values), 3).any()
+
+
+def test_a_large_displacement_is_measured_beyond_first_order(tmp_path: Path) -> None:
+    plain = moved(tmp_path, 3, tip=True)
+    assert plain.body is not None
+    true = {"dx": 0.01, "dy": -0.02, "dz": 0.0, "rx": 0.0, "ry": 0.08, "rz": -0.06}
+    effect, place = CATALOGUE["kinematic_error"], Place(joints=(1,))
+    exact = effect.exactly(plain, place, true)
+    assert exact is not None
+    assert plain.tip_error is not None
+    error = plain.tip_error + np.hstack([exact["tip", axis] for axis in range(6)])
+    balances = Balances([replace(plain, tip_error=error, torque=None)])
+    term = term_of(balances, effect, place, ())
+    assert term is not None
+    fit = Fit(balances, [term])
+    first = {
+        name: Estimate(value=value, std=0.0, interval95=(value, value), unit="m")
+        for name, value in effect.values((), fit.beta).items()
+    }
+    second = to_second_order(fit, term, first)
+    off = [abs(first[name].value - value) for name, value in true.items()]
+    assert max(off) > 5e-4
+    for name, value in true.items():
+        assert second[name].value == pytest.approx(value, abs=5e-5), name
+        assert second[name].interval95[0] == pytest.approx(second[name].value)
