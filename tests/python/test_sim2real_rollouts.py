@@ -101,6 +101,9 @@ def test_nothing_is_simulated_where_nothing_is_known_to_command_it(
     assert "robot" in why_not(replace(study, robot=None))
     mute = tuple(replace(recording, q_des=None) for recording in study.recordings)
     assert "q_des" in why_not(replace(study, recordings=mute))
+    gap = np.where(np.arange(3) == 1, np.nan, np.asarray(study.recordings[0].q_des))
+    some = (replace(study.recordings[0], q_des=gap), *study.recordings[1:])
+    assert "every joint" in why_not(replace(study, recordings=some))
     with pytest.raises(ValueError, match="no controller is known"):
         Arm(
             replace(springy[1], study=replace(study, controller=None)),

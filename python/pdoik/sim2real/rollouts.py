@@ -124,8 +124,8 @@ def why_not(study: Study) -> str:
         return "no robot is known"
     if study.controller is None:
         return "no controller is known"
-    if any(recording.q_des is None for recording in study.recordings):
-        return "q_des was not recorded"
+    if any(r.q_des is None or not np.isfinite(r.q_des).all() for r in study.recordings):
+        return "q_des was not recorded of every joint"
     return ""
 
 

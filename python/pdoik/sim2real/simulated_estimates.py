@@ -47,7 +47,7 @@ def simulated_estimates(
     try:
         arm = Arm(prepared, state.fit)
         first, best = refine_by_rollouts(arm, terms, start, errors)
-    except PdoikError as error:
+    except (PdoikError, ValueError) as error:
         return estimates, f"The figures were not refined by simulating the arm: {error}."
     if best.cost > _STRAYS * max(_regression_loss(state.fit, first), 1.0):
         return estimates, (

@@ -127,7 +127,7 @@ def confirm(prepared: Prepared, state: Search) -> None:
             without = arm.run(kept, figures)
             if _nearer(arm, whole, without, {*term.columns}) >= _CLEARLY:
                 state.confirmed[id(term)] = _evidence(arm, whole, without, {*term.columns})
-    except PdoikError:
+    except (PdoikError, ValueError):
         return
     if len(state.confirmed) == len(doubtful):
         for key, left in whole.left.items():
@@ -166,7 +166,7 @@ def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | Non
             if CATALOGUE[term.effect].costly and id(term) not in state.simulated:
                 values[i] = _nearest_shape(sketch, terms, values, i)
         best = refine_by_rollouts(arm, terms, values, errors, _ROUNDS)[1]
-    except PdoikError:
+    except (PdoikError, ValueError):
         return None
     for term, figures in zip(terms, best.values, strict=True):
         state.simulated[id(term)] = figures
