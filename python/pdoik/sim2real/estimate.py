@@ -58,6 +58,17 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     return result
 
 
+def values_and_errors(
+    found: dict[int, dict[str, Estimate]],
+) -> tuple[list[dict[str, float]], list[dict[str, float]]]:
+    """Values and standard errors of `estimates`, by the terms' index."""
+    each = [found[number] for number in range(len(found))]
+    return (
+        [{name: e.value for name, e in one.items()} for one in each],
+        [{name: e.std for name, e in one.items()} for one in each],
+    )
+
+
 def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
     """Parameters of an event, the fit's last term: too short for a bootstrap of blocks.
 

@@ -101,8 +101,8 @@ def _figures(
             error = errors[i].get(name, 0.0)
             lower = known[name].lower if name in known else -np.inf
             upper = known[name].upper if name in known else np.inf
-            h = max(0.02 * abs(value), 0.3 * error)
-            h = min(h, *(0.5 * abs(value - b) for b in (lower, upper) if value != b), h)
+            room = [0.5 * abs(value - bound) for bound in (lower, upper) if value != bound]
+            h = min([max(0.02 * abs(value), 0.3 * error), *room])
             slope = _slope(arm, term, at.values[i], name, h)
             if slope:
                 result.append(

@@ -7,6 +7,7 @@ import numpy as np
 from pdoik.errors import PdoikError
 
 from .effects import CATALOGUE
+from .estimate import values_and_errors
 from .findings import Estimate
 from .prepare import Prepared
 from .refine_by_rollouts import refine_by_rollouts
@@ -39,11 +40,8 @@ def simulated_estimates(
     reason = why_not(prepared.study)
     if reason:
         return estimates, f"The figures were not refined by simulating the arm: {reason}."
-    start = [
-        state.simulated.get(id(term)) or {name: e.value for name, e in estimates[i].items()}
-        for i, term in enumerate(terms)
-    ]
-    errors = [{name: e.std for name, e in estimates[i].items()} for i in range(len(terms))]
+    values, errors = values_and_errors(estimates)
+    start = [state.simulated.get(id(t), v) for t, v in zip(terms, values, strict=True)]
     try:
         arm = Arm(prepared, state.fit)
         first, best = refine_by_rollouts(arm, terms, start, errors)

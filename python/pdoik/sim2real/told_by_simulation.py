@@ -11,7 +11,7 @@ from pdoik.errors import PdoikError
 
 from .candidates import candidates
 from .effects import CATALOGUE, Key
-from .estimate import estimates
+from .estimate import estimates, values_and_errors
 from .findings import Evidence
 from .naming import described
 from .prepare import Prepared
@@ -20,9 +20,9 @@ from .refine_by_rollouts import refine_by_rollouts
 from .regression import Fit, Term
 from .rollouts import Arm, Rollout, Values, huber, why_not
 from .trial import Search, cross_validated, held_out_squares, screen
+from .validation import share_by_blocks
 
 _CLEARLY = 2.5  # standard errors, over blocks, by which one simulation is nearer than another
-_DRAWS = 300
 _MUCH = 0.02  # of the mean loss
 _ROUNDS = 2  # of refinement, before names are compared
 _SKETCH = 12_000  # steps of a rollout that looks for a shape
@@ -143,14 +143,7 @@ def _evidence(arm: Arm, whole: Rollout, without: Rollout, keys: set[Key]) -> Evi
         before, after = without.left[key] ** 2, whole.left[key] ** 2
         gained += np.bincount(block, before - after, minlength=count)
         began += np.bincount(block, before, minlength=count)
-    rng = np.random.default_rng(0)
-    picked = [rng.integers(0, count, count) for _ in range(_DRAWS)]
-    shares = [gained[at].sum() / max(began[at].sum(), 1e-12) for at in picked]
-    low, high = np.quantile(shares, (0.025, 0.975))
-    return Evidence(
-        validation_gain=float(gained.sum() / max(began.sum(), 1e-12)),
-        interval95=(float(low), float(high)),
-    )
+    return share_by_blocks(gained, began, 0)
 
 
 def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | None:
@@ -159,7 +152,7 @@ def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | Non
     Shapes that columns show poorly are first looked for in shorter rollouts.
     """
     terms = state.accepted
-    values, errors = figures_of(state.fit, terms, seed)
+    values, errors = values_and_errors(estimates(state.fit, terms, seed))
     values = [state.simulated.get(id(t), v) for t, v in zip(terms, values, strict=True)]
     try:
         for i, term in enumerate(terms):
@@ -188,16 +181,6 @@ def _nearest_shape(arm: Arm, terms: Sequence[Term], values: list[Values], i: int
             shape = tuple(near * value for value in best)
             costs[shape] = cost(shape)
     return effect.values(min(costs, key=lambda shape: costs[shape]), np.ones(1))
-
-
-def figures_of(fit: Fit, terms: Sequence[Term], seed: int) -> tuple[list[Values], list[Values]]:
-    """Values and standard errors of terms."""
-    found = estimates(fit, tuple(terms), seed)
-    each = [found[number] for number in range(len(terms))]
-    return (
-        [{name: e.value for name, e in one.items()} for one in each],
-        [{name: e.std for name, e in one.items()} for one in each],
-    )
 
 
 def _rivals(state: Search, term: Term) -> list[Term]:

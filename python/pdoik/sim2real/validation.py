@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .balances import Balances
@@ -82,15 +84,19 @@ class Prediction:
             other += np.bincount(block, without[key][rows] ** 2 * scale, minlength=count)
         if other.sum() > began.sum():  # the rest alone make it worse than it was
             began = other
-        total = max(float(began.sum()), 1e-12)
-        rng = np.random.default_rng(seed)
-        draws = []
-        for _ in range(_DRAWS):
-            picked = rng.integers(0, count, count)
-            draws.append(gained[picked].sum() / max(began[picked].sum(), 1e-12))
-        low, high = np.quantile(draws, (0.025, 0.975))
-        return Evidence(
-            validation_gain=float(gained.sum() / total),
-            interval95=(float(low), float(high)),
-            channels=channels,
-        )
+        return replace(share_by_blocks(gained, began, seed), channels=channels)
+
+
+def share_by_blocks(gained: FloatArray, began: FloatArray, seed: int) -> Evidence:
+    """Share that was gained of what began, of all blocks, and its interval by their bootstrap."""
+    rng = np.random.default_rng(seed)
+    count = len(gained)
+    draws = []
+    for _ in range(_DRAWS):
+        picked = rng.integers(0, count, count)
+        draws.append(gained[picked].sum() / max(began[picked].sum(), 1e-12))
+    low, high = np.quantile(draws, (0.025, 0.975))
+    return Evidence(
+        validation_gain=float(gained.sum() / max(float(began.sum()), 1e-12)),
+        interval95=(float(low), float(high)),
+    )
