@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .effects import Effect, Key, Place, Shape
+from .effects import Effect, Key, Place, Shape, columns_of
 from .motion import Motion
 from .recording import FloatArray
 from .signals import dilated, noise_density, zero_phase
@@ -74,7 +74,7 @@ class Balances:
         """`columns`, computed anew."""
         parts: dict[Key, dict[int, FloatArray]] = {}
         for i, motion in enumerate(self.motions):
-            for key, values in effect.columns(motion, place, shape).items():
+            for key, values in columns_of(effect, motion, place, shape).items():
                 if key in self.residual:
                     parts.setdefault(key, {})[i] = self.thin(i, values)
         result: dict[Key, FloatArray] = {}

@@ -10,11 +10,12 @@ from .conclude import LEAST_CONTACT, Examination, conclude, within
 from .contact import contact_term, stands
 from .equivalents import swapped
 from .findings import Diagnosis
+from .gates import gated_term
 from .naming import described
 from .nuisance import trusted
 from .prepare import Prepared, prepare
 from .read_study import load_study
-from .regression import Fit
+from .regression import Fit, Term
 from .rollouts import why_not
 from .search import search
 from .study import Study
@@ -25,6 +26,8 @@ from .verdict import source_in_words
 from .veto import veto
 
 Tell = Callable[[str, str, float], None]
+
+_MOST = 5  # rounds of gates and contacts
 
 
 def diagnose(
@@ -71,19 +74,27 @@ def examine(
 
 
 def run_search(prepared: Prepared, say: Tell) -> Search:
-    """Accept effects, then contacts, then effects again beside these."""
+    """Accept effects, behind gates where they need one, then contacts, and effects beside these."""
     nuisance = trusted(prepared.fit, prepared.study.trust.rigid_body)
+    contacts: tuple[Term, ...] = ()
+    gated: tuple[Term, ...] = ()
     state = search(
         prepared.fit,
         nuisance,
         lambda term, share: say("name", described(prepared, term), 0.15 + 0.5 * share),
     )
-    for _ in range(4):
-        term = contact_term(state.fit)
-        if term is None:
+    for _ in range(_MOST):
+        part = gated_term(state)
+        if part is not None:
+            gated = (*gated, part)
+            say("name", described(prepared, part), 0.6)
+        elif (term := contact_term(state.fit)) is not None:
+            contacts = (*contacts, term)
+            say("name", described(prepared, term), 0.6)
+        else:
             break
-        say("name", described(prepared, term), 0.6)
-        state = search(prepared.fit, nuisance, contacts=(*state.contacts, term))
+        state = search(prepared.fit, nuisance, contacts=contacts, begin=gated)
+        gated = tuple(term for term in state.accepted if term.place.gate is not None)
     return state
 
 

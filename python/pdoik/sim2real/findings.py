@@ -6,6 +6,8 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
+from .effects import Gate
+
 Verdict = Literal[
     "no_mismatch",
     "mismatch_explained",
@@ -52,7 +54,9 @@ class Finding:
     joints: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
     recordings: tuple[str, ...] = ()
-    window: tuple[float, float] | None = None  # of the recording's time [s]
+    window: tuple[float, float] | None = None  # of the recordings' time in which it acts [s]
+    positions: tuple[float, float] | None = None  # of the joint between which it acts [rad], [m]
+    edge: float = 0.0  # of window or positions, over which it comes and goes [s], [rad], [m]
     regime: str = ""
     statement: str = ""
     parameters: dict[str, Estimate] = field(default_factory=dict)
@@ -66,6 +70,16 @@ class Finding:
     def values(self) -> dict[str, float]:
         """The parameters without their errors."""
         return {name: estimate.value for name, estimate in self.parameters.items()}
+
+    @property
+    def gate(self) -> Gate | None:
+        """Part of time or of positions outside which it does nothing, of what sits at joints."""
+        if self.positions is not None:
+            low, high = self.positions
+            return Gate(of="position", low=low, high=high, edge=self.edge)
+        if self.window is not None and self.joints:
+            return Gate(of="time", low=self.window[0], high=self.window[1], edge=self.edge)
+        return None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,13 +126,14 @@ class Diagnosis:
 
 
 def _finding(content: dict[str, Any]) -> Finding:
-    window = content["window"]
+    window, positions = content["window"], content.get("positions")
     return Finding(
         effect=content["effect"],
         joints=tuple(content["joints"]),
         links=tuple(content["links"]),
         recordings=tuple(content["recordings"]),
         window=None if window is None else (window[0], window[1]),
+        positions=None if positions is None else (positions[0], positions[1]),
         regime=content["regime"],
         statement=content["statement"],
         parameters={name: _estimate(each) for name, each in content["parameters"].items()},
@@ -138,6 +153,7 @@ def _finding(content: dict[str, Any]) -> Finding:
         ),
         variant=str(content.get("variant", "")),
         shape=tuple(float(each) for each in content.get("shape", ())),
+        edge=float(content.get("edge", 0.0)),
     )
 
 

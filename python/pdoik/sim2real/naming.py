@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from .effects import CATALOGUE
+from .effects import CATALOGUE, Gate
 from .findings import Equivalent, Estimate, Evidence, Finding
 from .prepare import Prepared
+from .recording import FloatArray
 from .regression import Term
 
 Found = tuple[Finding, tuple[Term, ...]]
@@ -43,15 +44,22 @@ def finding_of(
     recordings = tuple(r.name for r in study.fit)
     if place.recording is not None:
         recordings = (place.recording,)
+    window, positions = place.window, None
+    if place.gate is not None and place.gate.of == "time":
+        window = ends_of(place.gate, [r.time - r.time[0] for r in study.recordings])
+    elif place.gate is not None:
+        positions = ends_of(place.gate, [r.q[:, place.joints[0]] for r in study.recordings])
     decided = effect.decided_by if equivalents or effect.confused_with else ""
     return Finding(
         effect=effect.id,
         joints=joints,
         links=links,
         recordings=recordings,
-        window=place.window,
-        regime=effect.regime(_inside(where)),
-        statement=_sentence(effect.statement(where, plain)),
+        window=window,
+        positions=positions,
+        edge=place.gate.edge if place.gate else 0.0,
+        regime=effect.regime(_inside(where)) + gate_in_words(place.gate, ", only "),
+        statement=_sentence(effect.statement(where, plain)) + gate_in_words(place.gate, " Only "),
         parameters=values,
         equivalents=equivalents,
         decided_by=decided,
@@ -69,7 +77,28 @@ def described(prepared: Prepared, term: Term) -> str:
         where = prepared.body.links[place.link]
     if place.window is not None:
         where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
+    where += gate_in_words(place.gate, ", only ")
     return f"{term.effect.replace('_', ' ')} at {where}"
+
+
+def gate_in_words(gate: Gate | None, start: str) -> str:
+    """When or where something acts, after `start`; "" where it always does."""
+    if gate is None:
+        return ""
+    unit = "s" if gate.of == "time" else "rad"
+    if np.isinf(gate.low):
+        words = f"until {gate.high:.3g} s" if unit == "s" else f"below {gate.high:.3g} rad"
+    elif np.isinf(gate.high):
+        words = f"after {gate.low:.3g} s" if unit == "s" else f"above {gate.low:.3g} rad"
+    else:
+        words = f"from {gate.low:.3g} to {gate.high:.3g} {unit}"
+    return f"{start}{words}{'.' if start.startswith(' ') else ''}"
+
+
+def ends_of(gate: Gate, values: list[FloatArray]) -> tuple[float, float]:
+    """A gate's ends, an open one where the recordings end."""
+    low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
+    return max(gate.low, low), min(gate.high, high)
 
 
 def _sentence(text: str) -> str:

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from .cutoff import chosen_cutoff, noise_of
-from .effects import CATALOGUE, Place
+from .effects import CATALOGUE, Place, columns_of
 from .findings import Finding
 from .model_file import Model
 from .motion import Motion, motion_of, thinned
@@ -80,7 +80,7 @@ def torque_of(finding: Finding, motion: Motion, joints: tuple[str, ...]) -> Floa
     effect = CATALOGUE[finding.effect]
     shape, beta = effect.coefficients(finding.values, finding.shape)
     for place in places_of(finding, motion.body, joints):
-        for (balance, channel), column in effect.columns(motion, place, shape).items():
+        for (balance, channel), column in columns_of(effect, motion, place, shape).items():
             if balance == "torque":
                 tau[:, channel] += column @ beta
     return tau
@@ -95,7 +95,7 @@ def places_of(finding: Finding, body: RigidBody | None, joints: tuple[str, ...])
     if finding.effect in ("joint_coupling", "unknown"):
         return [Place(joints=index)]
     if index:
-        return [Place(joints=(j,)) for j in index]
+        return [Place(joints=(j,), gate=finding.gate) for j in index]
     if body is None:
         return []
     links = [body.links.index(nearest(name, body.links, "link")) for name in finding.links]

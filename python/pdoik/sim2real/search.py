@@ -26,6 +26,7 @@ def search(
     nuisance: tuple[Term, ...],
     tell: Tell = lambda term, share: None,
     contacts: tuple[Term, ...] = (),
+    begin: tuple[Term, ...] = (),
 ) -> Search:
     """Accept the best candidate until none is worth it; drop those no longer needed.
 
@@ -34,11 +35,12 @@ def search(
         nuisance: terms that are always there (the model's inertias within the user's trust).
         tell: called with the term accepted and how far the search is, 0 to 1.
         contacts: found in what an earlier search left, accepted beforehand.
+        begin: accepted beforehand too, but dropped where they turn out needless.
     """
     start = Fit(balances, nuisance)
     state = Search(balances=balances, nuisance=nuisance, fit=start, start=start, contacts=contacts)
-    if contacts:
-        state.fit = start.extended(*contacts)
+    if contacts or begin:
+        state.fit = start.extended(*contacts, *begin)
     pool = candidates(balances)
     while len(state.accepted) < _MOST:
         best = _round(state, pool)

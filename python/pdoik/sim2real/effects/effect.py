@@ -30,6 +30,29 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Gate:
+    """A part of all recordings' time, or of the first joint's positions, outside which is nothing.
+
+    An end at which the recordings stop is open.
+    """
+
+    of: Literal["time", "position"]
+    low: float = -np.inf  # [s] since a recording's begin; [rad], [m] for prismatic joints
+    high: float = np.inf
+    edge: float = 0.0  # over which it comes and goes, half of it outside
+
+    def weight(self, x: FloatArray) -> FloatArray:
+        """1 inside and 0 outside, straight lines between."""
+        inside = np.minimum(x - self.low, self.high - x)
+        return np.clip(0.5 + inside / max(self.edge, 1e-9), 0.0, 1.0)
+
+    def weight_at(self, x: float) -> float:
+        """The same of one value, quickly."""
+        inside = 0.5 + min(x - self.low, self.high - x) / max(self.edge, 1e-9)
+        return 0.0 if inside < 0.0 else 1.0 if inside > 1.0 else inside
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
     """Where an effect sits, by index: joints, a link (that of a joint), a window of a recording."""
 
@@ -37,6 +60,7 @@ class Place:
     link: int | None = None
     recording: str | None = None
     window: tuple[float, float] | None = None
+    gate: Gate | None = None
 
 
 class Effect(ABC):
@@ -141,6 +165,16 @@ class Effect(ABC):
     def regime(self, where: str) -> str:
         """When it shows."""
         return f"motion of {where}"
+
+
+def columns_of(effect: Effect, motion: Motion, place: Place, shape: Shape) -> Columns:
+    """The effect's columns, zero outside its place's gate."""
+    columns, gate = effect.columns(motion, place, shape), place.gate
+    if gate is None:
+        return columns
+    x = motion.time if gate.of == "time" else motion.q[:, place.joints[0]]
+    weight = gate.weight(x)[:, None]
+    return {key: column * weight for key, column in columns.items()}
 
 
 def on_torque_and_tip(torque: FloatArray, tip: FloatArray | None) -> Columns:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..balances import Balances
-from ..effects import CATALOGUE, Key
+from ..effects import CATALOGUE, Key, columns_of
 from ..motion import Motion
 from ..nuisance import TRUST
 from ..prepare import Prepared
@@ -162,7 +162,7 @@ def _added(motion: Motion, weighted: Weighted) -> dict[Key, FloatArray]:
     total: dict[Key, FloatArray] = {}
     for term, beta in weighted:
         effect = CATALOGUE["link_inertial_error" if term.effect == TRUST else term.effect]
-        for key, column in effect.columns(motion, term.place, term.shape).items():
+        for key, column in columns_of(effect, motion, term.place, term.shape).items():
             total[key] = total.get(key, 0.0) + column @ beta
     return total
 

@@ -8,6 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 
+from ..effects import Gate
 from .parts import Law, StatefulLaw
 
 Variable = Literal["time", "position", "speed", "load"]
@@ -31,6 +32,39 @@ class Dahl(StatefulLaw):
     def advance(self, q: float, dq: float, dt: float) -> None:
         side = 1.0 if dq > 0 else -1.0
         self.z = side + (self.z - side) * math.exp(-abs(dq) * dt / self.displacement)
+
+
+class GatedMemory(StatefulLaw):
+    """A law with a memory, of which a part is seen."""
+
+    def __init__(self, law: StatefulLaw, gate: Gate) -> None:
+        self.law, self.gate, self.stiffness = law, gate, law.stiffness
+        self.clock = gate.of == "time"
+
+    def fresh(self) -> Self:
+        return type(self)(self.law.fresh(), self.gate)
+
+    def __call__(self, t: float, q: float, dq: float, load: float) -> float:
+        return self.gate.weight_at(t if self.clock else q) * self.law(t, q, dq, load)
+
+    def advance(self, q: float, dq: float, dt: float) -> None:
+        self.law.advance(q, dq, dt)
+
+
+def gated(law: Law, gate: Gate) -> Law:
+    """The law within a part of time or of positions."""
+    clock, weight = gate.of == "time", gate.weight_at
+
+    def inside(t: float, q: float, dq: float, load: float) -> float:
+        share = weight(t if clock else q)
+        return share * law(t, q, dq, load) if share else 0.0
+
+    return inside
+
+
+def constant(value: float) -> Law:
+    """The same always."""
+    return lambda t, q, dq, load: value
 
 
 def ripple(amplitude: float, phase: float, harmonic: float) -> Law:

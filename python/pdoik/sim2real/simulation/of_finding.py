@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 
+from ..effects import Gate
 from ..effects.unknown import VARIABLES as DEPENDS
 from ..findings import Finding
 from .inertial import Inertial
 from .laws import (
     Dahl,
+    GatedMemory,
     Variable,
+    constant,
     curve,
     cycle,
     drift,
+    gated,
     level_asymmetry,
     of_load,
     of_speed,
@@ -41,6 +45,7 @@ from .parts import (
     Placement,
     SensedChannel,
     SensorChange,
+    StatefulLaw,
 )
 
 CHANNELS: dict[str, SensedChannel] = {"position": "q", "speed": "dq", "torque": "tau"}
@@ -80,8 +85,12 @@ class _Where:
 
 
 def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
-    """What a finding adds to the simulation."""
-    return parts_of(
+    """What a finding adds to the simulation.
+
+    Raises:
+        ValueError: it acts in a part of time or positions, and no part of the simulation can.
+    """
+    parts = parts_of(
         finding.effect,
         finding.joints,
         finding.links,
@@ -90,6 +99,29 @@ def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
         recordings=finding.recordings,
         variant=finding.variant,
     )
+    gate = finding.gate
+    return parts if gate is None else tuple(behind(part, gate, finding.effect) for part in parts)
+
+
+def behind(part: Part, gate: Gate, effect: str) -> Part:
+    """The part within a part of time or of positions only.
+
+    Raises:
+        ValueError: such a part cannot be.
+    """
+    if isinstance(part, DofChange) and not (part.armature or part.stiffness):
+        return JointTorque(joint=part.joint, law=gated(of_speed(constant(part.damping)), gate))
+    if isinstance(part, HardFriction):
+        level = part.level if callable(part.level) else constant(part.level)
+        return replace(part, level=gated(level, gate))
+    if isinstance(part, JointTorque):
+        if isinstance(part.law, StatefulLaw):
+            return replace(part, law=GatedMemory(part.law, gate))
+        return replace(part, law=gated(part.law, gate))
+    if isinstance(part, DriveChange) and part == DriveChange(joint=part.joint, offset=part.offset):
+        return JointTorque(joint=part.joint, law=gated(constant(part.offset), gate))
+    where = "a part of the time" if gate.of == "time" else "some positions"
+    raise ValueError(f"{effect} in {where} only is not simulated")
 
 
 def parts_of(
