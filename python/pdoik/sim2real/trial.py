@@ -20,6 +20,7 @@ LEAST_T = 3.5  # held-out gain over its standard error, by blocks
 _LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
 _LEAST_SHARE = 0.002  # of the mean square residual that the effect's channels began with
 LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
+_FEW_ROWS, _LEAST_IN_FEW = 40, 80.0  # what acts in so few rows must gain so many squared sigmas
 _LEAST_RELIEF = 12.0  # of the prior's penalty: a log evidence of six that figures are beyond trust
 _TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
 _TIE = 0.03  # or the share of the gain, where blocks differ as much
@@ -50,6 +51,7 @@ class Trial:
             and self.size >= _LEAST_SIZE
             and self.share >= _LEAST_SHARE
             and self.of_rest >= explains
+            and (self.rows >= _FEW_ROWS or self.gain >= _LEAST_IN_FEW)
         )
 
     @property

@@ -84,6 +84,8 @@ def _card(finding: Finding) -> dict[str, object]:
 
 
 def _window(finding: Finding) -> str:
+    if finding.positions is not None:
+        return f"{finding.positions[0]:.3g} to {finding.positions[1]:.3g}, of the joint's position"
     if finding.window is None:
         return ""
     return f"{finding.window[0]:.2f} s to {finding.window[1]:.2f} s"
