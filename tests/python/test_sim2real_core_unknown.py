@@ -39,6 +39,10 @@ def test_an_unnamed_torque_is_a_function_of_its_variable_alone(motion: Motion, n
         "position and speed": 0.7 * np.sign(motion.dq[:, j]) + 0.1 * motion.dq[:, j],
         "other position": motion.q[:, i],
         "other speed": motion.dq[:, i] - 0.2,
+        "other load": 0.1 * motion.tau[:, i],
+        "other position and speed": (1.0 + 0.3 * motion.q[:, i]) * np.sign(motion.dq[:, j]),
+        "fine position": np.cos(20.0 * motion.q[:, j]),
+        "fine position and speed": np.cos(8.0 * motion.q[:, j]) * motion.dq[:, j],
     }[name]
     inside = (motion.time > 0.2) & (motion.time < 9.8)
     beta = np.linalg.lstsq(columns["torque", j][inside], truth[inside], rcond=None)[0]

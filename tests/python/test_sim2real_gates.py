@@ -21,7 +21,7 @@ from pdoik.sim2real.effects import CATALOGUE, Gate, Place, columns_of
 from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion import Motion
 from pdoik.sim2real.simulation import Simulator
-from pdoik.sim2real.simulation.of_finding import parts_of_finding
+from pdoik.sim2real.simulation.of_finding import not_simulated, parts_of_finding
 from pdoik.sim2real.simulation.parts import Part
 from sim2real_robots import ABOUT_PIVOT, TURNTABLE, commands
 
@@ -90,10 +90,11 @@ def test_dry_friction_behind_a_gate_in_time_stops_a_turntable_from_then_on() -> 
     assert q == pytest.approx(time.clip(max=1.0) + late - 0.25 / ABOUT_PIVOT * late**2, abs=3e-3)
 
 
-def test_what_no_part_of_the_simulation_can_gate_is_refused() -> None:
-    said = replace(finding("rotor_inertia", inertia=0.1), window=(1.0, 2.0))
-    with pytest.raises(ValueError, match="rotor_inertia in a part of the time only"):
-        parts_of_finding(said)
+def test_what_no_part_of_the_simulation_can_gate_is_left_out_and_said() -> None:
+    said = replace(finding("torque_gain", gain=1.2), window=(1.0, 2.0))
+    assert not_simulated(said) == "torque gain in a part of the time only is not simulated"
+    assert parts_of_finding(said) == ()
+    assert not not_simulated(replace(said, window=None))
 
 
 def test_a_gate_survives_the_file() -> None:

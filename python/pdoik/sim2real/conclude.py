@@ -21,7 +21,7 @@ from .second_order import to_second_order
 from .simulated_estimates import simulated_estimates
 from .trial import Search
 from .validation import Prediction
-from .verdict import joint_fits, notes_of, verdict_of
+from .verdict import joint_fits, notes_of, verdict_of, what_is_left
 
 LEAST_CONTACT = 0.01
 """Share of the first residual within its window that a contact must explain."""
@@ -107,6 +107,8 @@ def conclude(
     found.sort(key=lambda each: -each[0].evidence.validation_gain)
     joints = joint_fits(prepared, state, prediction)
     findings = tuple(finding for finding, _ in found)
+    left = what_is_left(findings, joints)
+    findings, found = (*findings, *left), [*found, *((finding, ()) for finding in left)]
     diagnosis = Diagnosis(
         verdict=verdict_of(findings, joints),
         findings=findings,

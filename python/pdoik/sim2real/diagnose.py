@@ -18,6 +18,7 @@ from .read_study import load_study
 from .regression import Fit, Term
 from .rollouts import why_not
 from .search import search
+from .shared_causes import share_causes
 from .study import Study
 from .told_by_simulation import told_by_simulation
 from .trial import Search
@@ -65,6 +66,7 @@ def examine(
     say("name", "looking for what else would explain the same", 0.75)
     swapped(state)
     forget_contacts(state)
+    share_causes(state)
     told_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.8))
     vetoed = veto(prepared, state)
     say("estimate", "intervals by the block bootstrap", 0.82)

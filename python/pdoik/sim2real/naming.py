@@ -15,7 +15,7 @@ from .regression import Term
 
 Found = tuple[Finding, tuple[Term, ...]]
 
-_ONE_CAUSE = ("command_delay", "actuator_lag", "timestamp_skew")
+ONE_CAUSE = ("command_delay", "actuator_lag", "timestamp_skew")
 """Effects that several joints share when their figures agree."""
 
 
@@ -149,7 +149,7 @@ def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:
     result: list[Found] = []
     groups: dict[str, list[Found]] = {}
     for finding, terms in found:
-        if finding.effect in _ONE_CAUSE:
+        if finding.effect in ONE_CAUSE:
             groups.setdefault(finding.effect, []).append((finding, terms))
         else:
             result.append((finding, terms))
@@ -158,11 +158,16 @@ def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:
     return result
 
 
+def near_the_median(times: FloatArray) -> list[int]:
+    """Which of several joints' times are one cause's."""
+    middle = float(np.median(times))
+    return [i for i, t in enumerate(times) if abs(t - middle) < max(0.3 * abs(middle), 2e-3)]
+
+
 def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
     name = next(iter(group[0][0].parameters))
     times = np.array([finding.parameters[name].value for finding, _ in group])
-    middle = float(np.median(times))
-    near = [i for i, t in enumerate(times) if abs(t - middle) < max(0.3 * abs(middle), 2e-3)]
+    near = near_the_median(times)
     if len(near) < 2:
         return group
     best = max((group[i] for i in near), key=lambda each: each[0].evidence.validation_gain)

@@ -77,6 +77,8 @@ def torque_of(finding: Finding, motion: Motion, joints: tuple[str, ...]) -> Floa
     tau = np.zeros_like(motion.tau)
     if finding.effect not in CATALOGUE or finding.effect in OF_COMMANDS:
         return tau
+    if finding.effect == "unknown" and "variable" not in finding.values:
+        return tau  # only how much is left
     effect = CATALOGUE[finding.effect]
     shape, beta = effect.coefficients(finding.values, finding.shape)
     for place in places_of(finding, motion.body, joints):

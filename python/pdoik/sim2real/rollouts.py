@@ -25,6 +25,7 @@ from .prepare import Prepared, motions_of
 from .recording import FloatArray, Recording
 from .regression import Fit, Term
 from .simulation import SimulationError
+from .simulation.of_finding import not_simulated
 from .split import part
 from .study import Study
 
@@ -100,11 +101,14 @@ class Arm:
 
         Raises:
             SimulationError: the arm ran away.
+            ValueError: one of the terms is none that can be simulated.
         """
         findings = tuple(
             finding_of(self.prepared, term, _plain(term, each), (), _NO_EVIDENCE)
             for term, each in zip(terms, values, strict=True)
         )
+        for reason in filter(None, map(not_simulated, findings)):
+            raise ValueError(reason)
         simulator = improved_model(self.prepared, findings, self._fit).simulator()
         logged = [_as_logged(simulator.replay(r, drive="controller"), r) for r in self.recordings]
         sim = self._balances(logged)

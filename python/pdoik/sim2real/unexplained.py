@@ -23,14 +23,14 @@ _SAME_VARIABLE = {
     "position": ("position_dependent_spring", "torque_ripple", "torque_offset"),
     "load": ("load_dependent_friction", "torque_gain"),
     "time": ("friction_drift", "torque_offset"),
-    "position and speed": (
-        "viscous_friction",
-        "coulomb_friction",
-        "stribeck_friction",
-        "asymmetric_friction",
-        "load_dependent_friction",
-        "presliding_hysteresis",
-    ),
+}
+_OF_SPEED = (*_SAME_VARIABLE["speed"], "load_dependent_friction")
+_SAME_VARIABLE |= {
+    "position and speed": _OF_SPEED,
+    "fine position and speed": _OF_SPEED,
+    "other position and speed": _OF_SPEED,
+    "fine position": _SAME_VARIABLE["position"],
+    "other load": ("joint_coupling", "torque_gain", "torque_offset"),
 }
 
 
@@ -72,12 +72,18 @@ def _best(state: Search) -> Trial | None:
         found.sort(key=lambda each: -each[1])
         trials += [cross_validated(state, term, held) for term, _ in found[:4]]
     good = [t for t in trials if t.significant and t.share >= _LEAST_SHARE]
-    plain = [t for t in good if VARIABLES[int(t.term.shape[0])] != "position and speed"]
+    plain = [t for t in good if not _is_wide(t.term)]
     best = max(good, key=lambda t: t.gain, default=None)
     simple = max(plain, key=lambda t: t.gain, default=None)
     if best is not None and simple is not None and simple.gain > 0.85 * best.gain:
         return simple
     return best
+
+
+def _is_wide(term: Term) -> bool:
+    """Whether it has many coefficients, so that a simpler one nearly as good is to be preferred."""
+    name = VARIABLES[int(term.shape[0])]
+    return name.endswith("and speed") or name.startswith("fine")
 
 
 def _clocks(fit: Fit, j: int) -> list[tuple[float, float, float]]:

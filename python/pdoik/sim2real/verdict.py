@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from .effects import Key
-from .findings import Finding, JointFit, Verdict
+from .effects import CATALOGUE, Key
+from .findings import Estimate, Finding, JointFit, Verdict
 from .prepare import Prepared, simulated
 from .recording import FloatArray
 from .trial import Search
 from .validation import Prediction
 
 _OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics
+_MUCH_LEFT, _FAR_LEFT = 0.35, 3.0  # of the residual before, and of the noise floor
 _NEAR_FLOOR = 1.6
 """A residual within this factor of the noise floor counts as explained."""
 
@@ -63,10 +64,8 @@ def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Ve
         for each in judged
     )
     named = [f for f in findings if f.effect != "unknown"]
-    if not findings and any(
-        not each.excited and each.before > 3.0 * each.noise_floor > 0.0 for each in joints.values()
-    ):
-        return "cannot_tell"
+    if not findings and near and len(judged) < len(joints):
+        return "cannot_tell"  # of a joint that did not move
     if not findings:
         return "no_mismatch" if near or _small(judged) else "mismatch_unexplained"
     if not named:
@@ -81,6 +80,30 @@ def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Ve
 def _small(judged: list[JointFit]) -> bool:
     """Whether no joint is far from its floor: a factor of two is no mismatch worth a name."""
     return all(each.after <= 2.0 * each.noise_floor for each in judged)
+
+
+def what_is_left(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> tuple[Finding, ...]:
+    """A finding without a name for every joint of whose residual much is left, and no law found."""
+    told = {name for finding in findings if finding.effect == "unknown" for name in finding.joints}
+    effect = CATALOGUE["unknown"]
+    left = []
+    for name, each in joints.items():
+        floor = max(each.noise_floor, 1e-12)
+        much = each.after > _MUCH_LEFT * max(each.before, floor) and each.after > _FAR_LEFT * floor
+        if not each.excited or not much or name in told or each.unit != "N m":
+            continue
+        amount = Estimate(value=each.after, std=0.0, interval95=(0.0, each.before), unit=each.unit)
+        finding = Finding(
+            effect="unknown",
+            joints=(name,),
+            regime=f"motion of {name}",
+            statement=effect.statement(name, {"left": each.after}),
+            parameters={"left": amount},
+            decided_by=effect.decided_by,
+            variant="left",
+        )
+        left.append(finding)
+    return tuple(left)
 
 
 def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:

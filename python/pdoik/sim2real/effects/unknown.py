@@ -19,12 +19,18 @@ VARIABLES = (
     "other position",
     "other speed",
     "clock",
+    "other load",
+    "other position and speed",
+    "fine position",
+    "fine position and speed",
 )
 """What an unknown torque may depend on; a shape is (index, lowest, highest value or frequency)."""
 
 _KNOTS = 9
 _KNOTS_2D = 5
-_MOST = 2 * _KNOTS_2D  # coefficients
+_FINEST = 0.05  # between the knots of what changes quickly with position [rad], [m]
+_MOST_FINE = 60  # knots
+_MOST = 2 * _MOST_FINE  # coefficients
 
 
 class Unknown(Effect):
@@ -57,13 +63,13 @@ class Unknown(Effect):
         if VARIABLES[code] == "clock":
             angle = 2 * np.pi * shape[1] * (motion.recording.start + motion.time)
             return {("torque", j): np.stack([np.cos(angle), np.sin(angle)], axis=1)}
-        if VARIABLES[code] == "position and speed":
-            across = hats(motion.q[:, j], shape[1], shape[2], _KNOTS_2D)
+        if VARIABLES[code].endswith("position and speed"):
+            across = hats(variable(motion, place, code), shape[1], shape[2], knots_of(shape))
             sign = motion.sign(j)[:, None]
             both = np.hstack([across * sign, across * motion.dq[:, j, None]])
             return {("torque", j): both}
         x = variable(motion, place, code)
-        return {("torque", j): hats(x, shape[1], shape[2], _KNOTS)}
+        return {("torque", j): hats(x, shape[1], shape[2], knots_of(shape))}
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -97,6 +103,11 @@ class Unknown(Effect):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
+        if "variable" not in values:
+            return (
+                f"What is left at {where}, {values['left']:.3g} N m, is explained by nothing the"
+                " catalogue knows."
+            )
         name = VARIABLES[int(values["variable"])]
         on = {
             "other position": "another joint's position",
@@ -106,6 +117,10 @@ class Unknown(Effect):
             "load": "the load it carries",
             "time": "the time since the recording's start",
             "position and speed": "its position and its speed together",
+            "other load": "the load another joint carries",
+            "other position and speed": "its speed and another joint's position together",
+            "fine position": "its own position, and changes within a few degrees",
+            "fine position and speed": "its speed and, within a few degrees, its position",
             "clock": f"the clock, with a period of {1.0 / max(values['lowest'], 1e-9):.3g} s",
         }[name]
         return (
@@ -121,19 +136,29 @@ class Unknown(Effect):
 def variable(motion: Motion, place: Place, code: int) -> FloatArray:
     """The variable of an unknown torque along a motion, (T,)."""
     j, name = place.joints[0], VARIABLES[code]
-    if name == "position" or name == "position and speed":
+    if name in ("position", "position and speed") or name.startswith("fine"):
         values = motion.q[:, j]
     elif name == "speed":
         values = motion.dq[:, j]
     elif name == "load":
         values = motion.tau[:, j]
-    elif name == "other position":
+    elif name == "other load":
+        values = motion.tau[:, place.joints[1]]
+    elif name.startswith("other position"):
         values = motion.q[:, place.joints[1]]
     elif name == "other speed":
         values = motion.dq[:, place.joints[1]]
     else:
         values = motion.time
     return np.ascontiguousarray(values)
+
+
+def knots_of(shape: Shape) -> int:
+    """Number of knots over a variable's range."""
+    name = VARIABLES[int(shape[0])]
+    if name.startswith("fine"):
+        return int(np.clip(np.ceil((shape[2] - shape[1]) / _FINEST), _KNOTS, _MOST_FINE))
+    return _KNOTS_2D if name.endswith("and speed") else _KNOTS
 
 
 def hats(x: FloatArray, low: float, high: float, knots: int) -> FloatArray:

@@ -95,7 +95,7 @@ def estimate_numbers(estimate: Estimate) -> tuple[str, str, str]:
 
 def parameters_of(finding: Finding) -> dict[str, Estimate]:
     """As a reader wants them: of an unnamed torque, its values at the knots."""
-    if finding.effect != "unknown":
+    if finding.effect != "unknown" or "variable" not in finding.parameters:
         return finding.parameters
     values = finding.values
     names = [name for name in values if name.startswith("value_")]
@@ -112,7 +112,7 @@ def _knot(variable: int, k: int, count: int, low: float, high: float) -> str:
     if variable == 7:
         return f"{'cosine' if k == 0 else 'sine'} at {number(low)} Hz"
     part = ""
-    if variable == 4:
+    if variable in (4, 9, 11):
         count //= 2
         part = "direction, " if k < count else "speed, "
         k %= count

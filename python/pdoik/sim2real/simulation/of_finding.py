@@ -85,12 +85,27 @@ class _Where:
 
 
 def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
-    """What a finding adds to the simulation.
+    """What a finding adds to the simulation; nothing where it is `not_simulated`."""
+    if not_simulated(finding):
+        return ()
+    parts = _everywhere(finding)
+    gate = finding.gate
+    return parts if gate is None else tuple(_behind(part, gate) for part in parts)
 
-    Raises:
-        ValueError: it acts in a part of time or positions, and no part of the simulation can.
-    """
-    parts = parts_of(
+
+def not_simulated(finding: Finding) -> str:
+    """Why no part of the simulation is what was found, in words; "" where there is one."""
+    if finding.effect == "unknown" and _depends(finding.values) not in _SIMULATED_UNKNOWN:
+        return "a torque without a law is not simulated"
+    gate = finding.gate
+    if gate is not None and not all(_can_be_gated(part) for part in _everywhere(finding)):
+        where = "a part of the time" if gate.of == "time" else "some positions"
+        return f"{finding.effect.replace('_', ' ')} in {where} only is not simulated"
+    return ""
+
+
+def _everywhere(finding: Finding) -> tuple[Part, ...]:
+    return parts_of(
         finding.effect,
         finding.joints,
         finding.links,
@@ -99,29 +114,29 @@ def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
         recordings=finding.recordings,
         variant=finding.variant,
     )
-    gate = finding.gate
-    return parts if gate is None else tuple(behind(part, gate, finding.effect) for part in parts)
 
 
-def behind(part: Part, gate: Gate, effect: str) -> Part:
-    """The part within a part of time or of positions only.
+def _can_be_gated(part: Part) -> bool:
+    if isinstance(part, DofChange):
+        return not (part.armature or part.stiffness)
+    if isinstance(part, DriveChange):
+        return part == DriveChange(joint=part.joint, offset=part.offset)
+    return isinstance(part, HardFriction | JointTorque)
 
-    Raises:
-        ValueError: such a part cannot be.
-    """
-    if isinstance(part, DofChange) and not (part.armature or part.stiffness):
+
+def _behind(part: Part, gate: Gate) -> Part:
+    """The part within a part of time or of positions only."""
+    if isinstance(part, DofChange):
         return JointTorque(joint=part.joint, law=gated(of_speed(constant(part.damping)), gate))
+    if isinstance(part, DriveChange):
+        return JointTorque(joint=part.joint, law=gated(constant(part.offset), gate))
     if isinstance(part, HardFriction):
         level = part.level if callable(part.level) else constant(part.level)
         return replace(part, level=gated(level, gate))
-    if isinstance(part, JointTorque):
-        if isinstance(part.law, StatefulLaw):
-            return replace(part, law=GatedMemory(part.law, gate))
-        return replace(part, law=gated(part.law, gate))
-    if isinstance(part, DriveChange) and part == DriveChange(joint=part.joint, offset=part.offset):
-        return JointTorque(joint=part.joint, law=gated(constant(part.offset), gate))
-    where = "a part of the time" if gate.of == "time" else "some positions"
-    raise ValueError(f"{effect} in {where} only is not simulated")
+    assert isinstance(part, JointTorque)
+    if isinstance(part.law, StatefulLaw):
+        return replace(part, law=GatedMemory(part.law, gate))
+    return replace(part, law=gated(part.law, gate))
 
 
 def parts_of(
@@ -238,13 +253,15 @@ def _lag(w: _Where) -> tuple[Part, ...]:
 
 def _unknown(w: _Where) -> tuple[Part, ...]:
     """A torque by its values at even knots of a variable, as the effect `unknown` has it."""
-    depends, joint = DEPENDS[int(w["variable"])], w.joints[0]
+    depends, joint = _depends(w.values), w.joints[0]
+    if depends == "nothing":
+        return ()
     low, high = w["lowest"], w["highest"]
     values = [w[f"value_{k}"] for k in range(sum(each.startswith("value_") for each in w.values))]
     if depends == "clock":
         law = cycle(low, values[0], values[1])
         return (JointTorque(joint=joint, law=law, by_clock=True),)
-    if depends == "position and speed":
+    if depends in ("position and speed", "fine position and speed"):
         count = len(values) // 2
         knots = np.linspace(low, high, count).tolist()
         level = curve("position", knots, values[:count])
@@ -253,9 +270,31 @@ def _unknown(w: _Where) -> tuple[Part, ...]:
             _dry(joint, level, min(values[:count])),
             JointTorque(joint=joint, law=of_speed(slope)),
         )
-    variable = cast(Variable, depends.removeprefix("other "))
+    if depends not in _SIMULATED_UNKNOWN:
+        return ()
+    variable = cast(Variable, depends.removeprefix("other ").removeprefix("fine "))
     knots = np.linspace(low, high, len(values)).tolist()
     return (unknown_part(joint, variable, knots, values, of=w.joints[-1]),)
+
+
+def _depends(values: Mapping[str, float]) -> str:
+    """On what an unnamed torque depends; "nothing" where that is not known."""
+    return DEPENDS[int(values["variable"])] if "variable" in values else "nothing"
+
+
+_SIMULATED_UNKNOWN = (
+    "position",
+    "fine position",
+    "speed",
+    "load",
+    "time",
+    "position and speed",
+    "fine position and speed",
+    "other position",
+    "other speed",
+    "clock",
+)
+"""Torques that a law of one joint can be: a loaded neighbour's, or what is left, cannot."""
 
 
 def _dry(joint: str, level: Law, lowest: float) -> Part:
