@@ -19,8 +19,9 @@ def test_hats_add_up_to_one_and_carry_any_straight_line() -> None:
     knots = np.linspace(-1.0, 2.0, 9)
     assert columns @ (3.0 * knots - 1.0) == pytest.approx(3.0 * x - 1.0)
     assert hats(knots, -1.0, 2.0, 9) == pytest.approx(np.eye(9), abs=1e-12)
-    outside = hats(np.array([-5.0, 9.0]), -1.0, 2.0, 9)  # held beyond the ends
-    assert outside == pytest.approx(np.eye(9)[[0, 8]])
+    beyond = np.array([-5.0, -1.5, 2.5, 9.0])  # lines go on for a quarter of the range
+    line = 3.0 * np.clip(beyond, -1.75, 2.75) - 1.0
+    assert hats(beyond, -1.0, 2.0, 9) @ (3.0 * knots - 1.0) == pytest.approx(line)
 
 
 @pytest.mark.parametrize("name", [v for v in VARIABLES if v not in ("clock",)])

@@ -29,6 +29,7 @@ from sim2real_robots import (
 )
 
 SPEED = 0.8
+KNOTS = [-1.5, -1.0, 0.0, 1.0, 1.5]  # of an unnamed torque, whose outermost lines go on a little
 
 
 def free_run(robot: str, q0: float, dq0: float, duration: float, *added: Part) -> Recording:
@@ -150,12 +151,13 @@ def test_a_joint_at_rest_does_not_creep_under_less_torque_than_its_friction() ->
         ),
         (
             unknown("position and speed", -1.0, 1.0, 0.5, 0.5, 1.0, 0.1, 0.3, 0.1),
-            lambda t, q, dq: np.sign(dq) * np.interp(q, [-1.0, 0.0, 1.0], [0.5, 0.5, 1.0])
-            + dq * np.interp(q, [-1.0, 0.0, 1.0], [0.1, 0.3, 0.1]),
+            lambda t, q, dq: np.sign(dq) * np.interp(q, KNOTS, [0.5, 0.5, 0.5, 1.0, 1.25])
+            + dq * np.interp(q, KNOTS, [0.0, 0.1, 0.3, 0.1, 0.0]),
         ),
         (
             unknown("position and speed", -1.0, 1.0, -0.5, -0.5, 1.0, 0.0, 0.0, 0.0),
-            lambda t, q, dq: np.tanh(dq / 0.02) * np.interp(q, [-1.0, 0.0, 1.0], [-0.5, -0.5, 1.0]),
+            lambda t, q, dq: np.tanh(dq / 0.02)
+            * np.interp(q, KNOTS, [-0.5, -0.5, -0.5, 1.0, 1.75]),
         ),
         (
             unknown("clock", 0.3, 1.0, 0.5, -0.7),

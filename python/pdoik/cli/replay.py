@@ -43,4 +43,6 @@ def replay(
         simulated = simulate(loaded, motion, findings=not without_findings)
         channels = {name: getattr(simulated, name) for name in simulated.channels if name != "tip"}
         write_motion(output, loaded.joints, simulated.start + simulated.time, channels)
+    for reason in () if without_findings else loaded.not_simulated:
+        out.print(f"note: {reason}", highlight=False)
     out.print(escape(str(output)), highlight=False)

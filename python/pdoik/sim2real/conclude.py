@@ -11,7 +11,7 @@ from .contact import contact_term
 from .effects import CATALOGUE, Key
 from .equivalents import equivalents_of
 from .estimate import estimates, event_estimates
-from .findings import Diagnosis, Evidence
+from .findings import Diagnosis, Estimate, Evidence
 from .held_out_limits import held_out_limits
 from .naming import Found, described, finding_of, merged
 from .prepare import Prepared
@@ -75,18 +75,16 @@ def conclude(
     values = {i: to_second_order(state.fit, t, values[i]) for i, t in enumerate(accepted)}
     values, simulated = simulated_estimates(prepared, state, accepted, values)
     found: list[Found] = []
+    lost: list[Term] = []
     for number, term in enumerate(accepted):
         values[number] = widened(motions, term, values[number])
         plain = {name: each.value for name, each in values[number].items()}
         if CATALOGUE[term.effect].trifling(plain):
             continue
-        if term.effect in _AMPLITUDE_FIRST and term not in state.contacts:
-            first = next(iter(values[number].values()))
-            if abs(first.value) < 2.0 * first.std:
-                unsure.append(
-                    f"{described(prepared, term)}: suggested, but not larger than its error."
-                )
-                continue
+        if term not in state.contacts and _is_lost_in_its_error(term, values[number]):
+            unsure.append(f"{described(prepared, term)}: suggested, but not larger than its error.")
+            lost.append(term)
+            continue
         channels = tuple(sorted({channel_of(prepared, key) for key in term.columns}))
         evidence = prediction.evidence(state.fit, term, channels, seed)
         if term in state.contacts:
@@ -98,6 +96,8 @@ def conclude(
         rivals = equivalents_of(state, term, study.joints, prepared.body)
         finding = finding_of(prepared, term, values[number], rivals, evidence)
         found.append((finding, (term,)))
+    if lost:
+        state.fit = Fit(state.balances, [t for t in state.fit.terms if t not in lost])
     if prepared.validate is not None:
         found += held_out_limits(prepared, state.fit, prediction)
         found += held_out_contacts(prepared, state.fit, prediction)
@@ -128,6 +128,16 @@ def conclude(
         terms=tuple(terms for _, terms in found),
         prediction=prediction,
     )
+
+
+def _is_lost_in_its_error(term: Term, values: dict[str, Estimate]) -> bool:
+    """Whether the size of what was found, or of a body all its figures, may as well be zero."""
+    sizes = list(values.values())
+    if term.effect in _AMPLITUDE_FIRST:
+        sizes = sizes[:1]
+    elif term.effect not in ("payload", "link_inertial_error"):
+        return False
+    return all(abs(each.value) < 2.0 * each.std for each in sizes)
 
 
 def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:

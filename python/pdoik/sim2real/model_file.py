@@ -19,6 +19,7 @@ from .simulation import Part, Simulator, Stepper, parts_of_finding
 from .simulation.description import read_description
 from .simulation.inertial import Inertial
 from .simulation.mjcf import flat_mjcf
+from .simulation.of_finding import not_simulated
 from .simulation.parts import ExternalForce, LinkChange, Vector
 from .simulation.plant import STANDARD_GRAVITY, link_carrying
 from .study import Controller, Study
@@ -83,6 +84,12 @@ class Model:
             return parts
         carrier = link_carrying(self._robot(), self.joints, self.tip)
         return tuple(_pushed_at_tip(part, carrier, self.tip) for part in parts)
+
+    @property
+    def not_simulated(self) -> tuple[str, ...]:
+        """Findings that the simulation leaves out, in words."""
+        reasons = (not_simulated(finding) for finding in self.findings)
+        return tuple(dict.fromkeys(reason for reason in reasons if reason))
 
     def simulator(self, *, findings: bool = True, timestep: float = 1e-3) -> Simulator:
         """Closed-loop simulation with what was found, or as it was before.

@@ -11,6 +11,7 @@ from .trial import Search, Trial, cross_validated, held_out_squares, screen
 
 _LEAST_SHARE = 0.08  # of the mean square residual the joint began with
 _NAMES_EXPLAIN = 0.96  # of what the unnamed function does; less, and the names are not right
+_FAR, _NEAR = 2.2, 1.5  # sigmas between which a function must bring what names leave, if little
 _LEAST_LEFT = 1.35  # root mean square in sigmas below which nothing is left to explain
 _SAME_VARIABLE = {
     "speed": (
@@ -71,13 +72,27 @@ def _best(state: Search) -> Trial | None:
                 found += screen(state.fit, [term])
         found.sort(key=lambda each: -each[1])
         trials += [cross_validated(state, term, held) for term, _ in found[:4]]
-    good = [t for t in trials if t.significant and t.share >= _LEAST_SHARE]
+    good = [
+        t
+        for t in trials
+        if t.significant and (t.share >= _LEAST_SHARE or _completes(state.fit, t.term))
+    ]
     plain = [t for t in good if not _is_wide(t.term)]
     best = max(good, key=lambda t: t.gain, default=None)
     simple = max(plain, key=lambda t: t.gain, default=None)
     if best is not None and simple is not None and simple.gain > 0.85 * best.gain:
         return simple
     return best
+
+
+def _completes(fit: Fit, term: Term) -> bool:
+    """Whether a joint that names leave far from its floor reaches it with the function."""
+    return _rms(fit, term) > _FAR and _rms(fit.extended(term), term) < _NEAR
+
+
+def _rms(fit: Fit, term: Term) -> float:
+    """Root mean square in sigmas of what is left at the term's joint."""
+    return float(np.sqrt(np.mean(fit.residual(("torque", term.place.joints[0])) ** 2)))
 
 
 def _is_wide(term: Term) -> bool:
@@ -123,7 +138,10 @@ def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
         _left(fit, j) for fit in (state.start, named, alone, state.fit)
     )
     explained = (start - by_names) / max(start - by_unknown, 1e-12)
-    if explained < _NAMES_EXPLAIN and by_unknown < 1.3 * both + 0.002 * start:
+    enough = by_unknown < 1.3 * both + 0.002 * start
+    if enough and (
+        explained < _NAMES_EXPLAIN or _rms(named, unknown) > _FAR > _NEAR > _rms(alone, unknown)
+    ):
         state.fit = alone
 
 

@@ -30,6 +30,7 @@ _KNOTS = 9
 _KNOTS_2D = 5
 _FINEST = 0.05  # between the knots of what changes quickly with position [rad], [m]
 _MOST_FINE = 60  # knots
+BEYOND = 0.25  # of its range that a function's outermost lines go on for
 _MOST = 2 * _MOST_FINE  # coefficients
 
 
@@ -162,6 +163,13 @@ def knots_of(shape: Shape) -> int:
 
 
 def hats(x: FloatArray, low: float, high: float, knots: int) -> FloatArray:
-    """Piecewise linear functions that are 1 at one of evenly spaced knots, (T, knots)."""
-    place = np.clip((x - low) / (high - low), 0.0, 1.0) * (knots - 1)
-    return np.asarray(np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(knots))))
+    """Piecewise linear functions that are 1 at one of evenly spaced knots, (T, knots).
+
+    Beyond the ends the outermost lines go on for a quarter of the range.
+    """
+    place = np.clip((x - low) / (high - low), -BEYOND, 1.0 + BEYOND) * (knots - 1)
+    before = np.clip(np.floor(place), 0, knots - 2)
+    share = place - before
+    k = np.arange(knots)
+    left, right = before[:, None] == k, before[:, None] + 1 == k
+    return np.asarray(left * (1.0 - share)[:, None] + right * share[:, None])

@@ -28,7 +28,7 @@ def replays_of(
     if model.robot is None:
         return (), ("Nothing was replayed: the study has no robot.",)
     replays: list[Replay] = []
-    notes: list[str] = []
+    notes = [f"Not in the replay: {reason}." for reason in model.not_simulated]
     for recording in (study.validate or study.fit)[:MOST]:
         try:
             replays.append(_replay(model, _shortened(recording), notes))

@@ -9,6 +9,7 @@ from typing import cast
 import numpy as np
 
 from ..effects import Gate
+from ..effects.unknown import BEYOND
 from ..effects.unknown import VARIABLES as DEPENDS
 from ..findings import Finding
 from .inertial import Inertial
@@ -263,18 +264,29 @@ def _unknown(w: _Where) -> tuple[Part, ...]:
         return (JointTorque(joint=joint, law=law, by_clock=True),)
     if depends in ("position and speed", "fine position and speed"):
         count = len(values) // 2
-        knots = np.linspace(low, high, count).tolist()
-        level = curve("position", knots, values[:count])
-        slope = curve("position", knots, values[count:])
+        knots, levels = _prolonged(low, high, values[:count])
+        level = curve("position", knots, levels)
+        slope = curve("position", *_prolonged(low, high, values[count:]))
         return (
-            _dry(joint, level, min(values[:count])),
+            _dry(joint, level, min(levels)),
             JointTorque(joint=joint, law=of_speed(slope)),
         )
     if depends not in _SIMULATED_UNKNOWN:
         return ()
     variable = cast(Variable, depends.removeprefix("other ").removeprefix("fine "))
-    knots = np.linspace(low, high, len(values)).tolist()
+    knots, values = _prolonged(low, high, values)
     return (unknown_part(joint, variable, knots, values, of=w.joints[-1]),)
+
+
+def _prolonged(low: float, high: float, values: list[float]) -> tuple[list[float], list[float]]:
+    """Even knots and values, the outermost lines going on as those of the effect do."""
+    knots = np.linspace(low, high, len(values)).tolist()
+    if len(values) < 2:
+        return knots, values
+    more, steps = BEYOND * (high - low), BEYOND * (len(values) - 1)
+    first = values[0] - steps * (values[1] - values[0])
+    last = values[-1] + steps * (values[-1] - values[-2])
+    return [low - more, *knots, high + more], [first, *values, last]
 
 
 def _depends(values: Mapping[str, float]) -> str:
