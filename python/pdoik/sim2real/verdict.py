@@ -12,9 +12,8 @@ from .trial import Search
 from .validation import Prediction
 
 _OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics
-_MUCH_LEFT, _FAR_LEFT = 0.35, 3.0  # of the residual before, and of the noise floor
-_NEAR_FLOOR = 1.6
-"""A residual within this factor of the noise floor counts as explained."""
+_NEAR_FLOOR, _LITTLE = 1.6, 0.05
+"""A residual within these factors of the noise floor, or of what it was, counts as explained."""
 
 
 def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dict[str, JointFit]:
@@ -59,10 +58,7 @@ def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Ve
     judged = [each for each in joints.values() if each.excited]
     if not judged:
         return "cannot_tell"
-    near = all(
-        each.after <= _NEAR_FLOOR * max(each.noise_floor, 1e-12) or each.after <= 0.05 * each.before
-        for each in judged
-    )
+    near = all(map(_is_explained, judged))
     named = [f for f in findings if f.effect != "unknown"]
     if not findings and near and len(judged) < len(joints):
         return "cannot_tell"  # of a joint that did not move
@@ -77,20 +73,25 @@ def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Ve
     )
 
 
+def _is_explained(joint: JointFit) -> bool:
+    floor = max(joint.noise_floor, 1e-12)
+    return joint.after <= _NEAR_FLOOR * floor or joint.after <= _LITTLE * joint.before
+
+
 def _small(judged: list[JointFit]) -> bool:
     """Whether no joint is far from its floor: a factor of two is no mismatch worth a name."""
     return all(each.after <= 2.0 * each.noise_floor for each in judged)
 
 
 def what_is_left(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> tuple[Finding, ...]:
-    """A finding without a name for every joint of whose residual much is left, and no law found."""
+    """A finding without a name for every joint that is not explained and has no law of its own."""
     told = {name for finding in findings if finding.effect == "unknown" for name in finding.joints}
     effect = CATALOGUE["unknown"]
     left = []
     for name, each in joints.items():
-        floor = max(each.noise_floor, 1e-12)
-        much = each.after > _MUCH_LEFT * max(each.before, floor) and each.after > _FAR_LEFT * floor
-        if not each.excited or not much or name in told or each.unit != "N m":
+        if not each.excited or _is_explained(each) or _small([each]):
+            continue
+        if name in told or each.unit != "N m":
             continue
         amount = Estimate(value=each.after, std=0.0, interval95=(0.0, each.before), unit=each.unit)
         finding = Finding(
