@@ -17,6 +17,7 @@ from pdoik.errors import LoadError  # noqa: E402
 from pdoik.sim2real.export import export_mjcf, export_urdf, write_exports  # noqa: E402
 from pdoik.sim2real.findings import Estimate, Finding  # noqa: E402
 from pdoik.sim2real.model_file import Model, replay, robot_text  # noqa: E402
+from pdoik.sim2real.predict import predict  # noqa: E402
 from pdoik.sim2real.recording import Recording  # noqa: E402
 from pdoik.sim2real.simulation import Stepper  # noqa: E402
 from pdoik.sim2real.simulation.inertial import Inertial  # noqa: E402
@@ -278,3 +279,23 @@ def test_moments_that_mjcf_refuses_are_evened_out_and_said() -> None:
     export = export_mjcf(model)
     assert "A + B >= C" in export.left_out[0]
     mujoco.MjModel.from_xml_string(export.text)
+
+
+def test_findings_go_with_another_description_and_corrections_by_as_much(tmp_path: Path) -> None:
+    robot = tmp_path / "loaded.urdf"
+    robot.write_text(PENDULUM.replace('mass value="2.0"', 'mass value="3.0"'))
+    own = Inertial.about_com(2.0, np.array([0.3, 0.0, 0.0]), 0.05 * np.eye(3)).ten()
+    friction = (found("coulomb_friction", ("joint1",), level=0.5),)
+    model = Model(
+        joints=("joint1",),
+        robot=PENDULUM,
+        findings=friction,
+        rigid_body={"link1": own + np.eye(10)[0] * 0.25},
+    )
+    loaded = model.with_robot(robot)
+    assert loaded.findings == friction
+    assert loaded.robot is not None
+    assert loaded.rigid_body["link1"][0] == pytest.approx(3.25)
+    still = commands(2.0, q=0.0)
+    before, after = (predict(each, still)[100, 0] for each in (model, loaded))
+    assert after - before == pytest.approx(-1.0 * 9.81 * 0.3, rel=1e-3)

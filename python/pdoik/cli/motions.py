@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-def check_files(model: Path, motion: Path, output: Path) -> None:
-    """Leave with status 2 unless both can be read and the third may be written."""
-    for path in (model, motion):
+def check_files(model: Path, motion: Path, output: Path, robot: Path | None = None) -> None:
+    """Leave with status 2 unless all can be read and the output may be written."""
+    read = [path for path in (model, motion, robot) if path is not None]
+    for path in read:
         if path.is_dir():
             fail(f"{path}: is a folder, expected a file")
         if not path.is_file():
@@ -31,7 +32,7 @@ def check_files(model: Path, motion: Path, output: Path) -> None:
         fail(f"--out {output}: is a folder, expected a file")
     if not output.parent.is_dir():
         fail(f"--out {output}: no such folder: {output.parent}")
-    if output.exists() and any(output.samefile(path) for path in (model, motion)):
+    if output.exists() and any(output.samefile(path) for path in read):
         fail(f"--out {output}: is also read, expected another file")
 
 

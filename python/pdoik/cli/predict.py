@@ -16,6 +16,10 @@ from .sim2real_extra import extra_needed
 def predict(
     model: Annotated[Path, typer.Argument(help="model.json of pdoik diagnose.")],
     recording: Annotated[Path, typer.Argument(help="CSV or Parquet with time and q.<joint>.")],
+    robot: Annotated[
+        Path | None,
+        typer.Option(help="URDF or MJCF instead of the study's, as with a known load in the hand."),
+    ] = None,
     without_findings: Annotated[
         bool, typer.Option("--without-findings", help="By the model as it was before.")
     ] = False,
@@ -27,12 +31,14 @@ def predict(
 
     [bold]Example[/]: pdoik predict report/model.json recording.csv --out torque.csv
     """
-    check_files(model, recording, output)
+    check_files(model, recording, output, robot)
     with extra_needed("predict"), misuse_fails():
         from pdoik.sim2real import load_model
         from pdoik.sim2real import predict as torque_of
 
         loaded = load_model(model)
+        if robot is not None:
+            loaded = loaded.with_robot(robot)
         motion = read_motion(recording, loaded.joints)
         tau = torque_of(loaded, motion, findings=not without_findings)  # (T, n)
         write_motion(output, loaded.joints, motion.start + motion.time, {"tau": tau})

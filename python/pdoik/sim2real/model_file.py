@@ -16,7 +16,7 @@ from pdoik.errors import LoadError
 from .findings import Diagnosis, Finding
 from .recording import FloatArray, Recording
 from .simulation import Part, Simulator, Stepper, parts_of_finding
-from .simulation.description import read_description
+from .simulation.description import nearest, read_description
 from .simulation.inertial import Inertial
 from .simulation.mjcf import flat_mjcf
 from .simulation.of_finding import not_simulated
@@ -70,6 +70,28 @@ class Model:
             rigid_body=rigid_body or {},
             cutoff=cutoff,
         )
+
+    def with_robot(self, robot: str | Path) -> Model:
+        """The same findings on another description of the robot, as with a known load in its hand.
+
+        Corrected parameters of links are corrected by as much.
+
+        Args:
+            robot: file of a URDF or an MJCF.
+
+        Raises:
+            LoadError: it cannot be read.
+            ValueError: it has no such link.
+        """
+        text = robot_text(Path(robot))
+        if not self.rigid_body or self.robot is None:
+            return replace(self, robot=text)
+        old, new = (read_description(each).inertials for each in (self.robot, text))
+        corrected = {}
+        for link, ten in self.rigid_body.items():
+            change = ten - old[nearest(link, old, "link")].ten()
+            corrected[link] = new[nearest(link, new, "link")].ten() + change
+        return replace(self, robot=text, rigid_body=corrected)
 
     def parts(self, *, findings: bool = True) -> tuple[Part, ...]:
         """What the simulation adds to the robot's description."""

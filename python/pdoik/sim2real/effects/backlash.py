@@ -26,7 +26,7 @@ def swing(torque: FloatArray, inertia: FloatArray, period: float, gap: FloatArra
 
     Args:
         torque: (T, k) a rigid gear would transmit [N m].
-        inertia: (k,) of the links about their joints [kg m^2].
+        inertia: (k,) or (T, k) of the links about their joints [kg m^2].
         period: of the samples [s].
         gap: (k,) whole play [rad].
     """
@@ -119,8 +119,8 @@ def _lag(motion: Motion, j: int, gap: float) -> FloatArray:
         gaps = np.array(_GAPS) if first else gap * 1.06 ** np.arange(-6.0, 7.0)
         pairs = [(i, float(g)) for i in joints for g in gaps]
         load = np.stack([motion.tau[:, i] - motion.rotor(i) for i, _ in pairs], axis=1)
-        inertia = np.median(motion.mass_matrix, axis=0).diagonal()
-        inertia = np.maximum(np.array([inertia[i] for i, _ in pairs]), 1e-6)
+        inertia = np.stack([motion.mass_matrix[:, i, i] for i, _ in pairs], axis=1)
+        inertia = np.maximum(inertia, 1e-6)
         lags = swing(load, inertia, motion.period, np.array([g for _, g in pairs]))
         for (i, g), lag in zip(pairs, lags.T, strict=True):
             motion.cache.setdefault(f"play {i} {g:.9g}", np.ascontiguousarray(lag))
