@@ -11,11 +11,7 @@ from .recording import FloatArray
 from .regression import Fit, Term
 
 DRAWS = 200
-_SHORT = 1.15
-"""By what a bootstrap of some tens of blocks falls short: of the errors of a hundred development
-studies, an eighth lay outside of its 95 % intervals."""
-
-_DISCRETISATION = 0.002  # share of a value that differentiation and sampling may take
+_DISCRETISATION = 0.0015  # share of a value that differentiation and sampling may take
 
 
 def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[str, Estimate]]:
@@ -75,7 +71,7 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
     Errors are cluster-robust, of clusters within its window.
     """
     effect = CATALOGUE[term.effect]
-    std = _SHORT * np.sqrt(np.diag(fit.robust(term)))
+    std = np.sqrt(np.diag(fit.robust(term)))
     units = {p.name: p.unit for p in effect.parameters}
     values = effect.values(term.shape, fit.beta[-term.width :])
     return {
@@ -92,10 +88,10 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
 def _estimate(value: float, samples: FloatArray, unit: str) -> Estimate:
     if unit == "rad" and len(samples):  # a phase may wrap
         samples = value + (samples - value + np.pi) % (2 * np.pi) - np.pi
-    std = float(np.hypot(_SHORT * np.std(samples), _DISCRETISATION * abs(value)))
+    std = float(np.hypot(np.std(samples), _DISCRETISATION * abs(value)))
     low, high = np.quantile(samples, (0.025, 0.975))
     # Centred on the value: the bootstrap's own bias is not the estimate's.
-    half = max(_SHORT * float(high - low) / 2, 1.96 * std)
+    half = max(float(high - low) / 2, 1.96 * std)
     return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=unit)
 
 
