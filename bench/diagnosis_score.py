@@ -25,11 +25,15 @@ from bench.concealed.spec import Truth, WorldSpec
 Entry = dict[str, Any]  # of a truth's effects, or a finding as plain data
 
 ONE_NAME = {"actuator_lag": "command_delay", "link_inertial_error": "payload"}
-"""Pairs that slow motion cannot split count as one name."""
+"""Pairs that slow motion cannot split count as one name; of links only the last is a payload's."""
+
+MOST_EQUIVALENTS = 3  # that a finding may list
 
 CHOICES = ("harmonic", "side")
 """Parameters that are chosen among a few values, so that an interval says nothing."""
 
+OPEN_END = 60.0  # a truth's window that ends there ends with the recordings [s]
+LEAST_OPEN = 5.0  # that such a window lasts at least [s]
 AFFECTED = 1.5  # times its noise floor: a joint with more residual shows what is hidden
 
 
@@ -73,49 +77,70 @@ def scores(truth: Truth, said: dict[str, Any]) -> Row:
         return {"named": right, "listed": right, "placed": right, "extra": len(found)} | measured(
             None, None, said["joints"]
         )
-    hidden, *beside = truth.effects
-    rest = [each for each in found if not any(same(each, other) for other in beside)]
+    hidden, last = truth.effects[0], last_link(truth.joints)
+    rest = rest_of(truth.effects, found, last)
     first = rest[0] if rest else None
-    named = first is not None and name_of(first) == name_of(hidden)
-    match = next((each for each in rest if each["effect"] == hidden["effect"]), None)
+    named = first is not None and name_of(first, last) == name_of(hidden, last)
+    match = next(
+        (e for e in rest if e["effect"] == hidden["effect"] and placed(e, hidden)),
+        None,
+    )
     return {
         "named": named,
         "listed": any(
-            name_of(each) == name_of(hidden)
-            for finding in found
-            for each in (finding, *finding["equivalents"])
+            name_of(each, last) == name_of(hidden, last)
+            for finding in rest
+            if finding is first or placed(finding, hidden)
+            for each in (finding, *finding["equivalents"][:MOST_EQUIVALENTS])
         ),
         "placed": first is not None and placed(first, hidden),
-        "extra": sum(not same(each, hidden) for each in rest[1:]),
+        "extra": sum(not same(each, hidden, last) for each in rest[1:]),
     } | measured(hidden, match, said["joints"])
 
 
-def name_of(entry: Entry) -> str:
+def rest_of(effects: Sequence[Entry], found: Sequence[Entry], last: str) -> list[Entry]:
+    """Findings but for what stands beside the hidden effect, which is the first of a truth's."""
+    return [each for each in found if not any(same(each, other, last) for other in effects[1:])]
+
+
+def last_link(joints: Sequence[str]) -> str:
+    """The link that carries a payload in a concealed arm."""
+    return f"link{len(joints)}"
+
+
+def name_of(entry: Entry, last: str) -> str:
     """An effect's name; the same for a pair that counts as one."""
+    if entry["effect"] == "link_inertial_error" and set(entry["links"]) != {last}:
+        return "link_inertial_error"
     return ONE_NAME.get(entry["effect"], entry["effect"])
 
 
-def same(finding: Entry, entry: Entry) -> bool:
+def same(finding: Entry, entry: Entry, last: str) -> bool:
     """Whether name and place agree."""
-    return name_of(finding) == name_of(entry) and placed(finding, entry)
+    return name_of(finding, last) == name_of(entry, last) and placed(finding, entry)
 
 
 def placed(finding: Entry, entry: Entry) -> bool:
-    """Joints and links as hidden; a contact's window must be mostly its own."""
+    """Joints and links as hidden; a window, where one is told of one, mostly its own.
+
+    A contact must have its own recording and window. Of what else acts in a window only, joint and
+    link are enough.
+    """
     for part in ("joints", "links"):
         if entry[part] and set(finding[part]) != set(entry[part]):
             return False
-    if entry["effect"] != "external_contact":
-        return True
-    return finding["recordings"] == entry["recordings"] and (
-        overlap(finding["window"], entry["window"]) > 0.5
-    )
+    windows = finding["window"], entry["window"]
+    if entry["effect"] == "external_contact":
+        return finding["recordings"] == entry["recordings"] and overlap(*windows) > 0.5
+    return None in windows or overlap(*windows) > 0.5
 
 
 def overlap(a: Sequence[float] | None, b: Sequence[float] | None) -> float:
     """Length that two windows share, of what they cover together."""
     if a is None or b is None:
         return 0.0
+    if b[1] >= OPEN_END:  # to the end of the recordings, which is a's end if a goes so far
+        b = (b[0], max(a[1], b[0] + LEAST_OPEN))
     shared = min(a[1], b[1]) - max(a[0], b[0])
     return max(shared, 0.0) / max(max(a[1], b[1]) - min(a[0], b[0]), 1e-9)
 

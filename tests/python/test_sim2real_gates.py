@@ -20,8 +20,7 @@ from pdoik.sim2real import Diagnosis, Finding, diagnose
 from pdoik.sim2real.effects import CATALOGUE, Gate, Place, columns_of
 from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion import Motion
-from pdoik.sim2real.simulation import Simulator
-from pdoik.sim2real.simulation.of_finding import not_simulated, parts_of_finding
+from pdoik.sim2real.simulation import Simulator, not_simulated, parts_of_finding
 from pdoik.sim2real.simulation.parts import Part
 from sim2real_robots import ABOUT_PIVOT, TURNTABLE, commands
 

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 from pdoik.sim2real.simulation import Simulator, Stepper, parts_of
-from pdoik.sim2real.simulation.of_finding import EFFECTS
+from pdoik.sim2real.simulation.of_effect import EFFECTS
 from sim2real_robots import PENDULUM, TURNTABLE, arm_urdf, commands, parts, pd
 
 

@@ -9,7 +9,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.findings import Finding, JointFit
 from pdoik.sim2real.model_file import Model
-from pdoik.sim2real.simulation.of_finding import not_simulated, parts_of_finding
+from pdoik.sim2real.simulation import not_simulated, parts_of_finding
 from pdoik.sim2real.verdict import verdict_of, what_is_left
 
 

@@ -6,20 +6,24 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from pdoik._files import write_whole
 from pdoik.errors import LoadError
 
 from .findings import Diagnosis, Finding
+from .model_content import (
+    array_of,
+    controller_content,
+    controller_of,
+    findings_of,
+    listed,
+    required,
+)
 from .recording import FloatArray, Recording
-from .simulation import Part, Simulator, Stepper, parts_of_finding
+from .simulation import Part, Simulator, Stepper, not_simulated, parts_of_finding
 from .simulation.description import nearest, read_description
 from .simulation.inertial import Inertial
 from .simulation.mjcf import flat_mjcf
-from .simulation.of_finding import not_simulated
 from .simulation.parts import ExternalForce, LinkChange, Vector
 from .simulation.plant import STANDARD_GRAVITY, link_carrying
 from .study import Controller, Study
@@ -182,12 +186,12 @@ class Model:
             "schema": SCHEMA,
             "joints": list(self.joints),
             "tip": self.tip,
-            "controller": _controller_content(self.controller),
-            "rotor_inertia": _listed(self.rotor_inertia),
+            "controller": controller_content(self.controller),
+            "rotor_inertia": listed(self.rotor_inertia),
             "gravity": list(self.gravity),
             "cutoff": self.cutoff,
             "findings": json.loads(found.to_json())["findings"],
-            "rigid_body": {link: _listed(ten) for link, ten in self.rigid_body.items()},
+            "rigid_body": {link: listed(ten) for link, ten in self.rigid_body.items()},
             "robot": self.robot,
         }
         return json.dumps(content, indent=1) + "\n"
@@ -211,16 +215,17 @@ class Model:
             joints = tuple(str(each) for each in content["joints"])
             n = len(joints)
             key = "controller"
-            controller = _controller(content["controller"], n)
+            controller = controller_of(content["controller"], n)
             key = "rotor_inertia"
-            rotor_inertia = _array(content["rotor_inertia"], n)
+            rotor_inertia = array_of(content["rotor_inertia"], n)
             key = "gravity"
             x, y, z = (float(each) for each in content["gravity"])
             key = "findings"
-            findings = _findings(content["findings"])
+            findings = findings_of(content["findings"])
             key = "rigid_body"
             rigid_body = {
-                str(link): _required(_array(ten, 10)) for link, ten in content["rigid_body"].items()
+                str(link): required(array_of(ten, 10))
+                for link, ten in content["rigid_body"].items()
             }
             key = "cutoff"
             cutoff = None if content.get("cutoff") is None else float(content["cutoff"])
@@ -274,62 +279,3 @@ def load_model(path: str | Path) -> Model:
 def replay(model: Model, commands: Recording, *, findings: bool = True) -> Recording:
     """The motion that a model makes of commands, see `Simulator.replay`."""
     return model.simulator(findings=findings).replay(commands)
-
-
-def _findings(content: list[Any]) -> tuple[Finding, ...]:
-    whole = {
-        "schema": "pdoik.diagnosis/1",
-        "verdict": "mismatch_explained",
-        "findings": content,
-        "joints": {},
-    }
-    findings = Diagnosis.from_json(json.dumps(whole)).findings
-    for finding in findings:
-        parts_of_finding(finding)  # raises ValueError where a parameter is missing
-    return findings
-
-
-def _controller_content(controller: Controller | None) -> dict[str, Any] | None:
-    if controller is None:
-        return None
-    return {
-        "type": controller.type,
-        "kp": _listed(controller.kp),
-        "kd": _listed(controller.kd),
-        "gravity_compensation": controller.gravity_compensation,
-        "torque_limit": _listed(controller.torque_limit),
-        "period": controller.period,
-    }
-
-
-def _controller(content: dict[str, Any] | None, n: int) -> Controller | None:
-    if content is None:
-        return None
-    if content["type"] != "pd":
-        raise ValueError(f"type: expected 'pd', got {content['type']!r}")
-    return Controller(
-        kp=_required(_array(content["kp"], n)),
-        kd=_required(_array(content["kd"], n)),
-        gravity_compensation=bool(content["gravity_compensation"]),
-        torque_limit=_array(content["torque_limit"], n),
-        period=content["period"],
-    )
-
-
-def _listed(values: FloatArray | None) -> list[float] | None:
-    return None if values is None else np.asarray(values, dtype=float).tolist()
-
-
-def _array(values: list[float] | None, n: int) -> FloatArray | None:
-    if values is None:
-        return None
-    array = np.array(values, dtype=float)
-    if array.shape != (n,):
-        raise ValueError(f"expected {n} numbers, got shape {array.shape}")
-    return array
-
-
-def _required(array: FloatArray | None) -> FloatArray:
-    if array is None:
-        raise ValueError("expected numbers, got null")
-    return array

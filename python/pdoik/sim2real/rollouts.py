@@ -24,8 +24,7 @@ from .naming import finding_of
 from .prepare import Prepared, motions_of
 from .recording import FloatArray, Recording
 from .regression import Fit, Term
-from .simulation import SimulationError
-from .simulation.of_finding import not_simulated
+from .simulation import SimulationError, not_simulated
 from .split import part
 from .study import Study
 
