@@ -12,6 +12,8 @@ from pdoik.sim2real.simulation import SimulationError, Simulator, Stepper, parts
 from pdoik.sim2real.simulation.parts import JointTorque
 from sim2real_robots import MASS, PENDULUM, TURNTABLE, commands, pd
 
+SLACK = {"stiffness": 0.0, "damping": 0.0}
+
 
 def test_what_cannot_be_replayed_is_said() -> None:
     with pytest.raises(ValueError, match=r"rec.csv: nothing to replay.*no controller"):
@@ -38,6 +40,8 @@ def test_names_that_are_not_there_are_answered_with_the_nearest() -> None:
         parts_of("friction", ["joint1"])
     with pytest.raises(ValueError, match="coulomb_friction needs the parameter 'level', got lvl"):
         parts_of("coulomb_friction", ["joint1"], values={"lvl": 1.0})
+    with pytest.raises(ValueError, match=r"stiffness of joint1 is 0\.0, expected more"):
+        Stepper(PENDULUM, ["joint1"], parts_of("joint_elasticity", ["joint1"], values=SLACK))
     with pytest.raises(ValueError, match="torque has 2 entries, the robot has 1 joints"):
         Stepper(PENDULUM, ["joint1"]).step([0.0, 0.0])
 

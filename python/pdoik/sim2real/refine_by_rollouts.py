@@ -23,6 +23,7 @@ _CLEAR = 0.3  # standard errors that a figure must move to be worth another run
 _AS_THEY_ARE = ("external_contact", "kinematic_error", "unknown")
 """Simulated, but not refined: an event, pure geometry, and figures without a meaning."""
 
+_LEAST = 0.05  # of its value that a figure which cannot be negative keeps
 _FARTHEST = 0.5  # of its value that a figure may move in one step
 
 
@@ -101,6 +102,8 @@ def _figures(
             error = errors[i].get(name, 0.0)
             lower = known[name].lower if name in known else -np.inf
             upper = known[name].upper if name in known else np.inf
+            if lower == 0.0 < value:
+                lower = _LEAST * value  # no sprung joint has a spring of nothing
             room = [0.5 * abs(value - bound) for bound in (lower, upper) if value != bound]
             h = min([max(0.02 * abs(value), 0.3 * error), *room])
             slope = _slope(arm, term, at.values[i], name, h)

@@ -6,7 +6,7 @@ import numpy as np
 
 from pdoik.errors import PdoikError
 
-from .effects import CATALOGUE
+from .effects import CATALOGUE, Effect
 from .estimate import values_and_errors
 from .findings import Estimate
 from .prepare import Prepared
@@ -27,7 +27,8 @@ def simulated_estimates(
 ) -> tuple[dict[int, dict[str, Estimate]], str]:
     """Estimates of the terms after simulation, and what was done, in words.
 
-    A quarter of each correction is added to its figure's error.
+    A quarter of each correction is added to its figure's error, or what an effect does not take of
+    it: where regression and simulation are as good, the middle.
 
     Args:
         prepared: the study.
@@ -58,7 +59,7 @@ def simulated_estimates(
         f" loss went from {first.cost:.3g} to {best.cost:.3g} squared noise floors."
     )
     moved = {
-        i: _moved(estimates[i], best.values[i], CATALOGUE[term.effect].simplified)
+        i: _moved(estimates[i], best.values[i], CATALOGUE[term.effect])
         for i, term in enumerate(terms)
     }
     return moved, said
@@ -69,12 +70,14 @@ def _regression_loss(fit: Fit, rollout: Rollout) -> float:
     return float(np.mean(squares**2))
 
 
-def _moved(before: dict[str, Estimate], values: Values, simplified: float) -> dict[str, Estimate]:
-    return {name: _estimate(each, values[name], simplified) for name, each in before.items()}
+def _moved(before: dict[str, Estimate], values: Values, effect: Effect) -> dict[str, Estimate]:
+    return {name: _estimate(each, values[name], effect) for name, each in before.items()}
 
 
-def _estimate(before: Estimate, value: float, simplified: float) -> Estimate:
-    more = np.hypot(_OWN_ERROR * (value - before.value), simplified * value)
+def _estimate(before: Estimate, simulated: float, effect: Effect) -> Estimate:
+    away = simulated - before.value
+    value = before.value + effect.corrected * away
+    more = np.hypot(max(_OWN_ERROR, 1.0 - effect.corrected) * away, effect.simplified * value)
     std = float(np.hypot(before.std, more))
     half = (before.interval95[1] - before.interval95[0]) / 2
     half = float(np.hypot(half, 1.96 * more))

@@ -87,6 +87,7 @@ class Effect(ABC):
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
     simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that a simulation tells from it
     shown_poorly: ClassVar[bool] = False  # by its columns: simulate before it is believed
+    corrected: ClassVar[float] = 1.0  # share that its figures take of a simulation's correction
     simplified: ClassVar[float] = 0.0  # share of its figures that its law's simplicity may take
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it

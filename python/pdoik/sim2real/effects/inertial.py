@@ -36,6 +36,7 @@ class LinkInertials(Effect):
     decided_by = "slow and quick motion of all joints after this link, over the whole range"
     source = "Atkeson, An and Hollerbach, IJRR 5(3), 1986; Wensing et al., RA-L 3(1), 2018"
     complexity = 5
+    corrected = 0.5  # torques are linear in it: a regression shows it as well as a simulation
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
@@ -88,6 +89,7 @@ class Payload(LinkInertials):
     confused_with = ("link_inertial_error", "torque_gain", "gravity_direction")
     decided_by = "the same motion with a known weight in the hand and without"
     complexity = 4
+    corrected = 0.5
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """The last link."""

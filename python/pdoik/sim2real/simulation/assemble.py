@@ -42,10 +42,16 @@ def move(body: Any, part: Placement) -> None:
 
 
 def gears_of(parts: tuple[Part, ...], joints: tuple[str, ...]) -> dict[int, GearPlay]:
-    """One per joint: play and spring in series where a joint has both."""
+    """One per joint: play and spring in series where a joint has both.
+
+    Raises:
+        ValueError: a stiffness is not positive.
+    """
     gears: dict[int, GearPlay] = {}
     for part in parts:
         if isinstance(part, GearPlay) and (part.gap > 1e-9 or np.isfinite(part.stiffness)):
+            if not part.stiffness > 0.0:
+                raise ValueError(f"stiffness of {part.joint} is {part.stiffness}, expected more")
             k = joints.index(nearest(part.joint, joints, "joint"))
             other = gears.get(k, GearPlay(joint=part.joint))
             compliance = 1.0 / part.stiffness + 1.0 / other.stiffness
