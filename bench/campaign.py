@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
@@ -136,12 +137,14 @@ def dask_client(scheduler: str | None, workers: int | None = None) -> Iterator[C
     """
     if scheduler is None:
         with (
+            TemporaryDirectory(prefix="pdoik-dask-") as scratch,  # none that others' workers see
             LocalCluster(
                 n_workers=workers or os.cpu_count() or 1,
                 threads_per_worker=1,
                 host="127.0.0.1",
                 dashboard_address="127.0.0.1:0",
                 silence_logs="ERROR",
+                local_directory=scratch,
             ) as cluster,
             Client(cluster) as client,
         ):

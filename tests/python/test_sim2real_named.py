@@ -175,3 +175,20 @@ def test_a_joint_whose_torque_nobody_recorded_does_not_hide_anothers_friction(
     (finding,) = diagnosis.findings
     assert (finding.effect, finding.joints) == ("coulomb_friction", (joint,))
     assert finding.values["level"] == pytest.approx(hidden["parameters"]["level"], rel=NEAR)
+
+
+def test_a_load_on_an_arm_whose_base_leans_is_told_from_the_leaning(tmp_path: Path) -> None:
+    """What a load weighs along each axis depends on how far the base leans, and the reverse."""
+    spec = WorldSpec(seed=2157, effect="payload", hide="second", robot="random2")
+    truth = make_study(tmp_path / "study", spec)
+    found = {each.effect: each for each in diagnose(tmp_path / "study" / "study.yaml").findings}
+    load, leaning = truth.effects
+    assert leaning["effect"] == "gravity_direction"
+    assert set(found) == {"link_inertial_error", "gravity_direction"}
+    for name, tilt in leaning["parameters"].items():
+        assert found["gravity_direction"].values[name] == pytest.approx(tilt, abs=5e-3)
+    body = found["link_inertial_error"]  # of two joints no motion shows the mass itself
+    assert [each.effect for each in body.equivalents][:1] == ["payload"]
+    for axis in "yz":
+        moment = load["parameters"]["mass"] * load["parameters"][f"com_{axis}"]
+        assert body.values[f"d_first_moment_{axis}"] == pytest.approx(moment, rel=0.1)

@@ -147,10 +147,10 @@ def test_a_displaced_joint_moves_the_tip_as_pinocchio_says() -> None:
     assert pose is not None
     model = pinocchio.buildModelFromUrdf(str(PANDA))
     joint = model.getJointId("panda_joint4")
-    delta = pinocchio.SE3(
-        pinocchio.exp3(np.array([0.03, -0.02, 0.04])), np.array([0.01, -0.02, 0.005])
-    )
-    model.jointPlacements[joint] = model.jointPlacements[joint] * delta
+    place = model.jointPlacements[joint].copy()  # shifted in the parent's axes, turned in its own
+    place.translation = place.translation + np.array([0.01, -0.02, 0.005])
+    place.rotation = place.rotation @ pinocchio.exp3(np.array([0.03, -0.02, 0.04]))
+    model.jointPlacements[joint] = place
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, POSE)
     expected = data.oMf[model.getFrameId("panda_link8")]

@@ -87,6 +87,13 @@ class Balances:
                 result[key] = column
         return result
 
+    def lean(self, gravity: FloatArray) -> None:
+        """Let unknown bodies be pulled by another gravity, (3,) in the base's frame [m/s^2]."""
+        for motion in self.motions:
+            motion.lean(gravity)
+        for name in [name for name in self._columns if name[1].link is not None]:
+            del self._columns[name]
+
     def rms(self, key: Key, values: FloatArray | None = None) -> float:
         """Root mean square over the rows that count."""
         picked = (self.residual[key] if values is None else values)[self.mask[key]]

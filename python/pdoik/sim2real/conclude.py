@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .bodies import by_moments
 from .channels import ChannelCheck
 from .contact import contact_term
 from .effects import CATALOGUE, Key
 from .equivalents import equivalents_of
 from .estimate import estimates, event_estimates
-from .findings import Diagnosis, Estimate, Evidence
+from .findings import Diagnosis, Equivalent, Estimate, Evidence
 from .held_out_limits import held_out_limits
-from .naming import Found, described, finding_of, merged
+from .naming import Found, described, finding_of, link_of, merged
 from .prepare import Prepared
 from .regression import Fit, Term
 from .sampling import widened, without_sampling
@@ -72,6 +73,7 @@ def conclude(
     )
     accepted, unsure = without_sampling(prepared, state.fit, accepted)
     values = estimates(state.fit, accepted, seed)
+    accepted, values, loads = by_moments(state, accepted, values, seed)
     values = {i: to_second_order(state.fit, t, values[i]) for i, t in enumerate(accepted)}
     values, simulated = simulated_estimates(prepared, state, accepted, values)
     found: list[Found] = []
@@ -94,6 +96,8 @@ def conclude(
         if id(term) in state.confirmed:
             evidence = replace(state.confirmed[id(term)], channels=channels)
         rivals = equivalents_of(state, term, study.joints, prepared.body)
+        if term.effect == "link_inertial_error" and term.place in loads:
+            rivals = (Equivalent(effect="payload", links=link_of(prepared, term)), *rivals)[:3]
         finding = finding_of(prepared, term, values[number], rivals, evidence)
         found.append((finding, (term,)))
     if lost:

@@ -80,7 +80,7 @@ def _move(joint: ElementTree.Element, part: Placement) -> None:
     origin = _child(joint, "origin")
     xyz = np.array([float(each) for each in origin.get("xyz", "0 0 0").split()])
     R = rotation_of_rpy(np.array([float(each) for each in origin.get("rpy", "0 0 0").split()]))
-    xyz = xyz + R @ np.array(part.translation)
+    xyz = xyz + np.array(part.shift) + R @ np.array(part.translation)
     R = R @ Rotation.from_rotvec(part.rotation).as_matrix()
     origin.set("xyz", _text(xyz))
     origin.set("rpy", _text(_rpy(R)))

@@ -69,8 +69,14 @@ class Motion:
         """Torque per inertial parameter, (T, n, n links, 10)."""
         if "regressor" not in self.cache:
             assert self.body is not None
-            self.cache["regressor"] = self.body.regressor(self.q, self.dq, self.ddq)
+            gravity = self.cache.get("gravity")
+            self.cache["regressor"] = self.body.regressor(self.q, self.dq, self.ddq, gravity)
         return self.cache["regressor"]
+
+    def lean(self, gravity: FloatArray) -> None:
+        """Let unknown bodies be pulled by another gravity, (3,) in the base's frame [m/s^2]."""
+        self.cache["gravity"] = gravity
+        self.cache.pop("regressor", None)
 
     def rotor(self, j: int) -> FloatArray:
         """Torque of joint j's known rotor inertia, (T,)."""

@@ -30,15 +30,9 @@ def finding_of(
     place, study = term.place, prepared.study
     effect = CATALOGUE[term.effect]
     joints = tuple(study.joints[j] for j in place.joints)
-    links: tuple[str, ...] = ()
-    if place.link is not None and prepared.body is not None:
-        links = (prepared.body.links[place.link],)
+    links = link_of(prepared, term)
     if effect.id == "kinematic_error" and prepared.body is not None:
         links = (prepared.body.links[place.joints[0]],)
-    if effect.id == "payload" and not _is_body(values):
-        effect = CATALOGUE["link_inertial_error"]
-        values = _as_link_error(values)
-        equivalents = (Equivalent(effect="payload", links=links), *equivalents)[:3]
     plain = {name: each.value for name, each in values.items()}
     where = _where(effect.on, joints, links)
     recordings = tuple(r.name for r in study.fit)
@@ -67,6 +61,13 @@ def finding_of(
         variant=CATALOGUE[term.effect].variant(term.shape),
         shape=term.shape,
     )
+
+
+def link_of(prepared: Prepared, term: Term) -> tuple[str, ...]:
+    """The link a term sits at, () where at none."""
+    if term.place.link is None or prepared.body is None:
+        return ()
+    return (prepared.body.links[term.place.link],)
 
 
 def described(prepared: Prepared, term: Term) -> str:
@@ -120,28 +121,6 @@ def _where(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> str:
         said = " and ".join(joints)
         return said if "joint" in said.lower() else f"Joint{'s' * (len(joints) > 1)} {said}"
     return "The base" if on == "base" else "The robot"
-
-
-def _is_body(values: dict[str, Estimate]) -> bool:
-    """Whether a payload's figures belong to a body, within their errors."""
-    mass = values["mass"]
-    return mass.value > 0.0 and mass.interval95[1] > 0.0
-
-
-def _as_link_error(values: dict[str, Estimate]) -> dict[str, Estimate]:
-    mass = values["mass"]
-    result = {"d_mass": mass}
-    for axis in "xyz":
-        com = values[f"com_{axis}"]
-        moment = mass.value * com.value
-        half = abs(mass.value) * (com.interval95[1] - com.interval95[0]) / 2
-        result[f"d_first_moment_{axis}"] = Estimate(
-            value=moment,
-            std=abs(mass.value) * com.std,
-            interval95=(moment - half, moment + half),
-            unit="kg m",
-        )
-    return result | {f"d_{name}": values[name] for name in list(values)[4:]}
 
 
 def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:

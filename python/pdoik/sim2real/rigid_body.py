@@ -154,19 +154,31 @@ class RigidBody:
                 result[t, :, axis] = pin.computeGeneralizedGravity(model, data, row)[v]
         return result
 
-    def regressor(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+    def regressor(
+        self, q: FloatArray, dq: FloatArray, ddq: FloatArray, gravity: FloatArray | None = None
+    ) -> FloatArray:
         """Torque per inertial parameter, (T, n, n links, 10).
 
         Ten per link, in the link's frame at its joint: mass, first moments x y z, inertias about
         the frame's origin xx xy yy xz yz zz (Pinocchio's order).
+
+        Args:
+            q: (T, n) positions.
+            dq: their derivatives.
+            ddq: those of these.
+            gravity: (3,) in the base's frame [m/s^2]; the model's own where it is None.
         """
+        model = self.model
+        if gravity is not None:
+            model = model.copy()
+            model.gravity.linear = gravity
         configuration, velocity = self._position(q), self._velocity(dq)
         acceleration = self._velocity(ddq)
         order = [(i - 1) * 10 + k for i in self._ids for k in range(10)]
         result = np.empty((len(q), self.n, self.n, 10))
         for t in range(len(q)):
             each = pin.computeJointTorqueRegressor(
-                self.model, self._data, configuration[t], velocity[t], acceleration[t]
+                model, self._data, configuration[t], velocity[t], acceleration[t]
             )
             each = each.reshape(self.model.nv, -1)  # flat where there is one joint
             result[t] = each[self._v][:, order].reshape(self.n, self.n, 10)

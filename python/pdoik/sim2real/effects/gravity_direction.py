@@ -13,18 +13,18 @@ from .effect import Columns, Effect, Parameter, Place, Shape
 
 
 class GravityDirection(Effect):
-    """Gravity seen from a base tilted by small angles about its x and y axes."""
+    """Gravity seen from a base turned by R_x(tilt_x) R_y(tilt_y)."""
 
     id = "gravity_direction"
     on = "base"
-    equation = "tau = dG/dg (g sin(tilt_y), -g sin(tilt_x), 0)"
+    equation = "tau = G(q; R^T g) - G(q; g), R = R_x(tilt_x) R_y(tilt_y)"
     parameters = (
         Parameter("tilt_x", "rad", lower=-1.0, upper=1.0),
         Parameter("tilt_y", "rad", lower=-1.0, upper=1.0),
     )
     confused_with = ("link_inertial_error", "joint_offset", "torque_offset")
     decided_by = "slow motion of the first joint with the arm stretched out, or a level on the base"
-    source = "a rotation of the base, to first order"
+    source = "a rotation of the base; torques are linear in gravity's components"
     complexity = 2
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
@@ -32,7 +32,7 @@ class GravityDirection(Effect):
         return [Place()]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Torques per tilt about x and about y, and what the cosine takes from gravity."""
+        """Torques per sine of the tilts about x and y, and what the cosine takes from gravity."""
         by = STANDARD_GRAVITY * motion.dtau_dgravity
         return {
             ("torque", j): np.stack([-by[:, j, 1], by[:, j, 0], by[:, j, 2]], axis=1)
@@ -50,14 +50,16 @@ class GravityDirection(Effect):
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Both tilts."""
-        return {"tilt_x": float(beta[0]), "tilt_y": float(beta[1])}
+        x = np.arcsin(np.clip(beta[0], -1.0, 1.0))
+        y = np.arcsin(np.clip(beta[1] / max(np.cos(x), 1e-3), -1.0, 1.0))
+        return {"tilt_x": float(x), "tilt_y": float(y)}
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
         """Both tilts, and what their cosines take from gravity."""
         x, y = values["tilt_x"], values["tilt_y"]
-        return (), np.array([x, y, 1.0 - np.cos(x) * np.cos(y)])
+        return (), np.array([np.sin(x), np.sin(y) * np.cos(x), 1.0 - np.cos(x) * np.cos(y)])
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -29,26 +29,13 @@ class KinematicError(Effect):
     per_joint_moving = False
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """How the tip moves with the joint's frame."""
+        """How the tip, where it is measured, and the torques change with the joint's frame."""
         (j,) = place.joints
-        if motion.tip_jacobian is None or motion.body is None:
+        if motion.body is None:
             return {}
-        if "joint_poses" not in motion.cache:
-            motion.cache["joint_poses"] = motion.body.joint_poses(motion.q)
-        frame = motion.cache["joint_poses"][:, j]
-        # The placement's frame is the joint's before it turned: turn back about its own axis.
-        before = _turned_back(motion, j, frame)
-        lever = motion.tip_position() - frame[:, :3, 3]
-        parent = before @ motion.body.placement_rotation(j).T
-        columns: Columns = {}
-        turning = np.cross(np.transpose(before, (0, 2, 1)), lever[:, None, :])  # (T, 3 axes, 3)
-        for axis in range(3):
-            columns["tip", axis] = np.hstack([parent[:, axis, :], turning[:, :, axis]])
-            columns["tip", 3 + axis] = np.hstack([np.zeros_like(lever), before[:, axis, :]])
         torque = _torques(motion, motion.body, j)
-        for i in range(motion.n):
-            columns["torque", i] = torque[:, i]
-        return columns
+        columns: Columns = {("torque", i): torque[:, i] for i in range(motion.n)}
+        return columns if motion.tip_jacobian is None else columns | _tip(motion, motion.body, j)
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Only with tip poses."""
@@ -77,6 +64,23 @@ class KinematicError(Effect):
     def regime(self, where: str) -> str:
         """When it shows."""
         return "the tip's pose, in every pose of the arm"
+
+
+def _tip(motion: Motion, body: RigidBody, j: int) -> Columns:
+    """Change of the tip's pose per metre and radian."""
+    if "joint_poses" not in motion.cache:
+        motion.cache["joint_poses"] = body.joint_poses(motion.q)
+    frame = motion.cache["joint_poses"][:, j]
+    # The placement's frame is the joint's before it turned: turn back about its own axis.
+    before = _turned_back(motion, j, frame)
+    lever = motion.tip_position() - frame[:, :3, 3]
+    parent = before @ body.placement_rotation(j).T
+    turning = np.cross(np.transpose(before, (0, 2, 1)), lever[:, None, :])  # (T, 3 axes, 3)
+    columns: Columns = {}
+    for axis in range(3):
+        columns["tip", axis] = np.hstack([parent[:, axis, :], turning[:, :, axis]])
+        columns["tip", 3 + axis] = np.hstack([np.zeros_like(lever), before[:, axis, :]])
+    return columns
 
 
 _STEP = 1e-4  # of the finite differences [m, rad]

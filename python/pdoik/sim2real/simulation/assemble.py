@@ -38,7 +38,7 @@ def move(body: Any, part: Placement) -> None:
     delta = np.empty(4)
     mujoco.mju_axisAngle2Quat(delta, axis, angle)
     mujoco.mju_mulQuat(turned, body.quat, delta)
-    body.pos, body.quat = body.pos + moved, turned
+    body.pos, body.quat = body.pos + np.array(part.shift) + moved, turned
 
 
 def gears_of(parts: tuple[Part, ...], joints: tuple[str, ...]) -> dict[int, GearPlay]:

@@ -146,7 +146,7 @@ def _link_error(w: _Where) -> tuple[Part, ...]:
 def _kinematic_error(w: _Where) -> tuple[Part, ...]:
     moved = (w.get("dx"), w.get("dy"), w.get("dz"))
     turned = (w.get("rx"), w.get("ry"), w.get("rz"))
-    return w.each(lambda j: Placement(joint=j, translation=moved, rotation=turned))
+    return w.each(lambda j: Placement(joint=j, shift=moved, rotation=turned))
 
 
 def _coupling(w: _Where) -> tuple[Part, ...]:

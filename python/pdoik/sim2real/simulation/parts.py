@@ -89,9 +89,10 @@ class GravityTilt:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Placement:
-    """A joint's frame moved and then turned, in its own axes: T_parent_joint T_joint_moved."""
+    """A joint's frame shifted in its parent's axes, then moved and turned in its own."""
 
     joint: str
+    shift: Vector = (0.0, 0.0, 0.0)  # in the parent's axes [m]
     translation: Vector = (0.0, 0.0, 0.0)  # [m]
     rotation: Vector = (0.0, 0.0, 0.0)  # rotation vector [rad]
 
