@@ -12,9 +12,10 @@
 - *still*: joints that do not move. Right where none of these is judged (they are marked as moved
   too little, or the verdict is `cannot_tell`) and nothing is found at them.
 - *poor*: an effect of the catalogue under motion that hardly shows it. Right where it is named, or
-  listed, all the same; or where nothing else is claimed and either the verdict is `cannot_tell` or
-  all joints that stood still are marked as moved too little. "No mismatch" without such a mark is
-  wrong, and so is another name.
+  listed, all the same; or where no other name is claimed (`unknown` is none) and either the verdict
+  is `cannot_tell`, or all joints that stood still are marked as moved too little, or the study is
+  refused because nothing moves in it. "No mismatch" without such a mark is wrong, and so is another
+  name.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from typing import Any
 Entry = Mapping[str, Any]
 Said = Mapping[str, Any]  # diagnosis.json, or an error as its verdict
 
+NOTHING_MOVES = "no joint moves"  # within the words of a refusal
 CHANNEL_OF_VARIANT = {"speed": "dq", "logged speed": "dq", "position": "q", "logged position": "q"}
 
 
@@ -70,7 +72,7 @@ def channel_of(finding: Entry) -> str:
 def nothing_judged(still: Iterable[str], said: Said) -> bool:
     """Whether joints that stood still are said not to be judged."""
     joints = said["joints"]
-    if said["verdict"] == "cannot_tell":
+    if said["verdict"] == "cannot_tell" or NOTHING_MOVES in said["verdict"]:
         return True
     marked = [name in joints and not joints[name]["excited"] for name in still]
     return bool(marked) and all(marked)

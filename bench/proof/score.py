@@ -92,7 +92,8 @@ def answer(group: str, row: Row, truth: Content, diagnosis: Content) -> str:
     if row["hide"] == "poor":
         rest = rest_of(truth["effects"], diagnosis["findings"], last_link(truth["joints"]))
         listed = bool(row["listed"])
-        return decoys.poor_told(truth["still"], diagnosis, listed=listed, others=len(rest))
+        others = sum(each["effect"] != "unknown" for each in rest)
+        return decoys.poor_told(truth["still"], diagnosis, listed=listed, others=others)
     return "named" if row["named"] and row["placed"] else "wrong"
 
 

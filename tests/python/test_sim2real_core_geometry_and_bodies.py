@@ -15,6 +15,7 @@ import pinocchio as pin
 
 from pdoik.sim2real.balances import Balances
 from pdoik.sim2real.effects import CATALOGUE, Place
+from pdoik.sim2real.effects.external_contact import ORIGIN
 from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion import Motion
 from pdoik.sim2real.regression import Fit, term_of
@@ -147,6 +148,23 @@ def test_a_push_is_held_by_the_torques_that_pinocchio_says(motion: Motion) -> No
     assert found[inside] == pytest.approx(np.array(expected), abs=1e-9)
     other = Place(link=1, recording="another.csv", window=(3.0, 5.0))
     assert not torques(added("external_contact", motion, other, **values), 3).any()
+
+
+def test_the_last_link_is_pushed_at_its_tip_or_at_its_origin(motion: Motion) -> None:
+    assert motion.body is not None
+    last = motion.body.last
+    place = Place(link=last, recording=motion.recording.name, window=(-1.0, 99.0))
+    force = np.array([3.0, -1.0, 2.0])
+    values = dict(zip(("force_x", "force_y", "force_z"), force, strict=True))
+    for shape, frame in (((), motion.tip), (ORIGIN, motion.body.links[last])):
+        found = torques(added("external_contact", motion, place, shape, **values), 3)
+        poses, jacobians = motion.body.poses_and_jacobians(motion.q, motion.body.frame(frame))
+        assert found == pytest.approx(-np.einsum("tkn,k->tn", jacobians[:, :3], force), abs=1e-12)
+        step = np.zeros_like(motion.q)
+        step[:, 1] = 1e-6
+        moved = motion.body.poses_and_jacobians(motion.q + step, motion.body.frame(frame))[0]
+        work = (moved[:, :3, 3] - poses[:, :3, 3]) @ force / 1e-6  # virtual, of joint 2
+        assert found[:, 1] == pytest.approx(-work, abs=1e-5)
 
 
 def test_a_large_displacement_is_measured_beyond_first_order(tmp_path: Path) -> None:

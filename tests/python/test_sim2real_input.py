@@ -336,3 +336,30 @@ def test_the_robot_may_be_shipped_elsewhere(tmp_path: Path) -> None:
     (away / "arm.urdf").write_text(URDF.format(mass=1))
     study = load_study(write_study(tmp_path, None, None, robot="models/arm.urdf"))
     assert study.robot == away / "arm.urdf"
+
+
+def resampled(channel: str, values: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    grid = uniform_grid(times)
+    return grid.time, on_grid(grid, channel, values)[0]
+
+
+def test_commands_at_rest_for_most_of_the_time_are_no_stairs() -> None:
+    """Their repeated values say nothing of how they go between two samples while they move."""
+    rng = np.random.default_rng(1)
+    times = 0.005 * np.arange(4000) + np.concatenate([[0.0], rng.uniform(-1e-3, 1e-3, 3999)])
+
+    def command(t: np.ndarray) -> np.ndarray:
+        phase = t % 10.0  # moves for three seconds of ten
+        return np.where(phase < 3.0, np.sin(np.pi * phase / 3.0) ** 2, 0.0)
+
+    at, found = resampled("dq_des", np.round(command(times), 6), times)
+    inside = (at > 0.1) & (at < 19.8)
+    assert found[inside] == pytest.approx(command(at)[inside], abs=2e-4)
+
+
+def test_commands_of_a_slow_sender_stay_stairs() -> None:
+    times = 0.004 * np.arange(2500) + np.concatenate([[0.0], np.full(2499, 3e-4)])
+    stairs = np.floor(times / 0.05)
+    at, found = resampled("q_des", stairs, times)
+    assert set(np.unique(found)) <= set(np.unique(stairs))
+    assert np.mean(found == np.floor(at / 0.05)) > 0.9

@@ -131,7 +131,7 @@ class Balances:
         masks = []
         for i, m in enumerate(self.motions):
             good = m.valid.copy()
-            edge = int(0.5 / (m.cutoff * m.period)) + 1
+            edge = int(1.0 / (m.cutoff * m.period)) + 1
             good[:edge] = good[-edge:] = False
             if balance == "torque":
                 # At rest dry friction takes whatever value holds the joint: nothing to learn.

@@ -22,7 +22,7 @@ from .second_order import to_second_order
 from .simulated_estimates import simulated_estimates
 from .trial import Search
 from .validation import Prediction
-from .verdict import joint_fits, notes_of, verdict_of, what_is_left
+from .verdict import fitted_joints, joint_fits, notes_of, verdict_of, what_is_left
 
 LEAST_CONTACT = 0.01
 """Share of the first residual within its window that a contact must explain."""
@@ -112,6 +112,7 @@ def conclude(
     joints = joint_fits(prepared, state, prediction)
     findings = tuple(finding for finding, _ in found)
     left = what_is_left(findings, joints)
+    left += what_is_left((*findings, *left), fitted_joints(prepared, state))
     findings, found = (*findings, *left), [*found, *((finding, ()) for finding in left)]
     diagnosis = Diagnosis(
         verdict=verdict_of(findings, joints),

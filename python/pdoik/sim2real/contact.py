@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .effects import CATALOGUE, Place
+from .effects import CATALOGUE, Place, Shape
+from .effects.external_contact import ORIGIN
 from .recording import FloatArray
 from .regression import Fit, Term, term_of
 
@@ -17,6 +18,7 @@ _LEAST_SIZE = 1.0  # root mean square in sigmas of every joint inside the window
 _LEAST_EXPLAINED = 0.5  # share of the squared residual inside
 _ABOVE_OTHERS = 3.0  # gain over that of the third best window apart from it: contacts are rare
 _ABOVE_USUAL = 3.0  # mean square over what the others leave at other times
+_HARM = 0.02  # of the gain, by which a joint may be worse: a push is not quite constant
 _SHORTEST = 0.2  # [s]
 _LEAST_T = 6.0  # of the force over its error
 
@@ -27,6 +29,7 @@ class Window:
 
     motion: int
     link: int
+    shape: Shape  # at which point of the link
     begin: float
     end: float
     gain: float
@@ -34,7 +37,8 @@ class Window:
 
 def contact_term(fit: Fit) -> Term | None:
     """The clearest contact in what a fit leaves; None where there is none."""
-    windows = [w for link in _links(fit) for w in _scan(fit, link) if _new(fit, w)]
+    points = _points(fit)
+    windows = [w for link, shape in points for w in _scan(fit, link, shape) if _new(fit, w)]
     if not windows:
         return None
     most = max(window.gain for window in windows)
@@ -46,7 +50,7 @@ def contact_term(fit: Fit) -> Term | None:
         recording=b.motions[best.motion].recording.name,
         window=(best.begin, best.end),
     )
-    term = term_of(b, CATALOGUE["external_contact"], place, ())
+    term = term_of(b, CATALOGUE["external_contact"], place, best.shape)
     if term is None or best.end - best.begin < _SHORTEST:
         return None
     return term if stands(fit.extended(term), term) else None
@@ -54,18 +58,19 @@ def contact_term(fit: Fit) -> Term | None:
 
 def stands(fit: Fit, term: Term) -> bool:
     """Whether a contact, the fit's last term, is clear beside all the others."""
-    gain, rows, elsewhere = 0.0, 0, 0.0
+    gain, rows, elsewhere, harm = 0.0, 0, 0.0, 0.0
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
         part = column[fit.rows[key]] @ beta / fit.balances.sigma[key]
         at = np.abs(part) > 1e-3 * np.abs(part).max()
         after = fit.residual(key)[at]
         before = after + part[at]
-        if after @ after > 1.1 * (before @ before) + 2.0 * len(after):
-            return False  # it would make a joint worse
+        harm = max(harm, float(after @ after - 1.1 * (before @ before)) - 2.0 * len(after))
         gain += float(part @ part)
         rows += int(at.sum())
         elsewhere += float(np.sum(fit.residual(key)[~at] ** 2)) / max(int((~at).sum()), 1)
+    if harm > _HARM * gain:
+        return False  # it would make a joint worse
     usual = elsewhere / max(len(term.columns), 1)
     if gain < _ABOVE_USUAL * usual * rows:
         return False  # no larger than what is left at other times
@@ -84,19 +89,22 @@ def _new(fit: Fit, window: Window) -> bool:
     )
 
 
-def _links(fit: Fit) -> list[int]:
+def _points(fit: Fit) -> list[tuple[int, Shape]]:
+    """Links' origins and the tip, that first."""
     body = fit.balances.motions[0].body
     if body is None:
         return []
-    return [int(link) for link in np.argsort(-body.depth) if body.depth[link] >= 2 or body.n == 1]
+    links = [int(link) for link in np.argsort(-body.depth) if body.depth[link] >= 2 or body.n == 1]
+    points: list[tuple[int, Shape]] = [(link, ()) for link in links]
+    return [*points[:1], (body.last, ORIGIN), *points[1:]]
 
 
-def _scan(fit: Fit, link: int) -> list[Window]:
+def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
     """The best window of each recording, if it is clear enough."""
     b = fit.balances
     body = b.motions[0].body
     assert body is not None
-    left, column, counts = _rows(fit, link)
+    left, column, counts = _rows(fit, link, shape)
     found = []
     for m in range(len(b.motions)):
         span = slice(int(b.starts[m]), int(b.starts[m + 1]))
@@ -123,6 +131,7 @@ def _scan(fit: Fit, link: int) -> list[Window]:
                 best = Window(
                     motion=m,
                     link=link,
+                    shape=shape,
                     begin=float(time[firsts[top]]),
                     end=float(time[firsts[top] + rows]),
                     gain=gains[top],
@@ -178,22 +187,17 @@ def _sharpened(window: Window, sums: list[FloatArray], time: FloatArray) -> Wind
         for da, dz in ((-1, 0), (1, 0), (0, 1), (0, -1), (-4, 0), (4, 0), (0, 4), (0, -4)):
             if (v := value(first + da, last + dz)) > best + 1e-9:
                 best, first, last, improved = v, first + da, last + dz, True
-    return Window(
-        motion=window.motion,
-        link=window.link,
-        begin=float(time[first]),
-        end=float(time[last]),
-        gain=best,
-    )
+    return replace(window, begin=float(time[first]), end=float(time[last]), gain=best)
 
 
-def _rows(fit: Fit, link: int) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+def _rows(fit: Fit, link: int, shape: Shape) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Residuals (N, n), torques per newton (N, n, 3) in sigmas, and how many joints count (N,)."""
     b = fit.balances
     left = np.zeros((b.count, b.n))
     column = np.zeros((b.count, b.n, 3))
     counts = np.zeros(b.count, dtype=np.intp)
-    jacobian = np.concatenate([b.thin(i, -m.link_jacobian(link)) for i, m in enumerate(b.motions)])
+    each = [m.link_jacobian(link, at_tip=not shape) for m in b.motions]
+    jacobian = np.concatenate([b.thin(i, -values) for i, values in enumerate(each)])
     for j in range(b.n):
         key = ("torque", j)
         if key not in fit.design:

@@ -266,7 +266,7 @@ def robot_text(robot: Path) -> str:
 
 def _pushed_at_tip(part: Part, carrier: str, tip: str) -> Part:
     """A push on the link that carries the tip acts at the tip, as the diagnosis has it."""
-    if isinstance(part, ExternalForce) and part.link in (carrier, ""):
+    if isinstance(part, ExternalForce) and part.link in (carrier, "") and not part.at_origin:
         return replace(part, link=tip)
     return part
 

@@ -135,12 +135,13 @@ class Motion:
         """The tip's position by the model, (T, 3)."""
         return self.cache["tip_position"]
 
-    def link_jacobian(self, link: int) -> FloatArray:
-        """Linear Jacobian of a link's origin, of the tip for the last link; (T, 3, n)."""
-        name = f"jacobian {link}"
+    def link_jacobian(self, link: int, *, at_tip: bool = True) -> FloatArray:
+        """Linear Jacobian of a link's origin, or of the tip for the last link; (T, 3, n)."""
+        name = f"jacobian {link} {at_tip}"
         if name not in self.cache:
             assert self.body is not None
-            frame = self.body.frame(self.tip if link == self.body.last else self.body.links[link])
+            tip = at_tip and link == self.body.last
+            frame = self.body.frame(self.tip if tip else self.body.links[link])
             self.cache[name] = self.body.poses_and_jacobians(self.q, frame)[1][:, :3]
         return self.cache[name]
 

@@ -17,6 +17,7 @@ _SAME = 1e-3  # of a step: times so near to a uniform grid are that grid, printe
 
 HELD = ("q_des", "dq_des", "tau_cmd")
 _STEPPED = 0.5  # share of samples equal to the one before from which a command counts as stepped
+_RESTING = 0.15  # without a change for so long a command is at rest [s]
 """Channels that keep their value until the next sample: commands."""
 
 SMOOTH = ("q", "tip")
@@ -78,7 +79,7 @@ def on_grid(grid: Grid, channel: str, values: FloatArray) -> tuple[FloatArray, B
     t, x = grid.raw[there], values[there]
     reach = GAP * max(grid.period, float(np.median(np.diff(t))) if len(t) > 1 else 0.0)
     backed = _within_reach(t, grid.time, reach)
-    if channel in HELD and float(np.mean(np.diff(x) == 0.0)) > _STEPPED:
+    if channel in HELD and _is_stepped(t, x):
         index = np.searchsorted(t, grid.time + _SAME * grid.period, side="right") - 1
         return x[np.maximum(index, 0)], backed
     out = np.interp(grid.time, t, x)
@@ -88,6 +89,19 @@ def on_grid(grid: Grid, channel: str, values: FloatArray) -> tuple[FloatArray, B
     if grid.as_recorded:
         out[there] = x
     return out, backed
+
+
+def _is_stepped(t: FloatArray, x: FloatArray) -> bool:
+    """Whether a command keeps its value over most samples while it moves; rests do not count."""
+    changes = np.diff(x) != 0.0
+    when = t[1:][changes]
+    if not len(when):
+        return True
+    place = np.searchsorted(when, t[1:])
+    since = t[1:] - when[np.maximum(place - 1, 0)]
+    until = when[np.minimum(place, len(when) - 1)] - t[1:]
+    moving = (np.abs(since) < _RESTING) & (np.abs(until) < _RESTING)
+    return float(np.mean(~changes[moving])) > _STEPPED
 
 
 def _within_reach(t: FloatArray, at: FloatArray, reach: float) -> BoolArray:

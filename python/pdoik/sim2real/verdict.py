@@ -48,6 +48,27 @@ def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dic
     return result
 
 
+def fitted_joints(prepared: Prepared, state: Search) -> dict[str, JointFit]:
+    """The same on the recordings to fit: what happened in these alone is not to be passed over."""
+    b = prepared.fit
+    names = ", ".join(m.recording.name for m in b.motions)
+    result = {}
+    for j, name in enumerate(prepared.study.joints):
+        key = next((k for k in preferred(j) if k in state.fit.design), None)
+        if key is None or not len(state.fit.rows[key]):
+            continue
+        left = b.sigma[key] * _rms(state.fit.residual(key))
+        result[name] = JointFit(
+            before=b.rms(key),
+            after=min(left, state.left.get(key, np.inf)),
+            noise_floor=b.floor[key],
+            unit="rad" if key[0] == "servo" else "N m",
+            data=names,
+            excited=bool(b.excited[j]),
+        )
+    return result
+
+
 def preferred(j: int) -> tuple[Key, ...]:
     """Balances that say how far joint j is explained, the first that there is."""
     return (("torque", j), ("servo", j), ("drive", j), ("law", j), ("velocity", j))

@@ -10,9 +10,15 @@ from ..motion import Motion
 from ..recording import FloatArray
 from .effect import Columns, Effect, Parameter, Place, Shape
 
+ORIGIN: Shape = (1.0,)
+"""Of a push at the last link's origin instead of the tip."""
+
 
 class ExternalContact(Effect):
-    """tau = -J^T f within a window of one recording, f constant in the base's axes."""
+    """tau = -J^T f within a window of one recording, f constant in the base's axes.
+
+    J is that of the link's origin; of the last link's tip, or with a shape of its origin too.
+    """
 
     id = "external_contact"
     on = "window"
@@ -34,9 +40,17 @@ class ExternalContact(Effect):
         inside = np.zeros(len(motion.time), dtype=bool)
         if place.window is not None and place.recording == motion.recording.name:
             inside = (motion.time >= place.window[0]) & (motion.time < place.window[1])
-        jacobian = motion.link_jacobian(place.link)  # (T, 3, n)
+        jacobian = motion.link_jacobian(place.link, at_tip=not shape)  # (T, 3, n)
         part = np.where(inside[:, None, None], -jacobian, 0.0)
         return {("torque", j): np.ascontiguousarray(part[:, :, j]) for j in range(motion.n)}
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """A point is what it is."""
+        return [(value, value) for value in shape]
+
+    def variant(self, shape: Shape) -> str:
+        """Where the last link is pushed, if not at the tip."""
+        return "origin" if shape else ""
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The force on the link, base axes."""

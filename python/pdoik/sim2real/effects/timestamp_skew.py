@@ -9,11 +9,13 @@ import numpy as np
 from ..motion import Motion
 from ..recording import FloatArray
 from ..signals import shifted
-from .command_delay import within_sampling
 from .effect import Columns, Effect, Key, Parameter, Place, Shape
 from .sensor_gain import through_law
 
 OF_TORQUE, OF_SPEED = 0.0, 1.0
+
+
+_OF_LOG = 0.4  # periods of the log within which jitter and ticks may look like a skew
 
 
 class TimestampSkew(Effect):
@@ -74,7 +76,10 @@ class TimestampSkew(Effect):
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""
-        return within_sampling(motions, shape[1])
+        first = motions[0]
+        period = first.controller.period if first.controller is not None else None
+        blur = max(period or 0.0, _OF_LOG * first.recording.raw_period)
+        return abs(shape[1]) < (blur if period else first.recording.raw_period)
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()

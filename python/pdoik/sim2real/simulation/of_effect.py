@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -157,7 +157,8 @@ def _coupling(w: _Where) -> tuple[Part, ...]:
 
 def _contact(w: _Where) -> tuple[Part, ...]:
     force = (w.get("force_x"), w.get("force_y"), w.get("force_z"))
-    return (ExternalForce(link=w.link, force=force, window=w.window, recordings=w.recordings),)
+    push = ExternalForce(link=w.link, force=force, window=w.window, recordings=w.recordings)
+    return (replace(push, at_origin=w.variant == "origin"),)
 
 
 def _torque_gain(w: _Where) -> tuple[Part, ...]:

@@ -167,6 +167,7 @@ class ExternalForce:
     force: Vector  # in the base frame [N]
     window: tuple[float, float] | None = None  # [s]; None: always
     recordings: tuple[str, ...] = ()  # only in these; () for all
+    at_origin: bool = False  # of the link, even where that carries the tip
 
 
 Part = (
