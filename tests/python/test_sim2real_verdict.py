@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
@@ -19,6 +22,10 @@ def joint(before: float, after: float, *, floor: float = 0.1, excited: bool = Tr
     )
 
 
+MOTION = SimpleNamespace(source="tau")
+STUDY: Any = SimpleNamespace(  # what is asked of a prepared study here
+    study=SimpleNamespace(joints=("a", "b", "c")), fit=SimpleNamespace(motions=[MOTION])
+)
 FRICTION = Finding(effect="coulomb_friction", joints=("a",))
 
 
@@ -47,23 +54,24 @@ def test_the_verdict(
 
 def test_much_that_is_left_at_a_joint_is_a_finding_without_a_name() -> None:
     joints = {"a": joint(2.0, 1.5), "b": joint(2.0, 0.2), "c": joint(0.1, 0.1)}
-    (left,) = what_is_left((FRICTION,), joints)
+    (left,) = what_is_left(STUDY, (FRICTION,), joints)
     assert (left.effect, left.joints, left.variant) == ("unknown", ("a",), "left")
     assert left.values == {"left": 1.5}
+    assert left.evidence.channels == ("tau",)
     assert "nothing the catalogue knows" in left.statement
 
 
 def test_what_a_joint_that_stood_still_leaves_is_nobodys_finding() -> None:
-    assert what_is_left((), {"a": joint(2.0, 2.0, excited=False)}) == ()
+    assert what_is_left(STUDY, (), {"a": joint(2.0, 2.0, excited=False)}) == ()
 
 
 def test_what_already_has_a_law_is_not_told_twice() -> None:
     told = Finding(effect="unknown", joints=("a",), variant="")
-    assert what_is_left((told,), {"a": joint(2.0, 1.5)}) == ()
+    assert what_is_left(STUDY, (told,), {"a": joint(2.0, 1.5)}) == ()
 
 
 def test_what_is_left_survives_the_models_file_and_adds_no_torque() -> None:
-    (left,) = what_is_left((), {"a": joint(2.0, 1.5)})
+    (left,) = what_is_left(STUDY, (), {"a": joint(2.0, 1.5)})
     assert not_simulated(left)
     assert parts_of_finding(left) == ()
     model = Model(joints=("a",), findings=(left,))

@@ -9,12 +9,12 @@ import numpy as np
 from .bodies import by_moments
 from .channels import ChannelCheck
 from .contact import contact_term
-from .effects import CATALOGUE, Key
+from .effects import CATALOGUE
 from .equivalents import equivalents_of
 from .estimate import estimates, event_estimates
 from .findings import Diagnosis, Equivalent, Estimate, Evidence
 from .held_out_limits import held_out_limits
-from .naming import Found, described, finding_of, link_of, merged
+from .naming import Found, channel_of, described, finding_of, link_of, merged
 from .prepare import Prepared
 from .regression import Fit, Term
 from .sampling import widened, without_sampling
@@ -111,8 +111,8 @@ def conclude(
     found.sort(key=lambda each: -each[0].evidence.validation_gain)
     joints = joint_fits(prepared, state, prediction)
     findings = tuple(finding for finding, _ in found)
-    left = what_is_left(findings, joints)
-    left += what_is_left((*findings, *left), fitted_joints(prepared, state))
+    left = what_is_left(prepared, findings, joints)
+    left += what_is_left(prepared, (*findings, *left), fitted_joints(prepared, state))
     findings, found = (*findings, *left), [*found, *((finding, ()) for finding in left)]
     diagnosis = Diagnosis(
         verdict=verdict_of(findings, joints),
@@ -148,10 +148,11 @@ def _is_lost_in_its_error(term: Term, values: dict[str, Estimate]) -> bool:
 def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
     """Contacts in recordings that were held out; an event is found where it happened.
 
-    They are taken out of the residual of these recordings.
+    They are taken out of the residual of these recordings. None are looked for beside a torque
+    without a name: what its function misses where it was not learnt looks like events.
     """
     found: list[Found] = []
-    if prepared.validate is None:
+    if prepared.validate is None or any(term.effect == "unknown" for term in fit.terms):
         return found
     b = prepared.validate
     left = prediction.residual(fit)
@@ -188,16 +189,3 @@ def within(state: Search, term: Term, channels: tuple[str, ...]) -> Evidence:
         began += float(np.sum(state.start.residual(key)[at] ** 2))
     share = float(np.clip(gained / max(began, 1e-12), 0.0, 1.0))
     return Evidence(validation_gain=share, interval95=(share, share), channels=channels)
-
-
-def channel_of(prepared: Prepared, key: Key) -> str:
-    """The column a balance rests on."""
-    source = prepared.fit.motions[0].source
-    return {
-        "torque": "q_des" if source == "law" else source,
-        "drive": "tau_cmd",
-        "law": "q_des",
-        "velocity": "dq",
-        "tip": "tip",
-        "servo": "q_des",
-    }[key[0]]

@@ -18,7 +18,7 @@ _LEAST_SIZE = 1.0  # root mean square in sigmas of every joint inside the window
 _LEAST_EXPLAINED = 0.5  # share of the squared residual inside
 _ABOVE_OTHERS = 3.0  # gain over that of the third best window apart from it: contacts are rare
 _ABOVE_USUAL = 3.0  # mean square over what the others leave at other times
-_HARM = 0.02  # of the gain, by which a joint may be worse: a push is not quite constant
+_HARM = 0.002  # of the gain, by which a joint may be worse: a push is not quite constant
 _SHORTEST = 0.2  # [s]
 _LEAST_T = 6.0  # of the force over its error
 

@@ -49,6 +49,7 @@ _GRID = 25  # quantiles between which a gate's ends are looked for first
 _TRIED = 5  # gated terms of a joint that are cross-validated
 _LEAST_LEFT = 1.2  # root mean square in sigmas of what the joint shows without such effects
 _EXPLAINS = 0.75  # share that a gated effect must explain of what the joint shows above the noise
+_PROMISING = 0.4  # share of the same that its column alone must explain to be looked at closely
 _BETTER = 0.05  # share of the same by which it must be better than what it replaces
 _INSIDE = 0.85  # of an effect's squared column: a gate that holds more is none
 _LEAST_INSIDE = 0.02
@@ -74,13 +75,17 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
         return None
     if np.sqrt(np.mean(base.residual(key) ** 2)) < _LEAST_LEFT:
         return None
+    above = _above_noise(base, key)
+    if _above_noise(state.fit, key) < _BETTER * above:
+        return None  # what was accepted leaves no gate anything to be better by
     options: dict[tuple[str, str], tuple[float, Term, Gate]] = {}
     for term in _plain(base, j):
         for gain, gate in _gates(base, term):
             kind = term.effect, gate.of
             if kind not in options or gain > options[kind][0]:
                 options[kind] = gain, term, gate
-    likely = sorted(options.values(), key=lambda each: -each[0])
+    likely = [each for each in options.values() if each[0] > _PROMISING * above]
+    likely.sort(key=lambda each: -each[0])
     held = held_out_squares(base)
     now = base.by_block(_difference(held, held_out_squares(state.fit)))
     best: tuple[float, Term] | None = None
@@ -91,6 +96,11 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
         if _stands(base, trial, now) and (best is None or gain > best[0]):
             best = gain, term
     return best
+
+
+def _above_noise(fit: Fit, key: Key) -> float:
+    """Squared residual beyond that of noise alone."""
+    return float(np.sum(fit.residual(key) ** 2)) - len(fit.rows[key])
 
 
 def _plain(base: Fit, j: int) -> list[Term]:
@@ -202,7 +212,7 @@ def _stands(base: Fit, trial: Trial, now: FloatArray) -> bool:
     if not trial.significant or not _is_part(base, trial.term):
         return False
     keys = [key for key in trial.term.columns if key[0] == "torque"] or list(trial.term.columns)
-    above = sum(float(np.sum(base.residual(key) ** 2)) - len(base.rows[key]) for key in keys)
+    above = sum(_above_noise(base, key) for key in keys)
     better = trial.blocks - now
     used = better[(trial.blocks != 0.0) | (now != 0.0)]
     error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .effects import CATALOGUE, Gate
+from .effects import CATALOGUE, Gate, Key
 from .findings import Equivalent, Estimate, Evidence, Finding
 from .prepare import Prepared
 from .recording import FloatArray
@@ -68,6 +68,19 @@ def link_of(prepared: Prepared, term: Term) -> tuple[str, ...]:
     if term.place.link is None or prepared.body is None:
         return ()
     return (prepared.body.links[term.place.link],)
+
+
+def channel_of(prepared: Prepared, key: Key) -> str:
+    """The column a balance rests on."""
+    source = prepared.fit.motions[0].source
+    return {
+        "torque": "q_des" if source == "law" else source,
+        "drive": "tau_cmd",
+        "law": "q_des",
+        "velocity": "dq",
+        "tip": "tip",
+        "servo": "q_des",
+    }[key[0]]
 
 
 def described(prepared: Prepared, term: Term) -> str:

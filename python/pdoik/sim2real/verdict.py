@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .effects import CATALOGUE, Key
-from .findings import Estimate, Finding, JointFit, Verdict
+from .findings import Estimate, Evidence, Finding, JointFit, Verdict
+from .naming import channel_of
 from .prepare import Prepared, simulated
 from .recording import FloatArray
 from .trial import Search
@@ -104,7 +105,9 @@ def _small(judged: list[JointFit]) -> bool:
     return all(each.after <= 2.0 * each.noise_floor for each in judged)
 
 
-def what_is_left(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> tuple[Finding, ...]:
+def what_is_left(
+    prepared: Prepared, findings: tuple[Finding, ...], joints: dict[str, JointFit]
+) -> tuple[Finding, ...]:
     """A finding without a name for every joint that is not explained and has no law of its own."""
     told = {name for finding in findings if finding.effect == "unknown" for name in finding.joints}
     effect = CATALOGUE["unknown"]
@@ -114,6 +117,7 @@ def what_is_left(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> 
             continue
         if name in told or each.unit != "N m":
             continue
+        channel = channel_of(prepared, ("torque", prepared.study.joints.index(name)))
         amount = Estimate(value=each.after, std=0.0, interval95=(0.0, each.before), unit=each.unit)
         finding = Finding(
             effect="unknown",
@@ -122,6 +126,7 @@ def what_is_left(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> 
             statement=effect.statement(name, {"left": each.after}),
             parameters={"left": amount},
             decided_by=effect.decided_by,
+            evidence=Evidence(validation_gain=0.0, interval95=(0.0, 0.0), channels=(channel,)),
             variant="left",
         )
         left.append(finding)
