@@ -5,30 +5,23 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-import numpy as np
-from scipy.spatial.transform import Rotation
-
-from .balances import Balances
 from .channels import check_channels
 from .conclude import LEAST_CONTACT, Examination, conclude, within
 from .contact import contact_term, stands
-from .effects import CATALOGUE
 from .equivalents import swapped
 from .findings import Diagnosis
 from .gates import gated_term
+from .leaning import first_search
 from .naming import described
-from .nuisance import trusted
 from .prepare import Prepared, prepare
 from .read_study import load_study
-from .recording import FloatArray
-from .regression import Fit, Term, term_of
-from .rigid_body import STANDARD_GRAVITY
+from .regression import Fit, Term
 from .rollouts import why_not
 from .search import search
 from .shared_causes import share_causes
 from .study import Study
 from .told_by_simulation import told_by_simulation
-from .trial import Search, held_out_squares
+from .trial import Search
 from .unexplained import add_unknown
 from .verdict import source_in_words
 from .veto import veto
@@ -36,8 +29,6 @@ from .veto import veto
 Tell = Callable[[str, str, float], None]
 
 _MOST = 5  # rounds of gates and contacts
-_LEANINGS = 6  # searches at most, each with the tilt that the last found
-_LEANS = 0.02  # radians between two of them that matter to what bodies weigh
 
 
 def diagnose(
@@ -103,61 +94,6 @@ def run_search(prepared: Prepared, say: Tell) -> Search:
         state = search(prepared.fit, nuisance, contacts=contacts, begin=gated)
         gated = tuple(term for term in state.accepted if term.place.gate is not None)
     return state
-
-
-def first_search(prepared: Prepared, say: Tell) -> Search:
-    """Accept effects; again where a base leans so far that unknown bodies pull another way."""
-    leaning = np.array([0.0, 0.0, -STANDARD_GRAVITY])
-    state = _searched(prepared, say)
-    for turn in range(_LEANINGS):
-        gravity = leaning_gravity(state)
-        if gravity is None or np.linalg.norm(gravity - leaning) < _LEANS * STANDARD_GRAVITY:
-            break
-        say("name", "once more, with the base as it leans", 0.6)
-        if turn > 0:  # what one weighs too much the other leans too little: half way
-            gravity = (gravity + leaning) / 2.0
-        _lean(prepared, gravity)
-        same = [_anew(prepared.fit, term) for term in state.accepted]
-        again = _searched(prepared, say, tuple(term for term in same if term is not None))
-        if _missed(again) > _missed(state):
-            _lean(prepared, leaning)
-            break
-        state, leaning = again, gravity
-    return state
-
-
-def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
-    return search(
-        prepared.fit,
-        trusted(prepared.fit, prepared.study.trust.rigid_body),
-        lambda term, share: say("name", described(prepared, term), 0.15 + 0.5 * share),
-        begin=begin,
-    )
-
-
-def _lean(prepared: Prepared, gravity: FloatArray) -> None:
-    for balances in (prepared.fit, prepared.validate):
-        if balances is not None:
-            balances.lean(gravity)
-
-
-def _anew(balances: Balances, term: Term) -> Term | None:
-    return term_of(balances, CATALOGUE[term.effect], term.place, term.shape)
-
-
-def _missed(state: Search) -> float:
-    """Squared residual of rows that their fit did not see."""
-    return sum(float(np.sum(left)) for left in held_out_squares(state.fit).values())
-
-
-def leaning_gravity(state: Search) -> FloatArray | None:
-    """Gravity in the frame of the base, if that was found to be tilted, (3,) [m/s^2]."""
-    for term, offset in zip(state.fit.terms, state.fit.offsets, strict=False):
-        if term.effect == "gravity_direction":
-            tilt = CATALOGUE[term.effect].values((), state.fit.beta[offset : offset + 3])
-            base = Rotation.from_euler("XY", [tilt["tilt_x"], tilt["tilt_y"]])
-            return np.asarray(base.inv().apply([0.0, 0.0, -STANDARD_GRAVITY]))
-    return None
 
 
 def forget_contacts(state: Search) -> None:

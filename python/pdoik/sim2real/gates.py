@@ -113,10 +113,9 @@ def _plain(base: Fit, j: int) -> list[Term]:
 
 def _gates(base: Fit, term: Term) -> Iterator[tuple[float, Gate]]:
     """The best gate in time and in position, by the gain of the gated column alone."""
-    b = base.balances
     j = term.place.joints[0]
-    axes = {"time": b.time, "position": b.sampled([m.q[:, j] for m in b.motions])}
-    for of, x in axes.items():
+    for of in ("time", "position"):
+        x = _axis(base, of, j)
         ends = np.quantile(x, np.linspace(0.0, 1.0, _GRID))
         moment, gram = _sums(base, term, x, ends)
         best, where = 0.0, (0, 0)
@@ -133,7 +132,7 @@ def _gates(base: Fit, term: Term) -> Iterator[tuple[float, Gate]]:
             beyond = np.inf if of == "time" else 0.02 * float(np.ptp(x))
             low = float(ends[first] - (beyond if first == 0 else 0.0))
             high = float(ends[last] + (beyond if last == _GRID - 1 else 0.0))
-            yield best, Gate(of=of, low=low, high=high)  # type: ignore[arg-type]
+            yield best, Gate(of=of, low=low, high=high)
 
 
 def _sums(base: Fit, term: Term, x: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -167,10 +166,9 @@ def _with_gate(base: Fit, plain: Term, gate: Gate) -> Term:
 
 def _sharpened(base: Fit, term: Term) -> Term:
     """Ends, edges and shape moved to where the training cost is lowest."""
-    b = base.balances
     gate = term.place.gate
     assert gate is not None
-    reach = float(np.ptp(b.time if gate.of == "time" else b.sampled(_positions(base, term))))
+    reach = float(np.ptp(_axis(base, gate.of, term.place.joints[0])))
     best, cost = term, base.extended(term).cost()
     for step in (reach / _GRID * 0.5**halving for halving in range(6)):
         improved = True
@@ -197,8 +195,10 @@ def _moved(term: Term, step: float) -> Iterator[Gate]:
             yield replace(gate, edge=edge)
 
 
-def _positions(base: Fit, term: Term) -> list[FloatArray]:
-    return [m.q[:, term.place.joints[0]] for m in base.balances.motions]
+def _axis(base: Fit, of: str, j: int) -> FloatArray:
+    """Times, or joint j's positions, of all rows."""
+    b = base.balances
+    return b.time if of == "time" else b.sampled([m.q[:, j] for m in b.motions])
 
 
 def _difference(
