@@ -12,12 +12,13 @@ pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 pytest.importorskip("pandas")
 
+import mujoco
 import pandas as pd
 from bench.concealed.arm import read_chain
 from bench.concealed.beyond import CONDITIONS, make_beyond
 from bench.concealed.build import make_study
 from bench.concealed.spec import WorldSpec
-from bench.proof import peers_report, peers_study
+from bench.proof import peers_replays, peers_report, peers_study, peers_trajectories
 from bench.proof.peers_study import COLUMNS, METHODS, Case, affected
 
 SPEC = WorldSpec(seed=4490, effect="coulomb_friction", robot="random2", size=20.0)
@@ -151,3 +152,58 @@ def test_tables_say_who_is_lowest() -> None:
     lost = peers_report.not_lowest(rows)
     assert len(lost) == len(COLUMNS)
     assert all("seed 1" in line and "rival 0.50" in line for line in lost)
+
+
+def test_the_given_model_moves_alike_in_the_peer_s_simulation(case: Case) -> None:
+    nothing = peers_replays.simulator_of("nothing", case)
+    for name in ("validate", "load"):
+        track = case.columns[name][0]
+        ours = nothing(track)
+        model = peers_trajectories.loaded_model(
+            peers_trajectories.controlled(case.study), case.study, track.urdf
+        )
+        chunk = peers_trajectories.chunk_of(case.study, track.recording, track.urdf)
+        theirs, _ = peers_trajectories.simulated(model, case.study, [chunk], np.zeros(2))[0]
+        apart = np.sqrt(np.mean((theirs - ours)[track.inner] ** 2))
+        wrong = np.sqrt(np.mean((track.recording.q - ours)[track.inner] ** 2))
+        assert apart < 0.2 * wrong
+
+
+def test_a_load_is_the_one_that_is_told(case: Case) -> None:
+    track = case.columns["load"][0]
+    spec = peers_trajectories.controlled(case.study)
+    ours = peers_trajectories.loaded_model(spec, case.study, track.urdf)
+    told = peers_trajectories.specification(track.urdf, case.study, list(case.study.joints))
+    known = told.compile()
+    q = np.array([0.4, -0.7])
+    weights = []
+    for model in (ours, known):
+        data = mujoco.MjData(model)
+        data.qpos[:], data.qvel[:] = q, [0.3, -0.5]
+        mujoco.mj_forward(model, data)
+        full = np.zeros((2, 2))
+        mujoco.mj_fullM(model, data, full)
+        weights.append(np.vstack([full, data.qfrc_bias]))
+    np.testing.assert_allclose(weights[0], weights[1], rtol=1e-6, atol=1e-9)
+
+
+def test_motions_are_tabled_by_share_and_by_study() -> None:
+    rows = [
+        {
+            "seed": seed,
+            "effect": "payload",
+            "robot": "ur10",
+            "method": method,
+            "column": column,
+            "mrad": value * (seed + 1),
+            "seconds": 2.0,
+            "said": "",
+        }
+        for seed in range(3)
+        for column in COLUMNS
+        for method, value in (("nothing", 2.0), ("ours", 0.1), ("mujoco.sysid", 1.0))
+    ]
+    text = peers_replays.report(pd.DataFrame(rows))
+    assert "| ours | 0.050 [0.050, 0.050], lowest in 100 %" in text
+    assert "lowest in 0 %" in text
+    assert "| payload | ur10 | 2 / 0.1 / 1 |" in text
