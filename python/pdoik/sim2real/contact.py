@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +26,10 @@ _LEAST_T = 6.0  # of the force over its error
 
 @dataclass(frozen=True, kw_only=True)
 class Window:
-    """A stretch of a recording, the link pushed, and what a constant force explains there."""
+    """A stretch of a recording, the link pushed, and what a constant force explains there.
+
+    Of that gain what each row costs is taken off: it may be less than nothing.
+    """
 
     motion: int
     link: int
@@ -39,11 +43,9 @@ def contact_term(fit: Fit) -> Term | None:
     """The clearest contact in what a fit leaves; None where there is none."""
     points = _points(fit)
     windows = [w for link, shape in points for w in _scan(fit, link, shape) if _new(fit, w)]
-    if not windows:
+    best = clearest(windows)
+    if best is None:
         return None
-    most = max(window.gain for window in windows)
-    # Links whose origins meet cannot be told apart: the one nearest the base stands for them.
-    best = next(window for window in reversed(windows) if window.gain > 0.98 * most)
     b = fit.balances
     place = Place(
         link=best.link,
@@ -54,6 +56,17 @@ def contact_term(fit: Fit) -> Term | None:
     if term is None or best.end - best.begin < _SHORTEST:
         return None
     return term if stands(fit.extended(term), term) else None
+
+
+def clearest(windows: Sequence[Window]) -> Window | None:
+    """The window that explains most, links from the tip to the base; None where none does.
+
+    Links whose origins meet cannot be told apart: the one nearest the base stands for them.
+    """
+    most = max((window.gain for window in windows), default=0.0)
+    if most <= 0.0:
+        return None
+    return next(window for window in reversed(windows) if window.gain >= 0.98 * most)
 
 
 def stands(fit: Fit, term: Term) -> bool:
