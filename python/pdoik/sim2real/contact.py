@@ -75,6 +75,8 @@ def stands(fit: Fit, term: Term) -> bool:
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
         part = column[fit.rows[key]] @ beta / fit.balances.sigma[key]
+        if not len(part):
+            continue  # a joint that stood still
         at = np.abs(part) > 1e-3 * np.abs(part).max()
         after = fit.residual(key)[at]
         before = after + part[at]
