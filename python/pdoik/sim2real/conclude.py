@@ -27,6 +27,9 @@ from .verdict import fitted_joints, joint_fits, notes_of, verdict_of, what_is_le
 LEAST_CONTACT = 0.01
 """Share of the first residual within its window that a contact must explain."""
 
+_CLEAR_TOGETHER = 100.0
+"""Wald statistic of all figures of a body, above which they are not nothing together."""
+
 _AMPLITUDE_FIRST = (
     "viscous_friction",
     "coulomb_friction",
@@ -83,7 +86,7 @@ def conclude(
         plain = {name: each.value for name, each in values[number].items()}
         if CATALOGUE[term.effect].trifling(plain):
             continue
-        if term not in state.contacts and _is_lost_in_its_error(term, values[number]):
+        if term not in state.contacts and _is_lost_in_its_error(state.fit, term, values[number]):
             unsure.append(f"{described(prepared, term)}: suggested, but not larger than its error.")
             lost.append(term)
             continue
@@ -135,14 +138,24 @@ def conclude(
     )
 
 
-def _is_lost_in_its_error(term: Term, values: dict[str, Estimate]) -> bool:
-    """Whether the size of what was found, or of a body all its figures, may as well be zero."""
+def _is_lost_in_its_error(fit: Fit, term: Term, values: dict[str, Estimate]) -> bool:
+    """Whether the size of what was found, or of a body all its figures, may as well be zero.
+
+    Of a body each figure may be nothing while their combinations, which are what motors feel, are
+    not: then it stays.
+    """
     sizes = list(values.values())
+    body = term.effect in ("payload", "link_inertial_error")
     if term.effect in _AMPLITUDE_FIRST:
         sizes = sizes[:1]
-    elif term.effect not in ("payload", "link_inertial_error"):
+    elif not body:
         return False
-    return all(abs(each.value) < 2.0 * each.std for each in sizes)
+    if any(abs(each.value) >= 2.0 * each.std for each in sizes):
+        return False
+    if not body:
+        return True
+    others = Fit(fit.balances, [each for each in fit.terms if each is not term])
+    return others.extended(term).wald(term)[0] < _CLEAR_TOGETHER
 
 
 def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
