@@ -20,6 +20,7 @@ from .peers_sysid import WORTH, parameters, sensed, specification
 
 TIMESTEP = 2e-3  # of all simulations [s]
 CHUNK = 4.0  # begun at the recorded state and simulated at a stretch [s]
+APART = 2  # only every second chunk is simulated: a Panda takes minutes as it is
 ROUNDS = 6  # of Gauss and Newton, at most
 LATEST = 0.05  # a command may act so much later, or sooner [s]
 
@@ -98,7 +99,7 @@ def trajectory_sysid(study: Study) -> Identified:
         whole.part(first, min(first + count, len(whole.time)))
         for whole in (chunk_of(study, recording, study.robot) for recording in study.fit)
         for count in [round(CHUNK / (whole.time[1] - whole.time[0]))]
-        for first in range(0, len(whole.time) - count // 2, count)
+        for first in range(0, len(whole.time) - count // 2, APART * count)
     ]
     chunks = [chunk for chunk in chunks if len(chunk.time) == len(chunks[0].time)]
     spec = controlled(study)
