@@ -119,13 +119,8 @@ def error(replay: Any, tracks: list[Track]) -> float:
 
 def report(rows: pd.DataFrame) -> str:
     """Shares of the given model's error, then each study in mrad."""
-    wide = rows.pivot_table(
-        index=["seed", "effect", "robot", "column"],
-        columns="method",
-        values="mrad",
-        sort=False,
-        dropna=False,
-    )[list(METHODS)]
+    keys = ["seed", "effect", "robot", "column"]
+    wide = rows.set_index([*keys, "method"]).mrad.unstack("method")[list(METHODS)]
     share = wide.div(wide["nothing"], axis=0)
     lowest = wide[list(METHODS[1:])].min(axis=1)
     level = wide.le(np.maximum(LEVEL * lowest, lowest + SAME), axis=0)

@@ -192,7 +192,7 @@ def test_motions_are_tabled_by_share_and_by_study() -> None:
         {
             "seed": seed,
             "effect": "payload",
-            "robot": "ur10",
+            "robot": ("ur10", "panda")[seed % 2],
             "method": method,
             "column": column,
             "mrad": value * (seed + 1),
@@ -207,3 +207,4 @@ def test_motions_are_tabled_by_share_and_by_study() -> None:
     assert "| ours | 0.050 [0.050, 0.050], lowest in 100 %" in text
     assert "lowest in 0 %" in text
     assert "| payload | ur10 | 2 / 0.1 / 1 |" in text
+    assert "nan" not in text
