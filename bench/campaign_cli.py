@@ -14,6 +14,7 @@ from rich.console import Console
 
 from campaign import Campaign, CampaignError, Job, Row, dask_client
 from peer_library import ROOT
+from provenance import provenance
 from scenes import SceneError
 
 console = Console(width=None if sys.stdout.isatty() else 160)
@@ -72,6 +73,14 @@ def run_campaign(
     campaign = Campaign(out, settings)
     with dask_client(scheduler, workers) as client:
         return campaign.run(function, jobs, client, console)
+
+
+def write_report(file: Path, text: str) -> None:
+    """Where it was measured, then the text; the file is there whole or not at all."""
+    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
+    temporary = file.with_name(f".{file.name}")
+    temporary.write_text(f"{facts}\n\n{text}")
+    temporary.replace(file)
 
 
 def show(text: str) -> None:

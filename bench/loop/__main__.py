@@ -32,9 +32,9 @@ from campaign_cli import (
     plain_errors,
     run_campaign,
     show,
+    write_report,
 )
 from peer_library import ROOT
-from provenance import provenance
 
 ROOM = 10  # seeds between two effects
 QUICK = ("coulomb_friction", "joint_offset")
@@ -71,12 +71,8 @@ def main(
     with plain_errors():
         settings = {"experiment": "loop", "seed": seed, "paths": paths, "code": code()}
         rows = run_campaign(out, settings, run_world, jobs, scheduler, workers)
-    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
     tables = f"{main_table(rows)}\n{reach_table(rows)}"
-    text = f"{facts}\n\n{tables}\n![Tip errors](loop.png)\n\n{details(rows)}"
-    temporary = out / ".loop.md"
-    temporary.write_text(text)
-    temporary.replace(out / "loop.md")
+    write_report(out / "loop.md", f"{tables}\n![Tip errors](loop.png)\n\n{details(rows)}")
     write_picture(rows, out / "loop.png")
     show(tables)
     console.print(f"tables: {out}/loop.md; picture: loop.png; runs: trials.parquet")

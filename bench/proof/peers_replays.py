@@ -34,6 +34,7 @@ from campaign_cli import (
     plain_errors,
     run_campaign,
     show,
+    write_report,
 )
 from markdown import markdown_table
 from pdoik.sim2real import Model, examine, model_of
@@ -42,7 +43,6 @@ from proof.peers_report import TITLES
 from proof.peers_run import ROOM, code, specs
 from proof.peers_study import COLUMNS, Case, one_thread
 from proof.peers_trajectories import trajectory_sysid
-from provenance import provenance
 
 METHODS = ("nothing", "ours", "mujoco.sysid")
 LEVEL = 1.05  # times the lowest error is level with it
@@ -66,11 +66,8 @@ def main(
     with plain_errors():
         settings = {"experiment": "replays", "seed": seed, "code": code()}
         rows = run_campaign(out, settings, run_study, jobs, scheduler, workers)
-        facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
         tables = report(rows)
-        temporary = out / ".replays.md"
-        temporary.write_text(f"{facts}\n\n{tables}")
-        temporary.replace(out / "replays.md")
+        write_report(out / "replays.md", tables)
         show(tables)
 
 

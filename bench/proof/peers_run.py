@@ -37,12 +37,12 @@ from campaign_cli import (
     plain_errors,
     run_campaign,
     show,
+    write_report,
 )
 from markdown import markdown_table
 from proof.peers_picture import picture
 from proof.peers_report import effect_table, level_table, method_table, not_lowest
 from proof.peers_study import METHODS, missing, run_study
-from provenance import provenance
 
 BENCH = Path(__file__).resolve().parents[1]
 EFFECTS = (
@@ -87,10 +87,7 @@ def main(
         settings = {"experiment": "peers", "seed": seed, "methods": methods, "code": code()}
         rows = run_campaign(out, settings, run_study, jobs, scheduler, workers)
         tables = report(rows, list(absent.values()))
-        facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
-        temporary = out / ".peers.md"
-        temporary.write_text(f"{facts}\n\n{tables}")
-        temporary.replace(out / "peers.md")
+        write_report(out / "peers.md", tables)
         show(tables)
         if "gradient boosting" not in absent:
             picture(out / "black_box.png", rows, seed, quick=quick)

@@ -164,16 +164,24 @@ def parameters(toolbox: Any, spec: Any, model: Any, names: list[str]) -> Any:
 def inertia_set(toolbox: Any, spec: Any, name: str, theta: Array) -> None:
     """`apply_body_theta_inertia` without compiling the whole arm for every link."""
     pi = toolbox.model_modifier.pi_from_theta(theta)
-    mass, com = pi[0], pi[1:4] / pi[0]
-    about = pi[4:].reshape(3, 3) - mass * (com @ com * np.eye(3) - np.outer(com, com))
-    values, axes = np.linalg.eigh(about)
+    set_body(spec.body(name), pi[0], pi[1:4], pi[4:].reshape(3, 3))
+
+
+def set_body(body: Any, mass: float, moment: Array, about_origin: Array) -> None:
+    """Mass, first moment and inertia about the frame's origin (3, 3) of a body."""
+    com = moment / mass
+    values, axes = np.linalg.eigh(about_origin - carried(mass, com))
     axes[:, 0] *= np.sign(np.linalg.det(axes))
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, axes.ravel())
-    body = spec.body(name)
     body.explicitinertial, body.mass, body.ipos = True, mass, com
     body.fullinertia = np.full((6, 1), np.nan)
     body.inertia, body.iquat = values, quaternion
+
+
+def carried(mass: float, com: Array) -> Array:
+    """Inertia about the origin of a mass at its centre (3, 3)."""
+    return np.asarray(mass * (com @ com * np.eye(3) - np.outer(com, com)))
 
 
 def sensed(toolbox: Any, params: Any, said: Any, names: list[str]) -> Any:

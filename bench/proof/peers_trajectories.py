@@ -16,13 +16,12 @@ from mujoco import rollout
 from pdoik.sim2real import Recording, Study
 
 from .peers_data import Array, Believed
-from .peers_sysid import WORTH, parameters, sensed, specification
+from .peers_sysid import LATEST, WORTH, carried, parameters, sensed, set_body, specification
 
 TIMESTEP = 2e-3  # of all simulations [s]
 CHUNK = 4.0  # begun at the recorded state and simulated at a stretch [s]
 APART = 2  # only every second chunk is simulated: a Panda takes minutes as it is
 ROUNDS = 6  # of Gauss and Newton, at most
-LATEST = 0.05  # a command may act so much later, or sooner [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -255,18 +254,11 @@ def moments(model: Any, name: str) -> Array:
     R = np.empty(9)
     mujoco.mju_quat2Mat(R, body.iquat)
     R = R.reshape(3, 3)
-    about = R @ np.diag(body.inertia) @ R.T + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    about = R @ np.diag(body.inertia) @ R.T + carried(mass, com)
     return np.concatenate([[mass], mass * com, about.ravel()])
 
 
 def add_load(spec: Any, last: str, load: Array) -> None:
     """A body without joints, as heavy as told."""
-    mass, com = load[0], load[1:4] / load[0]
-    about = load[4:].reshape(3, 3) - mass * (com @ com * np.eye(3) - np.outer(com, com))
     body = spec.body(last).add_body(name="known_load")
-    body.explicitinertial, body.mass, body.ipos = True, mass, com
-    values, axes = np.linalg.eigh(about)
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, axes.ravel())
-    body.inertia, body.iquat = np.maximum(values, 1e-12), quaternion
+    set_body(body, float(load[0]), load[1:4], load[4:].reshape(3, 3))
