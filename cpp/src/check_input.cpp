@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "detail/check_options.hpp"
@@ -41,40 +40,62 @@ bool is_rigid(const Eigen::Isometry3d& T) {
   return T.matrix().allFinite() && off_orthonormal(T) <= 1e-6 && T.linear().determinant() > 0.0;
 }
 
-std::string name_of(const Goal& goal, const Robot& robot) {
-  const int link = robot.tips()[static_cast<std::size_t>(goal.tip)];
-  return robot.link_names()[static_cast<std::size_t>(link)];
+bool accepts_target(const Eigen::Isometry3d& T, const char* name, Complaint& complaint) {
+  if (!T.matrix().allFinite()) return complaint.say("%s holds NaN or infinity", name);
+  if (!is_rigid(T)) {
+    return complaint.say(
+        "%s is not a rigid transform: its 3x3 part times its transpose is off the identity by %g, "
+        "its determinant is %g, expected 1",
+        name, off_orthonormal(T), T.linear().determinant());
+  }
+  return true;
 }
 
-void check_goal(const Goal& goal, const Robot& robot, bool slack_allowed) {
+const char* link_of_tip(int tip, const Robot& robot) {
+  const int link = robot.tips()[static_cast<std::size_t>(tip)];
+  return robot.link_names()[static_cast<std::size_t>(link)].c_str();
+}
+
+void add_tips(const Robot& robot, Complaint& complaint) {
+  for (std::size_t k = 0; k < robot.tips().size(); ++k)
+    complaint.add("%s%s", k == 0 ? "" : ", ", link_of_tip(static_cast<int>(k), robot));
+}
+
+bool accepts_goal(const Goal& goal, const Robot& robot, bool slack_allowed, Complaint& complaint) {
   const auto tips = static_cast<int>(robot.tips().size());
   if (goal.tip < 0 || goal.tip >= tips) {
-    throw std::invalid_argument("a goal's tip is " + std::to_string(goal.tip) + ", expected 0 to " +
-                                std::to_string(tips - 1) + ": " + join(robot.tip_links()));
+    complaint.say("a goal's tip is %d, expected 0 to %d: ", goal.tip, tips - 1);
+    add_tips(robot, complaint);
+    return false;
   }
-  // Names are made up only where something is wrong: a good goal allocates nothing.
-  const auto refuse = [&](const char* what, const std::string& complaint) {
-    throw std::invalid_argument(what + (" of the goal for '" + name_of(goal, robot)) + "' " +
-                                complaint);
-  };
-  if (!is_rigid(goal.T_base_tip)) {
-    check_target(
-        goal.T_base_tip,
-        tips == 1 ? "T_base_tip" : "T_base_tip of the goal for '" + name_of(goal, robot) + "'");
+  const char* const link = link_of_tip(goal.tip, robot);
+  if (!accepts_target(goal.T_base_tip, "T_base_tip", complaint)) {
+    if (tips == 1) return false;
+    Complaint named;
+    named.add("T_base_tip of the goal for '%s'%s", link,
+              complaint.text() + sizeof("T_base_tip") - 1);
+    complaint = named;
+    return false;
   }
   const double length = goal.axis.norm();
   if (!(length > 1e-9) || !std::isfinite(length))
-    refuse("axis", "has length " + std::to_string(length) + ", expected a direction");
+    return complaint.say("axis of the goal for '%s' has length %f, expected a direction", link,
+                         length);
   if (!(goal.weight > 0.0) || !std::isfinite(goal.weight))
-    refuse("weight", "is " + std::to_string(goal.weight) + ", expected a positive finite number");
-  const auto check_slack = [&](const char* what, const Eigen::Vector3d& slack) {
+    return complaint.say(
+        "weight of the goal for '%s' is %f, expected a positive finite number", link, goal.weight);
+  const auto accepts_slack = [&](const char* what, const Eigen::Vector3d& slack) {
     if (!slack.allFinite() || slack.minCoeff() < 0.0)
-      refuse(what, "holds a number that is negative or not finite");
+      return complaint.say("%s of the goal for '%s' holds a number that is negative or not finite",
+                           what, link);
     if (!slack_allowed && !slack.isZero(0.0))
-      refuse(what, "needs method 'default' with inner 'levenberg_marquardt'");
+      return complaint.say(
+          "%s of the goal for '%s' needs method 'default' with inner 'levenberg_marquardt'", what,
+          link);
+    return true;
   };
-  check_slack("position_slack", goal.position_slack);
-  check_slack("rotation_slack", goal.rotation_slack);
+  return accepts_slack("position_slack", goal.position_slack) &&
+         accepts_slack("rotation_slack", goal.rotation_slack);
 }
 
 bool by_least_squares(const Options& options) {
@@ -83,17 +104,28 @@ bool by_least_squares(const Options& options) {
 
 }  // namespace
 
-void check_goals(std::span<const Goal> goals, const Robot& robot, const Options& options) {
-  if (goals.empty())
-    throw std::invalid_argument("there is no goal, expected one for at least one tip of " +
-                                join(robot.tip_links()));
+bool accepts_goals(std::span<const Goal> goals, const Robot& robot, const Options& options,
+                   Complaint& complaint) {
+  complaint.clear();
+  if (goals.empty()) {
+    complaint.say("there is no goal, expected one for at least one tip of ");
+    add_tips(robot, complaint);
+    return false;
+  }
   for (std::size_t i = 0; i < goals.size(); ++i) {
-    check_goal(goals[i], robot, by_least_squares(options));
+    if (!accepts_goal(goals[i], robot, by_least_squares(options), complaint)) return false;
     for (std::size_t j = 0; j < i; ++j) {
       if (goals[j].tip == goals[i].tip)
-        throw std::invalid_argument("there are two goals for '" + name_of(goals[i], robot) + "'");
+        return complaint.say("there are two goals for '%s'", link_of_tip(goals[i].tip, robot));
     }
   }
+  return true;
+}
+
+void check_goals(std::span<const Goal> goals, const Robot& robot, const Options& options) {
+  Complaint complaint;
+  accepts_goals(goals, robot, options, complaint);
+  complaint.raise();
 }
 
 void check_request(const Request& request, const Robot& robot, const Options& options) {
@@ -129,14 +161,9 @@ void check_step(const Eigen::VectorXd& step, int dof, const std::string& name) {
 }
 
 void check_target(const Eigen::Isometry3d& T, const std::string& name) {
-  if (is_rigid(T)) return;
-  if (!T.matrix().allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
-  std::ostringstream message;
-  message << name
-          << " is not a rigid transform: its 3x3 part times its transpose is off the identity by "
-          << off_orthonormal(T) << ", its determinant is " << T.linear().determinant()
-          << ", expected 1";
-  throw std::invalid_argument(message.str());
+  Complaint complaint;
+  accepts_target(T, name.c_str(), complaint);
+  complaint.raise();
 }
 
 void check_configuration(VectorIn q, int dof, const std::string& name) {
@@ -147,19 +174,13 @@ void check_configuration(VectorIn q, int dof, const std::string& name) {
   if (!q.allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
 }
 
-namespace {
-
-/// Beyond this rounding would blur distances to the arm [m].
-constexpr double kLargestCoordinate = 1e6;
-
-}  // namespace
-
-void check_obstacles(const Obstacles& points) {
-  if (points.rows() == 0) return;
-  if (points.cols() != 3 && points.cols() != 4) {
-    throw std::invalid_argument("obstacles has shape (" + std::to_string(points.rows()) + ", " +
-                                std::to_string(points.cols()) + "), expected (N, 3) or (N, 4)");
-  }
+bool accepts_obstacles(const Obstacles& points, Complaint& complaint) {
+  complaint.clear();
+  if (points.rows() == 0) return true;
+  const auto row = [](Eigen::Index i) { return static_cast<long long>(i); };
+  if (points.cols() != 3 && points.cols() != 4)
+    return complaint.say("obstacles has shape (%lld, %lld), expected (N, 3) or (N, 4)",
+                         row(points.rows()), row(points.cols()));
   // Zero times a finite number is zero: one pass without a branch finds whether anything is wrong.
   double poison = 0.0, least_radius = 0.0, largest = 0.0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
@@ -169,19 +190,22 @@ void check_obstacles(const Obstacles& points) {
     }
     if (points.cols() == 4) least_radius = std::min(least_radius, points(i, 3));
   }
-  if (poison == 0.0 && least_radius >= 0.0 && largest <= kLargestCoordinate) return;
+  if (poison == 0.0 && least_radius >= 0.0 && largest <= kLargestNumber) return true;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (!points.row(i).allFinite()) {
-      throw std::invalid_argument("obstacles holds NaN or infinity in row " + std::to_string(i));
-    }
-    if (points.row(i).cwiseAbs().maxCoeff() > kLargestCoordinate) {
-      throw std::invalid_argument("obstacles has a number beyond 1e6 m in row " +
-                                  std::to_string(i));
-    }
-    if (points.cols() == 4 && points(i, 3) < 0.0) {
-      throw std::invalid_argument("obstacles has a negative radius in row " + std::to_string(i));
-    }
+    if (!points.row(i).allFinite())
+      return complaint.say("obstacles holds NaN or infinity in row %lld", row(i));
+    if (points.row(i).cwiseAbs().maxCoeff() > kLargestNumber)
+      return complaint.say("obstacles has a number beyond 1e6 m in row %lld", row(i));
+    if (points.cols() == 4 && points(i, 3) < 0.0)
+      return complaint.say("obstacles has a negative radius in row %lld", row(i));
   }
+  return true;
+}
+
+void check_obstacles(const Obstacles& points) {
+  Complaint complaint;
+  accepts_obstacles(points, complaint);
+  complaint.raise();
 }
 
 }  // namespace pdoik::detail

@@ -67,11 +67,15 @@ void check_options(const Options& o) {
   check_levenberg_marquardt(o.levenberg_marquardt);
   require_positive("position_tolerance", o.position_tolerance);
   require_positive("rotation_tolerance", o.rotation_tolerance);
-  require(std::isfinite(o.clearance), "clearance", o.clearance, "a finite length [m]");
+  require(std::abs(o.clearance) <= 1e6, "clearance", o.clearance, "a length within 1e6 m");
+  require(o.clearance >= 0.0 || (o.method == Method::Default &&
+                                 o.inner == InnerMethod::LevenbergMarquardt),
+          "clearance", o.clearance,
+          "at least 0 unless method is 'default' with inner 'levenberg_marquardt'");
   require(o.clearance_tolerance >= 0.0 && std::isfinite(o.clearance_tolerance),
           "clearance_tolerance", o.clearance_tolerance, "a finite length of at least 0 [m]");
-  require(std::isfinite(o.self_clearance), "self_clearance", o.self_clearance,
-          "a finite length [m]");
+  require(std::abs(o.self_clearance) <= 1e6, "self_clearance", o.self_clearance,
+          "a length within 1e6 m");
   require_positive("posture_weight", o.posture_weight);
   require(o.max_time > 0.0, "max_time", o.max_time, "a positive time [s]");  // infinity is fine
   require(o.max_restarts >= 0, "max_restarts", o.max_restarts, "at least 0");

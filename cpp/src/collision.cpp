@@ -9,8 +9,6 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr float kFarAway = 1e15F;  // squares and their products stay finite in single precision
-
 /// Move a point that lies on its joint's axis to the body before it, as far as that goes.
 AttachedPoint settle(const Robot& robot, int body, Eigen::Vector3d local) {
   while (body > 0) {
@@ -78,73 +76,6 @@ HullModel::HullModel(const Robot& robot, bool heed_fixed) {
   }
 }
 
-void ObstacleSet::reserve(std::size_t count) {
-  const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
-  points_.reserve(padded);
-  index_.reserve(padded);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
-    v->reserve(padded);
-}
-
-void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {
-  const auto size = static_cast<std::size_t>((count + kLanes - 1) / kLanes * kLanes);
-  points_.resize(size);
-  index_.resize(size);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
-    v->resize(size);
-  origin_ = to_vec4(origin);
-  count_ = 0;
-}
-
-void ObstacleSet::finish() {
-  padded_ = (count_ + kLanes - 1) / kLanes * kLanes;
-  float extent = 1.0F;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count_); ++k) {
-    extent = std::max({extent, std::abs(coarse_x_[k]), std::abs(coarse_y_[k]),
-                       std::abs(coarse_z_[k]), coarse_radius_[k]});
-  }
-  extent_ = static_cast<double>(extent);
-  for (auto k = static_cast<std::size_t>(count_); k < static_cast<std::size_t>(padded_); ++k) {
-    coarse_x_[k] = coarse_y_[k] = coarse_z_[k] = kFarAway;
-    coarse_radius_[k] = 0.0F;
-    index_[k] = -1;
-  }
-}
-
-void Scene::reserve(std::size_t count) {
-  near.reserve(count);
-  far.reserve(count);
-}
-
-void Scene::assign(const Points& points, double margin, const HullModel& hulls,
-                   CollisionState& fixed_hulls) {
-  const auto count = static_cast<int>(points.rows());
-  const bool has_radius = points.cols() > 3;
-  const Eigen::Vector3d& root = hulls.reach_centre;
-  near.begin(count, root);
-  far.begin(count, root);
-  far_bound = fixed_far_bound = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < count; ++i) {
-    const double x = points(i, 0), y = points(i, 1), z = points(i, 2);
-    const double radius = (has_radius ? points(i, 3) : 0.0) + margin;
-    const double dx = x - root.x(), dy = y - root.y(), dz = z - root.z();
-    const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-    const double beyond = distance - radius - hulls.reach;
-    if (beyond > 0.0) {
-      far.add(x, y, z, radius, i);
-      far_bound = std::min(far_bound, beyond);
-      fixed_far_bound = far_bound + hulls.reach - hulls.fixed_reach;
-    } else {
-      near.add(x, y, z, radius, i);
-    }
-  }
-  near.finish();
-  far.finish();
-  fixed_hulls.reserve(std::max(near.padded(), far.padded()));
-  fixed = least_clearance_within(fixed_hulls, near, 0.0, {});
-  if (hulls.fixed_reach > hulls.reach) fixed = least_clearance_within(fixed_hulls, far, 0.0, fixed);
-}
-
 namespace {
 
 /// Half the sum of a point's distances to the foci, less the semi-major axis. It changes no faster
@@ -190,81 +121,83 @@ double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4&
 
 }  // namespace
 
-Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, bool within_limits,
-                           double look) const {
-  Clearance least = least_clearance_by_growing(moving, near, {look, -1, -1});
-  least = least_clearance_by_growing(fixed_hulls, near, least);
-  if (!within_limits || least.distance > far_bound) least = least_clearance(moving, far, least);
-  if (least.distance > fixed_far_bound) least = least_clearance(fixed_hulls, far, least);
-  return least;
+namespace {
+
+/// The squared distance of an obstacle from a hull's centre.
+double from_centre(const CollisionState& state, const Hull& hull, const Vec4& o) {
+  const Vec4 from = o - broadcast(0.5) * (state.position(hull.a) + state.position(hull.b));
+  return dot3(from, from);
 }
+
+/// Coordinates are a million metres at most, and so are joints' positions.
+constexpr double kBeyondAll = 1e9;
+
+/// The distance between the first hull and the nearest of some points, which bounds how far hulls
+/// need to grow, if it is below `least`.
+Clearance sampled_clearance(const CollisionState& state, const ObstacleSet& obstacles,
+                            Clearance least) {
+  constexpr int kEvery = 256;
+  if (obstacles.count() < 4 * kEvery) return least;
+  const Hull& hull = state.hulls().front();
+  int nearest = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < obstacles.count(); j += kEvery) {
+    const double square = from_centre(state, hull, obstacles[j]);
+    if (square >= lowest) continue;
+    lowest = square;
+    nearest = j;
+  }
+  const double distance =
+      hull_distance(hull, state.position(hull.a), state.position(hull.b), obstacles[nearest],
+                    std::numeric_limits<double>::infinity());
+  if (distance >= least.distance) return least;
+  return {distance, hull.source, obstacles.original_index(nearest)};
+}
+
+}  // namespace
 
 Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
                                      Clearance least) {
   if (state.hulls().empty() || obstacles.count() == 0) return least;
-  for (double g = 0.05; g < 1e3; g *= 2.0) {
-    const double within = std::min(g, std::max(least.distance, 0.0));
-    least = least_clearance_within(state, obstacles, within, least);
-    if (least.distance <= g) return least;
+  for (double g = 0.05;; g *= 2.0) {
+    least = least_clearance_within(state, obstacles, g, least);
+    if (least.distance <= g || g > kBeyondAll) return least;
+    if (g == 0.05) least = sampled_clearance(state, obstacles, least);
   }
-  return least_clearance(state, obstacles, least);
 }
 
 Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
                                  Clearance least) {
-  state.find_near(obstacles, [g](std::size_t) { return g; });
-  const int count = state.near_count();
-  // The ball around a hull says of most pairs that they are not the nearest, without a root.
-  const auto from_centre = [&](const NearPair& pair, const Hull& hull) {
-    const Vec4 from = obstacles[pair.obstacle] -
-                      broadcast(0.5) * (state.position(hull.a) + state.position(hull.b));
-    return dot3(from, from);
-  };
   const auto try_pair = [&](const NearPair& pair) {
     const Hull& hull = state.hull(pair);
     const Vec4& o = obstacles[pair.obstacle];
+    // The ball around a hull says of most pairs that they are not the nearest, without a root.
     const double reach = least.distance + hull.semi_major + o[3];
-    if (reach > 0.0 && from_centre(pair, hull) >= reach * reach) return;
+    if (reach > 0.0 && from_centre(state, hull, o) >= reach * reach) return;
     const double distance =
         hull_distance(hull, state.position(hull.a), state.position(hull.b), o, least.distance);
     if (distance < least.distance)
       least = {distance, hull.source, obstacles.original_index(pair.obstacle)};
   };
-  // The pair nearest in proportion first: most of the others need no exact distance then.
-  int first = -1;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < count; ++k) {
-    const NearPair& pair = state.near(k);
-    const Hull& hull = state.hull(pair);
-    const double size = hull.semi_major + obstacles[pair.obstacle][3];
-    const double ratio = from_centre(pair, hull) / (size * size);
-    if (ratio < lowest) {
+  // What is farther than the least so far need not be found: hulls grow by no more than that.
+  const auto grow = [&](std::size_t) { return std::min(g, std::max(least.distance, 0.0)); };
+  state.visit_near(obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
+    // The pair nearest in proportion first: most of the others need no exact distance then.
+    const NearPair* first = begin;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const NearPair* pair = begin; pair != end; ++pair) {
+      const Hull& hull = state.hull(*pair);
+      const Vec4& o = obstacles[pair->obstacle];
+      const double size = hull.semi_major + std::max(o[3], 0.0);
+      const double ratio = from_centre(state, hull, o) / (size * size);
+      if (ratio >= lowest) continue;
       lowest = ratio;
-      first = k;
+      first = pair;
     }
-  }
-  if (first >= 0) try_pair(state.near(first));
-  for (int k = 0; k < count; ++k) try_pair(state.near(k));
-  return least;
-}
-
-Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles,
-                          Clearance least) {
-  for (const Hull& hull : state.hulls()) {
-    const Vec4& a = state.position(hull.a);
-    const Vec4& b = state.position(hull.b);
-    const Vec4 centre = broadcast(0.5) * (a + b);
-    for (int j = 0; j < obstacles.count(); ++j) {
-      const Vec4& o = obstacles[j];
-      // The hull lies within semi_major of its centre; only a nearer obstacle can beat the least so
-      // far.
-      const double bound = least.distance + hull.semi_major + o[3];
-      const Vec4 from = o - centre;
-      if (bound > 0.0 && dot3(from, from) >= bound * bound) continue;
-      const double distance = hull_distance(hull, a, b, o, least.distance);
-      if (distance < least.distance) least = {distance, hull.source, obstacles.original_index(j)};
-    }
-  }
+    try_pair(*first);
+    for (const NearPair* pair = begin; pair != end; ++pair) try_pair(*pair);
+    return true;
+  });
   return least;
 }
 

@@ -56,6 +56,8 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
       collision_(hulls, hulls.moving),
       fixed_hulls_(hulls, hulls.fixed),
       balance_(robot, options.balance) {
+  for (CollisionState* state : {&collision_, &fixed_hulls_})
+    state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   if (options.self_collision) self_.emplace(robot, HullModel(robot), options.self_clearance);
 }
 
@@ -133,6 +135,10 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   }
   judge_limits(q, result);
   Verdict verdict(result, options_.rotation_weight);
+  // Angles so large that they overflow put a body nowhere: nothing can be said of its hulls.
+  double poison = 0.0;
+  for (const Eigen::Isometry3d& T : T_base_body_) poison += 0.0 * T.matrix().sum();
+  if (poison != 0.0) result.success = false;
   const Clearance least =
       scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0, look);
   const bool empty = scene.near.count() == 0 && scene.far.count() == 0;

@@ -1,15 +1,24 @@
 #include "pdoik/lagrangian.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "detail/check_input.hpp"
 #include "detail/check_options.hpp"
 #include "detail/lagrangian_problem.hpp"
+#include "detail/scene.hpp"
 #include "pdoik/point_cloud.hpp"
 
 namespace pdoik {
 namespace {
+
+void check_variables(const Eigen::VectorXd& x, Eigen::Index size) {
+  if (x.size() == size) return;
+  throw std::invalid_argument("x has " + std::to_string(x.size()) + " entries, expected " +
+                              std::to_string(size));
+}
 
 JointLimitMap::Slack slack_of(Lagrangian::Variables variables) {
   return variables == Lagrangian::Variables::Slack ? JointLimitMap::Slack::Shared
@@ -43,7 +52,6 @@ struct Lagrangian::Implementation {
     problem.reset_multipliers();
     scene.assign(points, options.clearance, hulls, fixed);
     collision.reserve(scene.near.padded());
-    fixed.reserve(scene.near.padded());
     problem.reserve(scene.near.padded());
   }
 
@@ -102,6 +110,7 @@ Eigen::VectorXd Lagrangian::variables(VectorIn q) const {
 }
 
 Eigen::VectorXd Lagrangian::positions(const Eigen::VectorXd& x) const {
+  check_variables(x, size());
   Eigen::VectorXd q(impl_->robot.dof());
   impl_->map.positions(x, q);
   return q;
@@ -109,17 +118,20 @@ Eigen::VectorXd Lagrangian::positions(const Eigen::VectorXd& x) const {
 
 double Lagrangian::lagrangian(const Eigen::VectorXd& x, const Penalty& penalty,
                               Eigen::VectorXd& gradient) {
+  check_variables(x, size());
   gradient.resize(size());
   return impl_->problem.lagrangian(x, penalty, gradient);
 }
 
 double Lagrangian::max_constraint(const Eigen::VectorXd& x) {
+  check_variables(x, size());
   return impl_->problem.max_constraint(x);
 }
 
 void Lagrangian::reset_multipliers() { impl_->problem.reset_multipliers(); }
 
 void Lagrangian::update_multipliers(const Eigen::VectorXd& x, const Penalty& penalty) {
+  check_variables(x, size());
   impl_->problem.update_multipliers(x, penalty);
 }
 

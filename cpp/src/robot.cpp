@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "detail/check_input.hpp"
 #include "detail/embedded_robots.hpp"
 #include "detail/text.hpp"
 #include "detail/tree_builder.hpp"
@@ -48,6 +49,8 @@ Robot::Robot(const RobotDescription& description, const std::string& base_link,
       throw LoadError("tip link '" + tip + "' is not a link of '" + name_ +
                       "' (links: " + detail::join(link_names_) + ")");
     }
+    if (std::find(tips_.begin(), tips_.end(), *link) != tips_.end())
+      throw LoadError("tip link '" + tip + "' is named twice");
     tips_.push_back(*link);
   }
 }
@@ -246,15 +249,18 @@ void Robot::set_ignored_pairs(std::vector<LinkPair> pairs) {
 void Robot::set_occupancy(Occupancy occupancy) {
   const auto check_point = [](const Eigen::Vector3d& point, const std::string& what) {
     if (!point.allFinite()) throw std::invalid_argument(what + " is not finite");
+    if (point.cwiseAbs().maxCoeff() > detail::kLargestNumber)
+      throw std::invalid_argument(what + " has a number beyond 1e6 m");
   };
+  const auto is_size = [](double size) { return size > 0.0 && size <= detail::kLargestNumber; };
   for (std::size_t i = 0; i < occupancy.spheres.size(); ++i) {
     const Sphere& sphere = occupancy.spheres[i];
     const std::string what = "spheres[" + std::to_string(i) + "] on '" + sphere.link + "'";
     link_index(sphere.link);
     check_point(sphere.center, what + ": center");
-    if (!(sphere.radius > 0.0 && std::isfinite(sphere.radius))) {
+    if (!is_size(sphere.radius)) {
       throw std::invalid_argument(what + ": radius is " + std::to_string(sphere.radius) +
-                                  ", expected a positive finite length [m]");
+                                  ", expected a positive length of at most 1e6 m");
     }
   }
   for (std::size_t i = 0; i < occupancy.spheroids.size(); ++i) {
@@ -264,9 +270,9 @@ void Robot::set_occupancy(Occupancy occupancy) {
     const int a = link_index(s.link_a), b = link_index(s.link_b);
     check_point(s.focus_a, what + ": focus_a");
     check_point(s.focus_b, what + ": focus_b");
-    if (!(s.semi_major > 0.0 && std::isfinite(s.semi_major))) {
+    if (!is_size(s.semi_major)) {
       throw std::invalid_argument(what + ": semi_major is " + std::to_string(s.semi_major) +
-                                  ", expected a positive finite length [m]");
+                                  ", expected a positive length of at most 1e6 m");
     }
     if (body_of_link(a) != body_of_link(b)) continue;
     const double half = 0.5 * (T_body_link(a) * s.focus_a - T_body_link(b) * s.focus_b).norm();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detail/travel.hpp"
+
 namespace pdoik::detail {
 namespace {
 
@@ -51,27 +53,53 @@ double squared_distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
 /// What the solve may spend on bringing answers clear of obstacles, of what it spends on finding
 /// answers.
 constexpr double kRepairShare = 0.1;
-/// Obstacles this far from the hulls are left out while that is done [m].
+/// What it may spend on finding out by how much those that do not solve fall short.
+constexpr double kMeasureShare = 0.02;
+/// Obstacles this far from the hulls are left out while answers are brought clear [m].
 constexpr double kRepairMargin = 0.1;
-/// What goals weigh against constraints when both cannot be had.
-constexpr double kYieldingGoals = 1e-4;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
-double cost_of(int obstacles) { return obstacles / 60.0; }
+constexpr double kObstaclesPerEvaluation = 60.0;
+/// Starts where no answer can exist: for the nearest to a target out of reach; for the goal alone
+/// where the base is in collision, which ends with the first that reaches it.
+constexpr int kStartsOutOfReach = 16, kStartsForGoalAlone = 100;
 
 }  // namespace
 
+void Search::restore(const Result& earlier, Result& result) {
+  const int iterations = result.iterations, evaluations = result.evaluations,
+            restarts = result.restarts;
+  result = earlier;
+  result.iterations = iterations;
+  result.evaluations = evaluations;
+  result.restarts = restarts;
+}
+
 Search::Search(const Robot& robot, const Options& options)
+    : Search(robot, options, std::make_shared<Scene>()) {
+  scene_->reserve(static_cast<std::size_t>(options.max_obstacles));
+  const Points none(0, 3);
+  set_obstacles(none);
+}
+
+Search::Search(const Robot& robot, const Options& options, const Search& other)
+    : Search(robot, options, other.scene_) {
+  intake_ = other.intake_;
+  use_scene();
+}
+
+Search::Search(const Robot& robot, const Options& options, std::shared_ptr<Scene> scene)
     : robot_(robot),
       options_(options),
       hulls_(robot, options.heed_fixed_hulls),
+      scene_(std::move(scene)),
       collision_(hulls_, hulls_.moving),
       fixed_hulls_(hulls_, hulls_.fixed),
       own_(robot, options),
       rollout_(robot),
       map_(robot, JointLimitMap::Slack::Shared),
-      lagrangian_(map_, rollout_, goals_, collision_, own_, scene_, options_.point_distance,
+      lagrangian_(map_, rollout_, goals_, collision_, own_, *scene_, options_.point_distance,
                   robot.dof()),
-      least_squares_(rollout_, goals_, collision_, own_, scene_, options_, robot.dof()),
+      least_squares_(rollout_, goals_, collision_, own_, *scene_, options_, robot.dof()),
       augmented_lagrangian_(map_.size(), lagrangian_options(options), options.lbfgs),
       levenberg_marquardt_(robot.dof(), options.levenberg_marquardt),
       patient_(robot.dof(), patient(options.levenberg_marquardt)),
@@ -99,18 +127,15 @@ Search::Search(const Robot& robot, const Options& options)
     tip_reach_.push_back(
         reach_of(robot, robot.body_of_link(tip), robot.T_body_link(tip).translation().norm()));
   }
-  start_.setZero(robot.dof());
-  q_.setZero(robot.dof());
-  best_.setZero(robot.dof());
-  unsettled_.setZero(robot.dof());
+  for (Eigen::VectorXd* v : {&start_, &q_, &unsettled_, &best_.q, &saved_.q, &probe_.q, &levers_})
+    v->setZero(robot.dof());
   pull_.setConstant(robot.dof(), options.posture_weight);
   if (options.joint_weights.size() > 0) pull_ = options.posture_weight * options.joint_weights;
   omega_.setZero(map_.size());
-  Points none(0, 3);
-  scene_.reserve(static_cast<std::size_t>(options.max_obstacles));
-  const int padded = (options.max_obstacles + kLanes - 1) / kLanes * kLanes;
-  reserve(padded);
-  set_obstacles(none);
+  hull_levers(robot, hulls_, robot.lower(), robot.upper(), levers_);
+  levers_are_constant_ = levers_.allFinite();
+  least_squares_.watch(&deadline_);
+  lagrangian_.watch(&deadline_);
 }
 
 void Search::set_goals(std::span<const Goal> goals) {
@@ -123,23 +148,21 @@ void Search::set_goals(std::span<const Goal> goals) {
   redundant_ = matter_count_ > fixed;
 }
 
-void Search::reserve(int padded_obstacles) {
-  collision_.reserve(padded_obstacles);
-  fixed_hulls_.reserve(padded_obstacles);
-  lagrangian_.reserve(padded_obstacles);
-  least_squares_.reserve(padded_obstacles);
-  judge_.reserve(padded_obstacles);
-}
-
 void Search::set_obstacles(const Obstacles& points) {
-  lagrangian_.reset_multipliers();
-  scene_.assign(points, options_.clearance, hulls_, fixed_hulls_);
-  reserve(scene_.near.padded());
+  if (scene_.use_count() > 1) scene_ = std::make_shared<Scene>();  // a copy of this search has it
+  scene_->assign(points, options_.clearance, hulls_, fixed_hulls_);
+  use_scene();
 }
 
-void Search::copy_scene(const Search& other) {
-  scene_ = other.scene_;
-  reserve(scene_.near.padded());
+void Search::use_scene() {
+  const int padded = std::max(scene_->near.padded(),
+                              (options_.max_obstacles + kLanes - 1) / kLanes * kLanes);
+  collision_.reserve(padded);
+  least_squares_.reserve(padded);
+  least_squares_.use(*scene_);
+  lagrangian_.use(*scene_);
+  if (options_.method == Method::Paper || options_.inner == InnerMethod::Lbfgs)
+    lagrangian_.reserve(padded);
 }
 
 bool Search::out_of_reach(const Goal& goal) const {
@@ -149,26 +172,55 @@ bool Search::out_of_reach(const Goal& goal) const {
   return (goal.T_base_tip.translation() - reach.centre(robot_)).norm() > reach.distance + slack;
 }
 
-void Search::run(const Request& request, Result& result) {
-  const Deadline deadline(options_.max_time, interrupt_);
-  set_goals(request.goals);
-  result.iterations = result.evaluations = result.restarts = 0;
-  result.success = false;
-  if (options_.method == Method::Paper) {
-    run_paper(request, deadline, result);
-  } else {
-    run_default(request, deadline, result);
+std::optional<Status> Search::why_hopeless(std::span<const Goal> goals) {
+  if (base_collides()) return Status::BaseCollision;
+  for (std::size_t k = 0; k < goals.size(); ++k) {
+    if (out_of_reach(goals[k])) return Status::OutOfReach;
+    GoalTerm& goal = goals_[k];
+    if (goal.body() > 0) continue;
+    goal.place(rollout_.frame(0));  // which no joint moves
+    if (goal.position_distance() > options_.position_tolerance ||
+        goal.rotation_distance() > options_.rotation_tolerance)
+      return Status::OutOfReach;
   }
-  if (!result.success && base_collides()) {
-    result.status = Status::BaseCollision;
-  } else if (!result.success && std::any_of(request.goals.begin(), request.goals.end(),
-                                            [&](const Goal& g) { return out_of_reach(g); })) {
-    result.status = Status::OutOfReach;
-  }
-  result.time = deadline.elapsed();
+  return std::nullopt;
 }
 
-void Search::run_paper(const Request& request, const Deadline& deadline, Result& result) {
+void Search::begin(double max_time, Result& result) {
+  deadline_ = Deadline(max_time, interrupt_);
+  late_ = 0;
+  result.iterations = result.evaluations = result.restarts = 0;
+  result.success = false;
+}
+
+void Search::end(Result& result) const {
+  result.time = deadline_.elapsed();
+  result.intake = intake_;
+  result.late_evaluations = late_;
+}
+
+void Search::run(const Request& request, Result& result) {
+  begin(options_.max_time, result);
+  set_goals(request.goals);
+  const std::optional<Status> hopeless = why_hopeless(request.goals);
+  if (options_.method == Method::Paper)
+    run_paper(request, result);
+  else
+    run_default(request, hopeless.has_value(), result);
+  result.status = result.success       ? Status::Solved
+                  : hopeless           ? *hopeless
+                  : deadline_.struck() ? Status::TimeLimit
+                                       : Status::Exhausted;
+  end(result);
+}
+
+void Search::judge_answer(std::span<const Goal> goals, const Eigen::VectorXd& q, Result& result,
+                          double look) {
+  if (deadline_.struck()) ++late_;
+  judge_(goals, q, *scene_, result, look);
+}
+
+void Search::run_paper(const Request& request, Result& result) {
   if (request.q0 != nullptr) {
     map_.inverse(*request.q0, omega_, options_.start_inset);
     start_ = *request.q0;
@@ -176,16 +228,15 @@ void Search::run_paper(const Request& request, const Deadline& deadline, Result&
     omega_.setZero();  // Algorithm IK, line 1
     map_.positions(omega_, start_);
   }
-  const bool struck = minimise_lagrangian(deadline, result);
+  minimise_lagrangian(result);
   map_.positions(omega_, q_);  // Eq. recovery
   wrap_to_start();
-  judge_(request.goals, q_, scene_, result);
-  result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
+  judge_answer(request.goals, q_, result);
 }
 
-bool Search::minimise_lagrangian(const Deadline& deadline, Result& result) {
-  bool struck = false;
+void Search::minimise_lagrangian(Result& result) {
   const double p = options_.position_tolerance, r = options_.rotation_tolerance;
+  const auto struck = [&] { return deadline_.passed(); };
   const auto stop = [&](const Eigen::VectorXd&, double) {
     if (lagrangian_.last_max_constraint() <= 0.5 * options_.clearance_tolerance &&
         std::all_of(goals_.begin(), goals_.end(), [&](const GoalTerm& goal) {
@@ -193,69 +244,97 @@ bool Search::minimise_lagrangian(const Deadline& deadline, Result& result) {
         })) {
       return true;
     }
-    struck = deadline.passed();
-    return struck;
+    return struck();
   };
-  const AugmentedLagrangianResult inner = augmented_lagrangian_.minimize(lagrangian_, omega_, stop);
+  const AugmentedLagrangianResult inner =
+      augmented_lagrangian_.minimize(lagrangian_, omega_, stop, struck);
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
-  return struck;
 }
 
-double Search::minimise_least_squares(LevenbergMarquardt& minimiser, const Deadline& deadline,
-                                      Result& result, bool& struck) {
+double Search::minimise_least_squares(LevenbergMarquardt& minimiser, Result& result) {
+  if (deadline_.struck()) return std::numeric_limits<double>::infinity();
   const LevenbergMarquardtResult inner = minimiser.minimize(
-      least_squares_, q_, lower_, upper_, [&] { return struck = deadline.passed(); });
+      least_squares_, q_, lower_, upper_, [&] { return deadline_.passed(); });
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
   return inner.value;
 }
 
-Search::Trial Search::try_least_squares(bool stay_near, const Deadline& deadline, Result& result) {
+double Search::cost_of_all() const {
+  const double count = scene_->near.count();
+  // Of a cloud in order most is passed by in blocks.
+  return scene_->near.in_order() ? 20.0 + 0.01 * count / kObstaclesPerEvaluation
+                                 : count / kObstaclesPerEvaluation;
+}
+
+Search::Trial Search::try_goal_alone(bool stay_near, Result& result) {
   Trial trial;
   least_squares_.heed_none();
   const int before = result.evaluations;
-  LevenbergMarquardt& minimiser = stay_near ? patient_ : levenberg_marquardt_;
-  double value = minimise_least_squares(minimiser, deadline, result, trial.struck);
+  trial.shortfall = minimise_least_squares(stay_near ? patient_ : levenberg_marquardt_, result);
+  trial.reached = least_squares_.done();
   wrap_to_start();
   search_cost_ += result.evaluations - before;
-  const int points = scene_.near.count();
-  if (least_squares_.done()) {
-    search_cost_ += cost_of(points);
-    trial.solves = points == 0 || !least_squares_.touches();
-    trial.shortfall = value;
-    if (trial.solves || trial.struck) return trial;
-    if (redundant_ && (stay_near || repair_pays(points))) {
-      const int at = result.evaluations;
-      least_squares_.heed_those_about(kRepairMargin);
-      value = minimise_least_squares(minimiser, deadline, result, trial.struck);
-      wrap_to_start();
-      least_squares_.evaluate(q_);  // its last step may have been taken back
-      const double each = 1.0 + cost_of(least_squares_.heeded());
-      repair_cost_ += 2.0 * cost_of(points) + each * (result.evaluations - at);
-      trial.solves = least_squares_.reached() && !least_squares_.touches();
-    }
-  }
-  trial.shortfall = value;
   return trial;
 }
 
-bool Search::repair_pays(int points) const {
+Search::Trial Search::try_least_squares(bool stay_near, Result& result) {
+  Trial trial = try_goal_alone(stay_near, result);
+  if (!trial.reached || deadline_.passed()) return trial;
+  if (scene_->near.count() == 0) {
+    trial.solves = true;
+    return trial;
+  }
+  search_cost_ += cost_of_all();
+  trial.solves = !least_squares_.touches();
+  if (trial.solves || !redundant_ || !(stay_near || repair_pays()) || deadline_.passed())
+    return trial;
+  const int before = result.evaluations;
+  least_squares_.heed_those_about(kRepairMargin);
+  if (!deadline_.passed())
+    trial.shortfall = minimise_least_squares(stay_near ? patient_ : levenberg_marquardt_, result);
+  wrap_to_start();
+  const double each = 1.0 + least_squares_.heeded() / kObstaclesPerEvaluation;
+  repair_cost_ += 2.0 * cost_of_all() + each * (result.evaluations - before);
+  if (deadline_.passed()) return trial;
+  least_squares_.evaluate(q_);  // the last step may have been taken back
+  trial.reached = least_squares_.reached();
+  trial.solves = trial.reached && !least_squares_.touches();
+  return trial;
+}
+
+bool Search::repair_pays() const {
   constexpr int kUsualEvaluations = 8, kUsuallyAbout = 200;
+  const int about = std::min(scene_->near.count(), kUsuallyAbout);
   const double usual =
-      2.0 * cost_of(points) + kUsualEvaluations * (1.0 + cost_of(std::min(points, kUsuallyAbout)));
+      2.0 * cost_of_all() + kUsualEvaluations * (1.0 + about / kObstaclesPerEvaluation);
   return repair_cost_ + usual < kRepairShare * search_cost_;
 }
 
-Search::Trial Search::try_lagrangian(const Deadline& deadline, Result& result) {
+Search::Trial Search::try_lagrangian(Result& result) {
   Trial trial;
   map_.inverse(q_, omega_, options_.start_inset);
-  trial.struck = minimise_lagrangian(deadline, result);
+  minimise_lagrangian(result);
   map_.positions(omega_, q_);
   wrap_to_start();
-  trial.solves = true;  // perhaps: the judge will say
-  trial.shortfall = 0.0;
+  trial.solves = !deadline_.struck();  // perhaps: the judge will say
   return trial;
+}
+
+void Search::keep_candidate(const Trial& trial, bool alone) {
+  const bool by_lagrangian = options_.inner == InnerMethod::Lbfgs;  // whose shortfall nobody knows
+  bool measured = alone || (scene_->near.count() == 0 && !by_lagrangian);
+  double shortfall = trial.shortfall;
+  const double cost = 1.0 + cost_of_all();
+  const bool pays = by_lagrangian || measure_cost_ + cost < kMeasureShare * search_cost_;
+  if (!measured && pays && !deadline_.passed()) {
+    measure_cost_ += cost;
+    least_squares_.heed_all();
+    shortfall = least_squares_.evaluate(q_);
+    measured = true;
+  }
+  candidates_.add(q_, shortfall, measured);
 }
 
 void Search::set_start(const Request& request) {
@@ -276,15 +355,19 @@ void Search::set_start(const Request& request) {
   }
 }
 
-void Search::run_default(const Request& request, const Deadline& deadline, Result& result) {
+void Search::run_default(const Request& request, bool hopeless, Result& result) {
   set_start(request);
-  search_cost_ = repair_cost_ = 0.0;
+  search_cost_ = repair_cost_ = measure_cost_ = 0.0;
   candidates_.clear();
-  result.status = Status::Exhausted;
-  const bool nearest = options_.prefer == Prefer::Nearest;
+  const bool nearest = options_.prefer == Prefer::Nearest, alone = base_collides();
   const Eigen::VectorXd* wanted = request.posture != nullptr ? request.posture : &start_;
+  const int enough = alone      ? kStartsForGoalAlone
+                     : hopeless ? kStartsOutOfReach
+                                : options_.max_restarts;
+  const int last_start = std::min(options_.max_restarts, enough);
   double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= options_.max_restarts; ++k) {
+  for (int k = 0; k <= last_start; ++k) {
+    if (k > 0 && deadline_.passed()) break;
     if (k == 0) {
       q_ = start_;
     } else {
@@ -292,105 +375,50 @@ void Search::run_default(const Request& request, const Deadline& deadline, Resul
       result.restarts = k;
     }
     const bool stay_near = nearest || (k == 0 && request.q0 != nullptr);
-    const Trial trial = options_.inner == InnerMethod::LevenbergMarquardt
-                            ? try_least_squares(stay_near, deadline, result)
-                            : try_lagrangian(deadline, result);
+    const Trial trial = alone ? try_goal_alone(stay_near, result)
+                        : options_.inner == InnerMethod::LevenbergMarquardt
+                            ? try_least_squares(stay_near, result)
+                            : try_lagrangian(result);
     if (trial.solves) {
-      judge_(request.goals, q_, scene_, result);
+      judge_answer(request.goals, q_, result);
       if (result.success) {
-        result.status = Status::Solved;
-        if (request.posture != nullptr || nearest) settle(request.goals, *wanted, deadline, result);
+        if (request.posture != nullptr || nearest) settle(request.goals, *wanted, result);
         if (!nearest) return;
         const double distance = squared_distance(result.q, *wanted, pull_);
         if (distance < least) {
           least = distance;
-          best_ = result.q;
+          best_ = result;
         }
-        if (deadline.passed()) break;
         continue;
       }
     }
-    if (std::isinf(least)) candidates_.add(q_, trial.shortfall);
-    if (trial.struck) {
-      result.status = Status::TimeLimit;
-      break;
-    }
-    if (trial.solves && base_collides()) break;  // nothing better can be found
+    if (std::isinf(least)) keep_candidate(trial, alone);
+    if (alone && trial.reached) break;  // nothing better can be found
   }
   if (std::isfinite(least)) {
-    judge_(request.goals, best_, scene_, result);
-    result.status = Status::Solved;
+    restore(best_, result);
     return;
   }
-  least_squares_.heed_all();
-  judge_(request.goals, candidates_.best([&](const auto& q) { return least_squares_.evaluate(q); }),
-         scene_, result);
-  if (result.success) result.status = Status::Solved;  // by a tolerance's breadth
+  if (!alone) {
+    least_squares_.heed_all();
+    candidates_.measure([&](const auto& q) { return least_squares_.evaluate(q); },
+                        [&] { return deadline_.passed(); });
+  }
+  judge_answer(request.goals, candidates_.best(), result);  // may solve by a tolerance's breadth
 }
 
-void Search::settle(std::span<const Goal> goals, const Eigen::VectorXd& posture,
-                    const Deadline& deadline, Result& result) {
-  unsettled_ = result.q;
+void Search::settle(std::span<const Goal> goals, const Eigen::VectorXd& posture, Result& result) {
+  saved_ = result;
   const double before = squared_distance(result.q, posture, pull_);
-  bool struck = false;
   least_squares_.heed_all();
   least_squares_.pull_towards(&posture, &pull_);
-  minimise_least_squares(settling_, deadline, result, struck);
+  minimise_least_squares(settling_, result);
   least_squares_.pull_towards(nullptr, nullptr);
-  minimise_least_squares(patient_, deadline, result, struck);
+  minimise_least_squares(patient_, result);
   wrap_to_start();
-  judge_(goals, q_, scene_, result);
+  judge_answer(goals, q_, result);
   if (result.success && squared_distance(q_, posture, pull_) < before) return;
-  judge_(goals, unsettled_, scene_, result);
-}
-
-void Search::follow(const Following& step, Result& result) {
-  const Deadline deadline(step.max_time, interrupt_);
-  set_goals(step.goals);
-  result.iterations = result.evaluations = result.restarts = 0;
-  lower_ = *step.lower;
-  upper_ = *step.upper;
-  q_ = *step.from;
-  least_squares_.pull_towards(nullptr, nullptr);
-  least_squares_.heed_none();
-  least_squares_.evaluate(q_);
-  // A goal that is farther than a step can bring it is approached by what a step can.
-  for (GoalTerm& goal : goals_) goal.come_within(step.advance, step.turn);
-  if (scene_.near.count() > 0) least_squares_.heed_those_about(step.margin, true);
-  bool struck = false;
-  if (step.pull_to != nullptr) {
-    least_squares_.pull_towards(step.pull_to, step.pull);
-    minimise_least_squares(settling_, deadline, result, struck);
-    least_squares_.pull_towards(nullptr, nullptr);
-  }
-  if (!struck) minimise_least_squares(patient_, deadline, result, struck);
-  if (step.pull_to != nullptr && !struck && !least_squares_.holds()) {
-    // The posture may have led astray: once more without it, and back if that is no better.
-    unsettled_ = q_;
-    q_ = *step.from;
-    minimise_least_squares(patient_, deadline, result, struck);
-    if (!least_squares_.holds()) {
-      q_ = unsettled_;
-      least_squares_.evaluate(q_);
-    }
-  }
-  if (!struck && !least_squares_.holds()) {
-    // Not everything can be had: a goal that is far must not push the robot through a constraint.
-    least_squares_.scale_goals(kYieldingGoals / std::max(1.0, least_squares_.goal_pull()));
-    minimise_least_squares(settling_, deadline, result, struck);
-    least_squares_.scale_goals(1.0);
-  }
-  judge_(step.goals, q_, scene_, result, step.look);
-  result.status = result.success ? Status::Solved : struck ? Status::TimeLimit : Status::Exhausted;
-  if (!result.success) {
-    // Half-way to a posture is no place to be if staying solves.
-    judge_(step.goals, *step.from, scene_, result, step.look);
-    if (!result.success)
-      judge_(step.goals, q_, scene_, result, step.look);
-    else if (!struck)
-      result.status = Status::Solved;
-  }
-  result.time = deadline.elapsed();
+  restore(saved_, result);
 }
 
 void Search::restart_configuration(int k, const Eigen::VectorXd* near) {

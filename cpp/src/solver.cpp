@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
-#include <system_error>
 #include <thread>
 
 #include "detail/check_input.hpp"
@@ -31,14 +31,24 @@ const char* to_string(Status status) {
   return "unknown";
 }
 
+namespace {
+
+/// Threads that are waited for, whatever happens.
+struct Threads {
+  std::vector<std::thread> threads;
+  ~Threads() {
+    for (std::thread& thread : threads) thread.join();
+  }
+};
+
+}  // namespace
+
 /// The robot and options a search refers to, kept at one address.
 struct Solver::Implementation {
   Implementation(const Robot& robot_in, const Options& options_in)
       : robot(robot_in), options(options_in), search(robot, options) {}
   Implementation(const Implementation& other)
-      : robot(other.robot), options(other.options), search(robot, options) {
-    search.copy_scene(other.search);
-  }
+      : robot(other.robot), options(other.options), search(robot, options, other.search) {}
 
   Robot robot;
   Options options;
@@ -58,8 +68,11 @@ const Robot& Solver::robot() const { return impl_->robot; }
 const Options& Solver::options() const { return impl_->options; }
 
 void Solver::set_obstacles(const Obstacles& points) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point started = Clock::now();
   detail::check_obstacles(points);
   impl_->search.set_obstacles(points);
+  impl_->search.set_intake(std::chrono::duration<double>(Clock::now() - started).count());
 }
 
 void Solver::set_interrupt(std::function<bool()> wanted) {
@@ -136,25 +149,26 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
       threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
   const std::size_t count =
       std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(goals.size(), 1));
-  std::vector<std::thread> pool;
-  try {
-    for (std::size_t t = 1; t < count; ++t) pool.emplace_back(work);
-  } catch (const std::system_error&) {
-    // The system gives no more threads: those there are do the work.
+  {
+    Threads pool;
+    try {
+      for (std::size_t t = 1; t < count; ++t) pool.threads.emplace_back(work);
+    } catch (const std::exception&) {
+      // The system gives no more threads, or no memory for them: those there are do the work.
+    }
+    work();
   }
-  work();
-  for (std::thread& thread : pool) thread.join();
   if (failure) std::rethrow_exception(failure);
   return results;
 }
 
-void Solver::judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const {
+void Solver::judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) {
   detail::check_one_tip(robot());
   const Goal only = goal(T_base_tip);
   judge({&only, 1}, q, result);
 }
 
-void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) const {
+void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
   detail::check_goals(goals, robot(), options());
   const Eigen::VectorXd configuration = q;
   detail::check_configuration(configuration, robot().dof(), "q");

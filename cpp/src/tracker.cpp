@@ -10,8 +10,11 @@
 #include "detail/describe.hpp"
 #include "detail/goal_of.hpp"
 #include "detail/search.hpp"
+#include "detail/travel.hpp"
 
 namespace pdoik {
+
+using Clock = std::chrono::steady_clock;
 
 const char* to_string(TrackerStatus status) {
   switch (status) {
@@ -36,7 +39,8 @@ TrackerOptions checked(TrackerOptions o, const Robot& robot) {
   if (!(o.period > 0.0) || !std::isfinite(o.period))
     refuse("period", o.period, "a positive time [s]");
   if (!(o.max_time >= 0.0)) refuse("max_time", o.max_time, "a time of at least 0 [s]");
-  if (!(o.speed_share > 0.0)) refuse("speed_share", o.speed_share, "a positive number");
+  if (!(o.speed_share > 0.0) || !std::isfinite(o.speed_share))
+    refuse("speed_share", o.speed_share, "a positive finite number");
   for (const auto& [name, value] :
        {std::pair{"posture_weight", o.posture_weight}, std::pair{"smoothness", o.smoothness}}) {
     if (!(value >= 0.0) || !std::isfinite(value))
@@ -52,26 +56,20 @@ TrackerOptions checked(TrackerOptions o, const Robot& robot) {
 /// Clearance beyond this is not measured [m].
 constexpr double kLook = 0.5;
 
-/// A bound on how far any point of a hull gets when every joint makes its step [m].
-double travel(const Robot& robot, const detail::HullModel& hulls, const Eigen::VectorXd& step) {
-  double farthest = 0.0;
-  for (const detail::AttachedPoint& point : hulls.points) {
-    double arm = detail::to_vector3(point.local).norm(), sum = 0.0;
-    for (int b = point.body; b > 0;) {
-      const Body& body = robot.bodies()[static_cast<std::size_t>(b)];
-      const double moves = std::abs(body.multiplier) * step[body.dof];
-      sum += body.prismatic ? moves : moves * arm;
-      if (body.prismatic) {
-        arm += std::max(std::abs(body.multiplier * robot.lower()[body.dof] + body.offset),
-                        std::abs(body.multiplier * robot.upper()[body.dof] + body.offset));
-      }
-      arm += body.T_parent_joint.translation().norm();
-      b = body.parent;
-    }
-    farthest = std::max(farthest, sum);
+/// How far each joint may go in a step: no farther than half a turn, since a longer way round ends
+/// nowhere else.
+Eigen::VectorXd step_of(const Robot& robot, const TrackerOptions& options) {
+  Eigen::VectorXd step =
+      options.period * (options.speed_share * robot.velocity()).cwiseMin(options.max_speed);
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const bool slides = robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Prismatic;
+    if (!slides) step[i] = std::min(step[i], M_PI);
   }
-  return std::isfinite(farthest) ? farthest : std::numeric_limits<double>::max();
+  return step;
 }
+
+/// A goal is never brought so near that it counts as reached before it is, in its tolerances.
+constexpr double kBeyondTolerance = 10.0;
 
 }  // namespace
 
@@ -83,10 +81,8 @@ struct Tracker::Implementation {
         solver_options(solver_options_in),
         options(checked(options_in, robot)),
         search(robot, solver_options) {
-    const Eigen::VectorXd speed =
-        (options.speed_share * robot.velocity()).cwiseMin(options.max_speed);
-    step = options.period * speed;
-    margin = travel(robot, detail::HullModel(robot), step);
+    step = step_of(robot, options);
+    margin = detail::farthest_travel(robot, search.hulls(), step);
     last = robot.mid_configuration();
     posture = last;
     lower.setZero(robot.dof());
@@ -100,13 +96,14 @@ struct Tracker::Implementation {
   }
 
   /// The last answer once more, with what it is worth now left unsaid.
-  void hold(const std::string& why) {
-    text = why;
+  void hold(const char* why) {
+    Eigen::VectorXd q = std::move(result.q);  // its memory stays
     static_cast<Result&>(result) = Result{};
+    result.q = std::move(q);
     result.q = last;
     result.tracking = TrackerStatus::InvalidInput;
     result.step_limited = -1;
-    result.complaint = text.c_str();
+    result.complaint = why;
   }
 
   void advance(std::span<const Goal> goals) {
@@ -126,8 +123,10 @@ struct Tracker::Implementation {
                    .pull = pulls ? &pull : nullptr,
                    .max_time = options.max_time,
                    .margin = margin,
-                   .advance = 0.5 * margin,
-                   .turn = 0.5 * step.sum(),
+                   .advance = std::max(0.5 * margin,
+                                       kBeyondTolerance * solver_options.position_tolerance),
+                   .turn = std::max(0.5 * step.sum(),
+                                    kBeyondTolerance * solver_options.rotation_tolerance),
                    .look = kLook},
                   result);
     result.complaint = "";
@@ -150,8 +149,8 @@ struct Tracker::Implementation {
   Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull;
   bool has_posture = false;
   double margin = 0.0;
-  std::string cloud_complaint;  ///< of the last cloud, empty if it was taken
-  std::string text;
+  detail::Complaint cloud_complaint;  ///< of the last cloud, empty if it was taken
+  detail::Complaint complaint;        ///< of the last goals
   TrackerResult result;
   LatencyHistogram latency;
 };
@@ -182,49 +181,47 @@ void Tracker::reset(VectorIn q) {
 }
 
 void Tracker::set_posture(VectorIn posture) {
+  if (posture.size() > 0) {
+    detail::check_configuration(posture, robot().dof(), "posture");
+    impl_->posture = posture;
+  }
   impl_->has_posture = posture.size() > 0;
-  if (!impl_->has_posture) return;
-  detail::check_configuration(posture, robot().dof(), "posture");
-  impl_->posture = posture;
 }
 
 bool Tracker::set_obstacles(const Obstacles& points) {
-  try {
-    detail::check_obstacles(points);
-    if (points.rows() > impl_->solver_options.max_obstacles) {
-      throw std::invalid_argument("obstacles has " + std::to_string(points.rows()) +
-                                  " rows, expected at most max_obstacles, " +
-                                  std::to_string(impl_->solver_options.max_obstacles));
-    }
-  } catch (const std::invalid_argument& refused) {
-    refuse_obstacles(refused.what());
+  const Clock::time_point started = Clock::now();
+  detail::Complaint& complaint = impl_->cloud_complaint;
+  const int most = impl_->solver_options.max_obstacles;
+  if (points.rows() > most) {
+    complaint.say("obstacles has %lld rows, expected at most max_obstacles, %d",
+                  static_cast<long long>(points.rows()), most);
     return false;
   }
+  if (!detail::accepts_obstacles(points, complaint)) return false;
   impl_->search.set_obstacles(points);
-  impl_->cloud_complaint.clear();
+  impl_->search.set_intake(std::chrono::duration<double>(Clock::now() - started).count());
   return true;
 }
 
-void Tracker::refuse_obstacles(const std::string& complaint) { impl_->cloud_complaint = complaint; }
+void Tracker::refuse_obstacles(const std::string& complaint) {
+  impl_->cloud_complaint.say("%s", complaint.c_str());
+}
 
 const TrackerResult& Tracker::hold(const std::string& complaint) {
-  impl_->hold(complaint);
+  impl_->complaint.say("%s", complaint.c_str());
+  impl_->hold(impl_->complaint.text());
   impl_->latency.add(0.0);
   return impl_->result;
 }
 
 const TrackerResult& Tracker::step(std::span<const Goal> goals) {
-  using Clock = std::chrono::steady_clock;
   const Clock::time_point started = Clock::now();
-  try {
-    detail::check_goals(goals, robot(), solver_options());
-    if (impl_->cloud_complaint.empty())
-      impl_->advance(goals);
-    else
-      impl_->hold(impl_->cloud_complaint);
-  } catch (const std::invalid_argument& refused) {
-    impl_->hold(refused.what());
-  }
+  if (!detail::accepts_goals(goals, robot(), solver_options(), impl_->complaint))
+    impl_->hold(impl_->complaint.text());
+  else if (!impl_->cloud_complaint.empty())
+    impl_->hold(impl_->cloud_complaint.text());
+  else
+    impl_->advance(goals);
   impl_->result.time = std::chrono::duration<double>(Clock::now() - started).count();
   impl_->latency.add(impl_->result.time);
   return impl_->result;

@@ -1,3 +1,4 @@
+#include "detail/check_input.hpp"
 #include "detail/tree_builder.hpp"
 
 #include <algorithm>
@@ -104,10 +105,17 @@ class TreeBuilder {
   void check_joint(const JointDescription& joint) const {
     const std::string what = "joint '" + joint.name + "': ";
     if (!joint.T_parent_child.matrix().allFinite()) fail(what + "origin is not finite");
+    if (joint.T_parent_child.translation().cwiseAbs().maxCoeff() > kLargestNumber)
+      fail(what + "origin has a number beyond 1e6 m");
     if (joint.type == JointType::Fixed) return;
     const double length = joint.axis.norm();
     if (!(length > 1e-9) || !std::isfinite(length)) {
       fail(what + "axis has length " + std::to_string(length) + ", expected a direction");
+    }
+    for (const auto& [name, limit] :
+         {std::pair{"velocity", joint.velocity}, std::pair{"effort", joint.effort}}) {
+      if (!(limit >= 0.0))  // infinity is fine
+        fail(what + name + " limit is " + std::to_string(limit) + ", expected at least 0");
     }
     if (joint.type == JointType::Continuous) return;
     if (std::isnan(joint.lower) || std::isnan(joint.upper)) fail(what + "limits are not numbers");
@@ -216,6 +224,9 @@ class TreeBuilder {
       }
       if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
         fail("joint '" + follower.name + "': mimic multiplier or offset is not finite");
+      }
+      if (std::abs(mimic.multiplier) > kLargestNumber || std::abs(mimic.offset) > kLargestNumber) {
+        fail("joint '" + follower.name + "': mimic multiplier or offset is beyond 1e6");
       }
       if (hops > description_.joints.size())
         fail("joint '" + follower.name + "' mimics itself in a circle");

@@ -17,8 +17,11 @@
 namespace {
 thread_local bool counting = false;
 thread_local int counted = 0;
-void note() {
-  if (counting) ++counted;
+thread_local std::size_t counted_bytes = 0;
+void note(std::size_t size = 0) {
+  if (!counting) return;
+  ++counted;
+  counted_bytes += size;
 }
 }  // namespace
 
@@ -29,17 +32,17 @@ void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 void __libc_free(void*);
 
-void* malloc(std::size_t size) { return note(), __libc_malloc(size); }
-void* calloc(std::size_t count, std::size_t size) { return note(), __libc_calloc(count, size); }
-void* realloc(void* old, std::size_t size) { return note(), __libc_realloc(old, size); }
+void* malloc(std::size_t size) { return note(size), __libc_malloc(size); }
+void* calloc(std::size_t count, std::size_t size) { return note(count * size), __libc_calloc(count, size); }
+void* realloc(void* old, std::size_t size) { return note(size), __libc_realloc(old, size); }
 void* memalign(std::size_t alignment, std::size_t size) {
-  return note(), __libc_memalign(alignment, size);
+  return note(size), __libc_memalign(alignment, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  return note(), __libc_memalign(alignment, size);
+  return note(size), __libc_memalign(alignment, size);
 }
 int posix_memalign(void** result, std::size_t alignment, std::size_t size) {
-  note();
+  note(size);
   *result = __libc_memalign(alignment, size);
   return *result == nullptr ? 12 : 0;  // ENOMEM
 }
@@ -265,6 +268,69 @@ TEST(Allocation, a_tracker_takes_its_memory_at_construction) {
   EXPECT_GT(statuses[static_cast<int>(TrackerStatus::Tracking)], 0);
   EXPECT_GT(statuses[static_cast<int>(TrackerStatus::Infeasible)], 0);
   EXPECT_GT(statuses[static_cast<int>(TrackerStatus::DeadlineStruck)], 0);
+}
+
+TEST(Allocation, a_tracker_that_is_given_what_makes_no_sense_says_so_without_allocating) {
+  Random random(3);
+  const Robot robot = roomy_tree(random);
+  Options options = full_options(robot, random, Prefer::First);
+  options.max_obstacles = 50;
+  Tracker tracker(robot, options, {.max_time = 10.0});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto expect_refused = [&](std::vector<Goal> goals, const char* word) {
+    const TrackerResult* step = nullptr;
+    EXPECT_EQ(allocations([&] { step = &tracker.step(goals); }), 0) << word;
+    EXPECT_EQ(step->tracking, TrackerStatus::InvalidInput);
+    EXPECT_NE(std::string(step->complaint).find(word), std::string::npos) << step->complaint;
+    EXPECT_EQ(step->q, tracker.q());
+  };
+  const Goal good = random_goals(robot, random, false).front();
+  std::vector<std::pair<Goal, const char*>> bad(9, {good, ""});
+  bad[0].first.T_base_tip.translation().x() = nan, bad[0].second = "NaN";
+  bad[1].first.T_base_tip.linear() *= 1.5, bad[1].second = "not a rigid transform";
+  bad[2].first.tip = 7, bad[2].second = "tip is 7";
+  bad[3].first.axis.setZero(), bad[3].second = "axis";
+  bad[4].first.weight = -1.0, bad[4].second = "weight";
+  bad[5].first.position_slack.x() = nan, bad[5].second = "position_slack";
+  bad[6].first.rotation_slack.x() = -1.0, bad[6].second = "rotation_slack";
+  bad[7].first.weight = nan, bad[7].second = "weight";
+  bad[8].first.T_base_tip.linear()(0, 0) = nan, bad[8].second = "NaN";
+  for (const auto& [goal, word] : bad) expect_refused({goal}, word);
+  expect_refused({}, "no goal");
+  expect_refused({good, good}, "two goals");
+
+  const auto expect_cloud_refused = [&](const ObstacleMatrix& points, const char* word) {
+    EXPECT_EQ(allocations([&] { EXPECT_FALSE(tracker.set_obstacles(points)); }), 0) << word;
+    expect_refused({good}, word);
+  };
+  ObstacleMatrix points = ObstacleMatrix::Constant(10, 4, 1.0);
+  points(3, 1) = nan;
+  expect_cloud_refused(points, "row 3");
+  points(3, 1) = 1e7;
+  expect_cloud_refused(points, "1e6 m in row 3");
+  points(3, 1) = 0.0, points(4, 3) = -1.0;
+  expect_cloud_refused(points, "negative radius in row 4");
+  expect_cloud_refused(ObstacleMatrix::Constant(10, 5, 1.0), "shape (10, 5)");
+  expect_cloud_refused(ObstacleMatrix::Constant(51, 3, 1.0), "max_obstacles, 50");
+  EXPECT_EQ(allocations([&] { tracker.hold("said from outside"); }), 2) << "the string's own";
+}
+
+TEST(Allocation, a_large_cloud_takes_as_much_memory_as_its_points_do_whatever_the_method) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Random random(5);
+  constexpr int kCount = 200000;
+  const ObstacleMatrix points = random_obstacles(random, kCount, 1.0, 0.01);
+  for (const auto& [method, inner] : {std::pair(Method::Default, InnerMethod::LevenbergMarquardt),
+                                      std::pair(Method::Default, InnerMethod::Lbfgs),
+                                      std::pair(Method::Paper, InnerMethod::Lbfgs)}) {
+    Solver solver(robot, timeless(GoalType::Pose, method, inner));
+    counted_bytes = 0;
+    allocations([&] { solver.set_obstacles(points); });
+    EXPECT_LT(counted_bytes, 130U * kCount + (8U << 20U));  // room for all near, and for all far
+    counted_bytes = 0;
+    allocations([&] { Solver copy(solver); });
+    EXPECT_LT(counted_bytes, 16U << 20U) << "a copy shares the cloud";
+  }
 }
 
 TEST(Allocation, a_tracker_of_one_tip_steps_without_allocating) {

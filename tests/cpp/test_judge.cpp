@@ -8,7 +8,7 @@ namespace {
 using namespace pdoik::testing;
 using Kind = WorstConstraint::Kind;
 
-Result judged(const Solver& solver, const Eigen::Isometry3d& target, const Eigen::VectorXd& q) {
+Result judged(Solver& solver, const Eigen::Isometry3d& target, const Eigen::VectorXd& q) {
   Result result;
   solver.judge(target, q, result);
   return result;

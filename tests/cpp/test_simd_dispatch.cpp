@@ -56,8 +56,10 @@ struct Coarse {
   std::vector<std::pair<int, int>> run(CullFunction cull) const {
     std::vector<NearPair> pairs(hulls.size() * static_cast<std::size_t>(padded) + 1);
     pairs.back() = {-7, -7};
-    const int count = cull({x.data(), y.data(), z.data(), radius.data(), padded}, hulls.data(),
-                           static_cast<int>(hulls.size()), pairs.data());
+    CullCursor at;
+    const int count =
+        cull({x.data(), y.data(), z.data(), radius.data(), padded, {}, {}}, hulls.data(),
+             static_cast<int>(hulls.size()), pairs.data(), static_cast<int>(pairs.size()) - 1, at);
     EXPECT_EQ(pairs.back().hull, -7) << "wrote beyond the room there is";
     std::vector<std::pair<int, int>> found;
     for (int k = 0; k < count; ++k)

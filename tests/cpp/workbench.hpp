@@ -10,6 +10,7 @@
 #include "detail/lagrangian_problem.hpp"
 #include "detail/least_squares_problem.hpp"
 #include "detail/rollout.hpp"
+#include "detail/scene.hpp"
 #include "detail/spheroid_distance.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/options.hpp"
@@ -48,9 +49,10 @@ class Workbench {
     obstacles = points;
     scene.assign(points, options.clearance, hulls, fixed);
     moving.reserve(scene.near.padded());
-    fixed.reserve(scene.near.padded());
     lagrangian.reserve(scene.near.padded());
+    lagrangian.use(scene);
     least_squares.reserve(scene.near.padded());
+    least_squares.use(scene);
   }
   void set_target(const Eigen::Isometry3d& T) {
     target = T;

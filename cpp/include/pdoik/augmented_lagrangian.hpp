@@ -61,7 +61,8 @@ enum class AugmentedLagrangianStatus {
 
 struct AugmentedLagrangianResult {
   AugmentedLagrangianStatus status = AugmentedLagrangianStatus::IterationLimit;
-  double max_constraint = 0.0;  ///< max(0, max c) at the returned point
+  /// max(0, max c) at the returned point; infinite, for nobody looked, if the caller stopped it.
+  double max_constraint = std::numeric_limits<double>::infinity();
   double rho = 0.0;
   int outer_iterations = 0;
   int iterations = 0;  ///< of the inner minimiser, in all
@@ -85,8 +86,10 @@ class AugmentedLagrangian {
       : options_(options), lbfgs_(variables, inner) {}
 
   /// @param stop  bool(const VectorXd& x, double lagrangian), asked after every inner iteration.
-  template <class Problem, class Stop>
-  AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x, Stop&& stop) {
+  /// @param cut  bool(), asked after every evaluation of a line search, see Lbfgs::minimize.
+  template <class Problem, class Stop, class Cut>
+  AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x, Stop&& stop,
+                                     Cut&& cut) {
     AugmentedLagrangianResult result;
     Penalty penalty{options_.form, options_.rho};
     double last = std::numeric_limits<double>::infinity();
@@ -95,16 +98,17 @@ class AugmentedLagrangian {
       const auto lagrangian = [&](const Eigen::VectorXd& at, Eigen::VectorXd& gradient) {
         return problem.lagrangian(at, penalty, gradient);
       };
-      const LbfgsResult inner = lbfgs_.minimize(lagrangian, x, stop);  // Algorithm IK, line 3
+      const LbfgsResult inner = lbfgs_.minimize(lagrangian, x, stop, cut);  // Algorithm IK, line 3
       result.iterations += inner.iterations;
       result.evaluations += inner.evaluations;
       result.outer_iterations = k + 1;
       result.rho = penalty.rho;
-      result.max_constraint = problem.max_constraint(x);
-      if (inner.status == LbfgsStatus::Stopped) {
+      result.max_constraint = std::numeric_limits<double>::infinity();
+      if (inner.status == LbfgsStatus::Stopped || cut()) {
         result.status = AugmentedLagrangianStatus::Stopped;
         return result;
       }
+      result.max_constraint = problem.max_constraint(x);
       if (result.max_constraint < options_.constraint_tolerance) {  // line 4
         result.status = AugmentedLagrangianStatus::Feasible;
         return result;
@@ -119,6 +123,10 @@ class AugmentedLagrangian {
     }
     result.status = AugmentedLagrangianStatus::IterationLimit;
     return result;
+  }
+  template <class Problem, class Stop>
+  AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x, Stop&& stop) {
+    return minimize(problem, x, stop, [] { return false; });
   }
   template <class Problem>
   AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x) {

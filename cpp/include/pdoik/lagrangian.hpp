@@ -52,7 +52,8 @@ class Lagrangian {
   /// Variables at q, shape (size(),). As slack, q is moved options.start_inset of each range off
   /// its limits.
   Eigen::VectorXd variables(VectorIn q) const;
-  /// Joint positions at x, shape (n,).
+  /// Joint positions at x, shape (n,). This and what follows
+  /// @throws std::invalid_argument if x has another length than size().
   Eigen::VectorXd positions(const Eigen::VectorXd& x) const;
 
   /// Eq. AL at x with the multipliers as they are, and its gradient, resized to (size(),).

@@ -58,8 +58,14 @@ class Lbfgs {
   /// @param evaluate  double(const VectorXd& x, VectorXd& gradient), f and its gradient at x.
   /// @param stop  bool(const VectorXd& x, double f), asked after every iteration; true ends the
   /// run. x holds the best point found whatever the status.
+  /// @param cut  bool(), asked after every evaluation of a line search: true ends the run, and that
+  /// evaluation is not used. For deadlines, where an iteration is too long to wait for.
+  template <class Evaluate, class Stop, class Cut>
+  LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop, Cut&& cut);
   template <class Evaluate, class Stop>
-  LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop);
+  LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop) {
+    return minimize(evaluate, x, stop, [] { return false; });
+  }
   template <class Evaluate>
   LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x) {
     return minimize(evaluate, x, [](const Eigen::VectorXd&, double) { return false; });
@@ -78,9 +84,10 @@ class Lbfgs {
   void direction();
   /// Keep (s, y) = (x_trial - x, g_trial - g) if its curvature is positive.
   void remember(const Eigen::VectorXd& x);
-  template <class Evaluate>
-  bool line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f, double first_step,
-                   LbfgsResult& result);
+  enum class Search { Found, Failed, Cut };
+  template <class Evaluate, class Cut>
+  Search line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f, double first_step,
+                     Cut& cut, LbfgsResult& result);
 
   LbfgsOptions options_;
   Eigen::MatrixXd S_, Y_;  // (n, memory), columns used as a ring
@@ -136,11 +143,11 @@ inline void Lbfgs::remember(const Eigen::VectorXd& x) {
   stored_ = std::min(stored_ + 1, options_.memory);
 }
 
-template <class Evaluate>
-bool Lbfgs::line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f, double first_step,
-                        LbfgsResult& result) {
+template <class Evaluate, class Cut>
+Lbfgs::Search Lbfgs::line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f,
+                                 double first_step, Cut& cut, LbfgsResult& result) {
   const double slope = g_.dot(d_);
-  if (!(slope < 0.0)) return false;
+  if (!(slope < 0.0)) return Search::Failed;
   double low = 0.0, f_low = f, slope_low = slope;
   double high = std::numeric_limits<double>::infinity(), f_high = 0.0, slope_high = 0.0;
   double t = first_step;
@@ -148,13 +155,14 @@ bool Lbfgs::line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f, 
     x_trial_.noalias() = x + t * d_;
     f_trial_ = evaluate(static_cast<const Eigen::VectorXd&>(x_trial_), g_trial_);
     ++result.evaluations;
+    if (cut()) return Search::Cut;
     const double slope_t = g_trial_.dot(d_);
     if (!(f_trial_ <= f + options_.armijo * t * slope)) {  // also when f is not a number
       high = t, f_high = f_trial_, slope_high = slope_t;
     } else if (slope_t < options_.curvature * slope) {
       low = t, f_low = f_trial_, slope_low = slope_t;
     } else {
-      return true;
+      return Search::Found;
     }
     if (std::isinf(high)) {
       t *= 2.0;
@@ -174,15 +182,16 @@ bool Lbfgs::line_search(Evaluate& evaluate, const Eigen::VectorXd& x, double f, 
     t = low + step * width;
   }
   // Out of trials: a point with enough decrease is taken even without the curvature condition.
-  if (low == 0.0) return false;
+  if (low == 0.0) return Search::Failed;
   x_trial_.noalias() = x + low * d_;
   f_trial_ = evaluate(static_cast<const Eigen::VectorXd&>(x_trial_), g_trial_);
   ++result.evaluations;
-  return f_trial_ < f;
+  if (cut()) return Search::Cut;
+  return f_trial_ < f ? Search::Found : Search::Failed;
 }
 
-template <class Evaluate, class Stop>
-LbfgsResult Lbfgs::minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop) {
+template <class Evaluate, class Stop, class Cut>
+LbfgsResult Lbfgs::minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop, Cut&& cut) {
   LbfgsResult result;
   reset();
   double f = evaluate(static_cast<const Eigen::VectorXd&>(x), g_);
@@ -203,14 +212,15 @@ LbfgsResult Lbfgs::minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop
     }
     direction();
     const double first = first_trial();
-    bool found = line_search(evaluate, x, f, first, result);
-    if (!found && stored_ > 0) {  // forget the curvature and try the steepest descent once
-      reset();
+    Search search = line_search(evaluate, x, f, first, cut, result);
+    if (search == Search::Failed && stored_ > 0) {
+      reset();  // forget the curvature and try the steepest descent once
       d_ = -g_;
-      found = line_search(evaluate, x, f, first_trial(), result);
+      search = line_search(evaluate, x, f, first_trial(), cut, result);
     }
-    if (!found) {
-      result.status = LbfgsStatus::LineSearchFailed;
+    if (search != Search::Found) {
+      result.status =
+          search == Search::Cut ? LbfgsStatus::Stopped : LbfgsStatus::LineSearchFailed;
       return result;
     }
     remember(x);

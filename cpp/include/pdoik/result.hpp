@@ -54,6 +54,12 @@ struct Result {
   int evaluations = 0;  ///< rollouts
   int restarts = 0;     ///< starts beyond the first
   double time = 0.0;    ///< [s]
+  /// What taking the obstacles in took, the last time that they changed: it is in no budget and not
+  /// in `time` [s].
+  double intake = 0.0;
+  /// Evaluations and looks at all obstacles that were begun after max_time had struck: the verdict
+  /// takes one.
+  int late_evaluations = 0;
 };
 
 }  // namespace pdoik

@@ -44,7 +44,9 @@ struct Request {
 ///
 /// A solver belongs to one thread. After set-up (construction, set_obstacles, a result sized once)
 /// `solve` allocates nothing, takes no lock, prints nothing and throws only on misuse, before it
-/// starts.
+/// starts. It looks at the clock before every evaluation and before every pass over the obstacles;
+/// once max_time has struck, all that is left is the verdict on the best configuration, one pass
+/// over the obstacles near the robot.
 class Solver {
  public:
   /// @throws std::invalid_argument naming the option out of range; or if the robot has no joints or
@@ -61,7 +63,8 @@ class Solver {
   /// The obstacles of the solves that follow; empty for none.
   /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number
   /// beyond 1e6, naming the row. Allocates only when there are more points than ever before,
-  /// options.max_obstacles to begin with.
+  /// options.max_obstacles to begin with, or when a copy of this solver still has the last ones:
+  /// copies share them. What it took is in the results that follow, as `intake`.
   void set_obstacles(const Obstacles& points);
   void clear_obstacles();
 
@@ -97,9 +100,9 @@ class Solver {
                                         int threads = 0) const;
 
   /// Errors, clearance, limits and verdict of a configuration, recomputed from q by plain forward
-  /// kinematics.
-  void judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result) const;
-  void judge(std::span<const Goal> goals, VectorIn q, Result& result) const;
+  /// kinematics. It uses the solver's own memory, as `solve` does.
+  void judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result);
+  void judge(std::span<const Goal> goals, VectorIn q, Result& result);
 
   /// The goal of the options' type for the tip, or for one of several.
   Goal goal(const Eigen::Isometry3d& T_base_tip, int tip = 0) const;

@@ -39,8 +39,8 @@ enum class TrackerStatus {
 /// A status in lower case with underscores, as the Python module gives it.
 const char* to_string(TrackerStatus status);
 
-/// The outcome of a step. Clearance beyond 0.5 m is told as that much: a step has no time to find
-/// out how far the far is. q is always a configuration that may be sent to the motors, never
+/// The outcome of a step. Clearance beyond 0.5 m is told as that much, beyond 0.05 m where the
+/// deadline struck: a step has no time to find out how far the far is. q is always a configuration that may be sent to the motors, never
 /// farther from the last one than the step limits.
 struct TrackerResult : Result {
   TrackerStatus tracking = TrackerStatus::InvalidInput;
@@ -59,7 +59,9 @@ struct TrackerResult : Result {
 ///       send(tracker.step(goals).q);
 ///     }
 /// Every step goes downhill from the last answer inside a box of speed limits times period, cut
-/// with the joint limits, so it cannot jump; there are no restarts. Input that makes no sense does
+/// with the joint limits, so it cannot jump; there are no restarts. A joint without a speed limit
+/// may go as far as it likes; a step that moves hulls by more than 2 cm is looked at along the way,
+/// every 2 mm where obstacles are near, and is taken only if it is clear. Input that makes no sense does
 /// not throw: the last answer stands, and the step says so. A tracker belongs to one thread; after
 /// construction nothing allocates, locks or prints.
 class Tracker {

@@ -3,12 +3,17 @@
 #include <span>
 #include <string>
 
+#include "detail/complaint.hpp"
 #include "pdoik/solver.hpp"
 
 namespace pdoik::detail {
 
-// What enters at the border. All throw std::invalid_argument that names the thing, what was
-// expected and what came.
+// What enters at the border. Functions named check_ throw std::invalid_argument that names the
+// thing, what was expected and what came; those named accepts_ say so in a complaint, without an
+// allocation or exception, and return whether there is none.
+
+/// Lengths beyond this are refused: rounding would blur distances [m].
+constexpr double kLargestNumber = 1e6;
 
 /// 1 to 64 joints.
 void check_robot(const Robot& robot);
@@ -17,6 +22,8 @@ void check_set_up(const Robot& robot, const Options& options);
 /// One tip, for what takes a target without saying whose it is.
 void check_one_tip(const Robot& robot);
 /// Goals for tips that there are, one each; what the method cannot do is refused.
+bool accepts_goals(std::span<const Goal> goals, const Robot& robot, const Options& options,
+                   Complaint& complaint);
 void check_goals(std::span<const Goal> goals, const Robot& robot, const Options& options);
 void check_request(const Request& request, const Robot& robot, const Options& options);
 /// Rigid to 1e-6.
@@ -27,6 +34,7 @@ void check_step(const Eigen::VectorXd& step, int dof, const std::string& name);
 void check_weights(const Eigen::VectorXd& weights, int dof, const std::string& name);
 void check_configuration(VectorIn q, int dof, const std::string& name);
 /// Finite rows of three or four, none beyond 1e6 m, no radius negative.
+bool accepts_obstacles(const Obstacles& points, Complaint& complaint);
 void check_obstacles(const Obstacles& points);
 
 }  // namespace pdoik::detail

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "detail/frame.hpp"
+#include "detail/obstacle_set.hpp"
 #include "detail/rollout.hpp"
 #include "pdoik/robot.hpp"
 #include "simd/cull.hpp"
@@ -45,45 +46,6 @@ struct HullModel {
   double fixed_reach = 0.0;
 };
 
-/// Obstacle points by coordinate: in double, and in single precision relative to an origin for the
-/// coarse test.
-class ObstacleSet {
- public:
-  void reserve(std::size_t count);
-  /// Begin a set of at most `count` points; `add` fills it and `finish` pads it.
-  void begin(int count, const Eigen::Vector3d& origin);
-  void add(double x, double y, double z, double radius, int original_index) {
-    const auto k = static_cast<std::size_t>(count_++);
-    points_[k] = Vec4{x, y, z, radius};
-    index_[k] = original_index;
-    coarse_x_[k] = static_cast<float>(x - origin_[0]);
-    coarse_y_[k] = static_cast<float>(y - origin_[1]);
-    coarse_z_[k] = static_cast<float>(z - origin_[2]);
-    coarse_radius_[k] = static_cast<float>(radius);
-  }
-  void finish();
-
-  int count() const { return count_; }
-  int padded() const { return padded_; }
-  const Vec4& origin() const { return origin_; }
-  ObstacleArrays arrays() const {
-    return {coarse_x_.data(), coarse_y_.data(), coarse_z_.data(), coarse_radius_.data(), padded_};
-  }
-  /// x, y, z, radius.
-  const Vec4& operator[](int j) const { return points_[static_cast<std::size_t>(j)]; }
-  int original_index(int j) const { return index_[static_cast<std::size_t>(j)]; }
-  /// The largest number among coarse coordinates and radii, at least 1 [m].
-  double extent() const { return extent_; }
-
- private:
-  std::vector<Vec4> points_;
-  std::vector<float> coarse_x_, coarse_y_, coarse_z_, coarse_radius_;
-  std::vector<int> index_;
-  Vec4 origin_{};
-  int count_ = 0, padded_ = 0;
-  double extent_ = 1.0;
-};
-
 /// By how much a hull must grow so that rounding in the coarse test misses nothing [m].
 ///
 /// Single precision errs in (|d|^2 - A^2 + |h|^2) A^2 - (d.h)^2 by at most E, say; growing A by s
@@ -100,22 +62,28 @@ inline double coarse_slack(double A, double half_squared, double extent) {
 /// Distances between the robot's points and the obstacles at one configuration.
 class CollisionState {
  public:
+  /// At most this many near pairs are kept at a time.
+  static constexpr std::size_t kMostPairs = 1U << 16U;
+  /// Room that is enough where pairs are only visited.
+  static constexpr std::size_t kChunk = 1U << 12U;
+
   /// @param tested  The model's moving hulls, or its fixed ones. Both must outlive the state.
   CollisionState(const HullModel& model, const std::vector<Hull>& tested)
       : model_(model),
         hulls_(tested),
         positions_(model.points.size()),
         queries_(tested.size()),
+        pairs_(static_cast<std::size_t>(kLanes)),
         cull_(best_cull()) {
     for (std::size_t k = 0; k < positions_.size(); ++k)
       positions_[k] = model.points[k].local;  // right for body 0
   }
 
-  /// Room for this many pairs of hull and obstacle: called at set-up so that nothing allocates
-  /// later.
-  void reserve(int padded_obstacles) {
+  /// Room for the pairs of hulls and this many obstacles, or for `most` if that is less: called at
+  /// set-up so that nothing allocates later.
+  void reserve(int padded_obstacles, std::size_t most = kMostPairs) {
     const std::size_t pairs = hulls_.size() * static_cast<std::size_t>(padded_obstacles);
-    if (pairs_.size() < pairs) pairs_.resize(pairs);
+    if (pairs_.size() < std::min(pairs, most)) pairs_.resize(std::min(pairs, most));
   }
 
   /// Put the attached points where a rollout has them.
@@ -128,14 +96,26 @@ class CollisionState {
   void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
 
   /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a
-  /// square root: none if there are no obstacles.
+  /// square root: none if there are no obstacles. More than there is room for are left out: so many
+  /// leave no doubt that the robot touches something.
   template <class Grow>
   void find_near(const ObstacleSet& obstacles, Grow&& grow) {
     near_count_ = 0;
     if (obstacles.count() == 0) return;
     for (std::size_t h = 0; h < queries_.size(); ++h) set_query(h, obstacles, grow(h));
+    CullCursor at;
     near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()),
-                        pairs_.data());
+                        pairs_.data(), capacity(), at);
+  }
+
+  /// All of these pairs, a hull after the other, some at a time: visit(const NearPair* begin, const
+  /// NearPair* end) returns false to stop. grow(h) is asked when hull h's turn comes. Changes the
+  /// near pairs. @returns Whether nobody stopped it.
+  template <class Grow, class Visit>
+  bool visit_near(const ObstacleSet& obstacles, Grow&& grow, Visit&& visit) {
+    for (std::size_t h = 0; h < queries_.size(); ++h)
+      if (!visit_hull(h, obstacles, grow(h), visit)) return false;
+    return true;
   }
 
   /// Whether `test` holds for any pair that may touch. Hulls are asked one after the other, the one
@@ -143,21 +123,16 @@ class CollisionState {
   /// for, a cheaper test. Changes the near pairs.
   template <class Surely, class Test>
   bool any_near(const ObstacleSet& obstacles, Surely&& surely, Test&& test) {
-    near_count_ = 0;
-    if (obstacles.count() == 0) return false;
     for (std::size_t k = 0; k < queries_.size(); ++k) {
       const std::size_t h = k == 0 ? first_asked_ : k - (k <= first_asked_ ? 1 : 0);
-      set_query(h, obstacles, 0.0);
-      near_count_ = cull_(obstacles.arrays(), &queries_[h], 1, pairs_.data());
-      NearPair* const end = pairs_.data() + near_count_;
-      for (NearPair* pair = pairs_.data(); pair != end; ++pair)
-        pair->hull = static_cast<std::int32_t>(h);
-      if (std::any_of(pairs_.data(), end, surely) || std::any_of(pairs_.data(), end, test)) {
-        first_asked_ = h;
-        return true;
-      }
+      const bool none =
+          visit_hull(h, obstacles, 0.0, [&](const NearPair* begin, const NearPair* end) {
+            return !std::any_of(begin, end, surely) && !std::any_of(begin, end, test);
+          });
+      if (none) continue;
+      first_asked_ = h;
+      return true;
     }
-    near_count_ = 0;
     return false;
   }
 
@@ -173,19 +148,43 @@ class CollisionState {
   void use_baseline() { cull_ = cull_baseline; }
 
  private:
+  int capacity() const { return static_cast<int>(pairs_.size()); }
+
+  template <class Visit>
+  bool visit_hull(std::size_t h, const ObstacleSet& obstacles, double grow, Visit&& visit) {
+    near_count_ = 0;
+    if (obstacles.count() == 0) return true;
+    set_query(h, obstacles, grow);
+    CullCursor at;
+    while (at.hull < 1) {
+      const int count = cull_(obstacles.arrays(), &queries_[h], 1, pairs_.data(), capacity(), at);
+      NearPair* const end = pairs_.data() + count;
+      for (NearPair* pair = pairs_.data(); pair != end; ++pair)
+        pair->hull = static_cast<std::int32_t>(h);
+      if (count > 0 && !visit(pairs_.data(), end)) return false;
+    }
+    return true;
+  }
+
   void set_query(std::size_t h, const ObstacleSet& obstacles, double grow) {
     const Hull& hull = hulls_[h];
     const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles.origin();
     const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
     HullQuery& query = queries_[h];
+    double farthest = obstacles.extent();
     for (int i = 0; i < 3; ++i) {
       query.centre[i] = static_cast<float>(centre[i]);
       query.half[i] = static_cast<float>(half[i]);
+      farthest += std::abs(centre[i]) + std::abs(half[i]);
     }
     const double A = hull.semi_major + grow;
-    query.semi_major =
-        static_cast<float>(A + coarse_slack(A, dot3(half, half), obstacles.extent()));
+    const double grown = A + coarse_slack(A, dot3(half, half), obstacles.extent());
+    // What reaches beyond everything, or cannot be told, takes in all obstacles and no padding.
+    const double everything = std::min(kLargestQuery, 4.0 * farthest);
+    query.semi_major = static_cast<float>(grown < everything ? grown : everything);
   }
+
+  static constexpr double kLargestQuery = 1e14;  ///< padding lies ten times as far away [m]
 
   const HullModel& model_;
   const std::vector<Hull>& hulls_;
@@ -204,13 +203,8 @@ struct Clearance {
   int obstacle = -1;  ///< the obstacle's original row
 };
 
-/// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, by trying
-/// every pair.
-Clearance least_clearance(const CollisionState& state, const ObstacleSet& obstacles,
-                          Clearance than = {});
-
-/// The same among the pairs that are within g of each other, at least. Changes the state's near
-/// pairs.
+/// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, among the
+/// pairs that are within g of each other, at least. Changes the state's near pairs.
 Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
                                  Clearance than = {});
 
@@ -218,33 +212,5 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obsta
 /// hull lie in it when it is grown by g, so once the least is below g it is found.
 Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
                                      Clearance than = {});
-
-/// The obstacles of one scene, sorted by what the arm can do about them.
-struct Scene {
-  using Points =
-      Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
-                 Eigen::OuterStride<>>;
-
-  void reserve(std::size_t count);
-  /// @param points  (N, 3) or (N, 4) rows x y z [radius]; radii grow by `margin`.
-  /// @param fixed_hulls  A state of the hulls that no joint moves, reserved for these points.
-  void assign(const Points& points, double margin, const HullModel& hulls,
-              CollisionState& fixed_hulls);
-  /// Clearance of every hull, margin included, at the configuration where `moving` is placed.
-  /// Leaves the states' near pairs changed; both need room for the obstacles.
-  /// @param within_limits  Whether the joints are, so that what is out of reach stays so.
-  /// @param look  What is farther is not looked for: the distance is then this, and nobody's [m].
-  Clearance clearance(CollisionState& moving, CollisionState& fixed_hulls,
-                      bool within_limits = true,
-                      double look = std::numeric_limits<double>::infinity()) const;
-
-  ObstacleSet near;  ///< within reach of a moving hull: the solver's
-  ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these
-  double far_bound =
-      std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
-  double fixed_far_bound =
-      std::numeric_limits<double>::infinity();  ///< nor as close to a hull that no joint moves
-  Clearance fixed;  ///< the deepest obstacle in a hull that no joint moves, if there is any
-};
 
 }  // namespace pdoik::detail

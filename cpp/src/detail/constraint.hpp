@@ -52,15 +52,16 @@ inline Constraint half_sum_constraint(const CollisionState& state, const Hull& h
 }
 
 /// The same, but points with a radius are held off by their true Euclidean distance d to the
-/// spheroid, whose derivative by a focus is that of its nearest surface point x (envelope theorem):
-/// dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
+/// spheroid, negative inside, whose derivative by a focus is that of its nearest surface point x
+/// (envelope theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
+/// A negative radius says how deep a point may lie inside.
 inline Constraint distance_constraint(const CollisionState& state, const Hull& hull,
                                       const Vec4& o) {
   const double radius = o[3];
   Constraint result = half_sum_constraint(state, hull, o);
-  if (hull.is_sphere()) return result;
-  if (radius <= 0.0 || result.c > radius)
-    return result;  // no radius, or the point itself is inside
+  if (hull.is_sphere() || radius == 0.0) return result;
+  const bool inside = result.c > radius;  // the point itself
+  if (inside == (radius > 0.0)) return result;
   const Eigen::Vector3d a = to_vector3(state.position(hull.a)),
                         b = to_vector3(state.position(hull.b));
   const SpheroidDistance nearest = spheroid_distance(to_vector3(o), a, b, hull.semi_major);

@@ -9,25 +9,33 @@ namespace pdoik::detail {
 /// before.
 class Deadline {
  public:
+  /// One that never strikes.
+  Deadline() = default;
+  /// @param interrupt  Outlives the deadline.
   Deadline(double seconds, const std::function<bool()>& interrupt)
-      : start_(Clock::now()), limit_(seconds), interrupt_(interrupt) {}
+      : start_(Clock::now()), limit_(seconds), interrupt_(&interrupt) {}
+
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  /// Looks at the clock, until it has struck.
   bool passed() const {
+    if (struck_ || interrupt_ == nullptr) return struck_;
     const double now = elapsed();
-    if (now >= limit_ || interrupted_) return true;
+    if (now >= limit_) return struck_ = true;
     if (now < next_question_) return false;
     next_question_ = now + kBetweenQuestions;
-    return interrupted_ = interrupt_ && interrupt_();
+    return struck_ = *interrupt_ && (*interrupt_)();
   }
+  /// Whether a look has found that it has, without another look.
+  bool struck() const { return struck_; }
 
  private:
   static constexpr double kBetweenQuestions = 0.1;  // [s]
   using Clock = std::chrono::steady_clock;
-  Clock::time_point start_;
-  double limit_;
-  const std::function<bool()>& interrupt_;
+  Clock::time_point start_ = Clock::now();
+  double limit_ = 0.0;
+  const std::function<bool()>* interrupt_ = nullptr;
   mutable double next_question_ = kBetweenQuestions;
-  mutable bool interrupted_ = false;
+  mutable bool struck_ = false;
 };
 
 }  // namespace pdoik::detail

@@ -7,6 +7,7 @@
 
 #include "detail/balance.hpp"
 #include "detail/collision.hpp"
+#include "detail/scene.hpp"
 #include "detail/self_collision.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
@@ -19,12 +20,6 @@ namespace pdoik::detail {
 class Judge {
  public:
   Judge(const Robot& robot, const Options& options, const HullModel& hulls);
-
-  /// Room for this many obstacles: called at set-up.
-  void reserve(int padded_obstacles) {
-    collision_.reserve(padded_obstacles);
-    fixed_hulls_.reserve(padded_obstacles);
-  }
 
   /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
   /// when result.q has its size.

@@ -2,13 +2,16 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "detail/collision.hpp"
 #include "detail/constraint.hpp"
+#include "detail/deadline.hpp"
 #include "detail/goal_term.hpp"
 #include "detail/own_constraints.hpp"
 #include "detail/rollout.hpp"
+#include "detail/scene.hpp"
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/joint_limit_map.hpp"
 
@@ -26,7 +29,7 @@ class LagrangianProblem {
         goals_(goals),
         collision_(collision),
         own_(own),
-        scene_(scene),
+        scene_(&scene),
         point_distance_(point_distance),
         state_(map.make_state()),
         grow_(collision.hulls().size(), 0.0),
@@ -35,15 +38,21 @@ class LagrangianProblem {
     own_fresh_.reserve(own_multiplier_.size());
   }
 
-  /// Multipliers for every pair of hull and obstacle: called at set-up.
+  /// Room for the multipliers among this many obstacles: called at set-up by who minimises.
   void reserve(int padded_obstacles) {
     const std::size_t pairs = grow_.size() * static_cast<std::size_t>(padded_obstacles);
-    if (multiplier_.size() >= pairs) return;
-    multiplier_.assign(pairs, 0.0);
-    touched_.clear();
-    touched_.reserve(pairs);
-    fresh_.reserve(pairs);
+    const std::size_t most = std::min(pairs, CollisionState::kMostPairs);
+    multipliers_.reserve(most);
+    fresh_.reserve(most);
   }
+  /// The scene of the evaluations that follow; it outlives them. Forgets the multipliers.
+  void use(const Scene& scene) {
+    scene_ = &scene;
+    reset_multipliers();
+  }
+  /// Evaluations look at this now and then from now on, and are cut short once it has struck: who
+  /// asks for them must not use what they give. It outlives them; null for none.
+  void watch(const Deadline* deadline) { deadline_ = deadline; }
 
   double lagrangian(const Eigen::VectorXd& omega, const Penalty& penalty,
                     Eigen::VectorXd& gradient) {
@@ -57,8 +66,11 @@ class LagrangianProblem {
     }
     max_constraint_ = 0.0;
     find_near(penalty);
-    for (int k = 0; k < collision_.near_count(); ++k)
-      value += add_constraint(collision_.near(k), penalty);
+    Multipliers::const_iterator at = multipliers_.begin();
+    for (int k = 0; k < collision_.near_count() && !is_cut(k); ++k) {
+      const NearPair& pair = collision_.near(k);
+      value += add_constraint(pair, penalty, multiplier(pair, at));
+    }
     for (const OwnConstraints::Active& active : own_.active()) {
       max_constraint_ = std::max(max_constraint_, active.c);
       const Penalty::Term term = penalty.term(active.c, own_multiplier(active));
@@ -73,7 +85,7 @@ class LagrangianProblem {
   double max_constraint(const Eigen::VectorXd& omega) {
     roll_out(omega);
     collision_.place(rollout_);
-    collision_.find_near(scene_.near, [](std::size_t) { return 0.0; });
+    collision_.find_near(scene_->near, [](std::size_t) { return 0.0; });
     if (own_.any()) own_.find(rollout_, collision_, [](int) { return 0.0; });
     max_constraint_ = 0.0;
     for (const OwnConstraints::Active& active : own_.active())
@@ -85,8 +97,7 @@ class LagrangianProblem {
   }
 
   void reset_multipliers() {
-    for (const std::size_t at : touched_) multiplier_[at] = 0.0;
-    touched_.clear();
+    multipliers_.clear();
     std::fill(grow_.begin(), grow_.end(), 0.0);
     std::fill(own_multiplier_.begin(), own_multiplier_.end(), 0.0);
   }
@@ -97,23 +108,31 @@ class LagrangianProblem {
     own_fresh_.clear();
     for (const OwnConstraints::Active& active : own_.active())
       own_fresh_.push_back(penalty.updated_multiplier(active.c, own_multiplier(active)));
+    // Both lists are ordered as near pairs come. The printed update never lowers a multiplier: it
+    // keeps those of pairs that are not near. The smooth one has none left of these.
+    const bool keep = penalty.form == PenaltyForm::Printed;
     fresh_.clear();
+    const auto add = [&](const Multiplier& m) {
+      if (m.mu > 0.0 && fresh_.size() < fresh_.capacity()) fresh_.push_back(m);
+    };
+    Multipliers::const_iterator at = multipliers_.begin();
     for (int k = 0; k < collision_.near_count(); ++k) {
       const NearPair& pair = collision_.near(k);
-      fresh_.push_back(penalty.updated_multiplier(constraint(pair).c, multiplier_[slot(pair)]));
+      for (; at != multipliers_.end() && at->slot < slot(pair); ++at)
+        if (keep) add(*at);
+      const double mu = multiplier(pair, at);
+      if (at != multipliers_.end() && at->slot == slot(pair)) ++at;
+      add({slot(pair), penalty.updated_multiplier(constraint(pair).c, mu)});
     }
-    if (penalty.form == PenaltyForm::Smooth)
-      reset_multipliers();  // the printed update never lowers one
+    for (; keep && at != multipliers_.end(); ++at) add(*at);
+    multipliers_.swap(fresh_);
+    if (!keep) std::fill(own_multiplier_.begin(), own_multiplier_.end(), 0.0);
     for (std::size_t k = 0; k < own_fresh_.size(); ++k)
       own_multiplier(own_.active()[k]) = own_fresh_[k];
-    for (int k = 0; k < collision_.near_count(); ++k) {
-      const double mu = fresh_[static_cast<std::size_t>(k)];
-      if (mu <= 0.0) continue;
-      const NearPair& pair = collision_.near(k);
-      if (multiplier_[slot(pair)] == 0.0) touched_.push_back(slot(pair));
-      multiplier_[slot(pair)] = mu;
-      double& grow = grow_[static_cast<std::size_t>(pair.hull)];
-      grow = std::max(grow, mu);
+    std::fill(grow_.begin(), grow_.end(), 0.0);
+    for (const Multiplier& m : multipliers_) {
+      double& grow = grow_[static_cast<std::size_t>(m.slot >> 32U)];
+      grow = std::max(grow, m.mu);
     }
   }
 
@@ -121,9 +140,24 @@ class LagrangianProblem {
   double last_max_constraint() const { return max_constraint_; }
 
  private:
-  std::size_t slot(const NearPair& pair) const {
-    return static_cast<std::size_t>(pair.hull) * static_cast<std::size_t>(scene_.near.padded()) +
-           static_cast<std::size_t>(pair.obstacle);
+  /// Of a pair of hull and obstacle; all others' are zero.
+  struct Multiplier {
+    std::uint64_t slot;
+    double mu;
+  };
+  using Multipliers = std::vector<Multiplier>;
+
+  static std::uint64_t slot(const NearPair& pair) {
+    return static_cast<std::uint64_t>(pair.hull) << 32U | static_cast<std::uint32_t>(pair.obstacle);
+  }
+  /// A pair's multiplier, where `at` walks through them as pairs are asked in order.
+  double multiplier(const NearPair& pair, Multipliers::const_iterator& at) const {
+    while (at != multipliers_.end() && at->slot < slot(pair)) ++at;
+    return at != multipliers_.end() && at->slot == slot(pair) ? at->mu : 0.0;
+  }
+  /// Asked for each near pair; looks at the clock once in a thousand.
+  bool is_cut(int pair) const {
+    return (pair & 1023) == 1023 && deadline_ != nullptr && deadline_->passed();
   }
 
   void roll_out(const Eigen::VectorXd& omega) {
@@ -135,8 +169,8 @@ class LagrangianProblem {
   /// Pairs whose penalty acts. In the smooth form those reach mu / rho beyond contact; grow_ holds
   /// each hull's largest multiplier.
   void find_near(const Penalty& penalty) {
-    if (scene_.near.count() > 0 || own_.any_self()) collision_.place(rollout_);
-    collision_.find_near(scene_.near, [&](std::size_t h) { return penalty.reach(grow_[h]); });
+    if (scene_->near.count() > 0 || own_.any_self()) collision_.place(rollout_);
+    collision_.find_near(scene_->near, [&](std::size_t h) { return penalty.reach(grow_[h]); });
     if (!own_.any()) return;
     own_.find(rollout_, collision_, [&](int slot) {
       return penalty.reach(own_multiplier_[static_cast<std::size_t>(slot)]);
@@ -148,13 +182,13 @@ class LagrangianProblem {
   }
 
   Constraint constraint(const NearPair& pair) const {
-    return paper_constraint(collision_, collision_.hull(pair), scene_.near[pair.obstacle]);
+    return paper_constraint(collision_, collision_.hull(pair), scene_->near[pair.obstacle]);
   }
 
-  double add_constraint(const NearPair& pair, const Penalty& penalty) {
+  double add_constraint(const NearPair& pair, const Penalty& penalty, double mu) {
     const Constraint at = constraint(pair);
     max_constraint_ = std::max(max_constraint_, at.c);
-    const Penalty::Term term = penalty.term(at.c, multiplier_[slot(pair)]);
+    const Penalty::Term term = penalty.term(at.c, mu);
     if (term.slope == 0.0) return 0.0;
     const Hull& hull = collision_.hull(pair);
     push(hull.a, at.dc_da, term.slope);
@@ -172,14 +206,14 @@ class LagrangianProblem {
   std::vector<GoalTerm>& goals_;
   CollisionState& collision_;
   OwnConstraints& own_;
-  const Scene& scene_;
+  const Scene* scene_;
+  const Deadline* deadline_ = nullptr;
   double point_distance_;
   JointLimitMap::State state_;
   Eigen::VectorXd dq_;
   std::vector<double> grow_;
-  std::vector<double> multiplier_, fresh_;
+  Multipliers multipliers_, fresh_;  ///< by slot
   std::vector<double> own_multiplier_, own_fresh_;
-  std::vector<std::size_t> touched_;
   double max_constraint_ = 0.0;
 };
 

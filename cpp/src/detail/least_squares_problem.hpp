@@ -3,13 +3,17 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "detail/collision.hpp"
 #include "detail/constraint.hpp"
+#include "detail/deadline.hpp"
 #include "detail/goal_term.hpp"
 #include "detail/own_constraints.hpp"
 #include "detail/rollout.hpp"
+#include "detail/scene.hpp"
 
 namespace pdoik::detail {
 
@@ -29,9 +33,8 @@ class LeastSquaresProblem {
         goals_(goals),
         collision_(collision),
         own_(own),
-        scene_(scene),
-        options_(options),
-        obstacles_(&scene.near) {
+        scene_(&scene),
+        options_(options) {
     cosine_.setZero(dof);
     sine_.setZero(dof);
     row_.setZero(dof);
@@ -42,33 +45,56 @@ class LeastSquaresProblem {
   /// Room for copies of this many obstacles: called at set-up.
   void reserve(int padded_obstacles) {
     const auto count = static_cast<std::size_t>(padded_obstacles);
-    about_.reserve(count);
-    if (is_about_.size() < count) is_about_.resize(count);
+    about_.reserve(std::min(count, kMostAbout));
+    const std::size_t words = count / 64 + 1;
+    if (is_about_.size() < words) is_about_.resize(words);
   }
+  /// The scene of the evaluations that follow; it outlives them. All of it counts.
+  void use(const Scene& scene) {
+    scene_ = &scene;
+    heed_all();
+  }
+  /// Evaluations look at this now and then from now on, and are cut short once it has struck: f is
+  /// then infinite. It outlives them; null for none.
+  void watch(const Deadline* deadline) { deadline_ = deadline; }
 
-  void heed_all() { obstacles_ = &scene_.near; }
-  void heed_none() { obstacles_ = &none_; }
+  void heed_all() { heeded_ = Heeded::All; }
+  void heed_none() { heeded_ = Heeded::None; }
   /// Heed those that are within `margin` of a hull where f was last evaluated [m]. If not `exact`,
   /// points with a radius are then held off by half_sum_constraint, which errs to the safe side.
   void heed_those_about(double margin, bool exact = false) {
     exact_ = exact;
-    const ObstacleSet& all = scene_.near;
-    const auto count = static_cast<std::size_t>(all.count());
+    heeded_ = Heeded::All;
+    const ObstacleSet& all = scene_->near;
+    if (!std::isfinite(margin)) return;
+    const std::size_t words = static_cast<std::size_t>(all.count()) / 64 + 1;
+    std::fill_n(is_about_.begin(), words, 0U);
     collision_.place(rollout_);
-    collision_.find_near(all, [margin](std::size_t) { return margin; });
-    std::fill_n(is_about_.begin(), count, char{0});
-    for (int k = 0; k < collision_.near_count(); ++k)
-      is_about_[static_cast<std::size_t>(collision_.near(k).obstacle)] = 1;
-    about_.begin(all.count(), to_vector3(all.origin()));
-    for (int j = 0; j < all.count(); ++j) {
-      if (is_about_[static_cast<std::size_t>(j)] == 0) continue;
-      const Vec4& o = all[j];
-      about_.add(o[0], o[1], o[2], o[3], all.original_index(j));
+    collision_.visit_near(
+        all, [margin](std::size_t) { return margin; },
+        [&](const NearPair* begin, const NearPair* end) {
+          for (const NearPair* pair = begin; pair != end; ++pair) {
+            const auto j = static_cast<std::size_t>(pair->obstacle);
+            is_about_[j / 64] |= std::uint64_t{1} << (j % 64);
+          }
+          return true;
+        });
+    std::size_t count = 0;
+    for (std::size_t w = 0; w < words; ++w)
+      count += static_cast<std::size_t>(__builtin_popcountll(is_about_[w]));
+    if (count > kMostAbout) return;
+    about_.begin(static_cast<int>(count), to_vector3(all.origin()));
+    for (std::size_t w = 0; w < words; ++w) {
+      for (std::uint64_t bits = is_about_[w]; bits != 0; bits &= bits - 1) {
+        const int j = static_cast<int>(64 * w) + __builtin_ctzll(bits);
+        const Vec4& o = all[j];
+        about_.add(o[0], o[1], o[2], o[3], all.original_index(j));
+      }
     }
-    about_.finish();
-    obstacles_ = &about_;
+    about_.finish(all.in_order());
+    heeded_ = Heeded::About;
   }
-  int heeded() const { return obstacles_->count(); }
+  int heeded() const { return obstacles().count(); }
 
   /// Pull each joint towards a position, with a weight each [m^2/rad^2]: both shape (n,), kept by
   /// the caller. Null ends it.
@@ -80,12 +106,13 @@ class LeastSquaresProblem {
   /// Whether any of the scene's near obstacles is in a hull where f was last evaluated.
   bool touches() {
     collision_.place(rollout_);
-    const ObstacleSet& all = scene_.near;
+    const ObstacleSet& all = scene_->near;
     return collision_.any_near(
         all,
         [&](const NearPair& pair) {  // the point itself, whatever its radius
           const Vec4& o = all[pair.obstacle];
-          return paper_constraint(collision_, collision_.hull(pair), o).c > 2.0 * o[3];
+          return o[3] >= 0.0 &&
+                 paper_constraint(collision_, collision_.hull(pair), o).c > 2.0 * o[3];
         },
         [&](const NearPair& pair) {
           return distance_constraint(collision_, collision_.hull(pair), all[pair.obstacle]).c > 0.0;
@@ -105,6 +132,7 @@ class LeastSquaresProblem {
     double sum = 0.0;
     const double w2 = options_.rotation_weight * options_.rotation_weight;
     position_error_ = rotation_error_ = 0.0;
+    cut_ = false;
     for (GoalTerm& goal : goals_) {
       goal.place(rollout_.frame(goal.body()));
       const Vec4 p = goal.position_error();
@@ -116,6 +144,8 @@ class LeastSquaresProblem {
       rotation_error_ = std::max(rotation_error_, r2);
     }
     sum += penetration();
+    if (first_holds_ == First::Wanted) first_holds_ = holds() ? First::Holds : First::Fails;
+    if (cut_) return std::numeric_limits<double>::infinity();
     if (pull_to_ != nullptr) {
       at_ = q;
       for (Eigen::Index i = 0; i < q.size(); ++i) {
@@ -128,7 +158,10 @@ class LeastSquaresProblem {
 
   /// Whether goals and constraints hold where f was last evaluated; a pull has no such end.
   bool done() const { return holds() && pull_to_ == nullptr; }
-  bool holds() const { return reached() && !touching_; }
+  bool holds() const { return reached() && !touching_ && !cut_; }
+  /// From now on remember whether they hold where f is evaluated next.
+  void remember_next() { first_holds_ = First::Wanted; }
+  bool remembered_holds() const { return first_holds_ == First::Holds; }
   /// The weightiest goal's error there, radians weighed [m].
   double goal_pull() const {
     double largest = 0.0;
@@ -150,6 +183,7 @@ class LeastSquaresProblem {
     for (const GoalTerm& goal : goals_) add_goal(goal, H, g);
     const double v2 = options_.collision_weight * options_.collision_weight;
     for (int k = 0; k < collision_.near_count(); ++k) {
+      if (is_cut(k)) return;  // whoever linearises asks the clock next
       const Constraint at = constraint(collision_.near(k));
       if (at.c <= -kContactGap) continue;
       constraint_row(collision_.near(k), at);
@@ -172,21 +206,37 @@ class LeastSquaresProblem {
  private:
   static double sum4(const Vec4& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 
+  /// Copies of more obstacles than this save nothing.
+  static constexpr std::size_t kMostAbout = 16384;
+
   /// Aim this far beyond contact, so that reaching it to rounding is clear of it [m].
   static constexpr double kContactGap = 1e-8;
 
+  enum class Heeded { All, About, None };
+  const ObstacleSet& obstacles() const {
+    return heeded_ == Heeded::All ? scene_->near : heeded_ == Heeded::About ? about_ : none_;
+  }
+
   Constraint constraint(const NearPair& pair) const {
-    if (obstacles_ == &about_ && !exact_)
-      return half_sum_constraint(collision_, collision_.hull(pair), about_[pair.obstacle]);
-    return distance_constraint(collision_, collision_.hull(pair), (*obstacles_)[pair.obstacle]);
+    const Vec4& o = obstacles()[pair.obstacle];
+    if (heeded_ == Heeded::About && !exact_ && o[3] >= 0.0)
+      return half_sum_constraint(collision_, collision_.hull(pair), o);
+    return distance_constraint(collision_, collision_.hull(pair), o);
+  }
+
+  /// Asked for each near pair; looks at the clock once in a thousand.
+  bool is_cut(int pair) {
+    if ((pair & 1023) == 1023 && deadline_ != nullptr && deadline_->passed()) cut_ = true;
+    return cut_;
   }
 
   double penetration() {
     touching_ = false;
-    if (obstacles_->count() > 0 || own_.any_self()) collision_.place(rollout_);
-    collision_.find_near(*obstacles_, [](std::size_t) { return kContactGap; });
+    if (heeded() > 0 || own_.any_self()) collision_.place(rollout_);
+    collision_.find_near(obstacles(), [](std::size_t) { return kContactGap; });
     double sum = 0.0;
     for (int k = 0; k < collision_.near_count(); ++k) {
+      if (is_cut(k)) return sum;
       const double c = constraint(collision_.near(k)).c;
       if (c <= -kContactGap) continue;
       sum += (c + kContactGap) * (c + kContactGap);
@@ -271,14 +321,17 @@ class LeastSquaresProblem {
   std::vector<GoalTerm>& goals_;
   CollisionState& collision_;
   OwnConstraints& own_;
-  const Scene& scene_;
+  const Scene* scene_;
   const Options& options_;
-  const ObstacleSet* obstacles_;
-  bool exact_ = false;
+  const Deadline* deadline_ = nullptr;
+  Heeded heeded_ = Heeded::All;
+  bool exact_ = false, cut_ = false;
+  enum class First { Unwanted, Wanted, Holds, Fails };
+  First first_holds_ = First::Unwanted;
   double goal_scale_ = 1.0;
   const Eigen::VectorXd *pull_to_ = nullptr, *pull_ = nullptr;
   ObstacleSet about_, none_;
-  std::vector<char> is_about_;
+  std::vector<std::uint64_t> is_about_;  ///< a bit for each of the scene's near obstacles
   Eigen::VectorXd cosine_, sine_, row_, at_;
   /// How the tip's position and orientation (weighted) follow one joint; the fourth entries are
   /// zero.

@@ -21,4 +21,8 @@ struct Reach {
 /// @param offset  Its distance from the origin of the body that it is attached to [m].
 Reach reach_of(const Robot& robot, int body, double offset);
 
+/// How far a sliding body gets from its place at position zero when its joint is between two
+/// positions [m]; infinite if one of them is.
+double farthest_slide(const Body& body, double lower, double upper);
+
 }  // namespace pdoik::detail

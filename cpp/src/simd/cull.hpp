@@ -4,19 +4,34 @@
 
 namespace pdoik::detail {
 
-/// Obstacle points by coordinate, relative to some origin near the robot, padded to a multiple of
-/// kLanes with points far away that touch nothing. Single precision: the coarse test decides
-/// nothing by itself.
+/// Points or blocks of points that the coarse test looks at together; every list is padded to a
+/// multiple of it.
+constexpr int kLanes = 16;
+
+/// Boxes by coordinate, each around kLanes things and with the largest radius among them. Padding
+/// boxes lie far away.
+struct BoxArrays {
+  const float* low[3];
+  const float* high[3];
+  const float* radius;
+  int padded_count;
+};
+
+/// Obstacle points by coordinate, relative to some origin near the robot, padded with points far
+/// away that touch nothing. Single precision: the coarse test decides nothing by itself. Where
+/// there are boxes, block b is around the points from kLanes b on, group g around the blocks from
+/// kLanes g on.
 struct ObstacleArrays {
   const float* x;
   const float* y;
   const float* z;
   const float* radius;
   int padded_count;
+  BoxArrays blocks, groups;  ///< none (padded_count 0) of a cloud that is small or in no order
 };
 
 /// A prolate spheroid for the coarse test, relative to the same origin: half = (focus_b - focus_a)
-/// / 2, zero for a sphere.
+/// / 2, zero for a sphere. All numbers are finite.
 struct HullQuery {
   float centre[3];
   float half[3];
@@ -28,20 +43,26 @@ struct NearPair {
   std::int32_t obstacle;
 };
 
-constexpr int kLanes = 16;
+/// Where a coarse test goes on.
+struct CullCursor {
+  int hull = 0, point = 0;
+};
 
 /// Every (hull, obstacle) whose point lies inside the hull grown by the point's radius: with A =
 /// semi_major + radius, d = o - centre and h = half,
 ///     (|d|^2 - A^2 + |h|^2) A^2 < (d.h)^2,    |d| < A,    |h| < A,
-/// which needs no square root. Rounding moves the border by a little: callers grow the hulls by
-/// `coarse_slack` and test again in double. Returns the number of pairs; `pairs` has room for
-/// hull_count * padded_count.
+/// which needs no square root. Pairs are ordered by hull, then by point. Rounding moves the border
+/// by a little: callers grow the hulls by `coarse_slack` and test again in double.
+/// @param pairs  Room for `capacity` of them, at least kLanes.
+/// @param at  Where to begin. If there are more pairs than fit, it is left where to go on: at the
+/// end its hull is hull_count.
+/// @returns  The number of pairs written.
 using CullFunction = int (*)(const ObstacleArrays&, const HullQuery* hulls, int hull_count,
-                             NearPair* pairs);
+                             NearPair* pairs, int capacity, CullCursor& at);
 
-int cull_baseline(const ObstacleArrays&, const HullQuery*, int, NearPair*);
-int cull_avx2(const ObstacleArrays&, const HullQuery*, int, NearPair*);
-int cull_avx512(const ObstacleArrays&, const HullQuery*, int, NearPair*);
+int cull_baseline(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
+int cull_avx2(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
+int cull_avx512(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
 
 /// The widest that this processor runs, chosen once.
 CullFunction best_cull();

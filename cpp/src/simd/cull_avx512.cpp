@@ -9,6 +9,8 @@ struct Lanes {
   static constexpr int kWidth = 16;
   static __m512 load(const float* p) { return _mm512_loadu_ps(p); }
   static __m512 set(float v) { return _mm512_set1_ps(v); }
+  // Masked, with all lanes: GCC 12 warns of its own header otherwise.
+  static __m512 max(__m512 a, __m512 b) { return _mm512_maskz_max_ps(0xFFFF, a, b); }
   static unsigned less(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
 };
 
@@ -16,8 +18,9 @@ struct Lanes {
 
 }  // namespace
 
-int cull_avx512(const ObstacleArrays& o, const HullQuery* hulls, int hull_count, NearPair* pairs) {
-  return cull_with_lanes(o, hulls, hull_count, pairs);
+int cull_avx512(const ObstacleArrays& o, const HullQuery* hulls, int hull_count, NearPair* pairs,
+                int capacity, CullCursor& at) {
+  return cull_with_lanes(o, hulls, hull_count, pairs, capacity, at);
 }
 
 }  // namespace pdoik::detail

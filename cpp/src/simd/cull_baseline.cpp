@@ -7,6 +7,7 @@ struct Lanes {
   static constexpr int kWidth = 1;
   static float load(const float* p) { return *p; }
   static float set(float v) { return v; }
+  static float max(float a, float b) { return a > b ? a : b; }
   static unsigned less(float a, float b) { return a < b ? 1U : 0U; }
 };
 
@@ -14,9 +15,9 @@ struct Lanes {
 
 }  // namespace
 
-int cull_baseline(const ObstacleArrays& o, const HullQuery* hulls, int hull_count,
-                  NearPair* pairs) {
-  return cull_with_lanes(o, hulls, hull_count, pairs);
+int cull_baseline(const ObstacleArrays& o, const HullQuery* hulls, int hull_count, NearPair* pairs,
+                  int capacity, CullCursor& at) {
+  return cull_with_lanes(o, hulls, hull_count, pairs, capacity, at);
 }
 
 }  // namespace pdoik::detail

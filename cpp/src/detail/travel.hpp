@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "detail/collision.hpp"
+
+namespace pdoik::detail {
+
+/// A bound on how far any attached point of a hull gets when each joint makes up to a step, shape
+/// (n,), from anywhere within the limits [m]: infinite if a joint slides without bound.
+double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step);
+
+/// What one unit of each joint moves any part of any hull by, at most, shape (n,) [m/rad] or 1,
+/// while all joints are between two configurations. Allocates nothing if `levers` has its size.
+void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& from,
+                 const Eigen::VectorXd& to, Eigen::VectorXd& levers);
+
+}  // namespace pdoik::detail

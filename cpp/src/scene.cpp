@@ -1,0 +1,77 @@
+#include "detail/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pdoik::detail {
+namespace {
+
+/// Cells are not spread over more than this to each side: beyond it a cloud's order hardly matters
+/// [m].
+constexpr double kLargestCube = 50.0;
+/// Where the arm's reach has no bound, they are where most of a cloud is [m].
+constexpr double kUsualCube = 4.0;
+
+}  // namespace
+
+void Scene::reserve(std::size_t count) {
+  near.reserve(count);
+  far.reserve(count);
+  if (count <= static_cast<std::size_t>(ObstacleSet::kLarge)) return;
+  order_.reserve(count);
+}
+
+void Scene::assign(const Points& points, double margin, const HullModel& hulls,
+                   CollisionState& fixed_hulls) {
+  const auto count = static_cast<int>(points.rows());
+  const bool has_radius = points.cols() > 3, large = count > ObstacleSet::kLarge;
+  const Eigen::Vector3d& root = hulls.reach_centre;
+  const auto radius_of = [&](int i) { return (has_radius ? points(i, 3) : 0.0) + margin; };
+  const auto add_to = [&](ObstacleSet& set, int i) {
+    set.add(points(i, 0), points(i, 1), points(i, 2), radius_of(i), i);
+  };
+  far_bound = std::numeric_limits<double>::infinity();
+  const auto is_far = [&](int i) {
+    const double dx = points(i, 0) - root.x(), dy = points(i, 1) - root.y(),
+                 dz = points(i, 2) - root.z();
+    const double beyond = std::sqrt(dx * dx + dy * dy + dz * dz) - radius_of(i) - hulls.reach;
+    if (!(beyond > 0.0)) return false;
+    far_bound = std::min(far_bound, beyond);
+    return true;
+  };
+  if (large) {
+    const double cube =
+        std::isfinite(hulls.reach) ? std::min(hulls.reach, kLargestCube) : kUsualCube;
+    order_.begin(count, root, cube, kLargestCube);
+    for (int i = 0; i < count; ++i) order_.add(points(i, 0), points(i, 1), points(i, 2), is_far(i));
+    const int near_count = order_.near_count();
+    const std::vector<int>& sorted = order_.sorted();
+    near.begin(near_count, root);
+    far.begin(count - near_count, root);
+    for (int k = 0; k < count; ++k)
+      add_to(k < near_count ? near : far, sorted[static_cast<std::size_t>(k)]);
+  } else {
+    near.begin(count, root);
+    far.begin(count, root);
+    for (int i = 0; i < count; ++i) add_to(is_far(i) ? far : near, i);
+  }
+  fixed_far_bound = far_bound + hulls.reach - hulls.fixed_reach;
+  near.finish(large);
+  far.finish(large);
+  fixed_hulls.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
+  fixed = least_clearance_within(fixed_hulls, near, 0.0, {});
+  if (hulls.fixed_reach > hulls.reach) fixed = least_clearance_within(fixed_hulls, far, 0.0, fixed);
+}
+
+Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, bool within_limits,
+                           double look) const {
+  Clearance least = least_clearance_by_growing(moving, near, {look, -1, -1});
+  least = least_clearance_by_growing(fixed_hulls, near, least);
+  if (!within_limits || least.distance > far_bound)
+    least = least_clearance_by_growing(moving, far, least);
+  if (least.distance > fixed_far_bound)
+    least = least_clearance_by_growing(fixed_hulls, far, least);
+  return least;
+}
+
+}  // namespace pdoik::detail

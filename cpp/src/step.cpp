@@ -1,0 +1,111 @@
+// A control loop's step: downhill from the last answer, within bounds, by a deadline.
+#include <algorithm>
+#include <cmath>
+
+#include "detail/search.hpp"
+#include "detail/travel.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// What goals weigh against constraints when both cannot be had.
+constexpr double kYieldingGoals = 1e-4;
+/// A step that moves no part of a hull farther than this is not looked at along the way [m].
+constexpr double kLongWay = 0.02;
+/// Places on a longer way that are looked at are no nearer to each other than this [m].
+constexpr double kFinest = 0.002;
+/// When time is up, clearance beyond this is told as this [m].
+constexpr double kShortLook = 0.05;
+
+}  // namespace
+
+void Search::approach(const Following& step, double margin, Result& result) {
+  set_goals(step.goals);
+  q_ = *step.from;
+  least_squares_.pull_towards(nullptr, nullptr);
+  least_squares_.heed_none();
+  least_squares_.evaluate(q_);
+  // A goal that is farther than a step can bring it is approached by what a step can.
+  for (GoalTerm& goal : goals_) goal.come_within(step.advance, step.turn);
+  if (scene_->near.count() > 0) least_squares_.heed_those_about(margin, true);
+  least_squares_.remember_next();
+  if (deadline_.passed()) return;
+  if (step.pull_to != nullptr) {
+    least_squares_.pull_towards(step.pull_to, step.pull);
+    minimise_least_squares(settling_, result);
+    least_squares_.pull_towards(nullptr, nullptr);
+  }
+  minimise_least_squares(patient_, result);
+  if (step.pull_to != nullptr && !deadline_.struck() && !least_squares_.holds()) {
+    // The posture may have led astray: once more without it, and back if that is no better.
+    unsettled_ = q_;
+    q_ = *step.from;
+    minimise_least_squares(patient_, result);
+    if (!least_squares_.holds()) {
+      q_ = unsettled_;
+      if (!deadline_.passed()) least_squares_.evaluate(q_);
+    }
+  }
+  if (!deadline_.struck() && !least_squares_.holds()) {
+    // Not everything can be had: a goal that is far must not push the robot through a constraint.
+    least_squares_.scale_goals(kYieldingGoals / std::max(1.0, least_squares_.goal_pull()));
+    minimise_least_squares(settling_, result);
+    least_squares_.scale_goals(1.0);
+  }
+}
+
+double Search::way_from(const Eigen::VectorXd& from) {
+  if (!levers_are_constant_) hull_levers(robot_, hulls_, from, q_, levers_);
+  return levers_.dot((q_ - from).cwiseAbs());
+}
+
+bool Search::clear_on_the_way(const Following& step) {
+  // Conservative advancement: nothing can be met before hulls have moved by their clearance. Where
+  // there is none, the way may lead out or along, but no deeper.
+  const double way = way_from(*step.from);
+  double at = 0.0, floor = 0.0;
+  while (true) {
+    if (deadline_.passed()) return false;
+    unsettled_ = *step.from + at * (q_ - *step.from);
+    judge_answer(step.goals, unsettled_, probe_, step.look);
+    const double clear = probe_.clearance - options_.clearance,
+                 apart = 0.5 * (probe_.self_distance - options_.self_clearance);
+    const double room = std::min(clear, apart);
+    if (at == 0.0) floor = std::min(0.0, room);
+    if (room < floor - options_.clearance_tolerance) return false;
+    if (at >= 1.0) return true;
+    at = std::min(1.0, at + std::max(room - floor, kFinest) / way);
+  }
+}
+
+void Search::follow(const Following& step, Result& result) {
+  begin(step.max_time, result);
+  lower_ = *step.lower;
+  upper_ = *step.upper;
+  approach(step, step.margin, result);
+  if (way_from(*step.from) > kLongWay && !clear_on_the_way(step)) {
+    // Something is in between: no farther in this step than needs no looking.
+    for (Eigen::Index i = 0; i < q_.size(); ++i) {
+      const double most = kLongWay / (static_cast<double>(q_.size()) * levers_[i]);
+      lower_[i] = std::max(lower_[i], (*step.from)[i] - most);
+      upper_[i] = std::min(upper_[i], (*step.from)[i] + most);
+    }
+    q_ = *step.from;
+    if (!deadline_.struck()) approach(step, kLongWay, result);
+  }
+  // Half-way to a posture, with the time up, is no place to be if staying solves.
+  const bool struck = deadline_.struck(), stays = struck && least_squares_.remembered_holds();
+  if (stays) q_ = *step.from;
+  judge_answer(step.goals, q_, result, struck ? kShortLook : step.look);
+  if (!result.success && !struck && !deadline_.passed()) {
+    saved_ = result;
+    judge_answer(step.goals, *step.from, result, step.look);
+    if (!result.success) restore(saved_, result);
+  }
+  result.status = result.success && !stays ? Status::Solved
+                  : struck                 ? Status::TimeLimit
+                                           : Status::Exhausted;
+  end(result);
+}
+
+}  // namespace pdoik::detail

@@ -1,0 +1,60 @@
+#include "detail/travel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detail/reach.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// Calls visit(body, arm) for each joint between a point and the base, arm a bound on the point's
+/// distance from the joint's origin while joints are between `one` and `other`.
+template <class Visit>
+void for_each_arm(const Robot& robot, int body, double arm, const Eigen::VectorXd& one,
+                  const Eigen::VectorXd& other, Visit&& visit) {
+  for (int b = body; b > 0;) {
+    const Body& joint = robot.bodies()[static_cast<std::size_t>(b)];
+    visit(joint, arm);
+    if (joint.prismatic) arm += farthest_slide(joint, one[joint.dof], other[joint.dof]);
+    arm += joint.T_parent_joint.translation().norm();
+    b = joint.parent;
+  }
+}
+
+}  // namespace
+
+double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step) {
+  double farthest = 0.0;
+  for (const AttachedPoint& point : hulls.points) {
+    double sum = 0.0;
+    const double local = std::sqrt(dot3(point.local, point.local));
+    const auto add = [&](const Body& joint, double arm) {
+      if (joint.multiplier == 0.0) return;  // it follows nothing
+      const double moves = std::abs(joint.multiplier) * step[joint.dof];
+      // However far a point turns, it ends within two arms of where it was.
+      sum += joint.prismatic ? moves : arm > 0.0 ? std::min(moves, 2.0) * arm : 0.0;
+    };
+    for_each_arm(robot, point.body, local, robot.lower(), robot.upper(), add);
+    farthest = std::max(farthest, sum);
+  }
+  return farthest;
+}
+
+void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& from,
+                 const Eigen::VectorXd& to, Eigen::VectorXd& levers) {
+  levers.setZero(robot.dof());
+  for (const Hull& hull : hulls.moving) {
+    for (const int k : {hull.a, hull.b}) {
+      const AttachedPoint& point = hulls.points[static_cast<std::size_t>(k)];
+      // A hull lies within twice its semi-major axis of each of its foci.
+      const double local = std::sqrt(dot3(point.local, point.local)) + 2.0 * hull.semi_major;
+      for_each_arm(robot, point.body, local, from, to, [&](const Body& joint, double arm) {
+        const double lever = std::abs(joint.multiplier) * (joint.prismatic ? 1.0 : arm);
+        levers[joint.dof] = std::max(levers[joint.dof], lever);
+      });
+    }
+  }
+}
+
+}  // namespace pdoik::detail

@@ -1,0 +1,181 @@
+#include "detail/obstacle_set.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "brute_force.hpp"
+#include "detail/collision.hpp"
+#include "detail/scene.hpp"
+#include "workbench.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+using namespace pdoik::testing;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Points on some patches of surface, as a camera sees them, and some anywhere.
+ObstacleMatrix patches(Random& random, int count, double extent, double radius) {
+  ObstacleMatrix points(count, radius > 0.0 ? 4 : 3);
+  Eigen::Vector3d corner = Eigen::Vector3d::Zero(), u = corner, v = corner;
+  for (int i = 0; i < count; ++i) {
+    if (i % 700 == 0) {
+      corner = random.point(extent);
+      u = 0.5 * random.direction();
+      v = 0.5 * random.direction();
+    }
+    Eigen::Vector3d p = corner + random.uniform(0.0, 1.0) * u + random.uniform(0.0, 1.0) * v;
+    if (i % 50 == 0) p = random.point(3.0 * extent);
+    points.row(i).head<3>() = p.transpose();
+    if (radius > 0.0) points(i, 3) = random.uniform(0.0, radius);
+  }
+  return points;
+}
+
+Robot random_arm(Random& random) {
+  Robot robot = random_robot(random, {.joints = 7});
+  robot.set_occupancy(random_occupancy(robot, random, 4, 6));
+  return robot;
+}
+
+std::vector<std::pair<int, int>> pairs_of(CollisionState& state, const ObstacleSet& set,
+                                          double grow) {
+  std::vector<std::pair<int, int>> found;
+  state.visit_near(
+      set, [grow](std::size_t) { return grow; },
+      [&](const NearPair* begin, const NearPair* end) {
+        for (const NearPair* p = begin; p != end; ++p) {
+          EXPECT_GE(set.original_index(p->obstacle), 0) << "a padding point";
+          found.emplace_back(p->hull, set.original_index(p->obstacle));
+        }
+        return true;
+      });
+  return found;
+}
+
+TEST(ObstacleSet, a_large_cloud_in_order_gives_the_pairs_that_it_gives_in_no_order) {
+  int found_in_all = 0;
+  for (int seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    Workbench bench(random_arm(random), {});
+    const int count = random.integer(ObstacleSet::kLarge + 1, 3 * ObstacleSet::kLarge);
+    bench.set_obstacles(patches(random, count, 0.8, seed % 2 == 0 ? 0.05 : 0.0));
+    ASSERT_TRUE(bench.scene.near.in_order());
+    ASSERT_EQ(bench.scene.near.count() + bench.scene.far.count(), count);
+    ObstacleSet plain;
+    plain.begin(bench.scene.near.count(), to_vector3(bench.scene.near.origin()));
+    for (int j = 0; j < bench.scene.near.count(); ++j) {
+      const Vec4& o = bench.scene.near[j];
+      plain.add(o[0], o[1], o[2], o[3], bench.scene.near.original_index(j));
+    }
+    plain.finish();
+    ASSERT_FALSE(plain.in_order());
+    for (const bool baseline : {false, true}) {
+      if (baseline) bench.moving.use_baseline();
+      bench.roll_out(random_configuration(bench.robot, random));
+      for (const double grow : {0.0, 0.05, 0.3, 10.0}) {
+        const auto boxed = pairs_of(bench.moving, bench.scene.near, grow);
+        EXPECT_EQ(boxed, pairs_of(bench.moving, plain, grow)) << grow;
+        found_in_all += static_cast<int>(boxed.size());
+      }
+    }
+  }
+  EXPECT_GT(found_in_all, 100000);
+}
+
+TEST(ObstacleSet, every_point_is_kept_once_and_neighbours_lie_close_together) {
+  Random random(3);
+  CellOrder order;
+  for (const int count : {5000, 200000}) {
+    const ObstacleMatrix points = patches(random, count, 1.0, 0.0);
+    order.begin(count, Eigen::Vector3d::Zero(), 1.5, 50.0);
+    int far = 0;
+    for (int i = 0; i < count; ++i) {
+      const bool is_far = points.row(i).norm() > 2.0;
+      far += is_far;
+      order.add(points(i, 0), points(i, 1), points(i, 2), is_far);
+    }
+    std::vector<int> rows = order.sorted();
+    EXPECT_EQ(order.near_count(), count - far);
+    double apart = 0.0, apart_before = 0.0;
+    for (std::size_t k = 1; k < static_cast<std::size_t>(order.near_count()); ++k) {
+      EXPECT_LE(points.row(rows[k]).norm(), 2.0);
+      apart += (points.row(rows[k]) - points.row(rows[k - 1])).norm();
+      apart_before += (points.row(static_cast<Eigen::Index>(k)) -
+                       points.row(static_cast<Eigen::Index>(k) - 1))
+                          .norm();
+    }
+    EXPECT_LT(apart, 0.3 * apart_before);
+    std::sort(rows.begin(), rows.end());
+    for (int i = 0; i < count; ++i) ASSERT_EQ(rows[static_cast<std::size_t>(i)], i);
+  }
+}
+
+TEST(ObstacleSet, a_hull_grown_without_bound_or_by_no_number_meets_every_point_and_no_padding) {
+  Random random(5);
+  for (const int count : {1, 37, 300, ObstacleSet::kLarge + 5}) {
+    Workbench bench(random_arm(random), {});
+    // Wide apart too: what the coarse test takes for far must be far.
+    ObstacleMatrix points = patches(random, count, 1.0, 0.1);
+    if (count > 30) points.row(7) << 9e5, -8e5, 1e6, 0.3;
+    bench.set_obstacles(points);
+    bench.roll_out(random_configuration(bench.robot, random));
+    for (const ObstacleSet* set : {&bench.scene.near, &bench.scene.far}) {
+      for (const double grow : {kInfinity, std::nan(""), 1e300, 1e30, 1e12, 1e8}) {
+        const auto found = pairs_of(bench.moving, *set, grow);
+        EXPECT_EQ(found.size(), bench.moving.hulls().size() * static_cast<std::size_t>(set->count()))
+            << grow;
+      }
+    }
+  }
+}
+
+TEST(ObstacleSet, clearance_among_many_points_near_and_far_is_that_of_brute_force) {
+  int far_ones = 0;
+  for (int seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    Workbench bench(random_arm(random), {});
+    ObstacleMatrix points = patches(random, 6000, 0.6, seed % 2 == 0 ? 0.05 : 0.0);
+    if (seed % 3 == 0)  // all of them out of reach
+      points.leftCols(3).rowwise() += Eigen::RowVector3d(40.0, -20.0, 10.0);
+    bench.set_obstacles(points);
+    far_ones += bench.scene.far.count();
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::VectorXd q = random_configuration(bench.robot, random);
+      bench.roll_out(q);
+      EXPECT_NEAR(bench.scene.clearance(bench.moving, bench.fixed).distance,
+                  brute_force_clearance(bench.robot, q, points, 100), 1e-7);
+    }
+  }
+  EXPECT_GT(far_ones, 1000);
+}
+
+TEST(ObstacleSet, pairs_beyond_the_room_there_is_are_left_out_and_visited_all_the_same) {
+  Random random(8);
+  Robot robot = Robot::builtin("panda");
+  Workbench bench(robot, {});
+  // All in one place inside a hull: more pairs than are kept.
+  const Eigen::Vector3d at = robot.fk(robot.mid_configuration(), "panda_link4").translation();
+  ObstacleMatrix points(100000, 3);
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    points.row(i) = (at + random.point(0.02)).transpose();
+  bench.set_obstacles(points);
+  bench.roll_out(robot.mid_configuration());
+  bench.moving.find_near(bench.scene.near, [](std::size_t) { return 0.0; });
+  EXPECT_LE(bench.moving.near_count(), static_cast<int>(CollisionState::kMostPairs));
+  EXPECT_GT(bench.moving.near_count(), static_cast<int>(CollisionState::kMostPairs) - kLanes);
+  const auto all = pairs_of(bench.moving, bench.scene.near, 0.0);
+  const std::set<std::pair<int, int>> once(all.begin(), all.end());
+  EXPECT_EQ(once.size(), all.size());
+  std::set<int> obstacles;
+  for (const auto& pair : all) obstacles.insert(pair.second);
+  EXPECT_EQ(obstacles.size(), 100000U);
+}
+
+}  // namespace
+}  // namespace pdoik::detail
