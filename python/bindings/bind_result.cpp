@@ -58,7 +58,8 @@ AnyTuple state(const NamedResult& r) {
   return py::make_tuple(r.q, r.success, static_cast<int>(r.status), r.position_error,
                         r.rotation_error, r.clearance, r.limit_violation, r.worst.violation,
                         r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time,
-                        r.center_of_mass, r.balance_violation, r.self_distance);
+                        r.center_of_mass, r.balance_violation, r.self_distance, r.intake,
+                        r.late_evaluations);
 }
 
 NamedResult from_state(const AnyTuple& t) {
@@ -79,6 +80,8 @@ NamedResult from_state(const AnyTuple& t) {
   r.center_of_mass = t[13].cast<Eigen::Vector3d>();
   r.balance_violation = t[14].cast<double>();
   r.self_distance = t[15].cast<double>();
+  r.intake = t[16].cast<double>();
+  r.late_evaluations = t[17].cast<int>();
   return r;
 }
 
@@ -123,6 +126,11 @@ obstacle point lies in a hull that no joint moves. In all but the first, q is th
       .def_readonly("evaluations", &R::evaluations, "Forward kinematics computed, in all.")
       .def_readonly("restarts", &R::restarts, "Starts beyond the first.")
       .def_readonly("time", &R::time, "Of the solve, taking in the obstacles included [s].")
+      .def_readonly("intake", &R::intake,
+                    "Of that, what taking the obstacles in took: it is not in max_time [s].")
+      .def_readonly("late_evaluations", &R::late_evaluations,
+                    "Evaluations and looks at all obstacles begun after max_time had struck: the "
+                    "verdict takes one.")
       .def("__repr__", &repr)
       .def(py::pickle(&state, &from_state));
 }
@@ -198,6 +206,10 @@ A column is a new array each time it is asked for.)")
       .def_property_readonly(
           "time", [](const B& b) { return column<double>(b, [](const R& r) { return r.time; }); },
           "Shape (B,) [s].")
+      .def_property_readonly(
+          "late_evaluations",
+          [](const B& b) { return column<int>(b, [](const R& r) { return r.late_evaluations; }); },
+          "Shape (B,).")
       .def("__len__", [](const B& b) { return b.results.size(); })
       .def(
           "__getitem__",

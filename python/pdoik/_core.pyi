@@ -697,9 +697,19 @@ class Result:
         Forward kinematics computed, in all.
         """
     @property
+    def intake(self) -> float:
+        """
+        Of that, what taking the obstacles in took: it is not in max_time [s].
+        """
+    @property
     def iterations(self) -> int:
         """
         Of the inner minimisers, in all.
+        """
+    @property
+    def late_evaluations(self) -> int:
+        """
+        Evaluations and looks at all obstacles begun after max_time had struck: the verdict takes one.
         """
     @property
     def limit_violation(self) -> float:
@@ -791,6 +801,11 @@ class BatchResult:
         """
     @property
     def iterations(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        Shape (B,).
+        """
+    @property
+    def late_evaluations(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         Shape (B,).
         """
