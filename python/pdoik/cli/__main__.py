@@ -1,5 +1,5 @@
 """python -m pdoik.cli."""
 
-from pdoik.cli import app
+from pdoik.cli import main
 
-app(prog_name="pdoik")
+main()

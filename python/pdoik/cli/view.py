@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-import threading
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +9,7 @@ import typer
 
 import pdoik
 
+from .interrupts import end_now, leave_at_once, noted
 from .messages import fail, misuse_fails, out
 from .obstacles import load_obstacles
 from .options import (
@@ -115,6 +114,7 @@ def view(
 
     [bold]Example[/]: pdoik view panda --cloud scan.pcd
     """
+    leave_at_once()  # until it listens there is nothing to lose
     try:
         import viser  # noqa: F401
     except ModuleNotFoundError as error:
@@ -151,18 +151,18 @@ def view(
         session.set_cloud(load_obstacles(cloud, leaf, radii).surface)
     with misuse_fails("--replay" if replay is not None else ""):
         log = None if replay is None else load_log(replay, loaded.joint_names)
-    with misuse_fails(f"--host {host}" if port is None else f"--host {host} --port {port}"):
-        server = start_server(host, port)
-
-    viewer = Viewer(server, model, session)
-    if log is not None:
-        viewer.replay_tab.load(log)
-    out.print(f"{server.url}  (Ctrl-C ends it)", highlight=False)
-    if not no_open:
-        open_browser(server.url)
-    _wait_for_interrupt()
-    viewer.close()
-    server.stop()
+    with noted() as stop:  # from before it listens: the page answers before start_server returns
+        with misuse_fails(f"--host {host}" if port is None else f"--host {host} --port {port}"):
+            server = start_server(host, port)
+        viewer = Viewer(server, model, session)
+        if log is not None:
+            viewer.replay_tab.load(log)
+        out.print(f"{server.url}  (Ctrl-C ends it)", highlight=False)
+        if not no_open and stop.empty():
+            open_browser(server.url)
+        stop.get()
+        viewer.forget_uploads()  # all that would outlive the process
+        end_now()
 
 
 def _load(
@@ -177,11 +177,3 @@ def _load(
         with misuse_fails(f"--occupancy {occupancy}"):
             robot.occupancy = pdoik.Occupancy.load(str(occupancy))
     return robot
-
-
-def _wait_for_interrupt() -> None:
-    """Until Ctrl-C or SIGTERM; impatient repeats do not disturb what follows."""
-    ended = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: ended.set())
-    ended.wait()

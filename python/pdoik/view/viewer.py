@@ -53,7 +53,10 @@ class Viewer:
         self.server = server
         self.session = session
         self.model = model
-        self._folder = tempfile.TemporaryDirectory(prefix="pdoik-view-")
+        self._folder = tempfile.TemporaryDirectory(
+            prefix="pdoik-view-",
+            ignore_cleanup_errors=True,  # one may be arriving
+        )
         size = robot_size(model)
         self._floor = server.scene.add_grid(
             "/floor",
@@ -93,6 +96,10 @@ class Viewer:
         """End the threads; the server is the caller's."""
         self.replay_tab.player.stop()
         self.worker.stop()
+        self.forget_uploads()
+
+    def forget_uploads(self) -> None:
+        """Remove the files that came through the page; waits for nothing."""
         self._folder.cleanup()
 
     # What the worker does.

@@ -1,0 +1,62 @@
+"""Every command under the name `pdoik`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import pdoik
+
+from .bench import bench
+from .diagnose import diagnose
+from .h1 import h1
+from .info import info
+from .messages import out
+from .occupancy import occupancy
+from .predict import predict
+from .replay import replay
+from .solve import solve
+from .view import view
+
+__all__ = ["app"]
+
+app = typer.Typer(
+    name="pdoik",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(solve)
+app.command()(info)
+app.command()(occupancy)
+app.command()(bench)
+app.command()(view)
+app.command()(h1)
+app.command()(diagnose)
+app.command()(predict)
+app.command()(replay)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        out.print(pdoik.__version__, highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and leave."
+        ),
+    ] = False,
+) -> None:
+    """Constrained inverse kinematics: joint limits and obstacle points, for arms.
+
+    Exit status: 0 solved (or done), 1 not solved, 2 misuse or a file that cannot be read.
+
+    [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0"
+    """
