@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 from . import interrupts
@@ -18,16 +17,7 @@ def main() -> None:
     interrupts.take_over()
     from .commands import app
 
-    try:
-        interrupts.stop_properly()
-        app(prog_name="pdoik")
-    except BaseException as error:
-        if not interrupts.stopped_by(error):
-            raise
-        interrupts.say_stopped()
-        sys.exit(interrupts.STOPPED)
-    finally:
-        interrupts.leave_at_once()
+    app(prog_name="pdoik")
 
 
 def __getattr__(name: str) -> Any:

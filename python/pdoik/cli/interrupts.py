@@ -1,11 +1,10 @@
 """What Ctrl-C does to a command, from its first import to its last thread.
 
-    leave_at_once     while there is nothing to lose: modules load, threads wind up
-    stop_properly     while a command works: files are taken away or finished on the way out
-    noted             while it serves: what runs goes on, and the command looks when it likes
-
-Handlers run in the main thread between any two steps of Python, in other libraries' code as well:
-one that raises is for code that can bear it.
+A handler runs in the main thread between any two steps of Python, in the code of others as well.
+One that raises KeyboardInterrupt is at the mercy of that code: a weak reference's callback prints
+it and goes on, a compiled module that is being imported makes another error of it. So none raises
+here. Either the command leaves at once, which hurts no file because all are renamed when they are
+whole, or, while it serves a page, the signal is noted.
 """
 
 from __future__ import annotations
@@ -20,28 +19,19 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import NoReturn
 
+from pdoik._files import unfinished
+
 STOPPED = 128 + signal.SIGINT  # the status that shells give a command which Ctrl-C ended
+_SHOW_CURSOR = b"\r\x1b[K\x1b[?25h"  # in place of a progress bar
 
 
 def take_over() -> None:
-    """From now on Ctrl-C is this module's, and leaves at once.
+    """From now on Ctrl-C says so in a line and ends the process with status 130.
 
     Not where it was to be ignored, as in the background of a script.
     """
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _leave)
-
-
-def leave_at_once() -> None:
-    """From now on Ctrl-C says so in a line and ends the process with status 130, if taken over."""
-    if signal.getsignal(signal.SIGINT) is _raise:
-        signal.signal(signal.SIGINT, _leave)
-
-
-def stop_properly() -> None:
-    """From now on Ctrl-C raises KeyboardInterrupt, a second one leaves at once, if taken over."""
-    if signal.getsignal(signal.SIGINT) is _leave:
-        signal.signal(signal.SIGINT, _raise)
 
 
 @contextmanager
@@ -72,29 +62,10 @@ def end_now() -> NoReturn:
     os._exit(0)
 
 
-def stopped_by(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is what ended a command, seen from what came out of it.
-
-    Typer makes it an exit, and a compiled module that it meets while loading another error.
-    """
-    if isinstance(error, SystemExit) and error.code == STOPPED:
-        return True
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None
-
-
-def say_stopped() -> None:
-    """The line on stderr."""
-    with contextlib.suppress(OSError):
-        os.write(2, b"stopped\n")  # print may be what was interrupted
-
-
 def _leave(number: int, frame: FrameType | None) -> NoReturn:
-    say_stopped()
+    for path in list(unfinished):
+        with contextlib.suppress(OSError):
+            path.unlink()
+    with contextlib.suppress(OSError):  # straight to the file: print may be what was interrupted
+        os.write(2, (_SHOW_CURSOR if os.isatty(2) else b"") + b"stopped\n")
     os._exit(STOPPED)
-
-
-def _raise(number: int, frame: FrameType | None) -> NoReturn:
-    leave_at_once()
-    raise KeyboardInterrupt

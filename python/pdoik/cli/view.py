@@ -9,7 +9,7 @@ import typer
 
 import pdoik
 
-from .interrupts import end_now, leave_at_once, noted
+from .interrupts import end_now, noted
 from .messages import fail, misuse_fails, out
 from .obstacles import load_obstacles
 from .options import (
@@ -114,7 +114,6 @@ def view(
 
     [bold]Example[/]: pdoik view panda --cloud scan.pcd
     """
-    leave_at_once()  # until it listens there is nothing to lose
     try:
         import viser  # noqa: F401
     except ModuleNotFoundError as error:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from pdoik._files import write_whole
+from pdoik._files import renamed_when_whole, write_whole
 from pdoik.h1.model import World
 from pdoik.h1.simulate import Run, replay
 
@@ -96,16 +96,13 @@ def write_film(
 
     times = np.arange(0.0, float(run.time[-1]), 1.0 / (frame_rate * slow))
     steps = [int(np.searchsorted(run.time, t)) for t in times]
-    target = Path(path)
-    temporary = target.with_name(f".{target.stem}.part{target.suffix}")
-    try:
-        writer: Any = imageio.get_writer  # its stubs know of no frames
-        with writer(temporary, fps=frame_rate, codec="libx264", quality=8) as film:
-            for k, picture in zip(steps, frames(world, run, steps, size, view), strict=True):
-                film.append_data(_labelled(picture, f"t = {run.time[k]:.2f} s"))
-        temporary.replace(target)
-    finally:
-        temporary.unlink(missing_ok=True)
+    writer: Any = imageio.get_writer  # its stubs know of no frames
+    with (
+        renamed_when_whole(path) as temporary,
+        writer(temporary, fps=frame_rate, codec="libx264", quality=8) as film,
+    ):
+        for k, picture in zip(steps, frames(world, run, steps, size, view), strict=True):
+            film.append_data(_labelled(picture, f"t = {run.time[k]:.2f} s"))
 
 
 def write_gif(
