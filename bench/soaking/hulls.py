@@ -1,0 +1,184 @@
+"""Distances to hulls by their definition, in double precision, every hull with every point.
+
+A hull is the set of all points whose mean distance to two foci is at most its semi-major axis A;
+one focus makes it a ball. Foci farther apart than 2 A hold nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+PAIRS = 200_000  # of a hull and a point that are looked at together: what a cache holds
+BISECTIONS = 54  # of a quarter turn: to the last digit
+
+
+def ellipse_distance(A: FloatArray, B: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+    """From points to the ellipse (A cos t, B sin t), A >= B > 0 and x, y >= 0, all (K,) [m].
+
+    Half the squared distance has the slope x A sin t - y B cos t - (A^2 - B^2) sin t cos t. It is
+    not positive at t = 0 nor negative at t = pi / 2 and changes sign once between: bisection.
+    """
+    low, high = np.zeros_like(x), np.full_like(x, np.pi / 2)
+    for _ in range(BISECTIONS):
+        t = 0.5 * (low + high)
+        sine, cosine = np.sin(t), np.cos(t)
+        slope = x * A * sine - y * B * cosine - (A - B) * (A + B) * sine * cosine
+        below = slope < 0.0
+        low, high = np.where(below, t, low), np.where(below, high, t)
+    t = 0.5 * (low + high)
+    least = np.hypot(x - A * np.cos(t), y - B * np.sin(t))
+    # Where the slope is zero at an end too, that end may be the nearest.
+    return np.minimum(least, np.minimum(np.hypot(x - A, y), np.hypot(x, y - B)))
+
+
+def hull_distance(points: FloatArray, a: FloatArray, b: FloatArray, A: FloatArray) -> FloatArray:
+    """From points to hulls' surfaces, negative inside, infinite to a hull that holds nothing [m].
+
+    Args:
+        points: (K, 3).
+        a, b: Foci, (K, 3).
+        A: Semi-major axes, (K,).
+    """
+    half = 0.5 * np.linalg.norm(b - a, axis=1)
+    B = np.sqrt(np.maximum((A - half) * (A + half), 0.0))
+    axis = (b - a) / np.where(half > 0.0, 2.0 * half, 1.0)[:, None]
+    from_centre = points - 0.5 * (a + b)
+    along = np.einsum("ki,ki->k", from_centre, axis)
+    radial = np.linalg.norm(from_centre - along[:, None] * axis, axis=1)
+    ball = half <= 1e-12 * A
+    distance = np.linalg.norm(from_centre, axis=1) - A
+    rest = ~ball & (half < A)
+    along, radial = np.abs(along[rest]), radial[rest]
+    gap = ellipse_distance(A[rest], B[rest], along, radial)
+    inside = (along / A[rest]) ** 2 + (radial / B[rest]) ** 2 < 1.0
+    distance[rest] = np.where(inside, -gap, gap)
+    distance[half >= A] = np.inf
+    return distance
+
+
+def clearance(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> FloatArray:
+    """Least distance of any point, less its radius, to any hull, (B,), infinite without any [m].
+
+    Args:
+        a, b: Foci of the hulls in each of B placements, (B, H, 3).
+        A: Semi-major axes, (H,).
+        points: Centres and radii, (N, 4), or of each placement its own, (B, N, 4).
+    """
+    least = np.full(len(a), np.inf)
+    hulls, count = len(A), points.shape[-2]
+    if hulls == 0 or count == 0:
+        return least
+    rows = max(1, PAIRS // (hulls * count))
+    for first in range(0, len(a), rows):
+        some = slice(first, first + rows)
+        own = points[some] if points.ndim == 3 else points
+        least[some] = _least(a[some], b[some], A, own)
+    return least
+
+
+def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> FloatArray:
+    """See `clearance`; outside a hull s - A, with s the mean distance to the foci, is a bound.
+
+    A point that moves changes s by no more than it moves, so s - A is never more than the distance;
+    and the hull with semi-major axis s about the same foci, on whose surface the point lies, is
+    nowhere farther from that with A than at the waist, where they are B(s) - B(A) apart. Inside a
+    hull both hold with their signs turned round.
+    """
+    excess = _half_sums(a, b, points) - (A[:, None] + points[..., None, :, 3])  # (B, H, N)
+    empty = 2.0 * A <= np.linalg.norm(b - a, axis=2)
+    if empty.any():
+        excess[empty] = np.inf
+    scale = 1.0 + np.abs(points[..., :3]).max() + np.abs(a).max()
+    slack = 1e-7 * scale  # of the rounding in `_half_sums`
+    flat = excess.reshape(len(a), -1)
+    first = flat.argmin(axis=1)
+    pairs = np.arange(len(a)), *np.unravel_index(first, excess.shape[1:])
+    upper = _exact(a, b, A, points, *pairs)
+    radii = points[..., None, :, 3]
+    may_be_less = excess <= upper[:, None, None] + slack
+    may_be_less |= excess + radii <= slack  # inside the distance may be far below the bound
+    row, hull, point = np.nonzero(may_be_less)
+    least = upper.copy()
+    if len(row):
+        np.minimum.at(least, row, _exact(a, b, A, points, row, hull, point))
+    return least
+
+
+def _half_sums(a: FloatArray, b: FloatArray, points: FloatArray) -> FloatArray:
+    """Mean distances of points to the foci, (B, H, N), good to about 1e-8 of the coordinates."""
+    centre = a.mean(axis=(0, 1))
+    to = np.ascontiguousarray(np.swapaxes(points[..., :3] - centre, -1, -2))  # (3, N)
+    squares = np.einsum("...in,...in->...n", to, to)[..., None, :]
+
+    def distances(foci: FloatArray) -> FloatArray:
+        at = foci - centre
+        d = np.matmul(at, -2.0 * to)
+        d += squares
+        d += np.einsum("bhi,bhi->bh", at, at)[..., None]
+        return np.sqrt(np.maximum(d, 0.0, out=d), out=d)
+
+    total = distances(a)
+    total += distances(b)
+    total *= 0.5
+    return total
+
+
+def _exact(
+    a: FloatArray,
+    b: FloatArray,
+    A: FloatArray,
+    points: FloatArray,
+    row: npt.NDArray[np.intp],
+    hull: npt.NDArray[np.intp],
+    point: npt.NDArray[np.intp],
+) -> FloatArray:
+    """Distances of single pairs, less the points' radii."""
+    own = points[row, point] if points.ndim == 3 else points[point]
+    return hull_distance(own[:, :3], a[row, hull], b[row, hull], A[hull]) - own[:, 3]
+
+
+def capsules(
+    a: FloatArray, b: FloatArray, A: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The capsules around hulls: ends of their segments and radii, NaN of one that holds nothing.
+
+    A spheroid with semi-axes A > B lies in the capsule of radius B around the segment that reaches
+    A - B to either side of its centre on its axis.
+    """
+    half = 0.5 * (b - a)
+    h = np.linalg.norm(half, axis=-1)
+    B = np.sqrt(np.where(h < A, (A - h) * (A + h), np.nan))
+    reach = half * ((A - B) / np.where(h > 0.0, h, 1.0))[..., None]
+    middle = 0.5 * (a + b)
+    return middle - reach, middle + reach, B
+
+
+def segment_distance(p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray) -> FloatArray:
+    """Between the segments pq and rs, (..., 3) each [m].
+
+    Two segments are nearest either at an end of one of them, or where the common perpendicular of
+    their lines meets both.
+    """
+    ends = np.minimum(
+        np.minimum(_to_segment(p, r, s), _to_segment(q, r, s)),
+        np.minimum(_to_segment(r, p, q), _to_segment(s, p, q)),
+    )
+    u, v, w = q - p, s - r, r - p
+    normal = np.cross(u, v)
+    square = np.einsum("...i,...i", normal, normal)
+    divisor = np.where(square > 0.0, square, np.inf)
+    t = np.einsum("...i,...i", np.cross(w, v), normal) / divisor
+    k = np.einsum("...i,...i", np.cross(w, u), normal) / divisor
+    both = (square > 0.0) & (t > 0.0) & (t < 1.0) & (k > 0.0) & (k < 1.0)
+    across = np.linalg.norm(p + t[..., None] * u - r - k[..., None] * v, axis=-1)
+    return np.where(both, np.minimum(across, ends), ends)
+
+
+def _to_segment(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
+    u = q - p
+    square = np.einsum("...i,...i", u, u)
+    along = np.einsum("...i,...i", point - p, u) / np.where(square > 0.0, square, 1.0)
+    return np.linalg.norm(point - p - np.clip(along, 0.0, 1.0)[..., None] * u, axis=-1)
