@@ -58,17 +58,7 @@ def decode(value: Any) -> Any:
     return {key: decode(item) for key, item in value.items()}
 
 
-def write_case(folder: Path, name: str, case: dict[str, Any]) -> Path:
-    """Keep a case as folder/name.json."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{name}.json"
-    temporary = path.with_name(f".{path.name}")
-    temporary.write_text(json.dumps(encode(case), indent=1) + "\n")
-    temporary.replace(path)
-    return path
-
-
 def read_case(path: Path) -> dict[str, Any]:
-    """See `write_case`."""
+    """A file of failures/, see `encode`."""
     case: dict[str, Any] = decode(json.loads(path.read_text()))
     return case

@@ -120,6 +120,9 @@ class Judge:
         a, b = (ends(placed) for ends in self._ends)
         moves = np.maximum(np.ptp(a, axis=0), np.ptp(b, axis=0)).max(axis=1, initial=0.0)
         self.fixed = moves < STILL
+        foci = np.concatenate([a, b], axis=1)
+        levers = np.linalg.norm(foci[:, :, None] - placed.p[:, None], axis=-1)
+        self._lever = max(1.0, 1.5 * levers.max(initial=0.0))
         self.pairs = _pairs(self.kinematics, placed, a, b, self.links)
 
     def hulls(self, placed: Placed) -> tuple[FloatArray, FloatArray]:
@@ -131,6 +134,8 @@ class Judge:
     ) -> Verdicts:
         """Of answers (B, n) among points (N, 4), or each its own (B, N, 4): centres and radii."""
         count = len(Q)
+        finite = np.isfinite(Q).all(axis=1)
+        Q = np.where(finite[:, None], Q, 0.0)  # of the others it is said that limits do not hold
         placed = self.kinematics.place(Q, com=asked.balance is not None)
         position, rotation = np.zeros(count), np.zeros(count)
         ambiguous = np.zeros(count, dtype=bool)
@@ -159,8 +164,14 @@ class Judge:
             hollow=hollow,
             self_distance=own,
             balance_violation=balance,
-            limits_hold=self.kinematics.limits_hold(Q),
+            limits_hold=self.kinematics.limits_hold(Q) & finite,
         )
+
+    def travel(self, moved: FloatArray) -> FloatArray:
+        """How far hulls may get when joints move by (B, n), roughly, (B,) [m]."""
+        joints = self.kinematics.joints.values()
+        turned = sum(abs(joint.multiplier) * np.abs(moved[:, joint.index]) for joint in joints)
+        return np.asarray(self._lever * turned)
 
     def self_distance(self, a: FloatArray, b: FloatArray) -> FloatArray:
         """Least distance between the capsules around hulls that may touch, (B,) [m]."""
@@ -279,34 +290,35 @@ def _pairs(
 
     Left out are those on the same link or on links that are joined, through any number of fixed
     joints; those that stay where they are relative to each other; and the robot's ignored pairs.
-    A hull given on two links is on both, unless its foci keep their distance: then it is on the
-    first link, from that of its first focus towards the base, which both foci move with.
+    A focus moves with its own link and, as long as it lies on the axes of the joints between, with
+    those before it. A hull both of whose foci move with one link is on that link, the farthest from
+    the base of them; any other is on the two links that it was given on.
     """
     model = kinematics.model
-    joint_of = {link: kinematics.seat(link)[0] for pair in links for link in pair}
-    root = kinematics.base[0]
     neighbours: dict[int, set[int]] = {j: set() for j in range(model.njoints)}
     for j in range(1, model.njoints):
         neighbours[j].add(model.parents[j])
         neighbours[model.parents[j]].add(j)
-    towards_base = _parents(neighbours, root)
+    towards_base = _parents(neighbours, kinematics.base[0])
 
-    def moves_with(hull: int, joint: int) -> bool:
-        for focus in (a[:, hull], b[:, hull]):
+    def moved_by(link: str, focus: FloatArray) -> list[int]:
+        """The joints on the way to the base whose links a focus moves with, its own first."""
+        joints = []
+        for joint in _way(towards_base, kinematics.seat(link)[0]):
             local = np.einsum("bji,bj->bi", placed.R[:, joint], focus - placed.p[:, joint])
             if np.ptp(local, axis=0).max() > STILL:
-                return False
-        return True
+                break
+            joints.append(joint)
+        return joints
 
     seats, parts = [], []
     for hull, (first, second) in enumerate(links):
-        mine = _way(towards_base, joint_of[first])
-        at = next((joint for joint in mine if moves_with(hull, joint)), None)
-        parts.append({joint for joint in towards_base if moves_with(hull, joint)})
-        if at is None:
-            seats.append(({joint_of[first], joint_of[second]}, {first, second}))
-        else:
-            seats.append(({at}, {link for link in (first, second) if joint_of[link] == at}))
+        ways = moved_by(first, a[:, hull]), moved_by(second, b[:, hull])
+        both = [joint for joint in ways[0] if joint in ways[1]]
+        parts.append(set(both))
+        on = {both[0]} if both else {ways[0][0], ways[1][0]}
+        named = {link for link in (first, second) if kinematics.seat(link)[0] in on}
+        seats.append((on, named))
     ignored = {frozenset(pair) for pair in kinematics.spec.ignored_pairs}
     pairs = []
     for i, (joints_i, links_i) in enumerate(seats):

@@ -115,7 +115,7 @@ class Kinematics:
 
     def limits_hold(self, Q: FloatArray) -> npt.NDArray[np.bool_]:
         """Whether every joint is inside its own limits, exactly; followers but for rounding."""
-        holds = ((self.lower <= Q) & (Q <= self.upper)).all(axis=1)
+        holds = ((self.lower <= Q) & (self.upper >= Q)).all(axis=1)
         for joint in self.joints.values():
             x = joint.multiplier * Q[:, joint.index] + joint.offset
             room = 1e-12 * (1.0 + np.abs(x))

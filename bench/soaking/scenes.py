@@ -21,6 +21,7 @@ SIZES = (
     ("10,000 to 100,000", 10_000, 100_000, 6, 0.03),
 )
 SINGLE = 120  # answers of a scene that are asked for one by one, at most
+FARTHEST = 1e6  # coordinate that a cloud may have [m]
 LONG = 1.0  # a deadline that restarts reach first, so that answers can be had again [s]
 
 
@@ -54,6 +55,17 @@ def make_options(values: dict[str, Any]) -> pdoik.Options:
     return pdoik.Options(**changed)
 
 
+def make_goal(goal: Goals, T: FloatArray) -> pdoik.Goal:
+    """The library's goal of the same kind and slack with the target T, (4, 4)."""
+    return pdoik.Goal(
+        T,
+        type=goal.type,
+        axis=goal.axis,
+        position_slack=goal.position_slack,
+        rotation_slack=goal.rotation_slack,
+    )
+
+
 def four_columns(cloud: FloatArray | None) -> FloatArray | None:
     """Points with a radius each, 0 where none is given."""
     if cloud is None or cloud.shape[-1] == 4:
@@ -73,7 +85,7 @@ def draw_scene(judge: Judge, rng: np.random.Generator, at_most: int) -> Scene:
     goals = draw_goals(judge, reached, options, rng, slack=single and plain)
     cloud = None
     if low > 0:
-        points = int(round(10 ** rng.uniform(np.log10(low), np.log10(high))))
+        points = round(10 ** rng.uniform(np.log10(low), np.log10(high)))
         cloud = draw_cloud(judge, reached[:30], points, options["clearance"], rng)
         if points > 1_000:
             options["max_restarts"] = min(options["max_restarts"], 5)
@@ -90,7 +102,7 @@ def draw_scene(judge: Judge, rng: np.random.Generator, at_most: int) -> Scene:
             posture = random_configurations(kinematics, 1, rng)[0]
             options["prefer"] = str(rng.choice(["first", "nearest"]))
         if rng.random() < 0.3:
-            q0, max_step = near, rng.uniform(0.0, 1.0) * rng.random(reached.shape[1])
+            q0, max_step = near, rng.uniform(0.0, 1.0) * rng.random(near.shape[1:])
     options.setdefault("max_time", LONG)
     return Scene(
         spec=spec,
@@ -105,8 +117,16 @@ def draw_scene(judge: Judge, rng: np.random.Generator, at_most: int) -> Scene:
     )
 
 
-def draw_options(judge: Judge, rng: np.random.Generator) -> dict[str, Any]:
-    """Of every kind; one in ten has a deadline that strikes."""
+def draw_options(
+    judge: Judge, rng: np.random.Generator, about: FloatArray | None = None
+) -> dict[str, Any]:
+    """Of every kind; one in ten has a deadline that strikes.
+
+    Args:
+        judge: Of the robot.
+        rng: Decides everything.
+        about: A configuration, (n,), in which it is balanced; None for any.
+    """
     options: dict[str, Any] = {
         "goal": str(rng.choice(["pose", "axis", "position"], p=[0.5, 0.25, 0.25])),
         "position_tolerance": float(rng.choice([1e-3, 1e-5, 1e-6, 1e-8], p=[0.2, 0.5, 0.2, 0.1])),
@@ -130,14 +150,14 @@ def draw_options(judge: Judge, rng: np.random.Generator) -> dict[str, Any]:
     if rng.random() < 0.1:
         options["max_time"] = float(rng.choice([1e-4, 1e-3]))
     if not judge.kinematics.spec.rows and rng.random() < 0.2:
-        options["balance"] = draw_balance(judge, rng)
+        q = random_configurations(judge.kinematics, 1, rng)[0] if about is None else about
+        options["balance"] = draw_balance(judge, q, rng)
     return options
 
 
-def draw_balance(judge: Judge, rng: np.random.Generator) -> dict[str, Any]:
-    """A box, or a polygon of contacts, about where the centre of mass is in some configuration."""
-    Q = random_configurations(judge.kinematics, 1, rng)
-    placed = judge.kinematics.place(Q, com=True)
+def draw_balance(judge: Judge, q: FloatArray, rng: np.random.Generator) -> dict[str, Any]:
+    """A box, or a polygon of contacts, about where the centre of mass is in a configuration."""
+    placed = judge.kinematics.place(q[None], com=True)
     assert placed.com is not None
     com = placed.com[0]
     if rng.random() < 0.5:
@@ -161,12 +181,13 @@ def draw_goals(
     rng: np.random.Generator,
     *,
     slack: bool,
+    astray: bool = True,
 ) -> list[Goals]:
-    """Where the tips are in some configurations, some of them moved to where none may be."""
+    """Where the tips are in some configurations; if `astray`, some moved to where none may be."""
     placed = judge.kinematics.place(reached)
     count = len(reached)
-    kinds = rng.random(count)
-    goals = []
+    kinds = rng.random(count) * (1.0 if astray else 0.0)
+    goals: list[Goals] = []
     for tip in judge.kinematics.spec.tip_links:
         if goals and rng.random() < 0.3:
             continue  # a tip without a goal is free
@@ -209,7 +230,7 @@ def draw_cloud(
         cloud = np.c_[points, radii]
     if rng.random() < 0.03:  # far away as well
         far = rng.random(count) < 0.2
-        cloud[far, :3] *= 10 ** rng.uniform(1, 7)
+        cloud[far, :3] = (cloud[far, :3] * 10 ** rng.uniform(1, 6)).clip(-FARTHEST, FARTHEST)
     if rng.random() < 0.03:
         cloud[: count // 2] = cloud[0]
     if len(judge.A) and rng.random() < 0.75:

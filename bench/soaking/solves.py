@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from soaking.cases import KEPT, write_case
+from soaking.cases import KEPT, encode
 from soaking.judge import ROUNDING, Asked, Judge, Verdicts
 from soaking.robots import FloatArray, RobotSpec
-from soaking.scenes import Scene, draw_scene, four_columns, make_options
+from soaking.scenes import Scene, draw_scene, four_columns, make_goal, make_options
 from soaking.trees import draw_robot
 
 BoolArray = npt.NDArray[np.bool_]
 Row = dict[str, Any]
 
 SCENES = 5  # of one robot before the next one is drawn
-ASKED_AGAIN = 0.004  # share of the answers that other settings are tried on, where there is none
+ASKED_AGAIN = 0.001  # share of the answers that other settings are tried on, where there is none
+UNTOLD = -1  # of a core that does not count its evaluations after the deadline
 PATIENCE = 20  # times the budget
 PATIENT_TIME = 0.5  # at most [s]
 FIELDS = ("position_error", "rotation_error", "clearance", "self_distance", "balance_violation")
@@ -53,7 +54,7 @@ class Answers:
             said={name: getattr(batch, name) for name in FIELDS},
             time=batch.time,
             intake=getattr(batch, "intake", nothing),
-            late_evaluations=getattr(batch, "late_evaluations", nothing),
+            late_evaluations=getattr(batch, "late_evaluations", nothing + UNTOLD),
             cpu=nothing * np.nan,
         )
 
@@ -67,7 +68,7 @@ class Answers:
             said={name: np.array([getattr(r, name) for r in results]) for name in FIELDS},
             time=np.array([result.time for result in results]),
             intake=np.array([getattr(result, "intake", 0.0) for result in results]),
-            late_evaluations=np.array([getattr(r, "late_evaluations", 0) for r in results]),
+            late_evaluations=np.array([getattr(r, "late_evaluations", UNTOLD) for r in results]),
             cpu=np.array(cpu),
         )
 
@@ -75,21 +76,12 @@ class Answers:
 def ask(scene: Scene, solver: pdoik.Solver) -> Answers:
     """All of a scene's questions to a solver."""
     if not scene.single:
-        goals = {goal.tip: goal.T for goal in scene.goals}
-        batch = solver.solve_batch(goals, q0=scene.q0, obstacles=scene.cloud, threads=1)
+        targets = {goal.tip: goal.T for goal in scene.goals}
+        batch = solver.solve_batch(targets, q0=scene.q0, obstacles=scene.cloud, threads=1)
         return Answers.of_batch(batch)
     results, cpu = [], []
     for k in range(scene.count):
-        goals = {
-            goal.tip: pdoik.Goal(
-                goal.T[k],
-                type=goal.type,
-                axis=goal.axis,
-                position_slack=goal.position_slack,
-                rotation_slack=goal.rotation_slack,
-            )
-            for goal in scene.goals
-        }
+        goals = {goal.tip: make_goal(goal, goal.T[k]) for goal in scene.goals}
         q0 = None if scene.q0 is None else scene.q0[k]
         begun = time.thread_time()
         result = solver.solve(
@@ -182,8 +174,7 @@ def missed_by(scene: Scene, robot: pdoik.Robot, judge: Judge, ks: Sequence[int])
     if not has_slack(scene) and scene.posture is None and scene.max_step is None:
         others.append({"inner": "lbfgs"})
     solvers = [
-        pdoik.Solver(robot, make_options({**scene.options, **patient, **other}))
-        for other in others
+        pdoik.Solver(robot, make_options({**scene.options, **patient, **other})) for other in others
     ]
     missed = 0
     for k in ks:
@@ -219,6 +210,7 @@ def run_scene(
     }
     deadline = scene.options["max_time"]
     over = answers.time - answers.intake - deadline
+    over_cpu = (answers.cpu - answers.intake - deadline)[~np.isnan(answers.cpu)]
     row = {
         "goal": "slack" if has_slack(scene) else scene.options["goal"],
         "cloud": scene.size,
@@ -233,9 +225,9 @@ def run_scene(
         "missed": missed,
         **{name: int(found[name].sum()) for name in FAULTS},
         **excess,
-        "late_evaluations": int(answers.late_evaluations.max(initial=0)),
+        "late_evaluations": int(answers.late_evaluations.max(initial=UNTOLD)),
         "overrun": float(over.max(initial=-np.inf)),
-        "overrun_cpu": float(np.nanmax(np.append(answers.cpu - deadline, -np.inf))),
+        "overrun_cpu": float(over_cpu.max(initial=-np.inf)),
         "solve_seconds": solved_in,
         "judge_seconds": judged_in,
         "again_seconds": time.thread_time() - begun - solved_in - judged_in,
@@ -295,12 +287,12 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
             judge = Judge(spec, robot.joint_names)
         scene = draw_scene(judge, rng, left)
         row, bad = run_scene(scene, robot, judge, rng)
-        for k, complaints in bad.items():
-            if kept == KEPT:
-                break
-            kept += 1
-            name = f"solve-{job['name']}-{len(rows):04d}-{k:04d}"
-            write_case(Path(job["failures"]), name, case_of(scene, k, complaints))
-        rows.append({"family": job["family"], "scene": len(rows), **row})
+        cases = {
+            f"solve-{job['name']}-{len(rows):04d}-{k:04d}": case_of(scene, k, complaints)
+            for k, complaints in list(bad.items())[: KEPT - kept]
+        }
+        kept += len(cases)
+        text = json.dumps(encode(cases)) if cases else ""
+        rows.append({"family": job["family"], "scene": len(rows), **row, "cases": text})
         left -= scene.count
     return rows

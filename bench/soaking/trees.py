@@ -125,10 +125,11 @@ def random_tree(rng: np.random.Generator, speeds: str = "usual") -> RobotSpec:
     leaves = [names[i] for i in range(1, count) if i not in parents]
     tips = [str(tip) for tip in rng.permutation(leaves)[: rng.integers(1, 4)]]
     spheres, spheroids = _hulls(rng, names, ends, [names[parent] for parent in [0, *parents]])
+    others = [name for name in names if name not in tips]
     spec = RobotSpec(
         urdf=f'<?xml version="1.0"?>\n<robot name="random">\n{text}\n</robot>',
         tip_links=tips,
-        base_link=str(rng.choice([n for n in names if n not in tips])) if rng.random() < 0.2 else "",
+        base_link=str(rng.choice(others)) if rng.random() < 0.2 else "",
         spheres=spheres,
         spheroids=spheroids,
     )
