@@ -1,8 +1,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <set>
 
+#include "detail/text.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/occupancy.hpp"
 
@@ -58,15 +61,27 @@ class Entry {
 
 namespace {
 
+std::string content_of(const std::string& path, const std::string& source) {
+  try {
+    std::ifstream file;
+    file.exceptions(std::ios::failbit | std::ios::badbit);
+    file.open(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  } catch (const std::ios_base::failure& error) {  // not there, a folder, not readable
+    throw LoadError("cannot read the occupancy " + source + ": " + error.what());
+  }
+}
+
 YAML::Node parse(const std::string& path_or_text, bool text, const std::string& source) {
   if (path_or_text.find('\0') != std::string::npos)
     throw LoadError(source + " holds a NUL character");
+  const std::string yaml = text ? path_or_text : content_of(path_or_text, source);
+  // yaml-cpp would put U+FFFD in place of what it cannot read, and two links would share a name.
+  if (!detail::is_utf8(yaml)) throw LoadError(source + " is not UTF-8 text");
   try {
-    return text ? YAML::Load(path_or_text) : YAML::LoadFile(path_or_text);
-  } catch (const YAML::ParserException& error) {
+    return YAML::Load(yaml);
+  } catch (const std::exception& error) {
     throw LoadError(source + " is not valid YAML: " + error.what());
-  } catch (const std::exception& error) {  // not there, a folder, not readable
-    throw LoadError("cannot read the occupancy " + source + ": " + error.what());
   }
 }
 

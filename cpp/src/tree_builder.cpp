@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "detail/inertia_check.hpp"
 #include "detail/text.hpp"

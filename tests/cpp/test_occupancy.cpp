@@ -79,7 +79,9 @@ TEST(Occupancy, entries_that_make_no_sense_are_load_errors_that_name_the_entry) 
           "semi_major");
   refused("balls: []", "balls");
   refused("spheres: [{link: a", "YAML");
+  refused("spheres: [{link: \xdc, center: [0, 0, 0], radius: 1}]", "UTF-8");
   refused("/nowhere/at_all.yaml", "/nowhere/at_all.yaml");
+  refused("/", "cannot read");
 }
 
 }  // namespace

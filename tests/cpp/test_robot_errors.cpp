@@ -131,6 +131,13 @@ TEST(RobotErrors, mimicking_nobody_oneself_a_circle_or_a_fixed_joint_is_refused)
   expect_refused([](RobotDescription& d) { d.joints[2].mimic = Mimic{"elbow", kNan}; }, {"wrist"});
 }
 
+TEST(RobotErrors, speed_and_effort_limits_that_are_negative_or_not_numbers_are_refused) {
+  for (const double bad : {-1.0, kNan, -kInfinity}) {
+    expect_refused([&](RobotDescription& d) { d.joints[1].velocity = bad; }, {"elbow", "velocity"});
+    expect_refused([&](RobotDescription& d) { d.joints[1].effort = bad; }, {"elbow", "effort"});
+  }
+}
+
 TEST(RobotErrors, followers_whose_limits_exclude_their_leaders_are_refused) {
   expect_refused([](RobotDescription& d) { d.joints[2].mimic = Mimic{"elbow", 1.0, 5.0}; },
                  {"wrist", "elbow", "limit"});
