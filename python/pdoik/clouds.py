@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from io import BufferedReader
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,9 @@ from pdoik.errors import LoadError
 Points = npt.NDArray[np.float64]  # (N, 3), [m]
 
 _HEADER_BYTES = 65536  # of a PLY file, at most
+_PCD_HEADER_LINES = 10  # that pypcd4 reads, without remarks
+_MOST_COLUMNS = 10_000  # of a PCD file; the widest descriptors have about two thousand
+_MOST_EXPANSION = 100  # what a byte of a file can hold: LZF packs at most 264 into three
 
 
 def load_cloud(path: str | Path) -> Points:
@@ -59,7 +63,10 @@ def load_cloud(path: str | Path) -> Points:
 def _read_pcd(path: Path) -> Points:
     from pypcd4.pypcd4 import PointCloud
 
-    cloud = PointCloud.from_path(path)
+    with path.open("rb") as file:
+        _check_pcd_header(path, file)
+        file.seek(0)
+        cloud = PointCloud.from_fileobj(file)
     missing = [name for name in "xyz" if name not in cloud.fields]
     if missing:
         raise LoadError(f"{path}: expected fields x, y, z, got {' '.join(cloud.fields)}")
@@ -69,11 +76,41 @@ def _read_pcd(path: Path) -> Points:
     return np.column_stack([rows[name] for name in "xyz"])
 
 
+def _check_pcd_header(path: Path, file: BufferedReader) -> None:
+    """Refuses what could not be in the file, before memory is taken for it.
+
+    pypcd4 names every column that COUNT claims, and makes room for every point that POINTS does.
+    """
+    from pypcd4.pypcd4 import MetaData
+
+    lines: list[str] = []
+    for raw in file:
+        line = raw.decode("utf-8").strip()
+        if line and not line.startswith("#"):
+            lines.append(line)
+        if line.startswith("DATA") or len(lines) >= _PCD_HEADER_LINES:
+            break
+    header = MetaData.parse_header(lines)
+    n_columns = sum(header.count)
+    if n_columns > _MOST_COLUMNS:
+        raise LoadError(f"{path}: expected at most {_MOST_COLUMNS} columns, got {n_columns}")
+    n_bytes = header.points * sum(
+        size * count for size, count in zip(header.size, header.count, strict=True)
+    )
+    held = _MOST_EXPANSION * path.stat().st_size
+    if n_bytes > held:
+        raise LoadError(
+            f"{path}: the header promises {header.points} points, more than a file of this size"
+            " can hold"
+        )
+
+
 def _read_ply(path: Path) -> Points:
     from trimesh.exchange.ply import load_ply
 
     with path.open("rb") as file:
-        content = load_ply(file)
+        # Vertices as they are in the file: with fix_texture some come twice, in another order.
+        content = load_ply(file, fix_texture=False, skip_materials=True)
         file.seek(0)
         promised = re.search(rb"^element\s+vertex\s+(\d+)", file.read(_HEADER_BYTES), re.MULTILINE)
     vertices = content.get("vertices")

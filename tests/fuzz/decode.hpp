@@ -169,7 +169,7 @@ inline BalanceOptions balance(Bytes& bytes, const Robot& robot) {
 inline Options options(Bytes& bytes, const Robot& robot) {
   choose_wildness(bytes);
   constexpr GoalType kGoals[] = {GoalType::Pose, GoalType::Axis, GoalType::Position};
-  constexpr double kTimes[] = {2e-3, 2e-3, 5e-3, 1e-4, 1e-6, 1e-12, kInfinity};
+  constexpr double kTimes[] = {1e-3, 1e-3, 3e-3, 1e-4, 1e-6, 1e-12, kInfinity};
   Options o;
   o.goal = bytes.pick(kGoals);
   if (bytes.one_in(4)) o.goal_axis = direction(bytes);
@@ -190,8 +190,8 @@ inline Options options(Bytes& bytes, const Robot& robot) {
   o.prefer = bytes.one_in(6) ? Prefer::Nearest : Prefer::First;
   if (bytes.one_in(6)) o.joint_weights = vector(bytes, robot.dof(), 0.0, 2.0);
   o.max_time = bytes.one_in(16) ? bytes.number(0.0, 2e-3) : bytes.pick(kTimes);
-  if (o.max_time > 5e-3) o.max_time = 5e-3;  // so that executions are many
-  o.max_restarts = bytes.integer(0, 12) - (bytes.one_in(64) ? 13 : 0);
+  if (o.max_time > 3e-3) o.max_time = 3e-3;  // so that executions are many
+  o.max_restarts = bytes.integer(0, 6) - (bytes.one_in(64) ? 7 : 0);
   o.seed = bytes.byte();
   if (bytes.one_in(8)) {  // everything else
     constexpr int kCounts[] = {1, 0, -1, 2, 100, 2000, std::numeric_limits<int>::min()};

@@ -132,6 +132,45 @@ def test_an_unknown_suffix_is_told_what_there_is(tmp_path: Path) -> None:
     refuses(path, ".pcd", ".las")
 
 
+def pcd_header(*, points: int, data: str, count: str = "1 1 1") -> bytes:
+    return (
+        f"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT {count}\n"
+        f"WIDTH {points}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {points}\nDATA {data}\n"
+    ).encode()
+
+
+@pytest.mark.parametrize("data", ["ascii", "binary", "binary_compressed"])
+def test_pcd_that_promises_more_than_its_size_can_hold_is_refused_unread(
+    tmp_path: Path, data: str
+) -> None:
+    path = tmp_path / "cloud.pcd"
+    path.write_bytes(pcd_header(points=10**12, data=data) + b"0 0 0\n" * 20)
+    refuses(path, "promises 1000000000000 points", "size")
+
+
+def test_pcd_with_a_billion_columns_is_refused_before_they_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "cloud.pcd"
+    path.write_bytes(pcd_header(points=1, data="ascii", count="1 1 1000000000") + b"0 0 0\n")
+    refuses(path, "1000000002", "columns")
+
+
+def test_pcd_whose_points_compress_to_almost_nothing_is_read(tmp_path: Path) -> None:
+    path = write_pcd(tmp_path / "cloud.pcd", Encoding.BINARY_COMPRESSED, np.zeros((50_000, 3)))
+    assert path.stat().st_size < 50_000 * 12 / 50
+    np.testing.assert_array_equal(load_cloud(path), np.zeros((50_000, 3)))
+
+
+def test_ply_of_a_textured_mesh_gives_the_vertices_that_the_file_has(tmp_path: Path) -> None:
+    path = tmp_path / "textured.ply"
+    path.write_text(
+        "ply\nformat ascii 1.0\ncomment TextureFile nowhere.png\nelement vertex 3\n"
+        "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+        "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1\n3 0 1 2 6 .5 0 1 0 0 1\n"
+    )
+    np.testing.assert_array_equal(load_cloud(path), [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+
+
 @pytest.mark.parametrize("suffix", [".pcd", ".ply", ".npy", ".xyz", ".csv"])
 @pytest.mark.parametrize(
     "content",
