@@ -3,6 +3,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "binomial.hpp"
 #include "finite_differences.hpp"
 #include "plain_paper.hpp"
 #include "random_robots.hpp"
@@ -163,15 +164,14 @@ TEST(PlainPaper, AnswersAreThoseOfMethodPaper) {
   Options options;
   options.position_tolerance = options.rotation_tolerance = 1e-3;
   const Comparison free = compare_answers(options, 0);
-  EXPECT_GE(free.equal, free.compared * 8 / 10) << free.equal << " of " << free.compared;
+  EXPECT_GE(free.equal, fewest_by_luck(free.compared, 0.91));
   EXPECT_NEAR(free.solved, free.plain_solved, 0.03 * free.compared);
-  EXPECT_GE(free.solved, free.compared / 2);
+  EXPECT_GE(free.solved, fewest_by_luck(free.compared, 0.66));
   options.clearance_tolerance = options.augmented_lagrangian.constraint_tolerance = 1e-3;
   const Comparison among_points = compare_answers(options, 40);
-  EXPECT_GE(among_points.equal, among_points.compared * 8 / 10)
-      << among_points.equal << " of " << among_points.compared;
+  EXPECT_GE(among_points.equal, fewest_by_luck(among_points.compared, 0.93));
   EXPECT_NEAR(among_points.solved, among_points.plain_solved, 0.03 * among_points.compared);
-  EXPECT_GE(among_points.solved, among_points.compared / 2);
+  EXPECT_GE(among_points.solved, fewest_by_luck(among_points.compared, 0.63));
 }
 
 TEST(PlainPaper, RefusesWhatIsNoSerialChainOfRevoluteJoints) {

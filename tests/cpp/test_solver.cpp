@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+
 #include "arms.hpp"
+#include "binomial.hpp"
 #include "pdoik/solver.hpp"
 
 namespace pdoik {
@@ -42,17 +46,29 @@ struct Setting {
   const char* name;
   Method method;
   InnerMethod inner;
-  double solved_free, solved_among_obstacles;  ///< least share expected
 };
 
 class EveryArm : public ::testing::TestWithParam<std::tuple<std::string, GoalType, Setting>> {};
 
-/// Shares are well below what was measured, as guards against a collapse: the benches measure.
 const Setting kSettings[] = {
-    {"default", Method::Default, InnerMethod::LevenbergMarquardt, 0.99, 0.9},
-    {"default_lbfgs", Method::Default, InnerMethod::Lbfgs, 0.98, 0.85},
-    {"paper", Method::Paper, InnerMethod::Lbfgs, 0.35, 0.2},
+    {"default", Method::Default, InnerMethod::LevenbergMarquardt},
+    {"default_lbfgs", Method::Default, InnerMethod::Lbfgs},
+    {"paper", Method::Paper, InnerMethod::Lbfgs},
 };
+
+/// Measured shares of the 200 targets solved without and among obstacles. With restarts all 7,200
+/// were; 0.999 is what that leaves certain. The paper's single start has its own share per arm and
+/// goal.
+double measured_share(const std::string& arm, GoalType goal, const Setting& setting, bool among) {
+  if (setting.method == Method::Default) return 0.999;
+  using Shares = std::array<std::array<double, 2>, 3>;  // pose, axis, position
+  static const std::map<std::string, Shares> paper{
+      {"panda", {{{0.450, 0.485}, {0.740, 0.740}, {0.920, 0.920}}}},
+      {"ur10", {{{0.735, 0.625}, {0.845, 0.810}, {0.920, 0.910}}}},
+      {"iiwa14", {{{0.775, 0.755}, {0.845, 0.890}, {0.925, 0.975}}}},
+  };
+  return paper.at(arm)[static_cast<std::size_t>(goal)][among ? 1 : 0];
+}
 
 TEST_P(EveryArm, confirms_every_success_by_fk_and_brute_force_without_and_among_obstacles) {
   const auto& [arm, goal, setting] = GetParam();
@@ -76,8 +92,8 @@ TEST_P(EveryArm, confirms_every_success_by_fk_and_brute_force_without_and_among_
       solved += result.success;
     }
     RecordProperty("solved_among_" + std::to_string(obstacles), solved);
-    const double share = obstacles == 0 ? setting.solved_free : setting.solved_among_obstacles;
-    EXPECT_GE(solved, static_cast<int>(share * kTargets - (kSanitized ? 2 : 0)));
+    const double share = measured_share(arm, goal, setting, obstacles > 0);
+    EXPECT_GE(solved, fewest_by_luck(kTargets, share)) << share << " was measured";
   }
 }
 
@@ -120,7 +136,7 @@ TEST(Solver, random_robots_with_followers_slides_and_turns_without_limits_get_ho
       ++tried;
     }
   }
-  EXPECT_GT(solved, tried / 4);
+  EXPECT_GE(solved, fewest_by_luck(tried, 210.0 / 231.0)) << "of " << tried;
 }
 
 TEST(Solver, keeps_the_clearance_asked_for) {
@@ -139,7 +155,7 @@ TEST(Solver, keeps_the_clearance_asked_for) {
       ASSERT_NO_FATAL_FAILURE(expect_honest(robot, options, problem, result));
       solved += result.success;
     }
-    EXPECT_GE(solved, 20);
+    EXPECT_GE(solved, fewest_by_luck(30, 0.999));
   }
 }
 
