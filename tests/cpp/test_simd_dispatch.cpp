@@ -130,7 +130,6 @@ TEST(Simd, every_rollout_kernel_gives_the_frames_of_robot_fk) {
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
     roll_outs.push_back(roll_out_avx2);
 #endif
-  EXPECT_EQ(best_roll_out(), roll_outs.back());
   for (int seed = 1; seed <= 40; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     const Robot robot = random_robot(random, kMixedTree);
@@ -160,11 +159,6 @@ TEST(Simd, every_rollout_kernel_gives_the_frames_of_robot_fk) {
       }
     }
   }
-}
-
-TEST(Simd, the_kernel_chosen_is_the_widest_that_this_processor_runs) {
-  EXPECT_STREQ(simd_name(), kernels().back().name);
-  EXPECT_EQ(best_cull(), kernels().back().cull);
 }
 
 TEST(Simd, baseline_and_best_kernel_give_the_same_minimisation) {

@@ -64,9 +64,11 @@ int cull_baseline(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, 
 int cull_avx2(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
 int cull_avx512(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
 
-/// The widest that this processor runs, chosen once.
+/// The widest that this processor runs and that the environment variable PDOIK_SIMD ("avx512",
+/// "avx2" or "baseline") allows, chosen when first asked for. The variable lowers the level of this
+/// and of best_roll_out, never raises it; any other value counts as none.
 CullFunction best_cull();
-/// "avx512", "avx2" or "baseline".
+/// The level chosen: "avx512", "avx2" or "baseline".
 const char* simd_name();
 
 }  // namespace pdoik::detail

@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "pdoik/simd.hpp"
 #include "simd/cull.hpp"
 #include "simd/roll_out.hpp"
 
@@ -6,15 +11,29 @@ namespace {
 
 enum class Level { Baseline, Avx2, Avx512 };
 
+#ifndef PDOIK_NO_X86_SIMD
+Level level_of_processor() {
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return Level::Baseline;
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                 __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
+             ? Level::Avx512
+             : Level::Avx2;
+}
+
+/// At most what PDOIK_SIMD names. A value that names no level counts as none: a misspelt variable
+/// must not keep a robot from starting, and simd_name() says what was chosen.
+Level level_allowed() {
+  const char* const asked = std::getenv("PDOIK_SIMD");
+  if (asked == nullptr) return Level::Avx512;
+  if (std::strcmp(asked, "baseline") == 0) return Level::Baseline;
+  return std::strcmp(asked, "avx2") == 0 ? Level::Avx2 : Level::Avx512;
+}
+#endif
+
 Level level() {
 #ifndef PDOIK_NO_X86_SIMD
-  static const Level found =
-      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-              __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
-          ? Level::Avx512
-      : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? Level::Avx2
-                                                                        : Level::Baseline;
-  return found;
+  static const Level chosen = std::min(level_of_processor(), level_allowed());
+  return chosen;
 #else
   return Level::Baseline;
 #endif
@@ -42,3 +61,7 @@ const char* simd_name() {
 }
 
 }  // namespace pdoik::detail
+
+namespace pdoik {
+const char* simd_name() { return detail::simd_name(); }
+}  // namespace pdoik
