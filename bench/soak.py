@@ -42,13 +42,13 @@ from soaking.report import report
 from soaking.trees import FAMILIES
 
 SHARES = {  # of a family in all solves and in all steps
-    "panda": (0.2, 0.15),
+    "panda": (0.22, 0.15),
     "ur10": (0.15, 0.12),
     "iiwa14": (0.15, 0.12),
-    "h1": (0.08, 0.12),
-    "random tree": (0.2, 0.2),
+    "h1": (0.05, 0.12),
+    "random tree": (0.23, 0.2),
     "from_dh": (0.14, 0.14),
-    "floating base": (0.08, 0.15),
+    "floating base": (0.06, 0.15),
 }
 SOLVES, STEPS = 50_000, 20_000  # of a job, at most: ten to thirty seconds
 JOBS = 40  # at least, about

@@ -88,7 +88,7 @@ def draw_scene(judge: Judge, rng: np.random.Generator, at_most: int) -> Scene:
         points = round(10 ** rng.uniform(np.log10(low), np.log10(high)))
         cloud = draw_cloud(judge, reached[:30], points, options["clearance"], rng)
         if points > 1_000:
-            options["max_restarts"] = min(options["max_restarts"], 5)
+            options["max_restarts"] = min(options["max_restarts"], 3)
     q0 = None
     near = reached + rng.uniform(-0.3, 0.3, reached.shape)
     draw = rng.random()
@@ -136,7 +136,7 @@ def draw_options(
         "heed_fixed_hulls": bool(rng.random() < 0.7),
         "self_collision": bool(rng.random() < 0.25),
         "self_clearance": float(rng.choice([0.0, 0.01])),
-        "max_restarts": int(rng.choice([0, 5, 20])),
+        "max_restarts": int(rng.choice([0, 3, 10])),
         "seed": int(rng.integers(1000)),
     }
     if options["goal"] == "axis" and rng.random() < 0.5:
