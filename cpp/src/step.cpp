@@ -14,8 +14,6 @@ constexpr double kYieldingGoals = 1e-4;
 constexpr double kLongWay = 0.02;
 /// Places on a longer way that are looked at are no nearer to each other than this [m].
 constexpr double kFinest = 0.002;
-/// When time is up, clearance beyond this is told as this [m].
-constexpr double kShortLook = 0.05;
 
 }  // namespace
 
@@ -96,7 +94,7 @@ void Search::follow(const Following& step, Result& result) {
   // Half-way to a posture, with the time up, is no place to be if staying solves.
   const bool struck = deadline_.struck(), stays = struck && least_squares_.remembered_holds();
   if (stays) q_ = *step.from;
-  judge_answer(step.goals, q_, result, struck ? kShortLook : step.look);
+  judge_answer(step.goals, q_, result, step.look);
   if (!result.success && !struck && !deadline_.passed()) {
     saved_ = result;
     judge_answer(step.goals, *step.from, result, step.look);

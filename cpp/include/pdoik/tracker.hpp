@@ -39,8 +39,8 @@ enum class TrackerStatus {
 /// A status in lower case with underscores, as the Python module gives it.
 const char* to_string(TrackerStatus status);
 
-/// The outcome of a step. Clearance beyond 0.5 m is told as that much, beyond 0.05 m where the
-/// deadline struck: a step has no time to find out how far the far is. q is always a configuration that may be sent to the motors, never
+/// The outcome of a step. Clearance beyond 0.5 m is told as that much: a step has no time to find
+/// out how far the far is. q is always a configuration that may be sent to the motors, never
 /// farther from the last one than the step limits.
 struct TrackerResult : Result {
   TrackerStatus tracking = TrackerStatus::InvalidInput;
