@@ -82,8 +82,8 @@ bool accepts_goal(const Goal& goal, const Robot& robot, bool slack_allowed, Comp
     return complaint.say("axis of the goal for '%s' has length %f, expected a direction", link,
                          length);
   if (!(goal.weight > 0.0) || !std::isfinite(goal.weight))
-    return complaint.say(
-        "weight of the goal for '%s' is %f, expected a positive finite number", link, goal.weight);
+    return complaint.say("weight of the goal for '%s' is %f, expected a positive finite number",
+                         link, goal.weight);
   const auto accepts_slack = [&](const char* what, const Eigen::Vector3d& slack) {
     if (!slack.allFinite() || slack.minCoeff() < 0.0)
       return complaint.say("%s of the goal for '%s' holds a number that is negative or not finite",

@@ -68,8 +68,8 @@ void check_options(const Options& o) {
   require_positive("position_tolerance", o.position_tolerance);
   require_positive("rotation_tolerance", o.rotation_tolerance);
   require(std::abs(o.clearance) <= 1e6, "clearance", o.clearance, "a length within 1e6 m");
-  require(o.clearance >= 0.0 || (o.method == Method::Default &&
-                                 o.inner == InnerMethod::LevenbergMarquardt),
+  require(o.clearance >= 0.0 ||
+              (o.method == Method::Default && o.inner == InnerMethod::LevenbergMarquardt),
           "clearance", o.clearance,
           "at least 0 unless method is 'default' with inner 'levenberg_marquardt'");
   require(o.clearance_tolerance >= 0.0 && std::isfinite(o.clearance_tolerance),

@@ -6,7 +6,8 @@
 namespace pdoik::detail {
 
 double farthest_slide(const Body& body, double lower, double upper) {
-  if (body.multiplier == 0.0) return std::abs(body.offset);  // whatever the limits: 0 times infinity
+  if (body.multiplier == 0.0)
+    return std::abs(body.offset);  // whatever the limits: 0 times infinity
   return std::max(std::abs(body.multiplier * lower + body.offset),
                   std::abs(body.multiplier * upper + body.offset));
 }

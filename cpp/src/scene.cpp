@@ -69,8 +69,7 @@ Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, 
   least = least_clearance_by_growing(fixed_hulls, near, least);
   if (!within_limits || least.distance > far_bound)
     least = least_clearance_by_growing(moving, far, least);
-  if (least.distance > fixed_far_bound)
-    least = least_clearance_by_growing(fixed_hulls, far, least);
+  if (least.distance > fixed_far_bound) least = least_clearance_by_growing(fixed_hulls, far, least);
   return least;
 }
 

@@ -155,8 +155,8 @@ void Search::set_obstacles(const Obstacles& points) {
 }
 
 void Search::use_scene() {
-  const int padded = std::max(scene_->near.padded(),
-                              (options_.max_obstacles + kLanes - 1) / kLanes * kLanes);
+  const int padded =
+      std::max(scene_->near.padded(), (options_.max_obstacles + kLanes - 1) / kLanes * kLanes);
   collision_.reserve(padded);
   least_squares_.reserve(padded);
   least_squares_.use(*scene_);
@@ -254,8 +254,8 @@ void Search::minimise_lagrangian(Result& result) {
 
 double Search::minimise_least_squares(LevenbergMarquardt& minimiser, Result& result) {
   if (deadline_.struck()) return std::numeric_limits<double>::infinity();
-  const LevenbergMarquardtResult inner = minimiser.minimize(
-      least_squares_, q_, lower_, upper_, [&] { return deadline_.passed(); });
+  const LevenbergMarquardtResult inner =
+      minimiser.minimize(least_squares_, q_, lower_, upper_, [&] { return deadline_.passed(); });
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
   return inner.value;

@@ -115,20 +115,19 @@ struct Tracker::Implementation {
                  options.smoothness * last.array()) /
                 pull.array().max(1e-300);
     }
-    search.follow({.goals = goals,
-                   .from = &last,
-                   .lower = &lower,
-                   .upper = &upper,
-                   .pull_to = pulls ? &pull_to : nullptr,
-                   .pull = pulls ? &pull : nullptr,
-                   .max_time = options.max_time,
-                   .margin = margin,
-                   .advance = std::max(0.5 * margin,
-                                       kBeyondTolerance * solver_options.position_tolerance),
-                   .turn = std::max(0.5 * step.sum(),
-                                    kBeyondTolerance * solver_options.rotation_tolerance),
-                   .look = kLook},
-                  result);
+    search.follow(
+        {.goals = goals,
+         .from = &last,
+         .lower = &lower,
+         .upper = &upper,
+         .pull_to = pulls ? &pull_to : nullptr,
+         .pull = pulls ? &pull : nullptr,
+         .max_time = options.max_time,
+         .margin = margin,
+         .advance = std::max(0.5 * margin, kBeyondTolerance * solver_options.position_tolerance),
+         .turn = std::max(0.5 * step.sum(), kBeyondTolerance * solver_options.rotation_tolerance),
+         .look = kLook},
+        result);
     result.complaint = "";
     result.tracking = result.status == Status::TimeLimit ? TrackerStatus::DeadlineStruck
                       : result.success                   ? TrackerStatus::Tracking

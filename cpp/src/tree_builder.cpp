@@ -1,4 +1,3 @@
-#include "detail/check_input.hpp"
 #include "detail/tree_builder.hpp"
 
 #include <algorithm>
@@ -6,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "detail/check_input.hpp"
 #include "detail/inertia_check.hpp"
 #include "detail/text.hpp"
 #include "pdoik/errors.hpp"

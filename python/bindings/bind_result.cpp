@@ -96,8 +96,8 @@ Every error is recomputed from q alone, so that a success can be judged without 
       .def_property_readonly("status", &status_name, R"(Why the solve ended.
 
 `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
-`out_of_reach`: the target lies farther from the arm's root than its links stretch; `base_collision`: an
-obstacle point lies in a hull that no joint moves. In all but the first, q is the best found.)")
+`out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
+tip; `base_collision`: an obstacle point lies in a hull that no joint moves, and no answer exists. In all but the first, q is the best found.)")
       .def_readonly("position_error", &R::position_error, "Largest over the goals [m].")
       .def_readonly(
           "rotation_error", &R::rotation_error,

@@ -151,10 +151,11 @@ class Options:
             position and the direction of one axis, "position" nothing else.
         goal_axis: In the tip frame, for goal "axis": a letter or a vector of any length.
         method: "default" restarts from a low-discrepancy sequence; "paper" is Algorithm IK with its
-            misprints corrected, from one start, and nothing else.
+            misprints corrected, from one start, ended as soon as the tolerances hold.
         position_tolerance: Largest position error of a success [m].
         rotation_tolerance: Largest rotation (or axis) error of a success [rad].
-        clearance: Least distance wanted between obstacle points and hulls [m].
+        clearance: Least distance wanted between obstacle points and hulls; negative: how deep they
+            may lie inside, for method "default" with inner "levenberg_marquardt" [m].
         clearance_tolerance: By how much a success may miss `clearance` [m].
         heed_fixed_hulls: Whether an obstacle in a hull that no joint moves, about which no answer
             can do anything, makes a solve fail. False for clouds that show the table the robot
@@ -169,7 +170,7 @@ class Options:
             are met first [m^2/rad^2].
         joint_weights: What each joint's distance to the posture counts beside the others', shape
             (n,), not negative; empty for all alike. Also what "nearest" means.
-        max_time: Deadline of a solve [s]; may be infinite.
+        max_time: Deadline of a solve, which taking in obstacles is not part of [s]; may be infinite.
         max_restarts: Starts after the first.
         seed: Of the restarts' sequence.
         inner: How method "default" minimises from one start: "levenberg_marquardt" over joint

@@ -13,8 +13,9 @@ class Tracker(_core.Tracker):
     """One step each period, from the last answer, by a deadline, never a jump.
 
     Every step goes downhill from the last answer inside a box of speed limits times period, cut
-    with the joint limits; there are no restarts. Bad numbers do not raise: the last answer stands,
-    and the step says so. It belongs to one thread.
+    with the joint limits; there are no restarts. A joint without a speed limit may go as far as it
+    likes: a step that moves hulls by more than 2 cm is taken only if the way there is clear. Bad
+    numbers do not raise: the last answer stands, and the step says so. It belongs to one thread.
 
     >>> import numpy as np
     >>> import pdoik

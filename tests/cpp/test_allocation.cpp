@@ -34,7 +34,9 @@ void* __libc_memalign(std::size_t, std::size_t);
 void __libc_free(void*);
 
 void* malloc(std::size_t size) { return note(size), __libc_malloc(size); }
-void* calloc(std::size_t count, std::size_t size) { return note(count * size), __libc_calloc(count, size); }
+void* calloc(std::size_t count, std::size_t size) {
+  return note(count * size), __libc_calloc(count, size);
+}
 void* realloc(void* old, std::size_t size) { return note(size), __libc_realloc(old, size); }
 void* memalign(std::size_t alignment, std::size_t size) {
   return note(size), __libc_memalign(alignment, size);

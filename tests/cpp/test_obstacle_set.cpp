@@ -1,5 +1,3 @@
-#include "detail/obstacle_set.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "brute_force.hpp"
 #include "detail/collision.hpp"
+#include "detail/obstacle_set.hpp"
 #include "detail/scene.hpp"
 #include "workbench.hpp"
 
@@ -105,9 +104,9 @@ TEST(ObstacleSet, every_point_is_kept_once_and_neighbours_lie_close_together) {
     for (std::size_t k = 1; k < static_cast<std::size_t>(order.near_count()); ++k) {
       EXPECT_LE(points.row(rows[k]).norm(), 2.0);
       apart += (points.row(rows[k]) - points.row(rows[k - 1])).norm();
-      apart_before += (points.row(static_cast<Eigen::Index>(k)) -
-                       points.row(static_cast<Eigen::Index>(k) - 1))
-                          .norm();
+      apart_before +=
+          (points.row(static_cast<Eigen::Index>(k)) - points.row(static_cast<Eigen::Index>(k) - 1))
+              .norm();
     }
     EXPECT_LT(apart, 0.3 * apart_before);
     std::sort(rows.begin(), rows.end());
@@ -127,7 +126,8 @@ TEST(ObstacleSet, a_hull_grown_without_bound_or_by_no_number_meets_every_point_a
     for (const ObstacleSet* set : {&bench.scene.near, &bench.scene.far}) {
       for (const double grow : {kInfinity, std::nan(""), 1e300, 1e30, 1e12, 1e8}) {
         const auto found = pairs_of(bench.moving, *set, grow);
-        EXPECT_EQ(found.size(), bench.moving.hulls().size() * static_cast<std::size_t>(set->count()))
+        EXPECT_EQ(found.size(),
+                  bench.moving.hulls().size() * static_cast<std::size_t>(set->count()))
             << grow;
       }
     }

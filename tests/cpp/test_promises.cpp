@@ -37,7 +37,8 @@ Robot arm_with_a_free_joint(double velocity) {
   for (int i = 2; i <= 6; ++i)
     occupancy.spheres.push_back(
         {"l" + std::to_string(i), Eigen::Vector3d(0.0, 0.0, 0.1), i == 2 ? 0.09 : 0.07});
-  occupancy.spheroids.push_back({"l3", Eigen::Vector3d::Zero(), "l4", Eigen::Vector3d::Zero(), 0.13});
+  occupancy.spheroids.push_back(
+      {"l3", Eigen::Vector3d::Zero(), "l4", Eigen::Vector3d::Zero(), 0.13});
   robot.set_occupancy(occupancy);
   return robot;
 }
@@ -184,7 +185,8 @@ TEST(Promises, a_step_among_many_points_does_one_pass_after_the_deadline_at_most
   options.max_obstacles = 20000;
   int struck = 0;
   for (const double max_time : {1e-9, 1e-5, 5e-5}) {
-    Tracker tracker(robot, options, {.period = 0.004, .max_time = max_time, .posture_weight = 0.01});
+    Tracker tracker(robot, options,
+                    {.period = 0.004, .max_time = max_time, .posture_weight = 0.01});
     tracker.reset(robot.mid_configuration());
     tracker.set_posture(robot.mid_configuration());
     ASSERT_TRUE(tracker.set_obstacles(dense_cloud(20000)));

@@ -88,8 +88,7 @@ class AugmentedLagrangian {
   /// @param stop  bool(const VectorXd& x, double lagrangian), asked after every inner iteration.
   /// @param cut  bool(), asked after every evaluation of a line search, see Lbfgs::minimize.
   template <class Problem, class Stop, class Cut>
-  AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x, Stop&& stop,
-                                     Cut&& cut) {
+  AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x, Stop&& stop, Cut&& cut) {
     AugmentedLagrangianResult result;
     Penalty penalty{options_.form, options_.rho};
     double last = std::numeric_limits<double>::infinity();

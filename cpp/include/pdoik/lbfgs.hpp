@@ -219,8 +219,7 @@ LbfgsResult Lbfgs::minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop
       search = line_search(evaluate, x, f, first_trial(), cut, result);
     }
     if (search != Search::Found) {
-      result.status =
-          search == Search::Cut ? LbfgsStatus::Stopped : LbfgsStatus::LineSearchFailed;
+      result.status = search == Search::Cut ? LbfgsStatus::Stopped : LbfgsStatus::LineSearchFailed;
       return result;
     }
     remember(x);

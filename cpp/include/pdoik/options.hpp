@@ -15,7 +15,9 @@ namespace pdoik {
 
 enum class Method {
   Default,  ///< restarts from a low-discrepancy sequence, Levenberg-Marquardt and L-BFGS inside
-  Paper,    ///< Algorithm IK with its misprints corrected, one start, and nothing else
+  /// Algorithm IK with its misprints corrected, from one start. L-BFGS ends as soon as goal and
+  /// constraints hold to the tolerances, which the paper leaves open.
+  Paper,
 };
 
 /// How the default method minimises from one start.
@@ -61,7 +63,9 @@ struct Options {
 
   double position_tolerance = 1e-5;  ///< largest position error of a success [m]
   double rotation_tolerance = 1e-5;  ///< largest rotation (or axis) error of a success [rad]
-  double clearance = 0.0;  ///< least distance wanted between obstacle points and hulls [m]
+  /// Least distance wanted between obstacle points and hulls; negative: how deep they may lie
+  /// inside, for Method::Default with InnerMethod::LevenbergMarquardt [m].
+  double clearance = 0.0;
   double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
 
   /// Whether an obstacle in a hull that no joint moves, about which no answer can do anything,
@@ -80,7 +84,8 @@ struct Options {
   /// empty for all alike. Also what "nearest" means.
   Eigen::VectorXd joint_weights = {};
 
-  double max_time = 0.01;   ///< deadline of a solve [s]
+  /// Deadline of a solve, which taking in obstacles is not part of [s].
+  double max_time = 0.01;
   int max_restarts = 1000;  ///< starts after the first; Method::Paper has none
   std::uint64_t seed = 0;   ///< of the restarts' sequence
 

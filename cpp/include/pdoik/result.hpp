@@ -10,10 +10,10 @@ enum class Status {
   Solved,         ///< pose, limits and clearance hold to their tolerances
   TimeLimit,      ///< max_time struck first; q is the best found
   Exhausted,      ///< every start ended in a local minimum; q is the best found
-  OutOfReach,     ///< the target lies farther from the arm's root than its links stretch; q is the
-                  ///< nearest found
-  BaseCollision,  ///< an obstacle point lies in a hull that no joint moves; q is the best found
-                  ///< otherwise
+  OutOfReach,     ///< the target lies farther from the arm's root than its links stretch, or no
+                  ///< joint moves its tip; q is the nearest of a few starts
+  BaseCollision,  ///< an obstacle point lies in a hull that no joint moves: no answer exists; q is
+                  ///< the best found for the goal alone
 };
 
 /// A status in lower case with underscores, as the Python module gives it.

@@ -105,8 +105,8 @@ class Robot {
  public:
   /// @param base_link  Any link of the tree; empty takes the description's root.
   /// @param tip_links  Links that goals may be given for; empty takes every leaf.
-  /// @throws LoadError naming a missing link, a tip named twice, a second parent, a loop, limits out of
-  /// order, a negative speed limit, a zero axis, a number beyond 1e6.
+  /// @throws LoadError naming a missing link, a tip named twice, a second parent, a loop, limits
+  /// out of order, a negative speed limit, a zero axis, a number beyond 1e6.
   explicit Robot(const RobotDescription& description, const std::string& base_link = {},
                  std::vector<std::string> tip_links = {});
 
@@ -189,8 +189,8 @@ class Robot {
   /// What the robot fills, as seen by the solver. Empty until set, except for built-in robots.
   const Occupancy& occupancy() const { return occupancy_; }
   /// @throws std::invalid_argument naming an unknown link, a radius that is not positive or is
-  /// beyond 1e6 m, or a semi-major axis that is not longer than half the distance between foci on one
-  /// link.
+  /// beyond 1e6 m, or a semi-major axis that is not longer than half the distance between foci on
+  /// one link.
   void set_occupancy(Occupancy occupancy);
 
   /// Links whose hulls may touch each other, besides those that are joined (see

@@ -77,8 +77,7 @@ class Candidates {
   Entry* most_promising() {
     const Entry* best = least([](const Entry& entry) { return entry.measured; });
     const Entry* next = least([](const Entry& entry) { return !entry.measured; });
-    const bool better =
-        next != nullptr && (best == nullptr || next->shortfall < best->shortfall);
+    const bool better = next != nullptr && (best == nullptr || next->shortfall < best->shortfall);
     return better ? &entries_[static_cast<std::size_t>(next - entries_.data())] : nullptr;
   }
 

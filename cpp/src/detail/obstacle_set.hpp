@@ -44,9 +44,8 @@ class ObstacleSet {
   int padded() const { return padded_; }
   const Vec4& origin() const { return origin_; }
   ObstacleArrays arrays() const {
-    return {coarse_x_.data(),      coarse_y_.data(), coarse_z_.data(),
-            coarse_radius_.data(), padded_,          blocks_.arrays(),
-            groups_.arrays()};
+    return {coarse_x_.data(), coarse_y_.data(), coarse_z_.data(), coarse_radius_.data(),
+            padded_,          blocks_.arrays(), groups_.arrays()};
   }
   /// x, y, z, radius.
   const Vec4& operator[](int j) const { return points_[static_cast<std::size_t>(j)]; }

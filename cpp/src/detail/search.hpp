@@ -139,7 +139,7 @@ class Search {
   Result best_, saved_, probe_;  ///< of this solve: the nearest solution; to go back to; on the way
   Eigen::VectorXd lower_, upper_, start_, q_, omega_, unsettled_, pull_, levers_;
   bool levers_are_constant_ = false;  ///< no slide without limits lengthens them
-  std::vector<bool> matters_;  ///< joints that move the tip or a hull
+  std::vector<bool> matters_;         ///< joints that move the tip or a hull
   std::ptrdiff_t matter_count_ = 0;
   bool redundant_ = false;  ///< more joints move tips or hulls than the goals fix
   /// Of this solve, in evaluations of the goal.

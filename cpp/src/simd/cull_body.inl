@@ -37,9 +37,9 @@ static inline unsigned points_inside(const ObstacleArrays& o, int j, const WideH
 /// do, since each step rounds the same way or nearer.
 static inline unsigned boxes_near(const BoxArrays& boxes, int j, const WideHull& hull) {
   const auto off = [&](int axis, const auto& c) {
-    return Lanes::max(Lanes::max(Lanes::load(boxes.low[axis] + j) - c,
-                                 c - Lanes::load(boxes.high[axis] + j)),
-                      hull.zero);
+    return Lanes::max(
+        Lanes::max(Lanes::load(boxes.low[axis] + j) - c, c - Lanes::load(boxes.high[axis] + j)),
+        hull.zero);
   };
   const auto dx = off(0, hull.cx), dy = off(1, hull.cy), dz = off(2, hull.cz);
   const auto A = hull.semi_major + Lanes::load(boxes.radius + j);
