@@ -11,7 +11,9 @@
 #include "random_robots.hpp"
 
 /// Robots, options, goals and clouds from bytes. What is asked is sensible more often than not, so
-/// that it gets past the checks at the border; each part may turn wild and is then anything.
+/// that it gets past the checks at the border; each part may turn wild and is then anything. Bytes
+/// are taken once in an expression, or in a list in braces: compilers differ in which operand they
+/// evaluate first, and an input must mean the same to all.
 namespace pdoik::fuzz {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -48,7 +50,11 @@ inline Eigen::Isometry3d pose(Bytes& bytes, double extent) {
     const Eigen::Vector3d axis = vector3(bytes, 1.0) + Eigen::Vector3d(0.0, 0.0, 1e-3);
     T.linear() = Eigen::AngleAxisd(bytes.number(-M_PI, M_PI), axis.normalized()).toRotationMatrix();
   }
-  if (bytes.one_in(32)) T.linear()(bytes.integer(0, 2), bytes.integer(0, 2)) = bytes.any_double();
+  if (bytes.one_in(32)) {
+    const double value = bytes.any_double();
+    const int row = bytes.integer(0, 2), column = bytes.integer(0, 2);
+    T.linear()(row, column) = value;
+  }
   return T;
 }
 
@@ -191,7 +197,8 @@ inline Options options(Bytes& bytes, const Robot& robot) {
   if (bytes.one_in(6)) o.joint_weights = vector(bytes, robot.dof(), 0.0, 2.0);
   o.max_time = bytes.one_in(16) ? bytes.number(0.0, 2e-3) : bytes.pick(kTimes);
   if (o.max_time > 3e-3) o.max_time = 3e-3;  // so that executions are many
-  o.max_restarts = bytes.integer(0, 6) - (bytes.one_in(64) ? 7 : 0);
+  o.max_restarts = bytes.integer(0, 6);
+  if (bytes.one_in(64)) o.max_restarts -= 7;
   o.seed = bytes.byte();
   if (bytes.one_in(8)) {  // everything else
     constexpr int kCounts[] = {1, 0, -1, 2, 100, 2000, std::numeric_limits<int>::min()};
