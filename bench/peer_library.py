@@ -24,14 +24,23 @@ def build_peers(directory: Path) -> Path:
     Raises:
         RuntimeError: CMake or the compiler failed.
     """
+    return build(directory, "pdoik_peers") / "peers"
+
+
+def build(directory: Path, target: str) -> Path:
+    """Build what benchmarks run, and say in which folder.
+
+    Raises:
+        RuntimeError: CMake or the compiler failed.
+    """
     configure = ["cmake", "-S", str(ROOT), "-B", str(directory), "--log-level=WARNING"]
     options = ["-D", "PDOIK_BUILD_BENCH=ON", "-D", f"Python3_EXECUTABLE={sys.executable}"]
-    build = ["cmake", "--build", str(directory), "--parallel", "2", "--target", "pdoik_peers"]
+    build = ["cmake", "--build", str(directory), "--parallel", "2", "--target", target]
     for command in (configure + options, build):
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         if run.returncode != 0:
             raise RuntimeError(f"{' '.join(command)}\n{run.stdout[-4000:]}{run.stderr[-4000:]}")
-    return directory / "peers"
+    return directory
 
 
 class _Setup(ctypes.Structure):

@@ -1,0 +1,62 @@
+"""Calls with a deadline as Python makes them: the Panda, the default method, random targets."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import pdoik
+
+CALL = "LM, from Python"
+WARM_UP = 3
+
+
+def python_calls(
+    cloud: Path | None,
+    budget: float,
+    intake: float,
+    intake_cpu: float,
+    repeats: int,
+    seconds: float,
+    seed: int,
+) -> pd.DataFrame:
+    """As `calls_of` of deadlines.py gives them.
+
+    Args:
+        cloud: A file of doubles, x y z row by row.
+        budget: Of a solve [s].
+        intake: Of the cloud, where results do not state theirs [s].
+        intake_cpu: The same by the thread's clock [s].
+        repeats: Calls.
+        seconds: At most, in all.
+        seed: Of the targets.
+    """
+    robot = pdoik.Robot.builtin("panda")
+    points = np.empty((0, 3)) if cloud is None else np.fromfile(cloud).reshape(-1, 3)
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=budget, heed_fixed_hulls=False))
+    rng = np.random.default_rng(seed)
+    until, rows = time.monotonic() + seconds, []
+    for turn in range(-WARM_UP, repeats):
+        T_base_tip = robot.fk(rng.uniform(robot.lower, robot.upper))
+        wall, cpu = time.perf_counter_ns(), time.thread_time_ns()
+        result = solver.solve(T_base_tip, obstacles=points)
+        cpu, wall = time.thread_time_ns() - cpu, time.perf_counter_ns() - wall
+        stated = float(getattr(result, "intake", intake))
+        if turn >= 0:
+            rows.append(
+                {
+                    "intake": stated,
+                    "intake_cpu": intake_cpu,
+                    "wall": 1e-9 * wall - stated,
+                    "cpu": 1e-9 * cpu - intake_cpu,
+                    "late": int(getattr(result, "late_evaluations", -1)),
+                    "evaluations": result.evaluations,
+                    "struck": result.status == "time_limit" or 1e-9 * wall - stated >= budget,
+                }
+            )
+        if turn > 0 and time.monotonic() > until:
+            break
+    return pd.DataFrame(rows)
