@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import pdoik
 from peer_library import ROOT
 
 
@@ -30,6 +31,7 @@ def provenance(build: Path) -> dict[str, str]:
         "compiler": _first_line(cache.get("CMAKE_CXX_COMPILER", "c++"), "--version"),
         "build": cache.get("CMAKE_BUILD_TYPE", "Release") or "Release",
         "flags": cache.get("CMAKE_CXX_FLAGS_RELEASE", ""),
+        "kernels": pdoik.simd_name(),
         "python": platform.python_version(),
         **{name: _version(name) for name in ("pdoik", "pin", "numpy")},
         "liborocos-kdl-dev": _first_line(

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets everything up, then runs every test, and fails if one stage failed:
 #   bash tests/run.sh                       all stages
-#   bash tests/run.sh STAGE [ARGUMENT...]   one stage; cpp and asan hand the arguments to ctest, python to pytest
+#   bash tests/run.sh STAGE [ARGUMENT...]   one stage; those that run ctest or pytest hand it the arguments
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -41,15 +41,68 @@ stage_asan() {
     run_ctest build/asan "$@"
 }
 
-# A project of its own that finds the installed library.
+# The tests as cpp built them, at each level of SIMD below the one that this processor has.
+stage_simd() {
+  configure_and_build build/dev -D PDOIK_BUILD_BENCH=ON
+  local level
+  for level in baseline avx2; do
+    printf -- '-- PDOIK_SIMD=%s\n' "$level"
+    PDOIK_SIMD=$level run_ctest build/dev "$@"
+  done
+}
+
+# What uses threads, under ThreadSanitizer. Its map of memory leaves little room for addresses drawn at random.
+stage_tsan() {
+  configure_and_build build/tsan -D PDOIK_SANITIZE=thread -D PDOIK_TESTS="threads;solver_repeats;tracker" \
+    -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
+  TSAN_OPTIONS=second_deadlock_stack=1 setarch -R "$BASH" -c "$(declare -f run_ctest); run_ctest build/tsan \"\$@\"" tsan "$@"
+}
+
+# A second compiler's opinion, and clang-tidy's.
+stage_clang() {
+  configure_and_build build/clang -D CMAKE_CXX_COMPILER=clang++ -D CMAKE_EXPORT_COMPILE_COMMANDS=ON
+  run_ctest build/clang "$@"
+  run-clang-tidy -quiet -p build/clang -j "$(nproc)" "^$PWD/cpp/src/"
+}
+
+build_consumer() {  # NAME CMAKE_ARGUMENT...
+  local directory=build/consumer/$1
+  shift
+  cmake -S tests/consumer -B "$directory" -G Ninja --log-level=WARNING "$@" && cmake --build "$directory"
+}
+
+run_consumer() {  # NAME
+  "build/consumer/$1/consumer"
+  "build/consumer/$1/readme"
+}
+
+# A project of its own, which finds the installed library or has its sources within; plain, and compiled for this processor.
 stage_consumer() {
   configure_and_build build/dev
   rm -rf build/install build/consumer
   cmake --install build/dev --prefix build/install --component cpp >/dev/null
-  cmake -S tests/consumer -B build/consumer -G Ninja --log-level=WARNING -D CMAKE_PREFIX_PATH="$PWD/build/install"
-  cmake --build build/consumer
-  build/consumer/consumer
-  build/consumer/readme
+  mkdir build/consumer
+  local installed="-D CMAKE_PREFIX_PATH=$PWD/build/install" native="-D CMAKE_CXX_FLAGS=-march=native"
+
+  build_consumer plain "$installed"
+  run_consumer plain
+
+  if grep -qw avx /proc/cpuinfo; then  # Eigen aligns otherwise with it, and the linker must say so
+    if build_consumer native_alone "$installed" "$native" &>build/consumer/native_alone.log; then
+      echo "a consumer compiled with AVX linked without pdoik::eigen_abi" >&2
+      return 1
+    fi
+    grep -o 'undefined reference to .pdoik::EigenAbi<.*' build/consumer/native_alone.log | sort -u
+  fi
+  build_consumer native "$installed" "$native" -D EIGEN_ABI=ON
+  run_consumer native
+
+  # By add_subdirectory: how to build, here with Eigen's assertions, and what to install are the outer project's decisions.
+  build_consumer inside -D PDOIK_SOURCE="$PWD" "$native" -D EIGEN_ABI=ON
+  grep -qx 'CMAKE_BUILD_TYPE:STRING=' build/consumer/inside/CMakeCache.txt
+  run_consumer inside
+  cmake --install build/consumer/inside --prefix build/consumer/inside_install >/dev/null
+  [[ $(cd build/consumer/inside_install && find . -type f) == ./bin/consumer ]]
 }
 
 # One worker per core, and one thread each: the files are many and the numerics small.
@@ -57,7 +110,7 @@ stage_python() {
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
 
-stages=(lint cpp asan consumer python)
+stages=(lint cpp simd asan tsan clang consumer python)
 if (($#)); then
   [[ " ${stages[*]} " == *" $1 "* ]] || { echo "run.sh: no stage $1; there are: ${stages[*]}" >&2; exit 2; }
   stages=("$1")

@@ -1,4 +1,5 @@
 #include "bind.hpp"
+#include "pdoik/simd.hpp"
 
 PYBIND11_MODULE(_core, module) {
   using namespace pdoik::python;
@@ -13,4 +14,8 @@ PYBIND11_MODULE(_core, module) {
   bind_tracker(module);
   bind_lagrangian(module);
   bind_point_cloud(module);
+  module.def("simd_name", &pdoik::simd_name,
+             R"(The instructions that this process's kernels use: "avx512", "avx2" or "baseline".
+
+The best that the processor has, or what the environment variable PDOIK_SIMD names if that is less.)");
 }

@@ -23,6 +23,7 @@ from pdoik._core import (
     load_srdf_pairs,
     pairs_always_touching,
     pairs_touching_at,
+    simd_name,
     voxel_downsample,
 )
 from pdoik.errors import LoadError, PdoikError, RobotWarning
@@ -62,5 +63,6 @@ __all__ = [
     "load_srdf_pairs",
     "pairs_always_touching",
     "pairs_touching_at",
+    "simd_name",
     "voxel_downsample",
 ]

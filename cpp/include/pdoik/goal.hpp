@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "pdoik/abi.hpp"
+
 namespace pdoik {
 
 /// What a tip has to match of its target.

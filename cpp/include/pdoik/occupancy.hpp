@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "pdoik/abi.hpp"
+
 namespace pdoik {
 
 /// A ball fixed to a link (Eq. joint_coll_avoid): no obstacle point within `radius` of `center`.

@@ -2,6 +2,7 @@
 
 /// Everything: constrained inverse kinematics among point clouds.
 
+#include "pdoik/abi.hpp"
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/collision_pairs.hpp"
 #include "pdoik/errors.hpp"
@@ -17,5 +18,6 @@
 #include "pdoik/point_cloud.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
+#include "pdoik/simd.hpp"
 #include "pdoik/solver.hpp"
 #include "pdoik/tracker.hpp"

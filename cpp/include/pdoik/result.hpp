@@ -4,6 +4,8 @@
 #include <limits>
 #include <string>
 
+#include "pdoik/abi.hpp"
+
 namespace pdoik {
 
 enum class Status {
