@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import os
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -747,8 +747,8 @@ class Result:
         Why the solve ended.
         
         `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
-        `out_of_reach`: the target lies farther from the arm's root than its links stretch; `base_collision`: an
-        obstacle point lies in a hull that no joint moves. In all but the first, q is the best found.
+        `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
+        tip; `base_collision`: an obstacle point lies in a hull that no joint moves, and no answer exists. In all but the first, q is the best found.
         """
     @property
     def success(self) -> bool:
@@ -1148,6 +1148,12 @@ def pairs_touching_at(robot: Robot, q: numpy.typing.ArrayLike) -> list[tuple[str
     
     Raises:
         ValueError: q has another shape or holds NaN or infinity.
+    """
+def simd_name() -> str:
+    """
+    The instructions that this process's kernels use: "avx512", "avx2" or "baseline".
+    
+    The best that the processor has, or what the environment variable PDOIK_SIMD names if that is less.
     """
 def voxel_downsample(points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex, radii: bool = False) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
