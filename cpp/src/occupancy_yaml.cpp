@@ -18,6 +18,18 @@ bool is_text(const std::string& path_or_text) {
          path_or_text.find('{') != std::string::npos;
 }
 
+/// Whether UTF-8 text holds U+FDD0 to U+FDEF or a code point that ends in FFFE or FFFF, which stand
+/// for no character: yaml-cpp writes U+FFFD in their place.
+bool holds_noncharacter(const std::string& text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  for (std::size_t i = 1; i + 1 < text.size(); ++i) {
+    if (byte(i) == 0xBF && byte(i + 1) >= 0xBE && (byte(i - 1) & 0x0FU) == 0x0F) return true;
+    if (byte(i - 1) == 0xEF && byte(i) == 0xB7 && byte(i + 1) >= 0x90 && byte(i + 1) <= 0xAF)
+      return true;
+  }
+  return false;
+}
+
 /// Reads one entry of the file, naming it in every complaint.
 class Entry {
  public:
@@ -25,7 +37,13 @@ class Entry {
     if (!node_.IsMap()) fail("expected a mapping");
   }
 
-  std::string text(const char* key) const { return get<std::string>(key, "a name"); }
+  std::string text(const char* key) const {
+    const auto name = get<std::string>(key, "a name");
+    // What is left empty would be read as "null".
+    if (node_[key].IsNull() || holds_noncharacter(name))
+      fail(std::string("'") + key + "' is not a name");
+    return name;
+  }
   double length(const char* key) const {
     const auto value = get<double>(key, "a length in metres");
     if (!std::isfinite(value)) fail(std::string(key) + " is not finite");

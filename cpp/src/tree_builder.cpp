@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -126,6 +127,9 @@ class TreeBuilder {
     }
     if (std::isinf(joint.lower) != std::isinf(joint.upper)) {
       fail(what + "one limit is finite and the other is not");
+    }
+    if (std::isinf(joint.lower) && joint.lower == joint.upper) {
+      fail(what + "both limits are " + std::to_string(joint.lower));
     }
     if (joint.type == JointType::Revolute && (std::isinf(joint.lower) || std::isinf(joint.upper))) {
       fail(what + "is revolute with an infinite limit: expected finite limits or type continuous");
@@ -259,6 +263,11 @@ class TreeBuilder {
       body.dof = dof_of_joint.at(source.joint);
       body.multiplier = source.multiplier;
       body.offset = source.offset;
+      if (!std::isfinite(body.multiplier) || !std::isfinite(body.offset)) {
+        fail("joint '" + description_.joints[body_joint_[b]].name + "' mimics '" +
+             description_.joints[source.joint].name +
+             "' by a multiplier or offset that is not finite, all followers between them counted");
+      }
       if (description_.joints[body_joint_[b]].mimic) {
         narrow_limits(description_.joints[body_joint_[b]], body, lower, upper);
       }
@@ -279,7 +288,9 @@ class TreeBuilder {
     if (low > high) std::swap(low, high);
     const auto d = static_cast<std::size_t>(body.dof);
     const double new_lower = std::max(lower[d], low), new_upper = std::min(upper[d], high);
-    if (new_lower > new_upper) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    // Also where dividing by the multiplier overflowed: no number is above infinity.
+    if (!(new_lower <= new_upper) || new_lower == kInfinity || new_upper == -kInfinity) {
       fail("joint '" + follower.name + "' mimics '" + tree_.joint_names[d] +
            "', but no position satisfies the limits of both");
     }

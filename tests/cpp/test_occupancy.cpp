@@ -80,6 +80,19 @@ TEST(Occupancy, entries_that_make_no_sense_are_load_errors_that_name_the_entry) 
   refused("balls: []", "balls");
   refused("spheres: [{link: a", "YAML");
   refused("spheres: [{link: \xdc, center: [0, 0, 0], radius: 1}]", "UTF-8");
+  refused("spheres: [{link: , center: [0, 0, 0], radius: 1}]", "link");
+  for (const char* no_character :
+       {"\xEF\xBF\xBF", "\xEF\xBF\xBE", "\xEF\xB7\x90", "\xF0\x9F\xBF\xBF"})
+    refused("spheres: [{link: a" + std::string(no_character) + ", center: [0, 0, 0], radius: 1}]",
+            "link");
+  for (const char* character :
+       {"\xEF\xBF\xBD", "\xEF\xB7\x8F", "\xEF\xB7\xB0", "\xF0\x9F\xBF\xBD"}) {
+    const std::string name = "a" + std::string(character);
+    const Occupancy read =
+        load_occupancy("spheres: [{link: " + name + ", center: [0, 0, 0], radius: 1}]");
+    EXPECT_EQ(read.spheres[0].link, name);
+    expect_equal(load_occupancy(to_yaml(read)), read);
+  }
   refused("/nowhere/at_all.yaml", "/nowhere/at_all.yaml");
   refused("/", "cannot read");
 }

@@ -131,6 +131,26 @@ TEST(RobotErrors, mimicking_nobody_oneself_a_circle_or_a_fixed_joint_is_refused)
   expect_refused([](RobotDescription& d) { d.joints[2].mimic = Mimic{"elbow", kNan}; }, {"wrist"});
 }
 
+TEST(RobotErrors, a_slide_whose_limits_are_the_same_infinity_is_refused) {
+  for (const double limit : {-kInfinity, kInfinity}) {
+    expect_refused(
+        [&](RobotDescription& d) {
+          d.joints[1].type = JointType::Prismatic;
+          d.joints[1].lower = d.joints[1].upper = limit;
+        },
+        {"elbow", "limits"});
+  }
+}
+
+TEST(RobotErrors, followers_of_followers_whose_multipliers_overflow_are_refused) {
+  expect_refused(
+      [](RobotDescription& d) {
+        d.joints[1].mimic = Mimic{"shoulder", 1e200};
+        d.joints[2].mimic = Mimic{"elbow", 1e200};
+      },
+      {"wrist", "shoulder", "finite"});
+}
+
 TEST(RobotErrors, speed_and_effort_limits_that_are_negative_or_not_numbers_are_refused) {
   for (const double bad : {-1.0, kNan, -kInfinity}) {
     expect_refused([&](RobotDescription& d) { d.joints[1].velocity = bad; }, {"elbow", "velocity"});
@@ -141,6 +161,14 @@ TEST(RobotErrors, speed_and_effort_limits_that_are_negative_or_not_numbers_are_r
 TEST(RobotErrors, followers_whose_limits_exclude_their_leaders_are_refused) {
   expect_refused([](RobotDescription& d) { d.joints[2].mimic = Mimic{"elbow", 1.0, 5.0}; },
                  {"wrist", "elbow", "limit"});
+  expect_refused(  // limits so far beyond the leader's that they overflow
+      [](RobotDescription& d) {
+        d.joints[1].type = JointType::Prismatic;
+        d.joints[1].lower = -kInfinity, d.joints[1].upper = kInfinity;
+        d.joints[2].lower = 1e200, d.joints[2].upper = 1e300;
+        d.joints[2].mimic = Mimic{"elbow", 1e-200};
+      },
+      {"wrist", "elbow", "limit"});
 }
 
 TEST(RobotErrors, misuse_of_a_robot_throws_invalid_argument) {
