@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from multiprocessing import resource_tracker
 from pathlib import Path
+from queue import SimpleQueue
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -27,6 +30,8 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+
+from whole_files import write_whole
 
 Row = dict[str, Any]
 Job = Mapping[str, Any]
@@ -60,7 +65,7 @@ class Campaign:
                 f"{folder} holds results of other settings ({', '.join(changed)}): "
                 "choose another --out, or remove it"
             )
-        _write(path, lambda temporary: temporary.write_text(text))
+        write_whole(path, lambda temporary: temporary.write_text(text))
 
     def run(
         self,
@@ -80,7 +85,7 @@ class Campaign:
         Raises:
             CampaignError: Jobs failed; what the others gave is kept.
         """
-        missing = [name for name in jobs if not self._part(name).is_file()]
+        missing = [name for name in jobs if not self.has(name)]
         if len(missing) < len(jobs):
             console.print(f"{len(jobs) - len(missing)} of {len(jobs)} jobs are done already")
         failures = []
@@ -92,7 +97,7 @@ class Campaign:
             for future in as_completed(list(futures)):
                 name = futures.pop(future)
                 try:
-                    self._keep(name, future.result())
+                    self.keep(name, future.result())
                 except Exception as error:  # whatever the job met
                     failures.append(f"{name}: {type(error).__name__}: {error}")
                 future.release()
@@ -102,19 +107,25 @@ class Campaign:
                 f"{len(failures)} of {len(jobs)} jobs failed; the same command tries them again\n"
                 + "\n".join(failures[:5])
             )
-        return self._gather(list(jobs))
+        return self.gather(list(jobs))
 
     def _part(self, name: str) -> Path:
         return self._parts / f"{name}.parquet"
 
-    def _keep(self, name: str, rows: Sequence[Row]) -> None:
-        table = pd.DataFrame(rows)
-        _write(self._part(name), lambda temporary: table.to_parquet(temporary, index=False))
+    def has(self, name: str) -> bool:
+        """Whether a job's rows are there."""
+        return self._part(name).is_file()
 
-    def _gather(self, names: Sequence[str]) -> pd.DataFrame:
+    def keep(self, name: str, rows: Sequence[Row] | pd.DataFrame) -> None:
+        """A finished job's rows."""
+        table = pd.DataFrame(rows)
+        write_whole(self._part(name), lambda temporary: table.to_parquet(temporary, index=False))
+
+    def gather(self, names: Sequence[str]) -> pd.DataFrame:
+        """All rows of these jobs, which trials.parquet then has, too."""
         parts = [pd.read_parquet(self._part(name)) for name in names]
         table = pd.concat([part for part in parts if len(part)], ignore_index=True)
-        _write(
+        write_whole(
             self.folder / "trials.parquet",
             lambda temporary: table.to_parquet(temporary, index=False),
         )
@@ -138,16 +149,20 @@ def dask_client(scheduler: str | None, workers: int | None = None) -> Iterator[C
     if scheduler is None:
         with (
             TemporaryDirectory(prefix="pdoik-dask-") as scratch,  # none that others' workers see
-            LocalCluster(
-                n_workers=workers or os.cpu_count() or 1,
-                threads_per_worker=1,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
-                silence_logs="ERROR",
-                local_directory=scratch,
-            ) as cluster,
-            Client(cluster) as client,
+            ExitStack() as running,
         ):
+            with _interrupts_put_off():
+                cluster = LocalCluster(
+                    n_workers=workers or os.cpu_count() or 1,
+                    threads_per_worker=1,
+                    host="127.0.0.1",
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs="CRITICAL",
+                    local_directory=scratch,
+                )
+                running.enter_context(cluster)
+                client = running.enter_context(Client(cluster))
+                client.run(_be_stopped_by_scheduler)
             yield client
         return
     try:
@@ -161,6 +176,35 @@ def dask_client(scheduler: str | None, workers: int | None = None) -> Iterator[C
         yield client
 
 
+@contextmanager
+def _interrupts_put_off() -> Iterator[None]:
+    """Ctrl-C waits until the end, for this process and for those that it starts meanwhile.
+
+    It goes to all of them: workers that it hits while they load modules would print where.
+    """
+    came: SimpleQueue[int] = SimpleQueue()  # to another thread of this process
+    before = signal.signal(signal.SIGINT, lambda number, _: came.put(number))
+    resource_tracker.ensure_running()  # which lets interrupts through where it starts
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        _hear_interrupts()
+        signal.signal(signal.SIGINT, before)
+    if not came.empty():
+        raise KeyboardInterrupt
+
+
+def _hear_interrupts() -> None:
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _be_stopped_by_scheduler() -> None:
+    """A worker does nothing on Ctrl-C, which ends programs that it runs, and who closes it."""
+    signal.signal(signal.SIGINT, lambda *_: None)
+    _hear_interrupts()
+
+
 def _progress(console: Console) -> Progress:
     columns = (
         TextColumn("{task.description}"),
@@ -171,12 +215,3 @@ def _progress(console: Console) -> Progress:
         TimeRemainingColumn(),
     )
     return Progress(*columns, console=console, transient=True)
-
-
-def _write(path: Path, write: Callable[[Path], object]) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        write(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

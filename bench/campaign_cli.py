@@ -16,6 +16,7 @@ from campaign import Campaign, CampaignError, Job, Row, dask_client
 from peer_library import ROOT
 from provenance import provenance
 from scenes import SceneError
+from whole_files import write_text
 
 console = Console(width=None if sys.stdout.isatty() else 160)
 
@@ -76,11 +77,9 @@ def run_campaign(
 
 
 def write_report(file: Path, text: str) -> None:
-    """Where it was measured, then the text; the file is there whole or not at all."""
+    """Where it was measured, then the text."""
     facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
-    temporary = file.with_name(f".{file.name}")
-    temporary.write_text(f"{facts}\n\n{text}")
-    temporary.replace(file)
+    write_text(file, f"{facts}\n\n{text}")
 
 
 def show(text: str) -> None:

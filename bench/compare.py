@@ -28,6 +28,7 @@ from peer_library import ROOT, build_peers
 from provenance import provenance
 from scenes import ObjectModel, SceneError, primitive_models, ycb_models
 from timings import Block
+from whole_files import write_text
 
 console = Console(width=None if sys.stdout.isatty() else 160)
 
@@ -68,11 +69,11 @@ def main(
         console.print(block.table(), "")
     if as_json is not None:
         tables = [block.to_json() for block in blocks]
-        as_json.write_text(json.dumps({"provenance": where, "blocks": tables}, indent=1) + "\n")
+        write_text(as_json, json.dumps({"provenance": where, "blocks": tables}, indent=1) + "\n")
     if as_markdown is not None:
         facts = [f"- {name}: {value}" for name, value in where.items()]
         tables_as_text = [block.to_markdown() for block in blocks]
-        as_markdown.write_text("\n".join([*facts, "", *tables_as_text]))
+        write_text(as_markdown, "\n".join([*facts, "", *tables_as_text]))
     if any(
         row.false_claims
         for block in blocks

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +15,17 @@ CALL = "LM, from Python"
 WARM_UP = 3
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effort:
+    """How much is measured, and on which goals."""
+
+    repeats: int  # calls of each kind of goal
+    seconds: float  # for each at most
+    seed: int
+
+
 def python_calls(
-    cloud: Path | None,
-    budget: float,
-    intake: float,
-    intake_cpu: float,
-    repeats: int,
-    seconds: float,
-    seed: int,
+    cloud: Path | None, budget: float, intake: float, intake_cpu: float, effort: Effort
 ) -> pd.DataFrame:
     """As `calls_of` of deadlines.py gives them.
 
@@ -30,16 +34,14 @@ def python_calls(
         budget: Of a solve [s].
         intake: Of the cloud, where results do not state theirs [s].
         intake_cpu: The same by the thread's clock [s].
-        repeats: Calls.
-        seconds: At most, in all.
-        seed: Of the targets.
+        effort: How much.
     """
     robot = pdoik.Robot.builtin("panda")
     points = np.empty((0, 3)) if cloud is None else np.fromfile(cloud).reshape(-1, 3)
     solver = pdoik.Solver(robot, pdoik.Options(max_time=budget, heed_fixed_hulls=False))
-    rng = np.random.default_rng(seed)
-    until, rows = time.monotonic() + seconds, []
-    for turn in range(-WARM_UP, repeats):
+    rng = np.random.default_rng(effort.seed)
+    until, rows = time.monotonic() + effort.seconds, []
+    for turn in range(-WARM_UP, effort.repeats):
         T_base_tip = robot.fk(rng.uniform(robot.lower, robot.upper))
         wall, cpu = time.perf_counter_ns(), time.thread_time_ns()
         result = solver.solve(T_base_tip, obstacles=points)

@@ -8,6 +8,7 @@ Beside the idle machine, other programs keep one processor busy, then two. --qui
 
 from __future__ import annotations
 
+import hashlib
 import io
 import subprocess
 import sys
@@ -23,6 +24,7 @@ import pandas as pd
 import typer
 from rich.progress import track
 
+from campaign import Campaign
 from campaign_cli import (
     BUILD,
     BuildFolder,
@@ -35,7 +37,7 @@ from campaign_cli import (
     write_report,
 )
 from deadline_clouds import KINDS, write_cloud
-from deadline_python import CALL, python_calls
+from deadline_python import CALL, Effort, python_calls
 from deadline_tables import all_tables
 from peer_library import build
 
@@ -58,6 +60,12 @@ class Cell:
     cloud: str  # one of KINDS
     count: int
     load: int
+
+    @property
+    def name(self) -> str:
+        """Good for a file."""
+        words = (self.robot, self.call, f"{1e6 * self.budget:.0f}us", self.cloud, self.count)
+        return "-".join(map(str, (*words, self.load)))
 
 
 Plan = Sequence[tuple[str, float, Sequence[int]]]  # calls, their budgets [s], loads
@@ -110,70 +118,68 @@ def main(
     with plain_errors():
         with console.status("building"):
             program = build(build_folder, "pdoik_deadlines") / "bench" / "pdoik_deadlines"
-        out.mkdir(parents=True, exist_ok=True)
+        settings = {
+            "experiment": "deadlines",
+            "program": hashlib.sha256(program.read_bytes()).hexdigest()[:16],
+            "repeats": repeats,
+            "seconds": seconds,
+            "seed": seed,
+        }
         calls = measured(
-            program, cells(QUICK_PLAN if quick else PLAN, robots, counts), repeats, seconds, seed
+            Campaign(out, settings),
+            program,
+            cells(QUICK_PLAN if quick else PLAN, robots, counts),
+            Effort(repeats=repeats, seconds=seconds, seed=seed),
         )
-        calls.to_parquet(out / ".calls.parquet", index=False)
-        (out / ".calls.parquet").replace(out / "calls.parquet")
         text = all_tables(calls, seed)
         write_report(out / "deadlines.md", text)
     show(text)
-    console.print(f"tables: {out}/deadlines.md; calls: calls.parquet")
+    console.print(f"tables: {out}/deadlines.md; calls: trials.parquet")
 
 
 def measured(
-    program: Path, plan: Sequence[Cell], repeats: int, seconds: float, seed: int
+    campaign: Campaign, program: Path, plan: Sequence[Cell], effort: Effort
 ) -> pd.DataFrame:
     """All calls of all cells, a row each; times in seconds, without the intake."""
-    parts = []
     with tempfile.TemporaryDirectory(prefix="pdoik-deadlines-") as folder:
         kinds = {(cell.cloud, cell.count) for cell in plan}
-        clouds = {kind: write_cloud(Path(folder), *kind, seed) for kind in sorted(kinds)}
+        clouds = {kind: write_cloud(Path(folder), *kind, effort.seed) for kind in sorted(kinds)}
         for load in LOADS:
-            now = [cell for cell in plan if cell.load == load]
+            left = [cell for cell in plan if cell.load == load and not campaign.has(cell.name)]
             with busy_processors(load):
-                for cell in track(now, f"beside {load}", console=console, transient=True):
+                for cell in track(left, f"beside {load}", console=console, transient=True):
                     cloud = clouds[cell.cloud, cell.count]
-                    parts.append(calls_of(program, cell, cloud, repeats, seconds, seed))
-        for (kind, count), cloud in clouds.items():
-            parts.append(from_python(parts, kind, count, cloud, repeats, seconds, seed))
-    return pd.concat(parts, ignore_index=True)
+                    campaign.keep(cell.name, calls_of(program, cell, cloud, effort))
+        calls = campaign.gather([cell.name for cell in plan])
+        return pd.concat([calls, *from_python(calls, clouds, effort)], ignore_index=True)
 
 
 def from_python(
-    parts: Sequence[pd.DataFrame],
-    kind: str,
-    count: int,
-    cloud: Path | None,
-    repeats: int,
-    seconds: float,
-    seed: int,
-) -> pd.DataFrame:
-    """The calls from Python among one cloud, whose intake C++ has timed if results do not."""
-    same = [part for part in parts if (part.cloud[0], part.points[0]) == (kind, count)]
-    intake = pd.concat(same)[["intake", "intake_cpu"]].median()
-    calls = python_calls(
-        cloud, USUAL_BUDGET, intake.intake, intake.intake_cpu, repeats, seconds, seed
-    )
-    facts = {"robot": "panda", "call": CALL, "budget": USUAL_BUDGET, "cloud": kind}
-    return calls.assign(**facts, points=count, load=0, case="random")
+    calls: pd.DataFrame, clouds: Mapping[tuple[str, int], Path | None], effort: Effort
+) -> Iterator[pd.DataFrame]:
+    """The calls from Python among each cloud, whose intake C++ has timed if results do not."""
+    for (kind, count), cloud in clouds.items():
+        same = calls[(calls.cloud == kind) & (calls.points == count) & (calls.load == 0)]
+        timed = python_calls(
+            cloud, USUAL_BUDGET, same.intake.median(), same.intake_cpu.median(), effort
+        )
+        facts = {"robot": "panda", "call": CALL, "budget": USUAL_BUDGET, "cloud": kind}
+        yield timed.assign(**facts, points=count, load=0, case="random")
 
 
-def calls_of(
-    program: Path, cell: Cell, cloud: Path | None, repeats: int, seconds: float, seed: int
-) -> pd.DataFrame:
+def calls_of(program: Path, cell: Cell, cloud: Path | None, effort: Effort) -> pd.DataFrame:
     """The calls of one cell.
 
     Raises:
         RuntimeError: The program failed.
     """
-    words = (program, cell.robot, cell.call, cloud or "none", cell.budget, repeats, seconds, seed)
+    words = (program, cell.robot, cell.call, cloud or "none", cell.budget)
+    words += (effort.repeats, effort.seconds, effort.seed)
     done = subprocess.run(
         [str(word) for word in words], capture_output=True, text=True, check=False
     )
     if done.returncode != 0:
-        raise RuntimeError(f"{cell}: {done.stderr.strip()}")
+        raise RuntimeError(f"{cell}: status {done.returncode} {done.stderr.strip()}")
     raw = pd.read_csv(io.StringIO(done.stdout))
     # What a result states of its intake counts, too, where some of it is put off until the call.
     put_off = (raw.stated_intake - raw.intake_wall).clip(lower=0)

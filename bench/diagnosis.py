@@ -47,6 +47,7 @@ from markdown import markdown_table
 from pdoik.sim2real import diagnose
 from peer_library import ROOT
 from provenance import provenance
+from whole_files import write_text
 
 sys.path.append(str(ROOT))  # the worlds are a package of the repository, not installed
 
@@ -92,7 +93,7 @@ def main(
     if times:
         table = times_table(seed)
         out.mkdir(parents=True, exist_ok=True)
-        (out / "times.md").write_text(f"{facts}\n\n{table}")
+        write_text(out / "times.md", f"{facts}\n\n{table}")
         show(table)
         return
     jobs = {
@@ -103,8 +104,8 @@ def main(
         settings = {"experiment": "diagnosis", "seed": seed, "code": code()}
         studies = run_campaign(out, settings, run_study, jobs, scheduler, workers)
     tables = f"{way_table(studies)}\n{effect_table(studies)}"
-    (out / "tables.md").write_text(f"{facts}\n\n{tables}")
-    (out / "failures.md").write_text("".join(map(failure, failed(studies).itertuples())))
+    write_text(out / "tables.md", f"{facts}\n\n{tables}")
+    write_text(out / "failures.md", "".join(map(failure, failed(studies).itertuples())))
     show(tables)
     console.print(f"tables: {out}/tables.md; failures: failures.md; studies: trials.parquet")
 

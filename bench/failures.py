@@ -27,6 +27,7 @@ from success_trials import (
     random_scene_around,
     scenario_seed,
 )
+from whole_files import write_whole
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
@@ -57,7 +58,7 @@ def main(
     for k, (_, trial) in enumerate(chosen.iterrows()):
         _panel(figure.add_subplot(1, len(chosen), k + 1, projection="3d"), trial, settings, cause)
     figure.tight_layout(rect=(0, 0, 1, 0.94))
-    figure.savefig(out, dpi=90)
+    write_whole(out, lambda file: figure.savefig(file, dpi=90))
     print(chosen[["robot", "method", "n_objects", "index", "position_error", "collision"]])
 
 

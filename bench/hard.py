@@ -40,6 +40,7 @@ from markdown import markdown_table
 from methods import COMPILED, PEERS, Terms, make_method
 from peer_library import build_peers
 from provenance import provenance
+from whole_files import write_text
 
 BLOCK = 10  # problems of a job
 SLOW = ("ik_LM", "Drake SNOPT", "mink")
@@ -104,7 +105,7 @@ def main(
     source = source_of(ycb)
     intro = f"{TOLERANCE:g} m and rad, {max_time:g} s. Seed {seed}. The camera sees: {source}."
     table = hard_table(trials)
-    (out / "tables.md").write_text(f"{facts}\n\n{intro}\n\n{table}")
+    write_text(out / "tables.md", f"{facts}\n\n{intro}\n\n{table}")
     show(table)
     console.print(f"tables: {out}/tables.md; trials: trials.parquet")
     if (trials.method.isin(OURS) & trials.claimed & ~trials.confirmed).any():

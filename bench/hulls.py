@@ -38,6 +38,7 @@ from hull_fits import hull_stages
 from hull_trials import BASE_LEFT_OUT, CLOUDS, HULLS, OBJECTS, SHIPPED, run_block
 from intervals import duration, share
 from markdown import markdown_table
+from whole_files import write_text, write_whole
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
@@ -87,7 +88,7 @@ def main(
         trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
     source = source_of(ycb)
     table = hull_table(trials)
-    (out / "tables.md").write_text(f"Objects: {source}. Seed {seed}.\n\n{table}")
+    write_text(out / "tables.md", f"Objects: {source}. Seed {seed}.\n\n{table}")
     draw(trials, out / "hulls.png", f"{OBJECTS} objects, {source}, default method")
     show(table)
     console.print(f"tables and figure: {out}/tables.md, hulls.png; trials: trials.parquet")
@@ -163,7 +164,7 @@ def draw(trials: pd.DataFrame, path: Path, title: str) -> None:
     )
     figure.suptitle(title, fontsize=10)
     figure.tight_layout(rect=(0, 0, 1, 0.91))
-    figure.savefig(path, dpi=110)
+    write_whole(path, lambda file: figure.savefig(file, dpi=110))
     plt.close(figure)
 
 

@@ -35,6 +35,7 @@ from campaign_cli import (
 from intervals import wilson
 from markdown import markdown_table
 from success_trials import run_block
+from whole_files import write_text, write_whole
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
@@ -92,7 +93,7 @@ def main(
     tables = f"Objects: {source}. Seed {seed}.\n\n" + "\n\n".join(
         f"**{label}**\n\n{share_table(trials, error)}" for error, label in ERRORS.items()
     )
-    (out / "tables.md").write_text(tables)
+    write_text(out / "tables.md", tables)
     draw(trials, out / "precision.png", f"Sec. exp2, {source}")
     show(tables)
     console.print(f"tables and figure: {out}/tables.md, precision.png; trials: trials.parquet")
@@ -145,7 +146,7 @@ def draw(trials: pd.DataFrame, path: Path, title: str) -> None:
     figure.legend(handles, names, loc="upper center", ncol=4, bbox_to_anchor=(0.5, 0.96))
     figure.suptitle(title, fontsize=10)
     figure.tight_layout(rect=(0, 0, 1, 0.92))
-    figure.savefig(path, dpi=110)
+    write_whole(path, lambda file: figure.savefig(file, dpi=110))
     plt.close(figure)
 
 

@@ -41,6 +41,7 @@ from success_report import (
     summary_table,
 )
 from success_trials import run_block
+from whole_files import write_text
 
 LEAF = 0.1  # [m]
 TOLERANCE = 0.01  # [m] and [rad]
@@ -117,7 +118,7 @@ def report(trials: pd.DataFrame, out: Path, settings: dict[str, Any]) -> None:
         "## Goals with the tip's x\n\n" + summary_table(tip_x),
         "## By number of obstacles\n\n" + full_table(tip_z),
     ]
-    (out / "tables.md").write_text("\n\n".join(sections))
+    write_text(out / "tables.md", "\n\n".join(sections))
     draw(tip_z, out / "success.png", f"Sec. exp1, {source}, goals with the tip's z")
     for section in sections[1:4]:
         show(section)

@@ -11,6 +11,7 @@ import pandas as pd
 
 from intervals import duration, share, wilson
 from markdown import markdown_table
+from whole_files import write_whole
 
 mpl.use("agg")
 import matplotlib.pyplot as plt
@@ -131,7 +132,7 @@ def draw(trials: pd.DataFrame, path: Path, title: str) -> None:
     figure.legend(handles, names, loc="upper center", ncol=4, bbox_to_anchor=(0.5, 0.985))
     figure.suptitle(title, y=0.997, fontsize=10)
     figure.tight_layout(rect=(0, 0, 1, 0.95))
-    figure.savefig(path, dpi=110)
+    write_whole(path, lambda file: figure.savefig(file, dpi=110))
     plt.close(figure)
 
 

@@ -34,6 +34,7 @@ from markdown import markdown_table
 from methods import PEERS
 from peer_library import build_peers
 from tracking_trials import DURATION, JUMP, PERIOD, SPHERES, TOLERANCE, run_method
+from whole_files import write_text
 
 OURS = ("pdoik, one start", "pdoik")
 
@@ -82,7 +83,7 @@ def main(
         f"of more than {JUMP:g} rad in one joint. Seed {seed}."
     )
     table = tracking_table(trials)
-    (out / "tables.md").write_text(f"{intro}\n\n{table}")
+    write_text(out / "tables.md", f"{intro}\n\n{table}")
     show(f"{intro}\n\n{table}")
     console.print(f"tables: {out}/tables.md; trials: trials.parquet")
 
