@@ -144,8 +144,10 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   const bool empty = scene.near.count() == 0 && scene.far.count() == 0;
   result.clearance = empty ? std::numeric_limits<double>::infinity()
                            : least.distance + options_.clearance;  // radii include what is wanted
-  verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
-              least.source, least.obstacle);
+  if (least.source >= 0) {  // nobody's, where nothing is within `look`
+    verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
+                least.source, least.obstacle);
+  }
   result.position_error = result.rotation_error = 0.0;
   for (const Goal& goal : goals) judge_goal(goal, verdict, result);
   judge_balance(verdict, result);

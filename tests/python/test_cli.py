@@ -251,9 +251,16 @@ def test_numbers_read_well() -> None:
     assert json.loads(text) == {"a": [1.0, None], "b": [None, {"c": 3}]}
 
 
-def test_the_entry_point_is_the_app() -> None:
+def test_the_entry_point_runs_the_app(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     (entry,) = entry_points(group="console_scripts", name="pdoik")
-    assert entry.load() is app
+    monkeypatch.setattr("sys.argv", ["pdoik", "info", "panda"])
+    monkeypatch.setattr("pdoik.cli.interrupts.take_over", lambda: None)  # of this process's signals
+    with pytest.raises(SystemExit) as left:
+        entry.load()()
+    assert left.value.code == 0
+    assert "panda_joint1" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("target", "status"), [(REACHABLE, 0), ("9 9 9 1 0 0 0", 1), ("9", 2)])

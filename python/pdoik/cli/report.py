@@ -76,6 +76,8 @@ def facts(solution: Solution) -> dict[str, object]:
         "iterations": result.iterations,
         "evaluations": result.evaluations,
         "restarts": result.restarts,
+        "intake": result.intake,
+        "late_evaluations": result.late_evaluations,
         "time": result.time,
         "cloud": cloud,
     }
