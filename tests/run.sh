@@ -22,10 +22,11 @@ configure_and_build() {  # DIRECTORY CMAKE_ARGUMENT...
   cmake --build "$directory"
 }
 
+under=()  # what starts the tests
 run_ctest() {  # DIRECTORY CTEST_ARGUMENT...
   local directory=$1
   shift
-  ctest --test-dir "$directory" --output-on-failure --no-tests=error --progress -j "$(nproc)" "$@"
+  "${under[@]}" ctest --test-dir "$directory" --output-on-failure --no-tests=error --progress -j "$(nproc)" "$@"
 }
 
 stage_cpp() {
@@ -51,16 +52,19 @@ stage_simd() {
   done
 }
 
-# What uses threads, under ThreadSanitizer. Its map of memory leaves little room for addresses drawn at random.
+# What several threads may do at once, under ThreadSanitizer, whose map of memory has no room for addresses drawn too freely.
 stage_tsan() {
-  configure_and_build build/tsan -D PDOIK_SANITIZE=thread -D PDOIK_TESTS="threads;solver_repeats;tracker" \
+  configure_and_build build/tsan -D PDOIK_SANITIZE=thread -D PDOIK_TESTS=threads \
     -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
-  TSAN_OPTIONS=second_deadlock_stack=1 setarch -R "$BASH" -c "$(declare -f run_ctest); run_ctest build/tsan \"\$@\"" tsan "$@"
+  local under=()
+  if setarch -R true 2>/dev/null; then under=(setarch -R); fi
+  run_ctest build/tsan "$@"
 }
 
-# A second compiler's opinion, and clang-tidy's.
+# What another compiler and clang-tidy make of it.
 stage_clang() {
-  configure_and_build build/clang -D CMAKE_CXX_COMPILER=clang++ -D CMAKE_EXPORT_COMPILE_COMMANDS=ON
+  configure_and_build build/clang -D CMAKE_CXX_COMPILER=clang++ -D CMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG" \
+    -D CMAKE_EXPORT_COMPILE_COMMANDS=ON
   run_ctest build/clang "$@"
   run-clang-tidy -quiet -p build/clang -j "$(nproc)" "^$PWD/cpp/src/"
 }
@@ -103,6 +107,16 @@ stage_consumer() {
   run_consumer inside
   cmake --install build/consumer/inside --prefix build/consumer/inside_install >/dev/null
   [[ $(cd build/consumer/inside_install && find . -type f) == ./bin/consumer ]]
+}
+
+# The library compiled for this processor: its own tests, and a plain program that finds it installed.
+stage_native() {
+  configure_and_build build/native -D PDOIK_NATIVE=ON
+  run_ctest build/native "$@"
+  rm -rf build/install_native build/consumer/of_native
+  cmake --install build/native --prefix build/install_native --component cpp >/dev/null
+  build_consumer of_native -D CMAKE_PREFIX_PATH="$PWD/build/install_native"
+  run_consumer of_native
 }
 
 # One worker per core, and one thread each: the files are many and the numerics small.

@@ -12,7 +12,6 @@ import pytest
 
 import pdoik
 from command_line import PANDA, REACHABLE, misuse, run, solve
-from pdoik.cli import app
 from pdoik.cli.tables import angle_text, json_text, length_text, time_text
 from pdoik.cli.target import parse_target
 
