@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets everything up, then runs every test, and fails if one stage failed:
-#   bash tests/run.sh                       all stages
+#   bash tests/run.sh                       all stages that CI runs
 #   bash tests/run.sh STAGE [ARGUMENT...]   one stage; those that run ctest or pytest hand it the arguments
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -119,14 +119,19 @@ stage_native() {
   run_consumer of_native
 }
 
+# A look by every fuzzer; tests/fuzz.sh by itself takes an hour for each.
+stage_fuzz() { bash tests/fuzz.sh "${1:-15}"; }
+
 # One worker per core, and one thread each: the files are many and the numerics small.
 stage_python() {
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
 
-stages=(lint cpp simd asan tsan clang consumer python)
+stages=(lint cpp simd asan tsan consumer python)
+others=(clang native fuzz)  # by name only: they take long
 if (($#)); then
-  [[ " ${stages[*]} " == *" $1 "* ]] || { echo "run.sh: no stage $1; there are: ${stages[*]}" >&2; exit 2; }
+  [[ " ${stages[*]} ${others[*]} " == *" $1 "* ]] ||
+    { echo "run.sh: no stage $1; there are: ${stages[*]} ${others[*]}" >&2; exit 2; }
   stages=("$1")
   shift
 fi

@@ -230,9 +230,6 @@ class TreeBuilder {
       if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
         fail("joint '" + follower.name + "': mimic multiplier or offset is not finite");
       }
-      if (std::abs(mimic.multiplier) > kLargestNumber || std::abs(mimic.offset) > kLargestNumber) {
-        fail("joint '" + follower.name + "': mimic multiplier or offset is beyond 1e6");
-      }
       if (hops > description_.joints.size())
         fail("joint '" + follower.name + "' mimics itself in a circle");
       source.offset += source.multiplier * mimic.offset;
@@ -263,10 +260,13 @@ class TreeBuilder {
       body.dof = dof_of_joint.at(source.joint);
       body.multiplier = source.multiplier;
       body.offset = source.offset;
-      if (!std::isfinite(body.multiplier) || !std::isfinite(body.offset)) {
+      if (!(std::abs(body.multiplier) <= kLargestNumber &&
+            std::abs(body.offset) <= kLargestNumber)) {
         fail("joint '" + description_.joints[body_joint_[b]].name + "' mimics '" +
              description_.joints[source.joint].name +
-             "' by a multiplier or offset that is not finite, all followers between them counted");
+             "' by a multiplier or offset that is not finite or beyond 1e6, all followers between "
+             "them "
+             "counted");
       }
       if (description_.joints[body_joint_[b]].mimic) {
         narrow_limits(description_.joints[body_joint_[b]], body, lower, upper);
