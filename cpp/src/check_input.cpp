@@ -182,13 +182,15 @@ bool accepts_obstacles(const Obstacles& points, Complaint& complaint) {
     return complaint.say("obstacles has shape (%lld, %lld), expected (N, 3) or (N, 4)",
                          row(points.rows()), row(points.cols()));
   // Zero times a finite number is zero: one pass without a branch finds whether anything is wrong.
+  const bool has_radius = points.cols() == 4;
   double poison = 0.0, least_radius = 0.0, largest = 0.0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    for (Eigen::Index j = 0; j < points.cols(); ++j) {
-      poison += 0.0 * points(i, j);
-      largest = std::max(largest, std::abs(points(i, j)));
-    }
-    if (points.cols() == 4) least_radius = std::min(least_radius, points(i, 3));
+    const double x = points(i, 0), y = points(i, 1), z = points(i, 2),
+                 r = has_radius ? points(i, 3) : 0.0;
+    poison += 0.0 * ((x + y) + (z + r));
+    largest =
+        std::max(largest, std::max(std::max(std::abs(x), std::abs(y)), std::max(std::abs(z), r)));
+    least_radius = std::min(least_radius, r);
   }
   if (poison == 0.0 && least_radius >= 0.0 && largest <= kLargestNumber) return true;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {

@@ -88,33 +88,43 @@ double half_sum_gap(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& 
   return 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
 }
 
-/// A lower bound of a point's distance to a hull, and the distance where that is a sphere. Of a
-/// spheroid it is the distance to the capsule that holds it (see Capsule), which is closer than the
-/// half sum, or the half sum inside and where the foci are too far apart for a spheroid.
-double distance_bound(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) {
-  if (hull.is_sphere()) return half_sum_gap(hull, a, b, o);
-  const Vec4 half = broadcast(0.5) * (b - a);
-  const double h2 = dot3(half, half), A = hull.semi_major, minor2 = A * A - h2;
-  if (!(minor2 > 0.0)) return half_sum_gap(hull, a, b, o);
-  const double minor = std::sqrt(minor2);
-  const Vec4 axis = broadcast(std::sqrt(h2) / (A + minor)) * half;  // half the capsule's segment
-  const Vec4 from = o - broadcast(0.5) * (a + b);
-  const double length2 = dot3(axis, axis);
-  const double t = length2 > 0.0 ? std::clamp(dot3(from, axis) / length2, -1.0, 1.0) : 0.0;
-  const Vec4 gap = from - broadcast(t) * axis;
-  const double bound = std::sqrt(dot3(gap, gap)) - minor;
-  return bound > 0.0 ? bound : half_sum_gap(hull, a, b, o);
-}
+/// A point and a spheroid in the half plane through both its foci and the point.
+struct Meridian {
+  Meridian(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) : major(hull.semi_major) {
+    const Vec4 half = broadcast(0.5) * (b - a), from = o - broadcast(0.5) * (a + b);
+    const double h2 = dot3(half, half), from2 = dot3(from, from), on_half = dot3(from, half);
+    minor2 = major * major - h2;
+    along2 = h2 > 0.0 ? on_half * on_half / h2 : 0.0;
+    aside2 = std::max(from2 - along2, 0.0);
+  }
+  /// No spheroid: the foci are too far apart.
+  bool is_hollow() const { return !(minor2 > 0.0); }
 
-/// Distance from a ball to a hull's surface, or any number above `than` where that is larger.
+  /// At most the point's signed distance from the surface: that from a plane which the spheroid
+  /// touches, near the point where it is nearest.
+  double distance_bound() const {
+    const double along = std::sqrt(along2), aside = std::sqrt(aside2), major2 = major * major;
+    const double share =
+        std::sqrt(along2 / major2 + aside2 / minor2);  // of the point's way outside
+    const double beyond =
+        share > 1.0 ? std::sqrt(minor2 * (along2 + aside2)) * (1.0 - 1.0 / share) : 0.0;
+    const double n_along = along / (major2 + beyond), n_aside = aside / (minor2 + beyond);
+    const double length = std::sqrt(n_along * n_along + n_aside * n_aside);
+    if (!(length > 0.0)) return -std::sqrt(minor2);  // the centre itself
+    const double support = std::sqrt(major2 * n_along * n_along + minor2 * n_aside * n_aside);
+    return (along * n_along + aside * n_aside - support) / length;
+  }
+
+  double major, minor2, along2, aside2;
+};
+
+/// Distance from a ball to a hull's surface, or any number not below `than` where that is larger.
 double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than) {
   const double radius = o[3];
-  const double bound = distance_bound(hull, a, b, o);
-  if (hull.is_sphere()) return bound - radius;
-  const Vec4 half = broadcast(0.5) * (b - a);
-  const bool hollow =
-      !(hull.semi_major * hull.semi_major > dot3(half, half));  // foci too far apart: empty
-  if (hollow || (bound > 0.0 && bound - radius >= than)) return bound - radius;
+  if (hull.is_sphere()) return half_sum_gap(hull, a, b, o) - radius;
+  const Meridian meridian(hull, a, b, o);
+  if (meridian.is_hollow()) return half_sum_gap(hull, a, b, o) - radius;
+  if (meridian.distance_bound() - radius >= than) return than;
   return spheroid_distance(to_vector3(o), to_vector3(a), to_vector3(b), hull.semi_major).distance -
          radius;
 }
@@ -132,37 +142,17 @@ double from_centre(const CollisionState& state, const Hull& hull, const Vec4& o)
 /// Coordinates are a million metres at most, and so are joints' positions.
 constexpr double kBeyondAll = 1e9;
 
-/// The distance between the first hull and the nearest of some points, which bounds how far hulls
-/// need to grow, if it is below `least`.
-Clearance sampled_clearance(const CollisionState& state, const ObstacleSet& obstacles,
-                            Clearance least) {
-  constexpr int kEvery = 256;
-  if (obstacles.count() < 4 * kEvery) return least;
-  const Hull& hull = state.hulls().front();
-  int nearest = 0;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int j = 0; j < obstacles.count(); j += kEvery) {
-    const double square = from_centre(state, hull, obstacles[j]);
-    if (square >= lowest) continue;
-    lowest = square;
-    nearest = j;
-  }
-  const double distance =
-      hull_distance(hull, state.position(hull.a), state.position(hull.b), obstacles[nearest],
-                    std::numeric_limits<double>::infinity());
-  if (distance >= least.distance) return least;
-  return {distance, hull.source, obstacles.original_index(nearest)};
-}
-
 }  // namespace
 
-Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
-                                     Clearance least) {
+Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, Clearance least) {
   if (state.hulls().empty() || obstacles.count() == 0) return least;
+  if (const ObstacleSet* few = obstacles.few()) {  // whose nearest bounds how far others may be
+    least = least_clearance(state, *few, least);
+    return least_clearance_within(state, obstacles, least.distance, least);
+  }
   for (double g = 0.05;; g *= 2.0) {
     least = least_clearance_within(state, obstacles, g, least);
     if (least.distance <= g || g > kBeyondAll) return least;
-    if (g == 0.05) least = sampled_clearance(state, obstacles, least);
   }
 }
 
@@ -179,8 +169,9 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obsta
     if (distance < least.distance)
       least = {distance, hull.source, obstacles.original_index(pair.obstacle)};
   };
-  // What is farther than the least so far need not be found: hulls grow by no more than that.
-  const auto grow = [&](std::size_t) { return std::min(g, std::max(least.distance, 0.0)); };
+  // What is farther than the least so far need not be found: hulls grow by no more than that, or
+  // shrink.
+  const auto grow = [&](std::size_t) { return std::min(g, least.distance); };
   state.visit_near(obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
     // The pair nearest in proportion first: most of the others need no exact distance then.
     const NearPair* first = begin;

@@ -6,6 +6,7 @@
 namespace pdoik::detail {
 namespace {
 
+constexpr int kGroup = kLanes * kLanes;  // points
 constexpr float kFarAway = 1e15F;  // squares and their products stay finite in single precision
 
 int round_up(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
@@ -18,9 +19,12 @@ void ObstacleSet::reserve(std::size_t count) {
   index_.reserve(padded);
   for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
     v->reserve(padded);
-  if (count <= static_cast<std::size_t>(kLanes * kLanes)) return;
-  groups_.reserve(padded / kLanes / kLanes + 1);
-  blocks_.reserve((padded / kLanes / kLanes + 1) * kLanes);
+  if (count <= static_cast<std::size_t>(kGroup)) return;
+  const std::size_t groups = padded / kGroup + 1;
+  groups_.reserve(groups);
+  blocks_.reserve(groups * kLanes);
+  if (few_ == nullptr) few_ = std::make_unique<ObstacleSet>();
+  few_->reserve(groups);
 }
 
 void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {
@@ -44,9 +48,10 @@ void ObstacleSet::finish(bool in_order) {
   float extent = 1.0F;
   blocks_.resize(0);
   groups_.resize(0);
-  if (in_order && count_ > kLanes * kLanes) {
+  if (in_order && count_ > kGroup) {
     box_points();
     box_blocks();
+    pick_few();
     for (std::size_t g = 0; g < static_cast<std::size_t>(groups_.count); ++g) {
       for (int axis = 0; axis < 3; ++axis) {
         extent =
@@ -119,17 +124,21 @@ void ObstacleSet::box_blocks() {
   }
 }
 
+void ObstacleSet::pick_few() {
+  if (few_ == nullptr) few_ = std::make_unique<ObstacleSet>();
+  few_->begin(groups_.count, to_vector3(origin_));
+  for (int first = 0; first < count_; first += kGroup) {
+    const int k = first + std::min(kGroup, count_ - first) / 2;
+    const Vec4& o = (*this)[k];
+    few_->add(o[0], o[1], o[2], o[3], original_index(k));
+  }
+  few_->finish(true);
+}
+
 namespace {
 
 /// A side of cells for a cloud of this many points.
 int side_for(std::size_t count) { return count > (1U << 17U) ? 64 : 32; }
-
-/// The six lowest bits of v with two zeros between each.
-std::uint32_t spread(std::uint32_t v) {
-  v = (v | (v << 8U)) & 0x0000F00FU;
-  v = (v | (v << 4U)) & 0x000C30C3U;
-  return (v | (v << 2U)) & 0x00249249U;
-}
 
 }  // namespace
 
@@ -142,34 +151,23 @@ void CellOrder::reserve(std::size_t count) {
 
 void CellOrder::begin(int count, const Eigen::Vector3d& origin, double half_side,
                       double far_half_side) {
-  side_ = side_for(static_cast<std::size_t>(count));
+  const int side = side_for(static_cast<std::size_t>(count));
   origin_ = origin;
-  scale_[0] = 0.5 * side_ / half_side;
-  scale_[1] = 0.5 * side_ / far_half_side;
-  near_count_ = 0;
-  cell_.clear();
-  first_.assign(static_cast<std::size_t>(2 * side_ * side_ * side_) + 1, 0);
-}
-
-void CellOrder::add(double x, double y, double z, bool is_far) {
-  const double scale = scale_[is_far ? 1 : 0], half = 0.5 * side_, last = side_ - 1.0;
-  const auto cell = [&](double value, Eigen::Index axis) {
-    return static_cast<std::uint32_t>(
-        std::min(std::max((value - origin_[axis]) * scale + half, 0.0), last));
-  };
-  std::uint32_t key = spread(cell(x, 0)) | spread(cell(y, 1)) << 1U | spread(cell(z, 2)) << 2U;
-  if (is_far)
-    key += static_cast<std::uint32_t>(side_ * side_ * side_);
-  else
-    ++near_count_;
-  cell_.push_back(key);
-  ++first_[key + 1];
+  half_ = 0.5 * side;
+  last_ = side - 1.0;
+  scale_[0] = half_ / half_side;
+  scale_[1] = half_ / far_half_side;
+  far_cells_ = static_cast<std::uint32_t>(side * side * side);
+  cell_.resize(static_cast<std::size_t>(count));
+  count_ = 0;
+  first_.assign(2 * static_cast<std::size_t>(far_cells_) + 1, 0);
 }
 
 const std::vector<int>& CellOrder::sorted() {
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  sorted_.resize(cell_.size());
-  for (std::size_t k = 0; k < cell_.size(); ++k)
+  near_count_ = first_[far_cells_];
+  sorted_.resize(count_);
+  for (std::size_t k = 0; k < count_; ++k)
     sorted_[static_cast<std::size_t>(first_[cell_[k]]++)] = static_cast<int>(k);
   return sorted_;
 }

@@ -38,7 +38,7 @@ class Entry {
   }
 
   std::string text(const char* key) const {
-    const auto name = get<std::string>(key, "a name");
+    auto name = get<std::string>(key, "a name");
     // What is left empty would be read as "null".
     if (node_[key].IsNull() || holds_noncharacter(name))
       fail(std::string("'") + key + "' is not a name");
@@ -53,7 +53,7 @@ class Entry {
     const auto values = get<std::vector<double>>(key, "[x, y, z] in metres");
     if (values.size() != 3)
       fail(std::string(key) + " has " + std::to_string(values.size()) + " numbers, expected 3");
-    const Eigen::Vector3d point(values[0], values[1], values[2]);
+    Eigen::Vector3d point(values[0], values[1], values[2]);
     if (!point.allFinite()) fail(std::string(key) + " is not finite");
     return point;
   }

@@ -9,6 +9,10 @@ namespace {
 /// Cells are not spread over more than this to each side: beyond it a cloud's order hardly matters
 /// [m].
 constexpr double kLargestCube = 50.0;
+/// Rows that are fetched ahead of their turn, since their order in memory is another.
+constexpr int kAhead = 16;
+/// Out of reach, cells are this much larger: what is farther still matters least.
+constexpr double kFarCube = 4.0;
 /// Where the arm's reach has no bound, they are where most of a cloud is [m].
 constexpr double kUsualCube = 4.0;
 
@@ -33,8 +37,10 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
   far_bound = std::numeric_limits<double>::infinity();
   const auto is_far = [&](int i) {
     const double dx = points(i, 0) - root.x(), dy = points(i, 1) - root.y(),
-                 dz = points(i, 2) - root.z();
-    const double beyond = std::sqrt(dx * dx + dy * dy + dz * dz) - radius_of(i) - hulls.reach;
+                 dz = points(i, 2) - root.z(), square = dx * dx + dy * dy + dz * dz;
+    const double within = hulls.reach + radius_of(i);
+    if (within >= 0.0 && square <= within * within) return false;  // most, without a root
+    const double beyond = std::sqrt(square) - within;
     if (!(beyond > 0.0)) return false;
     far_bound = std::min(far_bound, beyond);
     return true;
@@ -42,14 +48,19 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
   if (large) {
     const double cube =
         std::isfinite(hulls.reach) ? std::min(hulls.reach, kLargestCube) : kUsualCube;
-    order_.begin(count, root, cube, kLargestCube);
+    order_.begin(count, root, cube, std::min(kFarCube * cube, kLargestCube));
     for (int i = 0; i < count; ++i) order_.add(points(i, 0), points(i, 1), points(i, 2), is_far(i));
-    const int near_count = order_.near_count();
     const std::vector<int>& sorted = order_.sorted();
+    const int near_count = order_.near_count();
     near.begin(near_count, root);
     far.begin(count - near_count, root);
-    for (int k = 0; k < count; ++k)
+    for (int k = 0; k < count; ++k) {
+      const int soon = sorted[static_cast<std::size_t>(std::min(k + kAhead, count - 1))];
+      const double* const row = points.data() + soon * points.outerStride();
+      __builtin_prefetch(row);
+      __builtin_prefetch(row + 2);  // which may lie in another line of the cache
       add_to(k < near_count ? near : far, sorted[static_cast<std::size_t>(k)]);
+    }
   } else {
     near.begin(count, root);
     far.begin(count, root);
@@ -65,11 +76,10 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
 
 Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, bool within_limits,
                            double look) const {
-  Clearance least = least_clearance_by_growing(moving, near, {look, -1, -1});
-  least = least_clearance_by_growing(fixed_hulls, near, least);
-  if (!within_limits || least.distance > far_bound)
-    least = least_clearance_by_growing(moving, far, least);
-  if (least.distance > fixed_far_bound) least = least_clearance_by_growing(fixed_hulls, far, least);
+  Clearance least = least_clearance(moving, near, {look, -1, -1});
+  least = least_clearance(fixed_hulls, near, least);
+  if (!within_limits || least.distance > far_bound) least = least_clearance(moving, far, least);
+  if (least.distance > fixed_far_bound) least = least_clearance(fixed_hulls, far, least);
   return least;
 }
 

@@ -59,6 +59,9 @@ constexpr double kMeasureShare = 0.02;
 constexpr double kRepairMargin = 0.1;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
 constexpr double kObstaclesPerEvaluation = 60.0;
+/// The last verdict comes after the clock has struck: time is kept for it, but no more than this
+/// share.
+constexpr double kMostReserved = 0.5;
 /// Starts where no answer can exist: for the nearest to a target out of reach; for the goal alone
 /// where the base is in collision, which ends with the first that reaches it.
 constexpr int kStartsOutOfReach = 16, kStartsForGoalAlone = 100;
@@ -187,7 +190,7 @@ std::optional<Status> Search::why_hopeless(std::span<const Goal> goals) {
 }
 
 void Search::begin(double max_time, Result& result) {
-  deadline_ = Deadline(max_time, interrupt_);
+  deadline_ = Deadline(max_time - std::min(verdict_time_, kMostReserved * max_time), interrupt_);
   late_ = 0;
   result.iterations = result.evaluations = result.restarts = 0;
   result.success = false;
@@ -217,7 +220,10 @@ void Search::run(const Request& request, Result& result) {
 void Search::judge_answer(std::span<const Goal> goals, const Eigen::VectorXd& q, Result& result,
                           double look) {
   if (deadline_.struck()) ++late_;
+  const double began = deadline_.elapsed();
   judge_(goals, q, *scene_, result, look);
+  const double took = deadline_.elapsed() - began;
+  verdict_time_ = std::max(took, 0.5 * (took + verdict_time_));
 }
 
 void Search::run_paper(const Request& request, Result& result) {

@@ -7,6 +7,7 @@
 #include "detail/collision.hpp"
 #include "detail/obstacle_set.hpp"
 #include "detail/scene.hpp"
+#include "detail/spheroid_distance.hpp"
 #include "workbench.hpp"
 
 namespace pdoik::detail {
@@ -153,6 +154,68 @@ TEST(ObstacleSet, clearance_among_many_points_near_and_far_is_that_of_brute_forc
     }
   }
   EXPECT_GT(far_ones, 1000);
+}
+
+TEST(ObstacleSet, hulls_that_shrink_keep_what_reaches_deeper_and_little_else) {
+  std::size_t deep_ones = 0, kept = 0, touching = 0;
+  for (int seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    Workbench bench(random_arm(random), {});
+    const double largest = seed % 2 == 0 ? 0.05 : 0.0;
+    bench.set_obstacles(patches(random, seed % 3 == 0 ? 6000 : 500, 0.4, largest));
+    bench.roll_out(random_configuration(bench.robot, random));
+    const ObstacleSet& points = bench.scene.near;
+    touching += pairs_of(bench.moving, points, 0.0).size();
+    for (const double depth : {0.001, 0.02, 0.05, 0.4}) {
+      const auto found = pairs_of(bench.moving, points, -depth);
+      const std::set<std::pair<int, int>> deeper(found.begin(), found.end());
+      kept += found.size();
+      for (std::size_t h = 0; h < bench.moving.hulls().size(); ++h) {
+        const Hull& hull = bench.moving.hulls()[h];
+        const Eigen::Vector3d a = to_vector3(bench.moving.position(hull.a)),
+                              b = to_vector3(bench.moving.position(hull.b));
+        if ((b - a).norm() >= 2.0 * hull.semi_major) continue;  // no hull at all
+        for (int j = 0; j < points.count(); ++j) {
+          const Vec4& o = points[j];
+          const double distance =
+              spheroid_distance(to_vector3(o), a, b, hull.semi_major).distance - o[3];
+          if (distance > -depth) continue;
+          ++deep_ones;
+          EXPECT_TRUE(deeper.contains({static_cast<int>(h), points.original_index(j)}))
+              << distance << " of " << depth;
+        }
+      }
+    }
+  }
+  EXPECT_GT(deep_ones, 1000U);
+  EXPECT_LT(kept, 2 * deep_ones + touching / 4);
+}
+
+TEST(ObstacleSet, a_few_of_a_large_cloud_are_spread_over_all_of_it) {
+  Random random(4);
+  Workbench bench(random_arm(random), {});
+  bench.set_obstacles(patches(random, 300, 0.6, 0.0));
+  EXPECT_EQ(bench.scene.near.few(), nullptr);
+  bench.set_obstacles(patches(random, 100000, 0.6, 0.02));
+  const ObstacleSet& all = bench.scene.near;
+  const ObstacleSet* few = all.few();
+  ASSERT_NE(few, nullptr);
+  EXPECT_EQ(few->count(), (all.count() + 255) / 256);
+  std::set<int> all_indices, indices;
+  for (int j = 0; j < all.count(); ++j) all_indices.insert(all.original_index(j));
+  for (int j = 0; j < few->count(); ++j) indices.insert(few->original_index(j));
+  EXPECT_EQ(static_cast<int>(indices.size()), few->count());
+  EXPECT_TRUE(
+      std::includes(all_indices.begin(), all_indices.end(), indices.begin(), indices.end()));
+  double apart = 0.0;
+  for (int j = 0; j < all.count(); ++j) {
+    double nearest = kInfinity;
+    for (int k = 0; k < few->count(); ++k)
+      nearest = std::min(nearest, (to_vector3((*few)[k]) - to_vector3(all[j])).norm());
+    apart += nearest;
+  }
+  EXPECT_LT(apart / all.count(), 0.2);
 }
 
 TEST(ObstacleSet, pairs_beyond_the_room_there_is_are_left_out_and_visited_all_the_same) {

@@ -320,15 +320,15 @@ def test_threads_may_share_a_solver(robot: pdoik.Robot, rng: np.random.Generator
 
 
 def test_other_python_threads_run_during_a_solve(robot: pdoik.Robot) -> None:
-    far = np.eye(4)
-    far[0, 3] = 100.0
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=0.5, max_restarts=10**9))
+    options = pdoik.Options(max_time=0.5, max_restarts=10**9, position_tolerance=1e-300)
+    solver = pdoik.Solver(robot, options)  # no rounding is that fine: the clock ends it
+    target = robot.fk(robot.mid_configuration())
     turns = 0
     with ThreadPoolExecutor(1) as pool:
-        solving = pool.submit(solver.solve, far)
+        solving = pool.submit(solver.solve, target)
         while not solving.done():
             turns += 1
-    assert solving.result().status == "out_of_reach"
+    assert solving.result().time >= 0.4
     assert turns > 1000
 
 

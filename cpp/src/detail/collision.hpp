@@ -59,6 +59,24 @@ inline double coarse_slack(double A, double half_squared, double extent) {
   return 1e-6 * extent + (b2 > 0.0 ? std::min(thin, E / (2.0 * A * b2)) : thin);
 }
 
+/// Where a spheroid is deeper than some depth: within the spheroid whose semi-axes are shorter by
+/// that much. (A ball of radius d fits into it about such a point, so that along any direction n
+/// the point lies at least d inside the support |diag(a, b) n|, which is at most
+/// |diag(a - d, b - d) n| + d.) Points with a radius r at that depth lie in it when its semi-major
+/// axis is grown by r.
+struct Core {
+  double depth;  ///< at most what was asked: a spheroid has no core deeper than its semi-minor axis
+  double foci;   ///< the core's half distance between foci, as a share of the spheroid's
+};
+
+/// @param half_squared  Half the distance between the foci, squared; zero for a sphere.
+inline Core core_of(double semi_major, double half_squared, double depth) {
+  const double minor2 = semi_major * semi_major - half_squared;
+  if (!(minor2 > 0.0)) return {0.0, 1.0};
+  const double minor = std::sqrt(minor2), d = std::min(depth, 0.99 * minor);
+  return {d, std::sqrt(1.0 - 2.0 * d / (semi_major + minor))};
+}
+
 /// Distances between the robot's points and the obstacles at one configuration.
 class CollisionState {
  public:
@@ -109,12 +127,13 @@ class CollisionState {
   }
 
   /// All of these pairs, a hull after the other, some at a time: visit(const NearPair* begin, const
-  /// NearPair* end) returns false to stop. grow(h) is asked when hull h's turn comes. Changes the
-  /// near pairs. @returns Whether nobody stopped it.
+  /// NearPair* end) returns false to stop. grow(h) is asked before each search for more, and may be
+  /// negative: then pairs that reach deeper than that count. Changes the near pairs. @returns
+  /// Whether nobody stopped it.
   template <class Grow, class Visit>
   bool visit_near(const ObstacleSet& obstacles, Grow&& grow, Visit&& visit) {
     for (std::size_t h = 0; h < queries_.size(); ++h)
-      if (!visit_hull(h, obstacles, grow(h), visit)) return false;
+      if (!visit_hull(h, obstacles, grow, visit)) return false;
     return true;
   }
 
@@ -125,10 +144,10 @@ class CollisionState {
   bool any_near(const ObstacleSet& obstacles, Surely&& surely, Test&& test) {
     for (std::size_t k = 0; k < queries_.size(); ++k) {
       const std::size_t h = k == 0 ? first_asked_ : k - (k <= first_asked_ ? 1 : 0);
-      const bool none =
-          visit_hull(h, obstacles, 0.0, [&](const NearPair* begin, const NearPair* end) {
-            return !std::any_of(begin, end, surely) && !std::any_of(begin, end, test);
-          });
+      const auto none_of = [&](const NearPair* begin, const NearPair* end) {
+        return !std::any_of(begin, end, surely) && !std::any_of(begin, end, test);
+      };
+      const bool none = visit_hull(h, obstacles, [](std::size_t) { return 0.0; }, none_of);
       if (none) continue;
       first_asked_ = h;
       return true;
@@ -150,14 +169,16 @@ class CollisionState {
  private:
   int capacity() const { return static_cast<int>(pairs_.size()); }
 
-  template <class Visit>
-  bool visit_hull(std::size_t h, const ObstacleSet& obstacles, double grow, Visit&& visit) {
+  template <class Grow, class Visit>
+  bool visit_hull(std::size_t h, const ObstacleSet& obstacles, Grow&& grow, Visit&& visit) {
     near_count_ = 0;
     if (obstacles.count() == 0) return true;
-    set_query(h, obstacles, grow);
     CullCursor at;
-    while (at.hull < 1) {
-      const int count = cull_(obstacles.arrays(), &queries_[h], 1, pairs_.data(), capacity(), at);
+    // Few at first: what is learnt from them may spare most of the others.
+    for (int room = kFewPairs; at.hull < 1; room *= 2) {
+      set_query(h, obstacles, grow(h));
+      room = std::min(room, capacity());
+      const int count = cull_(obstacles.arrays(), &queries_[h], 1, pairs_.data(), room, at);
       NearPair* const end = pairs_.data() + count;
       for (NearPair* pair = pairs_.data(); pair != end; ++pair)
         pair->hull = static_cast<std::int32_t>(h);
@@ -169,7 +190,13 @@ class CollisionState {
   void set_query(std::size_t h, const ObstacleSet& obstacles, double grow) {
     const Hull& hull = hulls_[h];
     const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles.origin();
-    const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
+    Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
+    const double h2 = dot3(half, half);
+    if (grow < 0.0) {
+      const Core core = core_of(hull.semi_major, h2, -grow);
+      half *= broadcast(core.foci);
+      grow = -core.depth;
+    }
     HullQuery& query = queries_[h];
     double farthest = obstacles.extent();
     for (int i = 0; i < 3; ++i) {
@@ -184,6 +211,7 @@ class CollisionState {
     query.semi_major = static_cast<float>(grown < everything ? grown : everything);
   }
 
+  static constexpr int kFewPairs = 8 * kLanes;
   static constexpr double kLargestQuery = 1e14;  ///< padding lies ten times as far away [m]
 
   const HullModel& model_;
@@ -208,9 +236,8 @@ struct Clearance {
 Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
                                  Clearance than = {});
 
-/// The same by growing the hulls until obstacles come to lie in them: points nearer than g to a
-/// hull lie in it when it is grown by g, so once the least is below g it is found.
-Clearance least_clearance_by_growing(CollisionState& state, const ObstacleSet& obstacles,
-                                     Clearance than = {});
+/// The same among all, by growing the hulls until obstacles come to lie in them: points nearer than
+/// g to a hull lie in it when it is grown by g, so once the least is below g it is found.
+Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, Clearance than = {});
 
 }  // namespace pdoik::detail

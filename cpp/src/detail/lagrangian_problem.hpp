@@ -157,7 +157,7 @@ class LagrangianProblem {
   }
   /// Asked for each near pair; looks at the clock once in a thousand.
   bool is_cut(int pair) const {
-    return (pair & 1023) == 1023 && deadline_ != nullptr && deadline_->passed();
+    return (pair & 255) == 255 && deadline_ != nullptr && deadline_->passed();
   }
 
   void roll_out(const Eigen::VectorXd& omega) {

@@ -70,19 +70,17 @@ class LeastSquaresProblem {
     const std::size_t words = static_cast<std::size_t>(all.count()) / 64 + 1;
     std::fill_n(is_about_.begin(), words, 0U);
     collision_.place(rollout_);
-    collision_.visit_near(
-        all, [margin](std::size_t) { return margin; },
-        [&](const NearPair* begin, const NearPair* end) {
-          for (const NearPair* pair = begin; pair != end; ++pair) {
-            const auto j = static_cast<std::size_t>(pair->obstacle);
-            is_about_[j / 64] |= std::uint64_t{1} << (j % 64);
-          }
-          return true;
-        });
     std::size_t count = 0;
-    for (std::size_t w = 0; w < words; ++w)
-      count += static_cast<std::size_t>(__builtin_popcountll(is_about_[w]));
-    if (count > kMostAbout) return;
+    const auto note = [&](const NearPair* begin, const NearPair* end) {
+      for (const NearPair* pair = begin; pair != end; ++pair) {
+        const auto j = static_cast<std::size_t>(pair->obstacle);
+        const std::uint64_t bit = std::uint64_t{1} << (j % 64);
+        if ((is_about_[j / 64] & bit) == 0) ++count;
+        is_about_[j / 64] |= bit;
+      }
+      return count <= kMostAbout;
+    };
+    if (!collision_.visit_near(all, [margin](std::size_t) { return margin; }, note)) return;
     about_.begin(static_cast<int>(count), to_vector3(all.origin()));
     for (std::size_t w = 0; w < words; ++w) {
       for (std::uint64_t bits = is_about_[w]; bits != 0; bits &= bits - 1) {
@@ -224,9 +222,9 @@ class LeastSquaresProblem {
     return distance_constraint(collision_, collision_.hull(pair), o);
   }
 
-  /// Asked for each near pair; looks at the clock once in a thousand.
+  /// Asked for each near pair; looks at the clock now and then.
   bool is_cut(int pair) {
-    if ((pair & 1023) == 1023 && deadline_ != nullptr && deadline_->passed()) cut_ = true;
+    if ((pair & 255) == 255 && deadline_ != nullptr && deadline_->passed()) cut_ = true;
     return cut_;
   }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "detail/frame.hpp"
@@ -41,6 +43,8 @@ class ObstacleSet {
   int count() const { return count_; }
   /// Whether neighbours in the list lie close together, so that blocks of them have boxes.
   bool in_order() const { return in_order_; }
+  /// A few of them, spread over all: one of each group that has a box. Null if there are no boxes.
+  const ObstacleSet* few() const { return blocks_.count > 0 ? few_.get() : nullptr; }
   int padded() const { return padded_; }
   const Vec4& origin() const { return origin_; }
   ObstacleArrays arrays() const {
@@ -70,11 +74,13 @@ class ObstacleSet {
   };
   void box_points();
   void box_blocks();
+  void pick_few();
 
   std::vector<Vec4> points_;
   std::vector<float> coarse_x_, coarse_y_, coarse_z_, coarse_radius_;
   std::vector<int> index_;
   Boxes blocks_, groups_;
+  std::unique_ptr<ObstacleSet> few_;
   Vec4 origin_{};
   int count_ = 0, padded_ = 0;
   double extent_ = 1.0;
@@ -89,17 +95,37 @@ class CellOrder {
   void reserve(std::size_t count);
   /// @param half_side, far_half_side  How far the cubes reach to each side of the origin [m].
   void begin(int count, const Eigen::Vector3d& origin, double half_side, double far_half_side);
-  void add(double x, double y, double z, bool is_far);
+  void add(double x, double y, double z, bool is_far) {
+    const double scale = scale_[is_far ? 1 : 0];
+    const auto cell = [&](double from_origin) {
+      return static_cast<std::uint32_t>(
+          std::min(std::max(from_origin * scale + half_, 0.0), last_));
+    };
+    const std::uint32_t key = spread(cell(x - origin_[0])) | spread(cell(y - origin_[1])) << 1U |
+                              spread(cell(z - origin_[2])) << 2U | (is_far ? far_cells_ : 0U);
+    cell_[count_++] = key;
+    ++first_[key + 1];
+  }
   /// The points by the order in which they were added. Valid until the next begin.
   const std::vector<int>& sorted();
+  /// How many are not far, known once they are sorted.
   int near_count() const { return near_count_; }
 
  private:
+  /// The six lowest bits of v with two zeros between each.
+  static std::uint32_t spread(std::uint32_t v) {
+    v = (v | (v << 8U)) & 0x0000F00FU;
+    v = (v | (v << 4U)) & 0x000C30C3U;
+    return (v | (v << 2U)) & 0x00249249U;
+  }
+
   std::vector<std::uint32_t> cell_;
   std::vector<int> sorted_, first_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
-  double scale_[2] = {1.0, 1.0};
-  int side_ = 32, near_count_ = 0;
+  double scale_[2] = {1.0, 1.0}, half_ = 16.0, last_ = 31.0;  ///< of a side's cells
+  std::uint32_t far_cells_ = 0;                               ///< the first of them
+  std::size_t count_ = 0;
+  int near_count_ = 0;
 };
 
 }  // namespace pdoik::detail

@@ -145,7 +145,8 @@ class Search {
   /// Of this solve, in evaluations of the goal.
   double search_cost_ = 0.0, repair_cost_ = 0.0, measure_cost_ = 0.0;
   double intake_ = 0.0;
-  int late_ = 0;  ///< evaluations and passes begun after the deadline struck
+  double verdict_time_ = 0.0;  ///< what a verdict takes, by the last ones [s]
+  int late_ = 0;               ///< evaluations and passes begun after the deadline struck
   enum class Turn { Limited, Wrap, Bound };
   std::vector<Turn> turns_;
   std::function<bool()> interrupt_;
