@@ -14,7 +14,7 @@ int round_up(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
 }  // namespace
 
 void ObstacleSet::reserve(std::size_t count) {
-  const auto padded = static_cast<std::size_t>(round_up(static_cast<int>(count)));
+  const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
   points_.reserve(padded);
   index_.reserve(padded);
   for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})

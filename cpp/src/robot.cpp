@@ -24,7 +24,7 @@ void check_configuration(VectorIn q, int dof) {
 }  // namespace
 
 Robot::Robot(const RobotDescription& description, const std::string& base_link,
-             std::vector<std::string> tip_links) {
+             const std::vector<std::string>& tip_links) {
   detail::Tree tree = detail::build_tree(description, base_link);
   name_ = description.name;
   base_ = 0;
@@ -115,9 +115,9 @@ RobotDescription builtin_description(const std::string& name) {
 }
 
 Robot Robot::builtin(const std::string& name, const std::string& base_link,
-                     std::vector<std::string> tip_links) {
+                     const std::vector<std::string>& tip_links) {
   const detail::EmbeddedRobot& embedded = embedded_robot(name);
-  Robot robot(load_urdf(embedded.urdf), base_link, std::move(tip_links));
+  Robot robot(load_urdf(embedded.urdf), base_link, tip_links);
   if (*embedded.occupancy != 0) robot.set_occupancy(load_occupancy(embedded.occupancy));
   if (*embedded.srdf != 0) robot.set_ignored_pairs(load_srdf_pairs(embedded.srdf));
   return robot;

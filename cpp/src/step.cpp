@@ -48,6 +48,11 @@ void Search::approach(const Following& step, double margin, Result& result) {
     // Not everything can be had: a goal that is far must not push the robot through a constraint.
     least_squares_.scale_goals(kYieldingGoals / std::max(1.0, least_squares_.goal_pull()));
     minimise_least_squares(settling_, result);
+    // What pulls at a constraint, however little, is a little beyond it.
+    if (!deadline_.struck() && least_squares_.touching()) {
+      least_squares_.scale_goals(0.0);
+      minimise_least_squares(patient_, result);
+    }
     least_squares_.scale_goals(1.0);
   }
 }

@@ -131,8 +131,8 @@ RobotDescription load_urdf(const std::string& path_or_xml) {
 }
 
 Robot Robot::from_urdf(const std::string& path_or_xml, const std::string& base_link,
-                       std::vector<std::string> tip_links) {
-  return Robot(load_urdf(path_or_xml), base_link, std::move(tip_links));
+                       const std::vector<std::string>& tip_links) {
+  return Robot(load_urdf(path_or_xml), base_link, tip_links);
 }
 
 }  // namespace pdoik

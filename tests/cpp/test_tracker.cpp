@@ -102,7 +102,7 @@ TEST(Tracker, a_goal_out_of_reach_does_not_push_the_arm_through_what_stands_in_b
     EXPECT_NE(step.tracking, TrackerStatus::Tracking);
     worst = std::min(worst, step.clearance);
   }
-  EXPECT_GT(worst, -1e-5);  // a goal that yields still pulls: 4.4e-6 where this was written
+  EXPECT_GT(worst, -Options{}.clearance_tolerance);
 }
 
 TEST(Tracker, input_that_makes_no_sense_leaves_the_last_answer_standing_and_says_so) {

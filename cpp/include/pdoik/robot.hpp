@@ -108,12 +108,12 @@ class Robot {
   /// @throws LoadError naming a missing link, a tip named twice, a second parent, a loop, limits
   /// out of order, a negative speed limit, a zero axis, a number beyond 1e6.
   explicit Robot(const RobotDescription& description, const std::string& base_link = {},
-                 std::vector<std::string> tip_links = {});
+                 const std::vector<std::string>& tip_links = {});
 
   /// Robot(load_urdf(path_or_xml), base_link, tip_links).
   /// @throws LoadError  the constructor's and load_urdf's.
   static Robot from_urdf(const std::string& path_or_xml, const std::string& base_link = {},
-                         std::vector<std::string> tip_links = {});
+                         const std::vector<std::string>& tip_links = {});
 
   /// A serial arm from DH rows: links link0 ... linkM and `tool` (offset T_last_tool), joints
   /// joint1 ... jointM.
@@ -124,7 +124,7 @@ class Robot {
   /// ignored pairs.
   /// @throws std::invalid_argument listing the names there are; LoadError as the constructor.
   static Robot builtin(const std::string& name, const std::string& base_link = {},
-                       std::vector<std::string> tip_links = {});
+                       const std::vector<std::string>& tip_links = {});
   static std::vector<std::string> builtin_names();
 
   const std::string& name() const { return name_; }

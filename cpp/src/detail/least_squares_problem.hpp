@@ -157,6 +157,8 @@ class LeastSquaresProblem {
   /// Whether goals and constraints hold where f was last evaluated; a pull has no such end.
   bool done() const { return holds() && pull_to_ == nullptr; }
   bool holds() const { return reached() && !touching_ && !cut_; }
+  /// Whether any constraint is violated there.
+  bool touching() const { return touching_; }
   /// From now on remember whether they hold where f is evaluated next.
   void remember_next() { first_holds_ = First::Wanted; }
   bool remembered_holds() const { return first_holds_ == First::Holds; }
