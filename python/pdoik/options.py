@@ -170,7 +170,8 @@ class Options:
             are met first [m^2/rad^2].
         joint_weights: What each joint's distance to the posture counts beside the others', shape
             (n,), not negative; empty for all alike. Also what "nearest" means.
-        max_time: Deadline of a solve, beside taking obstacles in [s]; may be infinite.
+        max_time: Deadline of a solve, beside taking obstacles in [s]; may be infinite. What the
+            last verdicts took, but no more than half, is kept for the verdict at the end.
         max_restarts: Starts after the first.
         seed: Of the restarts' sequence.
         inner: How method "default" minimises from one start: "levenberg_marquardt" over joint

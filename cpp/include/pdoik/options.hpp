@@ -84,7 +84,8 @@ struct Options {
   /// empty for all alike. Also what "nearest" means.
   Eigen::VectorXd joint_weights = {};
 
-  /// Deadline of a solve, which taking in obstacles is not part of [s].
+  /// Deadline of a solve, which taking in obstacles is not part of [s]. What the last verdicts
+  /// took, but no more than half, is kept for the verdict at the end.
   double max_time = 0.01;
   int max_restarts = 1000;  ///< starts after the first; Method::Paper has none
   std::uint64_t seed = 0;   ///< of the restarts' sequence

@@ -46,7 +46,7 @@ struct Request {
 /// `solve` allocates nothing, takes no lock, prints nothing and throws only on misuse, before it
 /// starts. It looks at the clock before every evaluation and before every pass over the obstacles;
 /// once max_time has struck, all that is left is the verdict on the best configuration, one pass
-/// over the obstacles near the robot.
+/// over the obstacles near the robot, for which it strikes early by what the last ones took.
 class Solver {
  public:
   /// @throws std::invalid_argument naming the option out of range; or if the robot has no joints or

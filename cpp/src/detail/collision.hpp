@@ -126,15 +126,13 @@ class CollisionState {
                         pairs_.data(), capacity(), at);
   }
 
-  /// All of these pairs, a hull after the other, some at a time: visit(const NearPair* begin, const
+  /// All of these pairs, ordered by hull, some at a time: visit(const NearPair* begin, const
   /// NearPair* end) returns false to stop. grow(h) is asked before each search for more, and may be
   /// negative: then pairs that reach deeper than that count. Changes the near pairs. @returns
   /// Whether nobody stopped it.
   template <class Grow, class Visit>
   bool visit_near(const ObstacleSet& obstacles, Grow&& grow, Visit&& visit) {
-    for (std::size_t h = 0; h < queries_.size(); ++h)
-      if (!visit_hull(h, obstacles, grow, visit)) return false;
-    return true;
+    return visit_hulls(0, queries_.size(), obstacles, grow, visit);
   }
 
   /// Whether `test` holds for any pair that may touch. Hulls are asked one after the other, the one
@@ -147,7 +145,7 @@ class CollisionState {
       const auto none_of = [&](const NearPair* begin, const NearPair* end) {
         return !std::any_of(begin, end, surely) && !std::any_of(begin, end, test);
       };
-      const bool none = visit_hull(h, obstacles, [](std::size_t) { return 0.0; }, none_of);
+      const bool none = visit_hulls(h, h + 1, obstacles, [](std::size_t) { return 0.0; }, none_of);
       if (none) continue;
       first_asked_ = h;
       return true;
@@ -170,19 +168,18 @@ class CollisionState {
   int capacity() const { return static_cast<int>(pairs_.size()); }
 
   template <class Grow, class Visit>
-  bool visit_hull(std::size_t h, const ObstacleSet& obstacles, Grow&& grow, Visit&& visit) {
+  bool visit_hulls(std::size_t first, std::size_t end, const ObstacleSet& obstacles, Grow&& grow,
+                   Visit&& visit) {
     near_count_ = 0;
     if (obstacles.count() == 0) return true;
-    CullCursor at;
-    // Few at first: what is learnt from them may spare most of the others.
-    for (int room = kFewPairs; at.hull < 1; room *= 2) {
-      set_query(h, obstacles, grow(h));
-      room = std::min(room, capacity());
-      const int count = cull_(obstacles.arrays(), &queries_[h], 1, pairs_.data(), room, at);
-      NearPair* const end = pairs_.data() + count;
-      for (NearPair* pair = pairs_.data(); pair != end; ++pair)
-        pair->hull = static_cast<std::int32_t>(h);
-      if (count > 0 && !visit(pairs_.data(), end)) return false;
+    CullCursor at{static_cast<int>(first), 0};
+    const int room = std::min(kFewPairs, capacity());
+    while (at.hull < static_cast<int>(end)) {
+      for (auto h = static_cast<std::size_t>(at.hull); h < end; ++h)
+        set_query(h, obstacles, grow(h));
+      const int count = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(end),
+                              pairs_.data(), room, at);
+      if (count > 0 && !visit(pairs_.data(), pairs_.data() + count)) return false;
     }
     return true;
   }
@@ -191,27 +188,33 @@ class CollisionState {
     const Hull& hull = hulls_[h];
     const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles.origin();
     Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
-    const double h2 = dot3(half, half);
-    if (grow < 0.0) {
-      const Core core = core_of(hull.semi_major, h2, -grow);
+    if (grow < 0.0) [[unlikely]] {
+      const Core core = core_of(hull.semi_major, dot3(half, half), -grow);
       half *= broadcast(core.foci);
       grow = -core.depth;
     }
     HullQuery& query = queries_[h];
-    double farthest = obstacles.extent();
     for (int i = 0; i < 3; ++i) {
       query.centre[i] = static_cast<float>(centre[i]);
       query.half[i] = static_cast<float>(half[i]);
-      farthest += std::abs(centre[i]) + std::abs(half[i]);
     }
-    const double A = hull.semi_major + grow;
-    const double grown = A + coarse_slack(A, dot3(half, half), obstacles.extent());
-    // What reaches beyond everything, or cannot be told, takes in all obstacles and no padding.
-    const double everything = std::min(kLargestQuery, 4.0 * farthest);
-    query.semi_major = static_cast<float>(grown < everything ? grown : everything);
+    const double A = hull.semi_major + grow, extent = obstacles.extent();
+    double grown = A + coarse_slack(A, dot3(half, half), extent);
+    if (!(grown < extent)) [[unlikely]]
+      grown = bounded(grown, centre, half, extent);
+    query.semi_major = static_cast<float>(grown);
   }
 
-  static constexpr int kFewPairs = 8 * kLanes;
+  /// What reaches beyond everything, or cannot be told, takes in all obstacles and no padding.
+  static double bounded(double grown, const Vec4& centre, const Vec4& half, double extent) {
+    double farthest = extent;
+    for (int i = 0; i < 3; ++i) farthest += std::abs(centre[i]) + std::abs(half[i]);
+    const double everything = std::min(kLargestQuery, 4.0 * farthest);
+    return grown < everything ? grown : everything;
+  }
+
+  /// Pairs are visited so many at a time: what is learnt from some may spare most of the others.
+  static constexpr int kFewPairs = 16 * kLanes;
   static constexpr double kLargestQuery = 1e14;  ///< padding lies ten times as far away [m]
 
   const HullModel& model_;

@@ -46,49 +46,63 @@ static inline unsigned boxes_near(const BoxArrays& boxes, int j, const WideHull&
   return Lanes::less(dx * dx + dy * dy + dz * dz, A * A);
 }
 
-static inline int cull_with_lanes(const ObstacleArrays& o, const HullQuery* hulls, int hull_count,
-                                  NearPair* pairs, int capacity, CullCursor& at) {
-  int count = 0;
-  const int last_start = capacity - Lanes::kWidth;
-  for (; at.hull < hull_count; ++at.hull, at.point = 0) {
-    const WideHull hull = widen(hulls[at.hull]);
-    // False if the pairs have no room left.
-    const auto test = [&](int first, int end) {
-      for (int j = first; j < end; j += Lanes::kWidth) {
-        unsigned mask = points_inside(o, j, hull);
-        if (mask == 0) continue;
-        if (count > last_start) {
-          at.point = j;
-          return false;
-        }
-        while (mask != 0) {
-          pairs[count++] = {at.hull, j + __builtin_ctz(mask)};
-          mask &= mask - 1;
-        }
+/// The pairs of one hull, and where there was no room for more of them.
+struct PairList {
+  NearPair* pairs;
+  int count, last_start, hull;
+
+  /// Add those of the points from `first` on that lie inside. Returns where the room ended, or end.
+  inline int test(const ObstacleArrays& o, int first, int end, const WideHull& wide) {
+    for (int j = first; j < end; j += Lanes::kWidth) {
+      unsigned mask = points_inside(o, j, wide);
+      if (mask == 0) continue;
+      if (count > last_start) return j;
+      while (mask != 0) {
+        pairs[count++] = {hull, j + __builtin_ctz(mask)};
+        mask &= mask - 1;
       }
-      return true;
-    };
-    if (o.groups.padded_count == 0) {
-      if (!test(at.point, o.padded_count)) return count;
-      continue;
     }
-    const int first_block = at.point / kLanes, first_group = first_block / kLanes;
-    for (int g0 = first_group / Lanes::kWidth * Lanes::kWidth; g0 < o.groups.padded_count;
-         g0 += Lanes::kWidth) {
-      for (unsigned groups = boxes_near(o.groups, g0, hull); groups != 0; groups &= groups - 1) {
-        const int g = g0 + __builtin_ctz(groups);
-        if (g < first_group) continue;
-        for (int b0 = g * kLanes; b0 < (g + 1) * kLanes; b0 += Lanes::kWidth) {
-          for (unsigned blocks = boxes_near(o.blocks, b0, hull); blocks != 0;
-               blocks &= blocks - 1) {
-            const int b = b0 + __builtin_ctz(blocks);
-            if (b < first_block) continue;
-            const int first = b == first_block ? at.point : b * kLanes;
-            if (!test(first, (b + 1) * kLanes)) return count;
-          }
+    return end;
+  }
+};
+
+/// The same through groups and blocks, which pass by what is far.
+static int test_in_order(const ObstacleArrays& o, int first_point, const WideHull& hull,
+                         PairList& list) {
+  const int first_block = first_point / kLanes, first_group = first_block / kLanes;
+  for (int g0 = first_group / Lanes::kWidth * Lanes::kWidth; g0 < o.groups.padded_count;
+       g0 += Lanes::kWidth) {
+    for (unsigned groups = boxes_near(o.groups, g0, hull); groups != 0; groups &= groups - 1) {
+      const int g = g0 + __builtin_ctz(groups);
+      if (g < first_group) continue;
+      for (int b0 = g * kLanes; b0 < (g + 1) * kLanes; b0 += Lanes::kWidth) {
+        for (unsigned blocks = boxes_near(o.blocks, b0, hull); blocks != 0; blocks &= blocks - 1) {
+          const int b = b0 + __builtin_ctz(blocks);
+          if (b < first_block) continue;
+          const int first = b == first_block ? first_point : b * kLanes, end = (b + 1) * kLanes;
+          const int reached = list.test(o, first, end, hull);
+          if (reached < end) return reached;
         }
       }
     }
   }
-  return count;
+  return o.padded_count;
+}
+
+static inline int cull_with_lanes(const ObstacleArrays& o, const HullQuery* hulls, int hull_count,
+                                  NearPair* pairs, int capacity, CullCursor& at) {
+  const ObstacleArrays points = o;  // which no pair written can change
+  PairList list{pairs, 0, capacity - Lanes::kWidth, at.hull};
+  for (int first = at.point; list.hull < hull_count; ++list.hull, first = 0) {
+    const WideHull wide = widen(hulls[list.hull]);
+    const int reached = points.groups.padded_count == 0
+                            ? list.test(points, first, points.padded_count, wide)
+                            : test_in_order(points, first, wide, list);
+    if (reached < points.padded_count) {
+      at = {list.hull, reached};
+      return list.count;
+    }
+  }
+  at = {hull_count, 0};
+  return list.count;
 }
