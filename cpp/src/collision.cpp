@@ -139,7 +139,8 @@ double from_centre(const CollisionState& state, const Hull& hull, const Vec4& o)
   return dot3(from, from);
 }
 
-/// Coordinates are a million metres at most, and so are joints' positions.
+/// Coordinates are a million metres at most, but a joint may slide farther: beyond this nothing is
+/// left out.
 constexpr double kBeyondAll = 1e9;
 
 }  // namespace
@@ -150,10 +151,11 @@ Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, C
     least = least_clearance(state, *few, least);
     return least_clearance_within(state, obstacles, least.distance, least);
   }
-  for (double g = 0.05;; g *= 2.0) {
+  for (double g = 0.05; g < kBeyondAll; g *= 2.0) {
     least = least_clearance_within(state, obstacles, g, least);
-    if (least.distance <= g || g > kBeyondAll) return least;
+    if (least.distance <= g) return least;
   }
+  return least_clearance_within(state, obstacles, std::numeric_limits<double>::infinity(), least);
 }
 
 Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,

@@ -106,9 +106,11 @@ void Judge::judge_balance(Verdict& verdict, Result& result) {
   result.balance_violation = 0.0;
   balance_.for_each([](int) { return std::numeric_limits<double>::infinity(); },
                     [&](const Balance::Term& term) {
-                      result.balance_violation = std::max(result.balance_violation, term.c);
-                      verdict.add(WorstConstraint::Kind::Balance,
-                                  term.c - options_.clearance_tolerance,
+                      // A centre of mass that overflowed is nowhere.
+                      const double c =
+                          std::isnan(term.c) ? std::numeric_limits<double>::infinity() : term.c;
+                      result.balance_violation = std::max(result.balance_violation, c);
+                      verdict.add(WorstConstraint::Kind::Balance, c - options_.clearance_tolerance,
                                   std::min(term.slot, Balance::kBox));
                     });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "detail/travel.hpp"
 
@@ -112,6 +113,7 @@ Search::Search(const Robot& robot, const Options& options, std::shared_ptr<Scene
       candidates_(robot.dof()),
       lower_(robot.lower()),
       upper_(robot.upper()),
+      long_way_(long_way(robot, hulls_)),
       matters_(joints_that_matter(robot, hulls_, options.balance.wanted())),
       matter_count_(std::count(matters_.begin(), matters_.end(), true)) {
   for (Eigen::Index i = 0; i < robot.dof(); ++i) {
@@ -349,7 +351,7 @@ void Search::set_start(const Request& request) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
     start_[i] = request.q0 != nullptr ? std::clamp((*request.q0)[i], lower_[i], upper_[i])
-                : bounded             ? 0.5 * (lower_[i] + upper_[i])
+                : bounded             ? std::midpoint(lower_[i], upper_[i])
                                       : 0.0;
     if (turns_[static_cast<std::size_t>(i)] == Turn::Bound) {
       lower_[i] = start_[i] - M_PI;
@@ -371,7 +373,8 @@ void Search::run_default(const Request& request, bool hopeless, Result& result) 
                      : hopeless ? kStartsOutOfReach
                                 : options_.max_restarts;
   const int last_start = std::min(options_.max_restarts, enough);
-  double least = std::numeric_limits<double>::infinity();
+  double least = 0.0;  // of what was found, by the distance to what is wanted
+  bool found = false;
   for (int k = 0; k <= last_start; ++k) {
     if (k > 0 && deadline_.passed()) break;
     if (k == 0) {
@@ -391,17 +394,18 @@ void Search::run_default(const Request& request, bool hopeless, Result& result) 
         if (request.posture != nullptr || nearest) settle(request.goals, *wanted, result);
         if (!nearest) return;
         const double distance = squared_distance(result.q, *wanted, pull_);
-        if (distance < least) {
+        if (!found || distance < least) {
+          found = true;
           least = distance;
           best_ = result;
         }
         continue;
       }
     }
-    if (std::isinf(least)) keep_candidate(trial, alone);
+    if (!found) keep_candidate(trial, alone);
     if (alone && trial.reached) break;  // nothing better can be found
   }
-  if (std::isfinite(least)) {
+  if (found) {
     restore(best_, result);
     return;
   }
@@ -436,11 +440,11 @@ void Search::restart_configuration(int k, const Eigen::VectorXd* near) {
     const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
     const double low = bounded ? lower_[i] : start_[i] - M_PI,
                  high = bounded ? upper_[i] : start_[i] + M_PI;
-    q_[i] = low + sequence_(k, i) * (high - low);
+    q_[i] = std::lerp(low, high, sequence_(k, i));  // limits may be as large as numbers get
     if (near == nullptr) continue;
     // Close to what is wanted as often as far from it: the whole range, half of it, a quarter, ...
     constexpr double kScales[] = {0.5, 0.25, 0.125, 1.0};
-    q_[i] = std::clamp((*near)[i] + kScales[k % 4] * (q_[i] - 0.5 * (low + high)), low, high);
+    q_[i] = std::clamp((*near)[i] + kScales[k % 4] * (q_[i] - std::midpoint(low, high)), low, high);
   }
 }
 

@@ -10,10 +10,13 @@ namespace {
 
 /// What goals weigh against constraints when both cannot be had.
 constexpr double kYieldingGoals = 1e-4;
-/// A step that moves no part of a hull farther than this is not looked at along the way [m].
+/// A step that moves no part of a hull farther than this, nor than half the thinnest hull's width,
+/// is not looked at along the way: nothing that is clear of both its ends reaches deep on it [m].
 constexpr double kLongWay = 0.02;
-/// Places on a longer way that are looked at are no nearer to each other than this [m].
-constexpr double kFinest = 0.002;
+/// Hulls are taken for no thinner than this [m].
+constexpr double kThin = 2e-4;
+/// Places on a longer way that are looked at are no nearer to each other than this share of it.
+constexpr double kFinest = 0.1;
 
 }  // namespace
 
@@ -57,9 +60,18 @@ void Search::approach(const Following& step, double margin, Result& result) {
   }
 }
 
+double Search::long_way(const Robot& robot, const HullModel& hulls) {
+  return std::clamp(thinnest_hull(robot, hulls), kThin, kLongWay);
+}
+
 double Search::way_from(const Eigen::VectorXd& from) {
   if (!levers_are_constant_) hull_levers(robot_, hulls_, from, q_, levers_);
   return levers_.dot((q_ - from).cwiseAbs());
+}
+
+double Search::room(const Result& verdict) const {
+  return std::min(verdict.clearance - options_.clearance,
+                  0.5 * (verdict.self_distance - options_.self_clearance));
 }
 
 bool Search::clear_on_the_way(const Following& step) {
@@ -71,13 +83,11 @@ bool Search::clear_on_the_way(const Following& step) {
     if (deadline_.passed()) return false;
     unsettled_ = *step.from + at * (q_ - *step.from);
     judge_answer(step.goals, unsettled_, probe_, step.look);
-    const double clear = probe_.clearance - options_.clearance,
-                 apart = 0.5 * (probe_.self_distance - options_.self_clearance);
-    const double room = std::min(clear, apart);
-    if (at == 0.0) floor = std::min(0.0, room);
-    if (room < floor - options_.clearance_tolerance) return false;
+    const double left = room(probe_);
+    if (at == 0.0) floor = std::min(0.0, left);
+    if (left < floor - options_.clearance_tolerance) return false;
     if (at >= 1.0) return true;
-    at = std::min(1.0, at + std::max(room - floor, kFinest) / way);
+    at = std::min(1.0, at + std::max(left - floor, kFinest * long_way_) / way);
   }
 }
 
@@ -86,24 +96,26 @@ void Search::follow(const Following& step, Result& result) {
   lower_ = *step.lower;
   upper_ = *step.upper;
   approach(step, step.margin, result);
-  if (way_from(*step.from) > kLongWay && !clear_on_the_way(step)) {
+  if (way_from(*step.from) > long_way_ && !clear_on_the_way(step)) {
     // Something is in between: no farther in this step than needs no looking.
     for (Eigen::Index i = 0; i < q_.size(); ++i) {
-      const double most = kLongWay / (static_cast<double>(q_.size()) * levers_[i]);
+      const double most = long_way_ / (static_cast<double>(q_.size()) * levers_[i]);
       lower_[i] = std::max(lower_[i], (*step.from)[i] - most);
       upper_[i] = std::min(upper_[i], (*step.from)[i] + most);
     }
     q_ = *step.from;
-    if (!deadline_.struck()) approach(step, kLongWay, result);
+    if (!deadline_.struck()) approach(step, long_way_, result);
   }
   // Half-way to a posture, with the time up, is no place to be if staying solves.
   const bool struck = deadline_.struck(), stays = struck && least_squares_.remembered_holds();
   if (stays) q_ = *step.from;
   judge_answer(step.goals, q_, result, step.look);
   if (!result.success && !struck && !deadline_.passed()) {
+    // Nothing solves: better stay than go deeper into what a goal pulls at.
     saved_ = result;
     judge_answer(step.goals, *step.from, result, step.look);
-    if (!result.success) restore(saved_, result);
+    const double floor = std::min(0.0, room(result)) - options_.clearance_tolerance;
+    if (!result.success && room(saved_) >= floor) restore(saved_, result);
   }
   result.status = result.success && !stays ? Status::Solved
                   : struck                 ? Status::TimeLimit

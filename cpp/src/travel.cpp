@@ -57,4 +57,20 @@ void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::Vector
   }
 }
 
+double thinnest_hull(const Robot& robot, const HullModel& hulls) {
+  std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
+  robot.body_poses(robot.mid_configuration(), T_base_body);
+  const auto place = [&](int point) {
+    const AttachedPoint& at = hulls.points[static_cast<std::size_t>(point)];
+    return T_base_body[static_cast<std::size_t>(at.body)] * to_vector3(at.local);
+  };
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (const Hull& hull : hulls.moving) {
+    const double A = hull.semi_major,
+                 minor2 = A * A - 0.25 * (place(hull.b) - place(hull.a)).squaredNorm();
+    if (minor2 > 0.0) thinnest = std::min(thinnest, std::sqrt(minor2));
+  }
+  return thinnest;
+}
+
 }  // namespace pdoik::detail

@@ -272,11 +272,25 @@ class TreeBuilder {
         narrow_limits(description_.joints[body_joint_[b]], body, lower, upper);
       }
     }
+    for (std::size_t d = 0; d < lower.size(); ++d) bound_limits(d, lower[d], upper[d]);
     const auto size = static_cast<Eigen::Index>(lower.size());
     tree_.lower = Eigen::Map<Eigen::VectorXd>(lower.data(), size);
     tree_.upper = Eigen::Map<Eigen::VectorXd>(upper.data(), size);
     tree_.velocity = Eigen::Map<Eigen::VectorXd>(velocity.data(), size);
     tree_.effort = Eigen::Map<Eigen::VectorXd>(effort.data(), size);
+  }
+
+  /// Simulators write 1e16 or the largest number there is where they mean no limit.
+  void bound_limits(std::size_t dof, double& lower, double& upper) {
+    if (lower < -kLargestNumber && upper > kLargestNumber) {
+      lower = -std::numeric_limits<double>::infinity();
+      upper = -lower;
+      JointType& type = tree_.joint_types[dof];
+      if (type == JointType::Revolute) type = JointType::Continuous;
+    } else {
+      lower = std::clamp(lower, -kLargestNumber, kLargestNumber);
+      upper = std::clamp(upper, -kLargestNumber, kLargestNumber);
+    }
   }
 
   /// A follower's limits hold too: they narrow those of the joint it follows.

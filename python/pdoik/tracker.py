@@ -14,7 +14,8 @@ class Tracker(_core.Tracker):
 
     Every step goes downhill from the last answer inside a box of speed limits times period, cut
     with the joint limits; there are no restarts. A joint without a speed limit may go as far as it
-    likes: a step that moves hulls by more than 2 cm is taken only if the way there is clear. Bad
+    likes: a step that moves hulls by more than 2 cm, or half the thinnest hull's width, is taken
+    only if the way there is clear. Where nothing solves, it stays rather than go deeper. Bad
     numbers do not raise: the last answer stands, and the step says so. It belongs to one thread.
 
     >>> import numpy as np

@@ -243,6 +243,18 @@ TEST(LevenbergMarquardt, survives_residuals_that_are_not_numbers_beyond_a_border
   EXPECT_NEAR(x[0], std::exp(-5.0), 1e-9);
 }
 
+TEST(LevenbergMarquardt, takes_no_step_to_what_is_no_number_even_if_all_is_well_there) {
+  // Slopes that overflow give a step of NaN, and a residual that takes NaN for zero welcomes it.
+  Residuals problem{[](const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd& J) {
+                      r = Eigen::VectorXd::Constant(1, std::isnan(x[0]) ? 0.0 : 1.0);
+                      J = Eigen::MatrixXd::Constant(1, 1, 1e300);
+                    },
+                    1e-9};
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(1, 0.5);
+  EXPECT_NE(run(problem, x, patient()).status, LevenbergMarquardtStatus::Done);
+  EXPECT_TRUE(x.allFinite());
+}
+
 TEST(LevenbergMarquardt, is_done_without_a_step_where_the_start_is_a_solution) {
   Residuals problem = rosenbrock();
   Eigen::VectorXd x = Eigen::Vector2d(1.0, 1.0);

@@ -92,6 +92,40 @@ TEST(Promises, a_joint_without_a_speed_limit_or_with_a_huge_one_takes_no_hull_th
   }
 }
 
+TEST(Promises, a_thin_hull_does_not_hop_over_a_point_in_a_short_step) {
+  for (const double radius : {0.012, 0.004, 0.001}) {
+    SCOPED_TRACE("radius " + std::to_string(radius));
+    RobotDescription description;
+    description.name = "slide";
+    description.links = {{.name = "rail"}, {.name = "probe"}};
+    JointDescription joint =
+        joint_between("rail", "probe", "slide", JointType::Prismatic, -1.0, 1.0);
+    joint.axis = Eigen::Vector3d::UnitX();
+    joint.velocity = kInfinity;
+    description.joints = {joint};
+    Robot robot(description);
+    Occupancy occupancy;
+    occupancy.spheres = {{"probe", Eigen::Vector3d::Zero(), radius}};
+    robot.set_occupancy(occupancy);
+    Options options;
+    options.goal = GoalType::Position;
+    Tracker tracker(robot, options, {.period = 0.004, .max_time = 10.0});
+    const double way = std::min(0.019, 3.0 * radius);  // over the point, less than 2 cm
+    tracker.reset(Eigen::VectorXd::Constant(1, -0.5 * way));
+    ObstacleMatrix point = ObstacleMatrix::Zero(1, 3);
+    point(0, 1) = 0.2 * radius;
+    ASSERT_TRUE(tracker.set_obstacles(point));
+    Eigen::VectorXd last = tracker.q();
+    if (0.5 * way < radius) last[0] = -1.05 * radius;
+    tracker.reset(last);
+    for (int k = 0; k < 20; ++k) {
+      const TrackerResult& step = tracker.step(robot.fk(Eigen::VectorXd::Constant(1, 0.5 * way)));
+      EXPECT_NE(step.tracking, TrackerStatus::Tracking) << k;
+      EXPECT_LT(step.q[0], 0.0) << k;
+    }
+  }
+}
+
 TEST(Promises, a_floating_arm_steps_around_obstacles_without_a_limit_of_speed) {
   RobotDescription description = builtin_description("panda");
   FloatingBaseBounds bounds;

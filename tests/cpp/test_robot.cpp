@@ -272,5 +272,34 @@ TEST(Robot, mid_configuration_is_inside_the_limits_and_finite) {
   });
 }
 
+TEST(Robot, limits_beyond_any_machine_are_none) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  struct Case {
+    JointType type;
+    double lower, upper, robots_lower, robots_upper;
+    JointType robots_type;
+  };
+  const Case cases[] = {
+      {JointType::Revolute, -1e16, 1e16, -kInfinity, kInfinity, JointType::Continuous},
+      {JointType::Prismatic, -kLargest, kLargest, -kInfinity, kInfinity, JointType::Prismatic},
+      {JointType::Revolute, -1.0, 1e16, -1.0, 1e6, JointType::Revolute},
+      {JointType::Prismatic, kLargest, kLargest, 1e6, 1e6, JointType::Prismatic},
+      {JointType::Revolute, -1e6, 1e6, -1e6, 1e6, JointType::Revolute},
+  };
+  for (const Case& each : cases) {
+    SCOPED_TRACE(std::to_string(each.lower) + " to " + std::to_string(each.upper));
+    RobotDescription description;
+    description.name = "wide";
+    description.links = {{.name = "base"}, {.name = "tip"}};
+    description.joints = {joint_between("base", "tip", "j", each.type, each.lower, each.upper)};
+    const Robot robot(description);
+    EXPECT_EQ(robot.lower()[0], each.robots_lower);
+    EXPECT_EQ(robot.upper()[0], each.robots_upper);
+    EXPECT_EQ(robot.joint_types()[0], each.robots_type);
+    EXPECT_TRUE(robot.mid_configuration().allFinite());
+  }
+}
+
 }  // namespace
 }  // namespace pdoik

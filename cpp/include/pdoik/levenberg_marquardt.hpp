@@ -153,7 +153,8 @@ LevenbergMarquardtResult LevenbergMarquardt::minimize(Problem& problem, Eigen::V
     problem.linearise(H_, g_);
     ++result.iterations;
     const double scale = H_.diagonal().maxCoeff();
-    if (!(scale > 0.0)) {  // no variable moves any residual
+    if (!(scale > 0.0) ||
+        !std::isfinite(scale)) {  // no variable moves any residual, or beyond number
       result.status = LevenbergMarquardtStatus::Stalled;
       return result;
     }
@@ -168,7 +169,8 @@ LevenbergMarquardtResult LevenbergMarquardt::minimize(Problem& problem, Eigen::V
         result.status = LevenbergMarquardtStatus::Stalled;
         return result;
       }
-      if (detail::solve_damped(H_, g_, lambda, free_, free_count, L_, d_)) {
+      // Where numbers overflow, a longer damping may still give a step.
+      if (detail::solve_damped(H_, g_, lambda, free_, free_count, L_, d_) && d_.allFinite()) {
         trial_ = (x + d_).cwiseMax(lower).cwiseMin(upper);
         const double f_trial = problem.evaluate(trial_);
         ++result.evaluations;

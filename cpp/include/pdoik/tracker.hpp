@@ -60,10 +60,11 @@ struct TrackerResult : Result {
 ///     }
 /// Every step goes downhill from the last answer inside a box of speed limits times period, cut
 /// with the joint limits, so it cannot jump; there are no restarts. A joint without a speed limit
-/// may go as far as it likes; a step that moves hulls by more than 2 cm is looked at along the way,
-/// every 2 mm where obstacles are near, and is taken only if it is clear. Input that makes no sense
-/// does not throw: the last answer stands, and the step says so. A tracker belongs to one thread;
-/// after construction nothing allocates, locks or prints.
+/// may go as far as it likes; a step that moves hulls by more than 2 cm, or half the thinnest
+/// hull's width, is looked at along the way, every tenth of that where obstacles are near, and is
+/// taken only if it is clear. Where nothing solves, it stays rather than go deeper into what it
+/// touches. Input that makes no sense does not throw: the last answer stands, and the step says so.
+/// A tracker belongs to one thread; after construction nothing allocates, locks or prints.
 class Tracker {
  public:
   /// @param solver_options  Goals' type, tolerances, clearance, balance and self-collision count;

@@ -59,7 +59,7 @@ class Balance {
   void for_each(Reach&& reach, Visit&& visit) const {
     for (int side = 0; side < kBox; ++side) {
       const double c = box_constraint(side);
-      if (!(c > -reach(side))) continue;
+      if (c <= -reach(side)) continue;  // what is no number counts
       Term term{side, c, {}, -1, -1, {}, {}};
       term.dc_dcom[side / 2] = side % 2 == 0 ? -1.0 : 1.0;
       visit(term);
@@ -67,7 +67,7 @@ class Balance {
     const bool is_flat = corner_count_ == 2;  // all contacts on one line
     for (int k = 0; k < (is_flat ? 1 : corner_count_); ++k) {
       const Term term = is_flat ? segment_constraint() : edge_constraint(k);
-      if (term.c > -reach(term.slot)) visit(term);
+      if (!(term.c <= -reach(term.slot))) visit(term);
     }
   }
 

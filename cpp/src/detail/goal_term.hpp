@@ -34,9 +34,9 @@ inline Vec4 axis_error_vector(const Vec4& axis, const Vec4& target) {
   return broadcast(M_PI) * to_vec4(to_vector3(target).unitOrthogonal());
 }
 
-/// A vector's component beyond `slack`, of its sign; 0 within.
+/// A vector's component beyond `slack`, of its sign; 0 within, but what is no number stays none.
 inline double beyond(double value, double slack) {
-  return value > slack ? value - slack : value < -slack ? value + slack : 0.0;
+  return value > slack ? value - slack : value < -slack ? value + slack : 0.0 * value;
 }
 
 /// What is left of an error vector (base frame) when each component along `axes` is forgiven its
@@ -135,7 +135,7 @@ class GoalTerm {
     if (!has_slack_) return e;
     if (type_ == GoalType::Pose) return beyond(e, target_, rotation_slack_);
     const double angle = std::sqrt(dot3(e, e)), slack = rotation_slack_.maxCoeff();
-    return angle > slack ? broadcast(1.0 - slack / angle) * e : Vec4{};
+    return angle <= slack ? Vec4{} : broadcast(1.0 - slack / angle) * e;
   }
   /// The rotation error, computed once and kept until the tip is placed again.
   const Vec4& keep_rotation_error() { return kept_rotation_error_ = rotation_error(); }

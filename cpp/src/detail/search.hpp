@@ -116,6 +116,10 @@ class Search {
   /// Whether hulls stay clear of obstacles and each other on the straight way from the last answer
   /// to q_.
   bool clear_on_the_way(const Following& step);
+  /// How far hulls may move before one meets an obstacle or another; negative if they do [m].
+  double room(const Result& verdict) const;
+  /// A step whose way is longer than this is looked at along it [m].
+  static double long_way(const Robot& robot, const HullModel& hulls);
   /// A bound on how far any part of a hull gets on that way [m].
   double way_from(const Eigen::VectorXd& from);
 
@@ -138,6 +142,7 @@ class Search {
   Deadline deadline_;
   Result best_, saved_, probe_;  ///< of this solve: the nearest solution; to go back to; on the way
   Eigen::VectorXd lower_, upper_, start_, q_, omega_, unsettled_, pull_, levers_;
+  double long_way_;
   bool levers_are_constant_ = false;  ///< no slide without limits lengthens them
   std::vector<bool> matters_;         ///< joints that move the tip or a hull
   std::ptrdiff_t matter_count_ = 0;

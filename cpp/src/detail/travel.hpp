@@ -15,4 +15,8 @@ double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::
 void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& from,
                  const Eigen::VectorXd& to, Eigen::VectorXd& levers);
 
+/// Half the width of the thinnest moving hull, with every joint in the middle of its range where
+/// that changes it; infinite if there is none [m].
+double thinnest_hull(const Robot& robot, const HullModel& hulls);
+
 }  // namespace pdoik::detail
