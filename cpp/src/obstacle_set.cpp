@@ -9,12 +9,16 @@ namespace {
 constexpr int kGroup = kLanes * kLanes;  // points
 constexpr float kFarAway = 1e15F;  // squares and their products stay finite in single precision
 
-int round_up(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
+template <class Integer>
+Integer round_up(Integer count) {
+  constexpr auto lanes = static_cast<Integer>(kLanes);
+  return (count + lanes - 1) / lanes * lanes;
+}
 
 }  // namespace
 
 void ObstacleSet::reserve(std::size_t count) {
-  const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
+  const std::size_t padded = round_up(count);
   points_.reserve(padded);
   index_.reserve(padded);
   for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
@@ -69,7 +73,7 @@ void ObstacleSet::finish(bool in_order) {
 }
 
 void ObstacleSet::Boxes::reserve(std::size_t boxes) {
-  const std::size_t size = (boxes + kLanes - 1) / kLanes * kLanes;
+  const std::size_t size = round_up(boxes);
   for (std::vector<float>* v : {&low[0], &low[1], &low[2], &high[0], &high[1], &high[2], &radius})
     v->reserve(size);
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "detail/check_input.hpp"
@@ -134,10 +133,7 @@ Eigen::VectorXd Robot::mid_configuration() const {
   Eigen::VectorXd q(dof());
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const bool low = std::isfinite(lower_[i]), high = std::isfinite(upper_[i]);
-    q[i] = low && high ? std::midpoint(lower_[i], upper_[i])
-           : low       ? lower_[i]
-           : high      ? upper_[i]
-                       : 0.0;
+    q[i] = low && high ? 0.5 * (lower_[i] + upper_[i]) : low ? lower_[i] : high ? upper_[i] : 0.0;
   }
   return q;
 }

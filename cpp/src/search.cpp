@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "detail/travel.hpp"
 
@@ -351,7 +350,7 @@ void Search::set_start(const Request& request) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
     start_[i] = request.q0 != nullptr ? std::clamp((*request.q0)[i], lower_[i], upper_[i])
-                : bounded             ? std::midpoint(lower_[i], upper_[i])
+                : bounded             ? 0.5 * (lower_[i] + upper_[i])
                                       : 0.0;
     if (turns_[static_cast<std::size_t>(i)] == Turn::Bound) {
       lower_[i] = start_[i] - M_PI;
@@ -440,11 +439,11 @@ void Search::restart_configuration(int k, const Eigen::VectorXd* near) {
     const bool bounded = std::isfinite(lower_[i]) && std::isfinite(upper_[i]);
     const double low = bounded ? lower_[i] : start_[i] - M_PI,
                  high = bounded ? upper_[i] : start_[i] + M_PI;
-    q_[i] = std::lerp(low, high, sequence_(k, i));  // limits may be as large as numbers get
+    q_[i] = low + sequence_(k, i) * (high - low);
     if (near == nullptr) continue;
     // Close to what is wanted as often as far from it: the whole range, half of it, a quarter, ...
     constexpr double kScales[] = {0.5, 0.25, 0.125, 1.0};
-    q_[i] = std::clamp((*near)[i] + kScales[k % 4] * (q_[i] - std::midpoint(low, high)), low, high);
+    q_[i] = std::clamp((*near)[i] + kScales[k % 4] * (q_[i] - 0.5 * (low + high)), low, high);
   }
 }
 

@@ -265,8 +265,7 @@ class TreeBuilder {
         fail("joint '" + description_.joints[body_joint_[b]].name + "' mimics '" +
              description_.joints[source.joint].name +
              "' by a multiplier or offset that is not finite or beyond 1e6, all followers between "
-             "them "
-             "counted");
+             "them counted");
       }
       if (description_.joints[body_joint_[b]].mimic) {
         narrow_limits(description_.joints[body_joint_[b]], body, lower, upper);

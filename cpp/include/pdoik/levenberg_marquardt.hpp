@@ -153,8 +153,8 @@ LevenbergMarquardtResult LevenbergMarquardt::minimize(Problem& problem, Eigen::V
     problem.linearise(H_, g_);
     ++result.iterations;
     const double scale = H_.diagonal().maxCoeff();
-    if (!(scale > 0.0) ||
-        !std::isfinite(scale)) {  // no variable moves any residual, or beyond number
+    // No variable moves any residual, or one does beyond all numbers.
+    if (!(scale > 0.0) || !std::isfinite(scale)) {
       result.status = LevenbergMarquardtStatus::Stalled;
       return result;
     }
@@ -169,7 +169,7 @@ LevenbergMarquardtResult LevenbergMarquardt::minimize(Problem& problem, Eigen::V
         result.status = LevenbergMarquardtStatus::Stalled;
         return result;
       }
-      // Where numbers overflow, a longer damping may still give a step.
+      // Where numbers overflow, more damping may still give a step.
       if (detail::solve_damped(H_, g_, lambda, free_, free_count, L_, d_) && d_.allFinite()) {
         trial_ = (x + d_).cwiseMax(lower).cwiseMin(upper);
         const double f_trial = problem.evaluate(trial_);

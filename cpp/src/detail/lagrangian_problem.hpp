@@ -155,10 +155,8 @@ class LagrangianProblem {
     while (at != multipliers_.end() && at->slot < slot(pair)) ++at;
     return at != multipliers_.end() && at->slot == slot(pair) ? at->mu : 0.0;
   }
-  /// Asked for each near pair; looks at the clock once in a thousand.
-  bool is_cut(int pair) const {
-    return (pair & 255) == 255 && deadline_ != nullptr && deadline_->passed();
-  }
+  /// Asked for each near pair.
+  bool is_cut(int pair) const { return passed_in(pair, deadline_); }
 
   void roll_out(const Eigen::VectorXd& omega) {
     map_.forward(omega, state_, rollout_.needs_angles());

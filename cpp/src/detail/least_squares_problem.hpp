@@ -224,9 +224,9 @@ class LeastSquaresProblem {
     return distance_constraint(collision_, collision_.hull(pair), o);
   }
 
-  /// Asked for each near pair; looks at the clock now and then.
+  /// Asked for each near pair.
   bool is_cut(int pair) {
-    if ((pair & 255) == 255 && deadline_ != nullptr && deadline_->passed()) cut_ = true;
+    if (passed_in(pair, deadline_)) cut_ = true;
     return cut_;
   }
 
