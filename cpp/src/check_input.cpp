@@ -36,10 +36,6 @@ double off_orthonormal(const Eigen::Isometry3d& T) {
   return (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
 }
 
-bool is_rigid(const Eigen::Isometry3d& T) {
-  return T.matrix().allFinite() && off_orthonormal(T) <= 1e-6 && T.linear().determinant() > 0.0;
-}
-
 bool accepts_target(const Eigen::Isometry3d& T, const char* name, Complaint& complaint) {
   if (!T.matrix().allFinite()) return complaint.say("%s holds NaN or infinity", name);
   if (!is_rigid(T)) {
@@ -103,6 +99,10 @@ bool by_least_squares(const Options& options) {
 }
 
 }  // namespace
+
+bool is_rigid(const Eigen::Isometry3d& T) {
+  return T.matrix().allFinite() && off_orthonormal(T) <= 1e-6 && T.linear().determinant() > 0.0;
+}
 
 bool accepts_goals(std::span<const Goal> goals, const Robot& robot, const Options& options,
                    Complaint& complaint) {

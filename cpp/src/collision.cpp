@@ -39,8 +39,12 @@ HullModel::HullModel(const Robot& robot, bool heed_fixed) {
   };
   int source = 0;
   const auto add = [&](int a, int b, double semi_major) {
-    const bool is_fixed = points[static_cast<std::size_t>(a)].body == 0 &&
-                          points[static_cast<std::size_t>(b)].body == 0;
+    const AttachedPoint &one = points[static_cast<std::size_t>(a)],
+                        &other = points[static_cast<std::size_t>(b)];
+    const Vec4 between = other.local - one.local;
+    may_be_hollow = may_be_hollow || one.body != other.body ||
+                    dot3(between, between) >= 4.0 * semi_major * semi_major;
+    const bool is_fixed = one.body == 0 && other.body == 0;
     (is_fixed ? fixed : moving).push_back({a, b, semi_major, source++});
   };
   for (const Sphere& sphere : robot.occupancy().spheres) {

@@ -23,6 +23,17 @@ double pose_rotation_error(const Eigen::Matrix3d& R, const Eigen::Vector3d& slac
   return beyond(turn.angle() * turn.axis(), slack).norm();
 }
 
+/// Farther than this from the base rounding blurs distances to more than any tolerance [m].
+constexpr double kFarthest = 1e9;
+
+/// Whether all bodies are where something can be said of them: a joint that slides without limits,
+/// or angles that overflow, may put one too far or nowhere.
+bool are_somewhere(const std::vector<Eigen::Isometry3d>& T_base_body) {
+  return std::all_of(T_base_body.begin(), T_base_body.end(), [](const Eigen::Isometry3d& T) {
+    return T.matrix().allFinite() && T.translation().cwiseAbs().maxCoeff() <= kFarthest;
+  });
+}
+
 }  // namespace
 
 class Judge::Verdict {
@@ -137,10 +148,7 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   }
   judge_limits(q, result);
   Verdict verdict(result, options_.rotation_weight);
-  // Angles so large that they overflow put a body nowhere: nothing can be said of its hulls.
-  double poison = 0.0;
-  for (const Eigen::Isometry3d& T : T_base_body_) poison += 0.0 * T.matrix().sum();
-  if (poison != 0.0) result.success = false;
+  if (!are_somewhere(T_base_body_)) result.success = false;
   const Clearance least =
       scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0, look);
   const bool empty = scene.near.count() == 0 && scene.far.count() == 0;

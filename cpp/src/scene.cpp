@@ -38,11 +38,11 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
   const auto is_far = [&](int i) {
     const double dx = points(i, 0) - root.x(), dy = points(i, 1) - root.y(),
                  dz = points(i, 2) - root.z(), square = dx * dx + dy * dy + dz * dz;
-    const double within = hulls.reach + radius_of(i);
+    const double radius = radius_of(i), within = hulls.reach + hulls.clear_beyond(radius);
     if (within >= 0.0 && square <= within * within) return false;  // most, without a root
-    const double beyond = std::sqrt(square) - within;
-    if (!(beyond > 0.0)) return false;
-    far_bound = std::min(far_bound, beyond);
+    const double distance = hulls.distance_from(std::sqrt(square) - hulls.reach, radius);
+    if (!(distance > 0.0)) return false;
+    far_bound = std::min(far_bound, distance);
     return true;
   };
   if (large) {
@@ -66,7 +66,7 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
     far.begin(count, root);
     for (int i = 0; i < count; ++i) add_to(is_far(i) ? far : near, i);
   }
-  fixed_far_bound = far_bound + hulls.reach - hulls.fixed_reach;
+  fixed_far_bound = far_bound + hulls.distance_from(hulls.reach - hulls.fixed_reach, 0.0);
   near.finish(large);
   far.finish(large);
   fixed_hulls.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);

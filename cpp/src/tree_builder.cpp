@@ -109,6 +109,7 @@ class TreeBuilder {
     if (!joint.T_parent_child.matrix().allFinite()) fail(what + "origin is not finite");
     if (joint.T_parent_child.translation().cwiseAbs().maxCoeff() > kLargestNumber)
       fail(what + "origin has a number beyond 1e6 m");
+    if (!is_rigid(joint.T_parent_child)) fail(what + "origin is not a rigid transform");
     if (joint.type == JointType::Fixed) return;
     const double length = joint.axis.norm();
     if (!(length > 1e-9) || !std::isfinite(length)) {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable
-from io import BufferedReader
+from io import BufferedReader, BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,6 @@ from pdoik.errors import LoadError
 
 Points = npt.NDArray[np.float64]  # (N, 3), [m]
 
-_HEADER_BYTES = 65536  # of a PLY file, at most
 _PCD_HEADER_LINES = 10  # that pypcd4 reads, without remarks
 _MOST_COLUMNS = 10_000  # of a PCD file; the widest descriptors have about two thousand
 _MOST_EXPANSION = 100  # what a byte of a file can hold: LZF packs at most 264 into three
@@ -112,11 +111,12 @@ def _check_pcd_header(path: Path, file: BufferedReader) -> None:
 def _read_ply(path: Path) -> Points:
     from trimesh.exchange.ply import load_ply
 
-    with path.open("rb") as file:
-        # Vertices as they are in the file: with fix_texture some come twice, in another order.
-        content = load_ply(file, fix_texture=False, skip_materials=True)
-        file.seek(0)
-        promised = re.search(rb"^element\s+vertex\s+(\d+)", file.read(_HEADER_BYTES), re.MULTILINE)
+    head, end, rest = path.read_bytes().partition(b"end_header")
+    promised = re.search(rb"^element\s+vertex\s+(\d+)", head, re.MULTILINE)
+    # trimesh makes paths of edges, in a matrix as large as their largest index.
+    head = re.sub(rb"^element\s+edge\b", b"element other", head, flags=re.MULTILINE)
+    # Vertices as they are in the file: with fix_texture some come twice, in another order.
+    content = load_ply(BytesIO(head + end + rest), fix_texture=False, skip_materials=True)
     vertices = content.get("vertices")
     if vertices is None or promised is None:
         raise LoadError(f"{path}: expected vertices with x, y, z, got none")

@@ -62,6 +62,34 @@ TEST(Judge, sees_obstacles_that_only_a_slide_beyond_its_limit_brings_near) {
   }
 }
 
+TEST(Judge, overlooks_nothing_out_of_reach_of_a_hull_whose_foci_are_too_far_apart) {
+  RobotDescription description;
+  description.links = {{.name = "base"}, {.name = "arm"}};
+  description.joints = {joint_between("base", "arm", "turn", JointType::Revolute, -3.0, 3.0)};
+  description.joints[0].T_parent_child.translation().x() = 1.0;
+  Robot robot(description);
+  Occupancy occupancy;
+  occupancy.spheres.push_back({"arm", Eigen::Vector3d(0.1, 0.0, 0.0), 0.05});
+  occupancy.spheroids.push_back(
+      {"arm", Eigen::Vector3d(0.3, 0.0, 0.0), "base", Eigen::Vector3d::Zero(), 0.2});
+  robot.set_occupancy(occupancy);
+  Random random(1);
+  for (int trial = 0; trial < 500; ++trial) {
+    Options options = timeless(GoalType::Position);
+    options.clearance = random.uniform(-0.3, 0.3);
+    Solver solver(robot, options);
+    // One out of the arm's reach, close to the base, and one that the arm may come close to.
+    ObstacleMatrix obstacles = random_obstacles(random, 2, 0.3, trial % 2 == 0 ? 0.1 : 0.0);
+    obstacles.row(1).head<3>() *= 2.0;
+    obstacles(1, 0) += 1.0;
+    solver.set_obstacles(obstacles);
+    const Eigen::VectorXd q = random_configuration(robot, random);
+    EXPECT_NEAR(judged(solver, robot.fk(q), q).clearance,
+                brute_force_clearance(robot, q, obstacles), 1e-9)
+        << trial;
+  }
+}
+
 TEST(Judge, names_what_is_missed_by_most) {
   Robot robot = with_hulls(Robot::builtin("panda"));
   Solver solver(robot, timeless());

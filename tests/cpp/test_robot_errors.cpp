@@ -111,6 +111,13 @@ TEST(RobotErrors, an_origin_that_is_not_finite_is_refused) {
                  {"wrist", "origin"});
 }
 
+TEST(RobotErrors, an_origin_that_is_no_rotation_is_refused) {
+  const std::vector<std::string> words = {"elbow", "origin is not a rigid transform"};
+  expect_refused([](RobotDescription& d) { d.joints[1].T_parent_child.linear() *= 1.001; }, words);
+  expect_refused([](RobotDescription& d) { d.joints[1].T_parent_child(1, 0) = 7e37; }, words);
+  expect_refused([](RobotDescription& d) { d.joints[1].T_parent_child(2, 2) = -1.0; }, words);
+}
+
 TEST(RobotErrors, mimicking_nobody_oneself_a_circle_or_a_fixed_joint_is_refused) {
   expect_refused([](RobotDescription& d) { d.joints[2].mimic = Mimic{"thumb"}; },
                  {"wrist", "thumb"});

@@ -45,6 +45,7 @@ void check_robot(const Robot& robot) {
 void from_other_links(const RobotDescription& description) {
   std::string world = "w";  // longer than any name there is
   for (const LinkDescription& link : description.links) world += link.name;
+  for (const JointDescription& joint : description.joints) world += joint.name;
   for (const LinkDescription& base : {description.links.front(), description.links.back()}) {
     const std::string tip = description.links.front().name;
     check_robot(Robot(description, base.name, {tip}));

@@ -106,7 +106,8 @@ class Robot {
   /// @param base_link  Any link of the tree; empty takes the description's root.
   /// @param tip_links  Links that goals may be given for; empty takes every leaf.
   /// @throws LoadError naming a missing link, a tip named twice, a second parent, a loop, limits
-  /// out of order, a negative speed limit, a zero axis, a number beyond 1e6.
+  /// out of order, a negative speed limit, a zero axis, an origin that is no rigid transform to
+  /// 1e-6, a number beyond 1e6.
   explicit Robot(const RobotDescription& description, const std::string& base_link = {},
                  const std::vector<std::string>& tip_links = {});
 

@@ -15,6 +15,8 @@ namespace pdoik::detail {
 /// Lengths beyond this are refused: rounding would blur distances [m].
 constexpr double kLargestNumber = 1e6;
 
+/// Whether a transform is finite, and its 3x3 part a rotation to 1e-6.
+bool is_rigid(const Eigen::Isometry3d& T);
 /// 1 to 64 joints.
 void check_robot(const Robot& robot);
 /// What a solver or a tracker is made of.

@@ -44,6 +44,19 @@ struct HullModel {
   double reach = std::numeric_limits<double>::infinity();
   /// The fixed hulls lie within this distance of `reach_centre`.
   double fixed_reach = 0.0;
+  /// Whether the foci of some hull may be too far apart for a spheroid: what then stands for its
+  /// distance grows half as fast with that from `reach_centre`.
+  bool may_be_hollow = false;
+
+  /// At most the distance from a hull to an obstacle that is `beyond` farther from `reach_centre`
+  /// than the hull reaches, less the obstacle's radius.
+  double distance_from(double beyond, double radius) const {
+    return (may_be_hollow && beyond > 0.0 ? 0.5 * beyond : beyond) - radius;
+  }
+  /// From how much farther away than `reach` an obstacle is clear of every hull.
+  double clear_beyond(double radius) const {
+    return may_be_hollow && radius > 0.0 ? 2.0 * radius : radius;
+  }
 };
 
 /// By how much a hull must grow so that rounding in the coarse test misses nothing [m].
