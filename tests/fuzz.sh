@@ -73,7 +73,7 @@ table() {
 }
 
 build
-rm -f $out/*.status
+for target in "${targets[@]}"; do rm -f "$out/$target.status"; done
 for target in "${targets[@]}"; do
   while (($(jobs -rp | wc -l) >= ${JOBS:-2})); do wait -n || true; done
   fuzz "$target" &

@@ -10,6 +10,7 @@ stage_lint() {
   .venv/bin/ruff check .
   .venv/bin/ruff format --check .
   .venv/bin/mypy
+  PYTHONPATH=python .venv/bin/lint-imports --no-cache
   find cpp tests bench python/bindings -regex '.*\.[chi]\(pp\|nl\)' -print0 |
     xargs -0 .venv/bin/clang-format --dry-run -Werror
   bash python/bindings/stubs.sh --check

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from campaign import Job, Row
 from pdoik.sim2real import CATALOGUE, Prepared, load_study, prepare
-from pdoik.sim2real.balances import Balances
-from pdoik.sim2real.effects import Effect, Key, Place
-from pdoik.sim2real.nuisance import TRUST, trusted
-from pdoik.sim2real.regression import Fit, Term
-from pdoik.sim2real.verdict import preferred
+from pdoik.sim2real.effects import Effect
+from pdoik.sim2real.infer.verdict import preferred
+from pdoik.sim2real.motion.balances import Balances
+from pdoik.sim2real.motion.place import Key, Place
+from pdoik.sim2real.regression.fit import Fit, Term
+from pdoik.sim2real.regression.trusted_bodies import TRUST, trusted
 
 Entry = Mapping[str, Any]  # of a truth's effects
 Array = NDArray[np.float64]

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pdoik.sim2real.effects import CATALOGUE, Place
-from pdoik.sim2real.motion import Motion
-from pdoik.sim2real.rigid_body import RigidBody
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.motion.motion import Motion
+from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.motion.rigid_body import RigidBody
 
 STEP = 1e-4  # of central differences
 

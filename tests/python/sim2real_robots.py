@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from pdoik.sim2real.recording import Recording
-from pdoik.sim2real.simulation import parts_of
+from pdoik.sim2real.effects.simulated import parts_of
 from pdoik.sim2real.simulation.parts import Part
-from pdoik.sim2real.study import Controller
+from pdoik.sim2real.study.recording import Recording
+from pdoik.sim2real.study.study import Controller
 from sim2real_recordings import even_recording
 
 G = 9.81  # [m/s^2]

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pdoik.errors import LoadError
-from pdoik.sim2real import read_table
-from pdoik.sim2real.read_study import load_study
+from pdoik.sim2real.study import read_table
+from pdoik.sim2real.study.read_study import load_study
 from studies import JOINTS, MJCF, URDF, columns, log, write_study
 
 DEGREES = 180 / np.pi

@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.effects import Place
 from pdoik.sim2real.effects.presliding_hysteresis import bristle
-from pdoik.sim2real.motion import Motion
+from pdoik.sim2real.motion.motion import Motion
+from pdoik.sim2real.motion.place import Place
 from sim2real_columns import added, torque
 from sim2real_motions import wave
 

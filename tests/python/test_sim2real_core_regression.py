@@ -12,11 +12,12 @@ from scipy import optimize
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.balances import Balances
-from pdoik.sim2real.effects import CATALOGUE, Place
-from pdoik.sim2real.estimate import estimates
-from pdoik.sim2real.refine import refined
-from pdoik.sim2real.regression import Fit, Term, term_of
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.motion.balances import Balances
+from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.regression.estimate import estimates
+from pdoik.sim2real.regression.fit import Fit, Term, term_of
+from pdoik.sim2real.regression.refine import refined
 from sim2real_motions import CUTOFF, moved
 
 KEYS = (("torque", 0), ("torque", 1), ("drive", 1))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from pdoik.sim2real.signals import (
+from pdoik.sim2real.motion.signals import (
     derivative,
     dilated,
     lagged,

@@ -7,9 +7,9 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.effects import Place
 from pdoik.sim2real.effects.backlash import swing
-from pdoik.sim2real.motion import Motion
+from pdoik.sim2real.motion.motion import Motion
+from pdoik.sim2real.motion.place import Place
 from sim2real_columns import added, tip_change, tips, torque
 from sim2real_motions import INSIDE, PERIOD
 

@@ -25,7 +25,7 @@ from pdoik.sim2real import (
     model_of,
     predict,
 )
-from pdoik.sim2real.nuisance import TRUST
+from pdoik.sim2real.regression.trusted_bodies import TRUST
 from pdoik.sim2real.report.data import ReportData
 from test_scenes import bench_module
 

@@ -17,10 +17,13 @@ from bench.concealed.build import make_study
 from bench.concealed.spec import Truth, WorldSpec
 
 from pdoik.sim2real import Diagnosis, Finding, diagnose
-from pdoik.sim2real.effects import CATALOGUE, Gate, Place, columns_of
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.effects.simulated_finding import not_simulated, parts_of_finding
 from pdoik.sim2real.findings import Estimate
-from pdoik.sim2real.motion import Motion
-from pdoik.sim2real.simulation import Simulator, not_simulated, parts_of_finding
+from pdoik.sim2real.motion.balances import columns_of
+from pdoik.sim2real.motion.motion import Motion
+from pdoik.sim2real.motion.place import Gate, Place
+from pdoik.sim2real.simulation import Simulator
 from pdoik.sim2real.simulation.parts import Part
 from sim2real_robots import ABOUT_PIVOT, TURNTABLE, commands
 

@@ -14,14 +14,14 @@ mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 import pdoik  # noqa: E402
 from pdoik.errors import LoadError  # noqa: E402
-from pdoik.sim2real.export import export_mjcf, export_urdf, write_exports  # noqa: E402
+from pdoik.sim2real.export.export import export_mjcf, export_urdf, write_exports  # noqa: E402
 from pdoik.sim2real.findings import Estimate, Finding  # noqa: E402
-from pdoik.sim2real.model_file import Model, replay, robot_text  # noqa: E402
-from pdoik.sim2real.predict import predict  # noqa: E402
-from pdoik.sim2real.recording import Recording  # noqa: E402
+from pdoik.sim2real.model.model import Model, load_model, replay, robot_text  # noqa: E402
+from pdoik.sim2real.model.predict import predict  # noqa: E402
 from pdoik.sim2real.simulation import Stepper  # noqa: E402
 from pdoik.sim2real.simulation.inertial import Inertial  # noqa: E402
-from pdoik.sim2real.study import Study  # noqa: E402
+from pdoik.sim2real.study.recording import Recording  # noqa: E402
+from pdoik.sim2real.study.study import Study  # noqa: E402
 from sim2real_robots import MJCF, PENDULUM, arm_urdf, commands, pd  # noqa: E402
 
 PANDA = Path(pdoik.__file__).parent / "robots" / "panda.urdf"
@@ -89,8 +89,8 @@ def test_a_model_comes_back_from_its_file_as_it_was(tmp_path: Path) -> None:
     before = replace(model, findings=(), rigid_body={})
     assert same(replay(back, run, findings=False), replay(before, run))
     assert not same(replay(back, run, findings=False), replay(back, run))
-    assert len(Stepper.from_file(path).parts) == len(model.parts()) > 8
-    assert Stepper.from_file(path, findings=False).parts == ()
+    assert len(load_model(path).stepper().parts) == len(model.parts()) > 8
+    assert load_model(path).stepper(findings=False).parts == ()
 
 
 def test_a_study_without_a_robot_keeps_its_findings_but_cannot_be_simulated(

@@ -19,9 +19,9 @@ from bench.concealed.build import make_study
 from bench.concealed.spec import WorldSpec
 
 from pdoik.sim2real import Finding, diagnose
-from pdoik.sim2real.channels import check_channels
-from pdoik.sim2real.prepare import prepare
-from pdoik.sim2real.read_study import load_study
+from pdoik.sim2real.channels.check_channels import check_channels
+from pdoik.sim2real.motion.prepare import prepare
+from pdoik.sim2real.study.read_study import load_study
 
 HIDDEN = [(7205, "random3", "dq"), (7206, "random6", "tau")]
 

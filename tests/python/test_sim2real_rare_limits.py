@@ -16,8 +16,8 @@ from bench.concealed.build import make_study
 from bench.concealed.spec import WorldSpec
 
 from pdoik.sim2real import diagnose
-from pdoik.sim2real.flat_top import FlatTop, Torques, flat_top
-from pdoik.sim2real.signals import lagged, shifted
+from pdoik.sim2real.motion.flat_top import FlatTop, Torques, flat_top
+from pdoik.sim2real.motion.signals import lagged, shifted
 
 PERIOD, LEVEL, NOISE = 0.005, 10.0, 0.05
 TIME = np.arange(0.0, 20.0, PERIOD)

@@ -14,15 +14,16 @@ from bench.concealed.build import make_study
 from bench.concealed.spec import Truth, WorldSpec
 
 from pdoik.sim2real import diagnose, load_study
-from pdoik.sim2real.effects import CATALOGUE, Place
-from pdoik.sim2real.prepare import Prepared, prepare
-from pdoik.sim2real.refine import refined
-from pdoik.sim2real.refine_by_rollouts import refine_by_rollouts
-from pdoik.sim2real.regression import Fit, Term, term_of
-from pdoik.sim2real.rollouts import Arm, Rollout, why_not
-from pdoik.sim2real.search import search
+from pdoik.sim2real.confirm.confirm_by_simulation import confirm_by_simulation
+from pdoik.sim2real.confirm.refine_by_rollouts import refine_by_rollouts
+from pdoik.sim2real.confirm.rollouts import Arm, Rollout, why_not
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.motion.prepare import Prepared, prepare
+from pdoik.sim2real.regression.fit import Fit, Term, term_of
+from pdoik.sim2real.regression.refine import refined
+from pdoik.sim2real.select.search import search
 from pdoik.sim2real.simulation import SimulationError, Stepper
-from pdoik.sim2real.told_by_simulation import told_by_simulation
 
 
 def hidden(folder: Path, effect: str, seed: int, robot: str) -> tuple[Truth, Path]:
@@ -104,7 +105,7 @@ def test_play_that_was_taken_for_a_spring_is_named_by_simulation(tmp_path: Path)
     assert spring is not None
     state.fit = Fit(prepared.fit, [*others, refined(Fit(prepared.fit, others), spring)])
     said: list[str] = []
-    told_by_simulation(prepared, state, 0, said.append)
+    confirm_by_simulation(prepared, state, 0, said.append)
     assert "backlash" in {term.effect for term in state.accepted}
     assert "joint_elasticity" not in {term.effect for term in state.accepted}
     assert any("in the place of joint elasticity" in line for line in said), said

@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
-from pdoik.sim2real.simulation import Simulator, Stepper, parts_of
-from pdoik.sim2real.simulation.of_effect import EFFECTS
+from pdoik.sim2real.effects.simulated import EFFECTS, parts_of
+from pdoik.sim2real.simulation import Simulator, Stepper
 from sim2real_robots import PENDULUM, TURNTABLE, arm_urdf, commands, parts, pd
 
 

@@ -14,8 +14,8 @@ from pdoik._files import write_whole
 from .messages import fail
 
 if TYPE_CHECKING:
-    from pdoik.sim2real.columns import Table
-    from pdoik.sim2real.recording import Recording
+    from pdoik.sim2real.study.columns import Table
+    from pdoik.sim2real.study.recording import Recording
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -47,10 +47,10 @@ def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) 
     Raises:
         LoadError: Something in the file is not as expected.
     """
-    from pdoik.sim2real.check_recording import to_recording
-    from pdoik.sim2real.columns import channel_of, check_names
-    from pdoik.sim2real.read_table import Part, read_table
-    from pdoik.sim2real.units import Units
+    from pdoik.sim2real.study.check_recording import to_recording
+    from pdoik.sim2real.study.columns import channel_of, check_names
+    from pdoik.sim2real.study.read_table import Part, read_table
+    from pdoik.sim2real.study.units import Units
 
     def wanted(column: str) -> bool:
         pair = channel_of(column)

@@ -11,21 +11,21 @@ Needs the extra: pip install 'pdoik[sim2real]'. SI units and radians; joint arra
 order of the study's joints.
 """
 
-from .conclude import Examination, conclude
 from .diagnose import diagnose, examine
 from .effects import CATALOGUE
 from .evidence import evidence_of, files_of, model_of, write
-from .export import export_mjcf, export_urdf
+from .export.export import export_mjcf, export_urdf
 from .findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit
-from .model_file import Model, load_model, replay
-from .predict import predict
-from .prepare import Prepared, prepare
-from .read_study import load_study
-from .recording import Recording
-from .search import search
+from .infer.conclude import Examination, conclude
+from .model.model import Model, load_model, replay
+from .model.predict import predict
+from .motion.prepare import Prepared, prepare
+from .regression.trial import Search
+from .select.search import search
 from .simulation import SimulationError, Simulator, Stepper
-from .study import Controller, Study, Trust
-from .trial import Search
+from .study.read_study import load_study
+from .study.recording import Recording
+from .study.study import Controller, Study, Trust
 
 __all__ = [
     "CATALOGUE",

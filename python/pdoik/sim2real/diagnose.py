@@ -5,26 +5,26 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from .channels import check_channels
-from .conclude import LEAST_CONTACT, Examination, conclude, within
-from .contact import contact_term, stands
-from .equivalents import swapped
+from .channels.check_channels import check_channels
+from .confirm.confirm_by_simulation import confirm_by_simulation
+from .confirm.rollouts import why_not
 from .findings import Diagnosis
-from .gates import gated_term
-from .leaning import first_search
-from .naming import described
-from .prepare import Prepared, prepare
-from .read_study import load_study
-from .regression import Fit, Term
-from .rollouts import why_not
-from .search import search
-from .shared_causes import share_causes
-from .study import Study
-from .told_by_simulation import told_by_simulation
-from .trial import Search
-from .unexplained import add_unknown
-from .verdict import source_in_words
-from .veto import veto
+from .infer.conclude import LEAST_CONTACT, Examination, conclude, within
+from .infer.selection_veto import selection_veto
+from .infer.verdict import source_in_words
+from .motion.prepare import Prepared, prepare
+from .regression.fit import Fit, Term
+from .regression.naming import described
+from .regression.trial import Search
+from .select.base_tilt import first_search
+from .select.contacts import contact_term, stands
+from .select.gates import gated_term
+from .select.rivals import swapped
+from .select.search import search
+from .select.shared_causes import share_causes
+from .select.unnamed import add_unknown
+from .study.read_study import load_study
+from .study.study import Study
 
 Tell = Callable[[str, str, float], None]
 
@@ -67,8 +67,8 @@ def examine(
     swapped(state)
     forget_contacts(state)
     share_causes(state)
-    told_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.8))
-    vetoed = veto(prepared, state)
+    confirm_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.8))
+    vetoed = selection_veto(prepared, state)
     say("estimate", "intervals by the block bootstrap", 0.82)
     if state.accepted and not why_not(study):
         say("simulate", "the figures refined by simulating the arm from its commands", 0.85)

@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from .effects import Gate
+from .motion.place import Gate
 
 Verdict = Literal[
     "no_mismatch",

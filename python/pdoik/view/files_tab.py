@@ -9,7 +9,7 @@ import viser
 import pdoik
 
 if TYPE_CHECKING:
-    from .viewer import Viewer
+    from .page import Page
 
 EVERY_LEAF, SEVERAL = "every leaf", "several"
 
@@ -17,25 +17,25 @@ EVERY_LEAF, SEVERAL = "every leaf", "several"
 class FilesTab:
     """Robots shipped and uploaded, tip, hulls (read or fitted), clouds."""
 
-    def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
-        self._viewer = viewer
+    def __init__(self, gui: viser.GuiApi, page: Page) -> None:
+        self._page = page
         builtin = pdoik.Robot.builtin_names()
         self.robot: Any = gui.add_dropdown("Robot", ("from a file", *builtin))
         self.robot.on_update(self._robot_chosen)
         self.urdf = gui.add_upload_button("Robot (.urdf)", icon=viser.Icon.UPLOAD)
-        self.urdf.on_upload(lambda event: viewer.take_urdf(event.target.value))
+        self.urdf.on_upload(lambda event: page.take_urdf(event.target.value))
         self.tip: Any = gui.add_dropdown("Tip", (EVERY_LEAF,))
         self.tip.on_update(self._tip_chosen)
         self.hulls = gui.add_upload_button("Hulls (.yaml)", icon=viser.Icon.UPLOAD)
-        self.hulls.on_upload(lambda event: viewer.take_hulls(event.target.value))
+        self.hulls.on_upload(lambda event: page.take_hulls(event.target.value))
         self.fit = gui.add_button(
             "Fit hulls", hint="Around the collision geometry; takes a while", visible=False
         )
-        self.fit.on_click(lambda _: viewer.fit_hulls())
+        self.fit.on_click(lambda _: page.fit_hulls())
         self.cloud = gui.add_upload_button("Cloud (.pcd .ply ...)", icon=viser.Icon.UPLOAD)
-        self.cloud.on_upload(lambda event: viewer.take_cloud(event.target.value))
+        self.cloud.on_upload(lambda event: page.take_cloud(event.target.value))
         self.no_cloud = gui.add_button("No cloud")
-        self.no_cloud.on_click(lambda _: viewer.drop_cloud())
+        self.no_cloud.on_click(lambda _: page.drop_cloud())
 
     def show(self, robot: pdoik.Robot, *, from_file: bool) -> None:
         """Follow the robot that is there now."""
@@ -49,8 +49,8 @@ class FilesTab:
 
     def _robot_chosen(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is not None:  # a hand, not `show`
-            self._viewer.take_builtin(self.robot.value)
+            self._page.take_builtin(self.robot.value)
 
     def _tip_chosen(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is not None:
-            self._viewer.take_tip(None if self.tip.value == EVERY_LEAF else self.tip.value)
+            self._page.take_tip(None if self.tip.value == EVERY_LEAF else self.tip.value)

@@ -13,7 +13,7 @@ from .player import Player
 from .shapes import wxyz_of
 
 if TYPE_CHECKING:
-    from .viewer import Viewer
+    from .page import Page
 
 _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 
@@ -21,13 +21,13 @@ _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 class ReplayTab:
     """Upload, play and pause, time, speed, the signal to pose by, and an object's marker."""
 
-    def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
-        self._viewer = viewer
+    def __init__(self, gui: viser.GuiApi, page: Page) -> None:
+        self._page = page
         self._log: Log | None = None
         self._marker: viser.FrameHandle | None = None
         self.player = Player(self.seek)
         self.upload = gui.add_upload_button("Log (.csv)", icon=viser.Icon.UPLOAD)
-        self.upload.on_upload(lambda event: viewer.take_log(event.target.value))
+        self.upload.on_upload(lambda event: page.take_log(event.target.value))
         self.play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, disabled=True)
         self.play.on_click(lambda _: self._toggle())
         self.time: Any = gui.add_slider("Time [s]", 0.0, 1.0, 0.001, 0.0, disabled=True)
@@ -47,10 +47,10 @@ class ReplayTab:
         self.time.disabled = self.play.disabled = False
         self._drop_marker()
         if log.object_pose is not None:
-            self._marker = self._viewer.server.scene.add_frame(
+            self._marker = self._page.server.scene.add_frame(
                 "/object", axes_length=0.1, axes_radius=0.004
             )
-            self._viewer.server.scene.add_icosphere(
+            self._page.server.scene.add_icosphere(
                 "/object/mesh", radius=0.03, color=(44, 160, 44), opacity=0.8
             )
         self.seek(0.0)
@@ -71,11 +71,11 @@ class ReplayTab:
         self.player.seek(elapsed)
         self.time.value = round(elapsed, 3)
         self.play.label = "Pause" if self.player.playing else "Play"
-        self._viewer.session.set_posture(log.at(elapsed, self.signal.value), origin="log")
-        self._viewer.worker.wake()
-        self.facts.content = facts(log, elapsed, self._viewer.session.robot.joint_names)
+        self._page.session.set_posture(log.at(elapsed, self.signal.value), origin="log")
+        self._page.worker.wake()
+        self.facts.content = facts(log, elapsed, self._page.session.robot.joint_names)
         if self._marker is not None and log.object_pose is not None:
-            session = self._viewer.session
+            session = self._page.session
             T = object_frame(session.robot, session.q) @ log.object_pose[log.row(elapsed)]
             self._marker.wxyz, self._marker.position = wxyz_of(T[:3, :3]), T[:3, 3]
 

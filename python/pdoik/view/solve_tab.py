@@ -12,7 +12,7 @@ from .goals_panel import GoalsPanel
 from .humanoid import balance_over_feet, can_balance
 
 if TYPE_CHECKING:
-    from .viewer import Viewer
+    from .page import Page
 
 AXES = ("x", "y", "z")
 METHODS = ("default", "paper")
@@ -21,10 +21,10 @@ METHODS = ("default", "paper")
 class SolveTab:
     """Goals, method, what holds, obstacles, thinning, and checkboxes of what to draw."""
 
-    def __init__(self, gui: viser.GuiApi, viewer: Viewer) -> None:
-        options, obstacles = viewer.session.options, viewer.session.obstacles
+    def __init__(self, gui: viser.GuiApi, page: Page) -> None:
+        options, obstacles = page.session.options, page.session.obstacles
         axis = options.goal_axis if isinstance(options.goal_axis, str) else "z"
-        self._viewer = viewer
+        self._page = page
         self._gui = gui
         self.goals: GoalsPanel | None = None  # see `follow_robot`
         self.goal_axis = gui.add_dropdown("Axis", AXES, initial_value=axis)
@@ -55,14 +55,14 @@ class SolveTab:
             self.hulls = gui.add_checkbox("Hulls", True)
             self.meshes = gui.add_checkbox("Meshes", True)
             self.skeleton = gui.add_checkbox(
-                "Skeleton", not viewer.model.visuals, hint="Inside the meshes, if any"
+                "Skeleton", not page.model.visuals, hint="Inside the meshes, if any"
             )
             self.cloud = gui.add_checkbox("Cloud", True)
 
         def on_options(event: viser.GuiEvent[Any]) -> None:
             if event.client is None:  # not a hand, but `follow_robot`
                 return
-            viewer.change_options(
+            page.change_options(
                 goal_axis=self.goal_axis.value,
                 method=self.method.value,
                 clearance=self.clearance.value / 1e3,
@@ -82,29 +82,29 @@ class SolveTab:
             control.on_update(on_options)
 
         def on_thinning(_: object) -> None:
-            viewer.session.set_thinning(self.leaf.value / 1e3, self.radii.value)
-            viewer.worker.wake()
+            page.session.set_thinning(self.leaf.value / 1e3, self.radii.value)
+            page.worker.wake()
 
         for control in (self.leaf, self.radii):
             control.on_update(on_thinning)
 
         def on_ball(_: object) -> None:
-            viewer.show_ball(self.ball.value, self.radius.value / 1e3)
+            page.show_ball(self.ball.value, self.radius.value / 1e3)
 
         for control in (self.ball, self.radius):
             control.on_update(on_ball)
 
-        self.move_cloud.on_update(lambda _: viewer.move_cloud(self.move_cloud.value))
+        self.move_cloud.on_update(lambda _: page.move_cloud(self.move_cloud.value))
 
         def on_parts(_: object) -> None:
-            self.apply_parts(viewer)
+            self.apply_parts(page)
 
         for control in (self.hulls, self.meshes, self.skeleton, self.cloud):
             control.on_update(on_parts)
 
     def follow_robot(self) -> None:
         """Fit what depends on the robot; call it inside the tab."""
-        session = self._viewer.session
+        session = self._page.session
         robot = session.robot
         if self.goals is not None:
             self.goals.remove()
@@ -118,11 +118,11 @@ class SolveTab:
     def _goal_chosen(self, tip: str, kind: str) -> None:
         assert self.goals is not None
         self.goal_axis.visible = self.goals.has_axis
-        self._viewer.change_goal(tip, kind)
+        self._page.change_goal(tip, kind)
 
-    def apply_parts(self, viewer: Viewer) -> None:
+    def apply_parts(self, page: Page) -> None:
         """Show what is ticked."""
-        viewer.robot_scene.show_parts(
+        page.robot_scene.show_parts(
             hulls=self.hulls.value, meshes=self.meshes.value, skeleton=self.skeleton.value
         )
-        viewer.obstacle_scene.show_cloud(self.cloud.value)
+        page.obstacle_scene.show_cloud(self.cloud.value)

@@ -5,7 +5,7 @@ from .asymmetric_friction import AsymmetricFriction
 from .backlash import Backlash
 from .command_delay import CommandDelay
 from .coulomb_friction import CoulombFriction
-from .effect import Balance, Columns, Effect, Gate, Key, Parameter, Place, Shape, columns_of
+from .effect import Effect, Parameter
 from .external_contact import ExternalContact
 from .friction_drift import FrictionDrift
 from .gravity_direction import GravityDirection
@@ -28,18 +28,7 @@ from .torque_saturation import TorqueSaturation
 from .unknown import Unknown
 from .viscous_friction import ViscousFriction
 
-__all__ = [
-    "CATALOGUE",
-    "Balance",
-    "Columns",
-    "Effect",
-    "Gate",
-    "Key",
-    "Parameter",
-    "Place",
-    "Shape",
-    "columns_of",
-]
+__all__ = ["CATALOGUE", "Effect", "Parameter"]
 
 CATALOGUE: dict[str, Effect] = {
     effect.id: effect

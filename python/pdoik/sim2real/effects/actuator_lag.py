@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from ..signals import lagged
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..motion.signals import lagged
+from ..study.recording import FloatArray
 from .command_delay import (
     OF_POSITION,
     TIMES,
@@ -18,7 +19,7 @@ from .command_delay import (
     late_torque,
     too_short,
 )
-from .effect import Columns, Effect, Parameter, Place, Shape
+from .effect import Effect, Parameter
 
 
 class ActuatorLag(Effect):

@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 from .joint_elasticity import deflected
 
 _GAPS = (0.0006, 0.0012, 0.0024, 0.0036, 0.0052, 0.0076, 0.011, 0.016, 0.024, 0.035, 0.055)

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from ..signals import lagged, shifted
-from .effect import Columns, Effect, Parameter, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..motion.signals import lagged, shifted
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 
 OF_POSITION, OF_TORQUE = 0.0, 1.0
 """First entry of a shape: whether the commanded position or the torque comes late."""

@@ -5,17 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-
-Balance = Literal["torque", "drive", "law", "velocity", "tip", "servo"]
-Key = tuple[Balance, int]  # a balance and its channel: a joint, or an axis of the tip's error
-Columns = dict[Key, FloatArray]  # (T, k) for every channel the effect changes
-Shape = tuple[float, ...]  # the parameters that enter nonlinearly
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,40 +23,6 @@ class Parameter:
     lower: float = -np.inf
     upper: float = np.inf
     chosen: bool = False  # among a few values: nothing between them has a meaning
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Gate:
-    """A part of all recordings' time, or of the first joint's positions, outside which is nothing.
-
-    An end at which the recordings stop is open.
-    """
-
-    of: Literal["time", "position"]
-    low: float = -np.inf  # [s] since a recording's begin; [rad], [m] for prismatic joints
-    high: float = np.inf
-    edge: float = 0.0  # over which it comes and goes, half of it outside
-
-    def weight(self, x: FloatArray) -> FloatArray:
-        """1 inside and 0 outside, straight lines between."""
-        inside = np.minimum(x - self.low, self.high - x)
-        return np.clip(0.5 + inside / max(self.edge, 1e-9), 0.0, 1.0)
-
-    def weight_at(self, x: float) -> float:
-        """The same of one value, quickly."""
-        inside = 0.5 + min(x - self.low, self.high - x) / max(self.edge, 1e-9)
-        return 0.0 if inside < 0.0 else 1.0 if inside > 1.0 else inside
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """Where an effect sits, by index: joints, a link (that of a joint), a window of a recording."""
-
-    joints: tuple[int, ...] = ()
-    link: int | None = None
-    recording: str | None = None
-    window: tuple[float, float] | None = None
-    gate: Gate | None = None
 
 
 class Effect(ABC):
@@ -166,16 +128,6 @@ class Effect(ABC):
     def regime(self, where: str) -> str:
         """When it shows."""
         return f"motion of {where}"
-
-
-def columns_of(effect: Effect, motion: Motion, place: Place, shape: Shape) -> Columns:
-    """The effect's columns, zero outside its place's gate."""
-    columns, gate = effect.columns(motion, place, shape), place.gate
-    if gate is None:
-        return columns
-    x = motion.time if gate.of == "time" else motion.q[:, place.joints[0]]
-    weight = gate.weight(x)[:, None]
-    return {key: column * weight for key, column in columns.items()}
 
 
 def on_torque_and_tip(torque: FloatArray, tip: FloatArray | None) -> Columns:

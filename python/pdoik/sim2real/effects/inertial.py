@@ -7,9 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 
 INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")
 PRIOR = np.array([5.0, 1.0, 1.0, 1.0] + [0.3] * 6)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
 
 
 class JointCoupling(Effect):

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from ..signals import lagged
-from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..motion.signals import lagged
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
 
 
 def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:

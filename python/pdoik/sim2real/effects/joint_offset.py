@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter, on_torque_and_tip
 
 _SMALL = 2e-3  # below it the derivative is as good [rad]
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from ..rigid_body import RigidBody
-from .effect import Columns, Effect, Parameter, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..motion.rigid_body import RigidBody
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 
 
 class KinematicError(Effect):

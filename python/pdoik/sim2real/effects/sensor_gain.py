@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape, on_torque_and_tip, tip_turned
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
 
 OF_LOGGED_SPEED, OF_POSITION, OF_LOGGED_POSITION, OF_SPEED = 0.0, 1.0, 2.0, 3.0
 """What reads wrong: the controller's sensor too, or the log alone."""

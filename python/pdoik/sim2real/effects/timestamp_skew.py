@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from ..signals import shifted
-from .effect import Columns, Effect, Key, Parameter, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Key, Place, Shape
+from ..motion.signals import shifted
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 from .sensor_gain import through_law
 
 OF_TORQUE, OF_SPEED = 0.0, 1.0

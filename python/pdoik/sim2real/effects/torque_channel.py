@@ -5,9 +5,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect
 
 OF_BOTH, OF_REPORT, OF_DRIVE = 0.0, 1.0, 2.0
 """Shapes: report and command are wrong alike; the report alone; what the drive makes of it."""

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Parameter, Shape
+from ..motion.motion import Motion
+from ..motion.place import Shape
+from ..study.recording import FloatArray
+from .effect import Parameter
 from .torque_channel import OF_BOTH, TorqueChannel
 
 

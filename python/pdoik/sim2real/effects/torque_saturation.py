@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..flat_top import FlatTop, flat_top
-from ..motion import Motion
-from ..recording import FloatArray
-from ..signals import zero_phase
-from .effect import Columns, Effect, Parameter, Place, Shape
+from ..motion.flat_top import FlatTop, flat_top
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..motion.signals import zero_phase
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 
 _LEAST_REACHED = 12  # samples
 _AT_TOP = 0.1  # how far a level may lie from the flat top that it is meant to be

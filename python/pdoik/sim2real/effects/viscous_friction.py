@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..motion import Motion
-from ..recording import FloatArray
-from .effect import Columns, Effect, Parameter, Place, Shape
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
 
 
 class ViscousFriction(Effect):

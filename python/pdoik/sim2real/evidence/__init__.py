@@ -1,4 +1,7 @@
-"""What a report shows of an examination, and the files that go with it."""
+"""What a report shows of an examination, and the files that go with it.
+
+Comes in: `Examination`. Goes out: `ReportData`, model.json and the improved model.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..export import export_mjcf, export_urdf
-from ..improved_model import improved_model
-from ..model_file import FILE_NAME, Model
-from ..recording import FloatArray
+from ..export.export import export_mjcf, export_urdf
+from ..model.model import FILE_NAME, Model
+from ..regression.improved_model import improved_model
 from ..simulation.description import read_description
+from ..study.recording import FloatArray
 
 if TYPE_CHECKING:
-    from ..conclude import Examination
+    from ..infer.conclude import Examination
     from ..report.data import ReportData
 
 __all__ = ["evidence_of", "files_of", "model_of", "write"]

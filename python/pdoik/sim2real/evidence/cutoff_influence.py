@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balances import Balances
 from ..effects import CATALOGUE
-from ..nuisance import trusted
-from ..prepare import Prepared, prepare
-from ..recording import FloatArray
-from ..regression import Fit, Term, term_of
+from ..motion.balances import Balances
+from ..motion.prepare import Prepared, prepare
+from ..regression.fit import Fit, Term, term_of
+from ..regression.prediction import Prediction
+from ..regression.trusted_bodies import trusted
 from ..report.data import CutoffInfluence
-from ..validation import Prediction
+from ..study.recording import FloatArray
 from .traces import shown_key
 
 if TYPE_CHECKING:
-    from ..conclude import Examination
+    from ..infer.conclude import Examination
 
 FACTORS = (0.5, 0.7, 1.4)  # of the chosen cut-off
 

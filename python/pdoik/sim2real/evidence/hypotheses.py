@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..effects import Place
-from ..regression import Fit
+from ..motion.place import Place
+from ..regression.fit import Fit
+from ..regression.trial import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
 from ..report.data import Hypothesis
 from ..report.words import effect_name
-from ..trial import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
 
 if TYPE_CHECKING:
-    from ..conclude import Examination
+    from ..infer.conclude import Examination
 
 _DRAWS = 400
 

@@ -8,13 +8,13 @@ import numpy as np
 
 from pdoik.errors import PdoikError
 
-from ..model_file import Model
-from ..recording import Recording
+from ..model.model import Model
 from ..report.data import Replay
-from ..split import part
+from ..study.recording import Recording
+from ..study.split import part
 
 if TYPE_CHECKING:
-    from ..conclude import Examination
+    from ..infer.conclude import Examination
 
 MOST = 3
 LONGEST = 60.0  # of a recording [s]

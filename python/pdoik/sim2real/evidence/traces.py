@@ -6,18 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balances import Balances
-from ..effects import CATALOGUE, Key, columns_of
-from ..motion import Motion
-from ..nuisance import TRUST
-from ..prepare import Prepared
-from ..recording import FloatArray
-from ..regression import Fit, Term
+from ..effects import CATALOGUE
+from ..motion.balances import Balances, columns_of
+from ..motion.motion import Motion
+from ..motion.place import Key
+from ..motion.prepare import Prepared
+from ..motion.signals import zero_phase
+from ..regression.fit import Fit, Term
+from ..regression.trusted_bodies import TRUST
 from ..report.data import Traces
-from ..signals import zero_phase
+from ..study.recording import FloatArray
 
 if TYPE_CHECKING:
-    from ..conclude import Examination
+    from ..infer.conclude import Examination
 
 Weighted = list[tuple[Term, FloatArray]]
 
@@ -50,7 +51,7 @@ def weighted_terms(fit: Fit) -> Weighted:
 
 def shown_key(balances: Balances, j: int) -> Key | None:
     """The balance that joint j is judged by."""
-    from ..verdict import preferred
+    from ..infer.verdict import preferred
 
     return next((key for key in preferred(j) if key in balances.residual), None)
 

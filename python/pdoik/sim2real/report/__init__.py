@@ -14,12 +14,7 @@ from .overview import overview_png
 from .page import Pictures, opened_joints, page
 from .regimes import regime_map
 from .replay_figure import replay_picture
-from .study_figures import (
-    cutoff_picture,
-    hypotheses_picture,
-    joints_picture,
-    regimes_picture,
-)
+from .study_figures import cutoff_picture, hypotheses_picture, joints_picture, regimes_picture
 from .style import house_style
 
 __all__ = [

@@ -1,18 +1,11 @@
-"""Forward simulation of a study's robot in MuJoCo, with parts that findings add."""
+"""Forward simulation of a robot in MuJoCo, with parts that a description has no words for.
 
-from .of_effect import parts_of, unknown_part
-from .of_finding import not_simulated, parts_of_finding
+Comes in: a robot's description, a controller, parts (`parts.py`). Goes out: recordings of what it
+would do for given commands. Knows nothing of effects or findings.
+"""
+
 from .parts import Part
 from .simulator import Simulator
 from .stepper import SimulationError, Stepper
 
-__all__ = [
-    "Part",
-    "SimulationError",
-    "Simulator",
-    "Stepper",
-    "not_simulated",
-    "parts_of",
-    "parts_of_finding",
-    "unknown_part",
-]
+__all__ = ["Part", "SimulationError", "Simulator", "Stepper"]

@@ -9,8 +9,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..recording import FloatArray
-from ..study import Controller
+from ..study.recording import FloatArray
+from ..study.study import Controller
 from .parts import Vector
 from .plant import STANDARD_GRAVITY, build_plant
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from pdoik.errors import LoadError
 
-from ..recording import FloatArray
+from ..study.recording import FloatArray
 from .inertial import Inertial
 
 DROPPED_LINK_PARTS = ("visual", "collision", "inertial")

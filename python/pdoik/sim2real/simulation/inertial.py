@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..recording import FloatArray
+from ..study.recording import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

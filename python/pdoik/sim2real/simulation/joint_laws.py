@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..recording import FloatArray
+from ..study.recording import FloatArray
 from .description import nearest
 from .parts import HardFriction, JointTorque, Law, Part, StatefulLaw
 from .plant import Plant

@@ -8,7 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 
-from ..effects import Gate
+from ..motion.place import Gate
 from .parts import Law, StatefulLaw
 
 Variable = Literal["time", "position", "speed", "load"]

@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..recording import FloatArray
+from ..study.recording import FloatArray
 from .assemble import add_play, add_point, gears_of, hold_others, move, play_name
 from .description import Description, nearest, read_description
 from .inertial import Inertial

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import savgol_filter
 
-from ..recording import FloatArray, Recording
+from ..study.recording import FloatArray, Recording
 
 
 @dataclass(slots=True)

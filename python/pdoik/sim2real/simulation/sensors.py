@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..recording import FloatArray
+from ..study.recording import FloatArray
 from .description import nearest
 from .parts import Coupling, Part, SensedChannel, SensorChange
 

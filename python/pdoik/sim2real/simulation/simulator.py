@@ -9,16 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..recording import FloatArray, Recording
-from ..signals import lagged
-from ..study import Controller
-from .control import (
-    Control,
-    GravityModel,
-    control_law,
-    longest_control_step,
-    missing_rotor_inertia,
-)
+from ..motion.signals import lagged
+from ..study.recording import FloatArray, Recording
+from ..study.study import Controller
+from .control import Control, GravityModel, control_law, longest_control_step, missing_rotor_inertia
 from .parts import Part, SensedChannel, Vector
 from .plant import STANDARD_GRAVITY
 from .segments import Segment, measured_state, row_at, run_ends, sampled

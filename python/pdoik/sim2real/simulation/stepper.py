@@ -13,7 +13,7 @@ import numpy as np
 
 from pdoik.errors import PdoikError
 
-from ..recording import FloatArray
+from ..study.recording import FloatArray
 from .drive import DelayLine, Drive, combine
 from .joint_laws import JointLaws
 from .parts import DriveChange, ExternalForce, Part, Vector
@@ -52,7 +52,7 @@ class Stepper:
     speeds of the step's end, so its `qpos` is kept half a step ahead of `qvel`, as leapfrog has
     it: that makes the motion exact to second order. `q` is where the joints are now.
 
-        stepper = Stepper.from_file("report/model.json")
+        stepper = load_model("report/model.json").stepper()
         stepper.reset(q0)
         for _ in range(1000):
             stepper.step(kp * (q_des - stepper.q) - kd * stepper.dq)
@@ -112,19 +112,6 @@ class Stepper:
         }
         self._set_timestep(timestep)
         self.reset()
-
-    @classmethod
-    def from_file(
-        cls, path: str | Path, *, findings: bool = True, timestep: float = 1e-3
-    ) -> Stepper:
-        """The robot of a model.json, with or without what was found.
-
-        Raises:
-            LoadError: the file is no model.
-        """
-        from ..model_file import Model
-
-        return Model.load(path).stepper(findings=findings, timestep=timestep)
 
     @property
     def timestep(self) -> float:

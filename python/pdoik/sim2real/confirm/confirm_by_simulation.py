@@ -1,0 +1,229 @@
+"""Names that a regression confuses, told apart by simulating the arm with either."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pdoik.errors import PdoikError
+
+from ..effects import CATALOGUE
+from ..findings import Evidence
+from ..motion.place import Key
+from ..motion.prepare import Prepared
+from ..regression.estimate import estimates, values_and_errors
+from ..regression.fit import Fit, Term
+from ..regression.naming import described
+from ..regression.prediction import share_by_blocks
+from ..regression.refine import refined
+from ..regression.trial import Search, cross_validated, held_out_squares, screen
+from ..select.candidates import candidates
+from .refine_by_rollouts import refine_by_rollouts
+from .rollouts import Arm, Rollout, Values, huber, why_not
+
+_CLEARLY = 2.5  # standard errors, over blocks, by which one simulation is nearer than another
+_MUCH = 0.02  # of the mean loss
+_ROUNDS = 2  # of refinement, before names are compared
+_SKETCH = 12_000  # steps of a rollout that looks for a shape
+_CLOSER = (1.2, 1.1)  # factors by which shapes are tried around the best
+_STAND_INS = (
+    "timestamp_skew",
+    "command_delay",
+    "actuator_lag",
+    "sensor_gain",
+    "presliding_hysteresis",
+    "torque_saturation",
+    "unknown",
+)
+"""What a regression puts beside play or a spring to make up for what its columns miss of them."""
+
+Tell = Callable[[str], None]
+
+
+def confirm_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) -> None:
+    """Swap findings whose rival's simulation is nearer, drop what a simulation does without.
+
+    Nothing is done where there is nothing to simulate the arm by.
+    """
+    doubtful = [term for term in state.accepted if _is_doubtful(state, term)]
+    if not doubtful or why_not(prepared.study):
+        return
+    arm = Arm(prepared, state.fit)
+    sketch = Arm(prepared, state.fit, steps=_SKETCH)
+    for term in doubtful:
+        if term not in state.accepted:
+            continue
+        beside = _stand_ins(state, term)
+        bare = _with(state, [t for t in state.accepted if t not in beside])
+        own = _simulated(arm, sketch, bare, seed)
+        for rival in _rivals(bare, term):
+            other = _with(bare, [rival if t is term else t for t in bare.accepted])
+            tried = _simulated(arm, sketch, other, seed)
+            if tried is None:
+                continue
+            keys = {*term.columns, *rival.columns}
+            nearer = np.inf if own is None else _nearer(arm, tried, own, keys)
+            if nearer >= _CLEARLY:
+                say(f"{described(prepared, rival)} in the place of {described(prepared, term)}")
+                term, own, bare = rival, tried, other
+            elif nearer > -_CLEARLY:
+                _list(bare, term, rival)
+            else:
+                _forget(bare, term, rival)
+        if own is None:
+            continue
+        for each in beside:
+            wider = _with(bare, [*bare.accepted, each])
+            tried = _simulated(arm, sketch, wider, seed)
+            keys = {*term.columns, *each.columns}
+            if tried is not None and _nearer(arm, tried, own, keys) >= _CLEARLY:
+                own, bare = tried, wider
+        state.fit, state.level, state.simulated = bare.fit, bare.level, bare.simulated
+    confirm(prepared, state)
+
+
+def _stand_ins(state: Search, term: Term) -> list[Term]:
+    """What may have been put beside a term to make up for what its columns miss."""
+    if not CATALOGUE[term.effect].shown_poorly:
+        return []
+    return [t for t in state.accepted if t.place == term.place and t.effect in _STAND_INS]
+
+
+def _is_doubtful(state: Search, term: Term) -> bool:
+    """Whether the regression is not to be trusted with a term's name."""
+    effect = CATALOGUE[term.effect]
+    if effect.negligible(state.balances.motions, term.shape):
+        return False
+    level = {trial.term.effect for trial in state.level.get(id(term), [])}
+    return effect.shown_poorly or not level.isdisjoint(effect.simulated_rivals)
+
+
+def _with(state: Search, accepted: Sequence[Term]) -> Search:
+    """The search as if these had been accepted."""
+    return replace(
+        state,
+        fit=Fit(state.balances, (*state.nuisance, *accepted)),
+        level=dict(state.level),
+        simulated=dict(state.simulated),
+    )
+
+
+def confirm(prepared: Prepared, state: Search) -> None:
+    """Hold what only a simulation shows well against simulations of the held-out recordings."""
+    doubtful = [t for t in state.accepted if CATALOGUE[t.effect].shown_poorly]
+    if prepared.validate is None or not doubtful:
+        return
+    arm = Arm(prepared, state.fit, held_out=True)
+    terms = state.accepted
+    values = [state.simulated[id(t)] for t in terms if id(t) in state.simulated]
+    if len(values) < len(terms):
+        return
+    try:
+        whole = arm.run(terms, values)
+        for term in doubtful:
+            at = terms.index(term)
+            kept, figures = [*terms[:at], *terms[at + 1 :]], [*values[:at], *values[at + 1 :]]
+            without = arm.run(kept, figures)
+            if _nearer(arm, whole, without, {*term.columns}) >= _CLEARLY:
+                state.confirmed[id(term)] = _evidence(arm, whole, without, {*term.columns})
+    except (PdoikError, ValueError):
+        return
+    if len(state.confirmed) == len(doubtful):
+        for key, left in whole.left.items():
+            state.left[key] = float(np.sqrt(np.mean(left**2))) * arm.data.sigma[key]
+
+
+def _evidence(arm: Arm, whole: Rollout, without: Rollout, keys: set[Key]) -> Evidence:
+    """Share of what simulations without a finding leave that goes with it, over blocks."""
+    count = int(arm.data.block.max()) + 1
+    gained, began = np.zeros(count), np.zeros(count)
+    for key in keys & set(arm.rows):
+        block = arm.data.block[arm.rows[key]]
+        before, after = without.left[key] ** 2, whole.left[key] ** 2
+        gained += np.bincount(block, before - after, minlength=count)
+        began += np.bincount(block, before, minlength=count)
+    return share_by_blocks(gained, began, 0)
+
+
+def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | None:
+    """The rollout of what was accepted, its figures refined and kept; None if it ran away.
+
+    Shapes that columns show poorly are first looked for in shorter rollouts.
+    """
+    terms = state.accepted
+    values, errors = values_and_errors(estimates(state.fit, terms, seed))
+    values = [state.simulated.get(id(t), v) for t, v in zip(terms, values, strict=True)]
+    try:
+        for i, term in enumerate(terms):
+            if CATALOGUE[term.effect].costly and id(term) not in state.simulated:
+                values[i] = _nearest_shape(sketch, terms, values, i)
+        best = refine_by_rollouts(arm, terms, values, errors, _ROUNDS)[1]
+    except (PdoikError, ValueError):
+        return None
+    for term, figures in zip(terms, best.values, strict=True):
+        state.simulated[id(term)] = figures
+    return best
+
+
+def _nearest_shape(arm: Arm, terms: Sequence[Term], values: list[Values], i: int) -> Values:
+    """Figures of the i-th term whose rollout is nearest: of its effect's shapes, then closer."""
+    effect = CATALOGUE[terms[i].effect]
+
+    def cost(shape: tuple[float, ...]) -> float:
+        figures = effect.values(shape, np.ones(1))
+        return arm.run(terms, [*values[:i], figures, *values[i + 1 :]]).cost
+
+    costs = {shape: cost(shape) for shape in effect.shapes(arm.data.motions, terms[i].place)}
+    for factor in _CLOSER:
+        best = min(costs, key=lambda shape: costs[shape])
+        for near in (factor, 1.0 / factor):
+            shape = tuple(near * value for value in best)
+            costs[shape] = cost(shape)
+    return effect.values(min(costs, key=lambda shape: costs[shape]), np.ones(1))
+
+
+def _rivals(state: Search, term: Term) -> list[Term]:
+    """The best of each rival's shapes at the term's place."""
+    names = CATALOGUE[term.effect].simulated_rivals
+    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    pool = [
+        each
+        for each in candidates(state.balances)
+        if each.effect in names
+        and each.place == term.place
+        and not any((t.effect, t.place) == (each.effect, each.place) for t in others.terms)
+    ]
+    found = {t.effect: refined(others, t) for t, _ in screen(others, pool)}
+    for each in pool:  # what its columns show too poorly to be screened
+        found.setdefault(each.effect, each)
+    return list(found.values())
+
+
+def _nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
+    """By how many standard errors `one` leaves less than the other; negative if more."""
+    blocks = np.zeros(int(arm.data.block.max()) + 1)
+    total = 0.0
+    for key in keys & set(arm.rows):
+        difference = huber(other.left[key]) - huber(one.left[key])
+        blocks += np.bincount(arm.data.block[arm.rows[key]], difference, minlength=len(blocks))
+        total += float(huber(other.left[key]).sum() + huber(one.left[key]).sum()) / 2
+    if abs(blocks.sum()) < _MUCH * total:
+        return 0.0
+    error = float(np.std(blocks) * np.sqrt(len(blocks)))
+    return float(blocks.sum()) / max(error, 1e-12)
+
+
+def _list(state: Search, term: Term, rival: Term) -> None:
+    """Add the rival to the names that data cannot tell from the term's."""
+    free = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    trial = cross_validated(state, rival, held_out_squares(free), free)
+    others = [t for t in state.level.get(id(term), []) if t.term.effect != rival.effect]
+    state.level[id(term)] = [trial, *others]
+
+
+def _forget(state: Search, term: Term, rival: Term) -> None:
+    """Take the rival off the names that data cannot tell from the term's."""
+    kept = [t for t in state.level.get(id(term), []) if t.term.effect != rival.effect]
+    state.level[id(term)] = kept

@@ -1,0 +1,165 @@
+"""The whole arm simulated forward from its commands, with what was found, held against recordings.
+
+A regression along the recorded motion sees what differentiation and filtering leave of an effect,
+and takes the recorded motion for granted. The simulation does not: it runs the controller, the
+drives and every finding in MuJoCo for the recorded commands, and what it logs goes through the same
+filters and balances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effects import CATALOGUE
+from ..effects.simulated_finding import not_simulated
+from ..findings import Estimate, Evidence
+from ..motion.balances import Balances
+from ..motion.cutoff import noise_of
+from ..motion.motion import thinned
+from ..motion.place import Key
+from ..motion.prepare import Prepared, motions_of
+from ..regression.fit import Fit, Term
+from ..regression.improved_model import improved_model
+from ..regression.naming import finding_of
+from ..simulation import SimulationError
+from ..study.recording import FloatArray, Recording
+from ..study.split import part
+from ..study.study import Study
+
+STEPS = 60_000  # of the simulation, of all recordings together
+_STEP = 1e-3  # [s]
+_SETTLING = 0.7  # at the beginning of each run [s]
+FAR = 4.0  # sigmas, beyond which what is left counts linearly
+
+Values = dict[str, float]
+_NONE = np.zeros(0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rollout:
+    """What a simulation with some figures leaves between it and the recordings."""
+
+    values: tuple[Values, ...]  # of each term
+    left: dict[Key, FloatArray]  # recorded less simulated, in sigmas; rows that count only
+    touched: frozenset[Key]  # balances that the terms change: the others judge nothing
+
+    @property
+    def flat(self) -> FloatArray:
+        """The balances that count, one after the other."""
+        return np.concatenate([self.left[k] for k in self.left if k in self.touched] or [_NONE])
+
+    @property
+    def cost(self) -> float:
+        """Mean of Huber's loss, in squared sigmas."""
+        return float(np.sum(huber(self.flat))) / max(len(self.flat), 1)
+
+
+def huber(left: FloatArray) -> FloatArray:
+    """Huber's: a knock between two samples may be logged in either."""
+    size = np.abs(left)
+    return np.asarray(np.where(size < FAR, size**2, FAR * (2.0 * size - FAR)))
+
+
+class Arm:
+    """A study's arm, simulated for its commands with the terms of a fit."""
+
+    def __init__(
+        self, prepared: Prepared, fit: Fit, *, held_out: bool = False, steps: int = STEPS
+    ) -> None:
+        """Of the recordings to fit, or of those held out: as much of each as `steps` allow.
+
+        Raises:
+            ValueError: there is nothing to simulate: see `why_not`.
+        """
+        study = prepared.study
+        recordings = study.validate if held_out else study.fit
+        reason = why_not(study)
+        if reason or study.controller is None or not recordings:
+            raise ValueError(reason or "no recordings to simulate")
+        self.prepared = prepared
+        self._noise = noise_of([thinned(r) for r in study.fit])
+        self._fit = fit
+        step = min(study.controller.period or _STEP, _STEP)
+        self.recordings = _beginnings(recordings, steps * step / len(recordings))
+        whole = all(a is b for a, b in zip(self.recordings, recordings, strict=True))
+        data = prepared.validate if held_out else prepared.fit
+        self.data = data if whole and data is not None else self._balances(self.recordings)
+        settled = self.data.time > _SETTLING
+        rows = {key: np.flatnonzero(mask & settled) for key, mask in self.data.mask.items()}
+        self.rows: dict[Key, NDArray[np.intp]] = {k: at for k, at in rows.items() if len(at)}
+
+    def _balances(self, recordings: Sequence[Recording]) -> Balances:
+        thin = [thinned(r) for r in recordings]
+        p = self.prepared
+        return Balances(motions_of(p.study, thin, p.body, p.cutoff, self._noise))
+
+    def run(self, terms: Sequence[Term], values: Sequence[Values]) -> Rollout:
+        """Simulate with these figures.
+
+        Raises:
+            SimulationError: the arm ran away.
+            ValueError: one of the terms is none that can be simulated.
+        """
+        findings = tuple(
+            finding_of(self.prepared, term, _plain(term, each), (), _NO_EVIDENCE)
+            for term, each in zip(terms, values, strict=True)
+        )
+        for reason in filter(None, map(not_simulated, findings)):
+            raise ValueError(reason)
+        simulator = improved_model(self.prepared, findings, self._fit).simulator()
+        logged = [_as_logged(simulator.replay(r, drive="controller"), r) for r in self.recordings]
+        sim = self._balances(logged)
+        left = {
+            key: (self.data.residual[key] - sim.residual[key])[at] / self.data.sigma[key]
+            for key, at in self.rows.items()
+        }
+        if not all(np.isfinite(each).all() for each in left.values()):
+            raise SimulationError("the simulation gave no numbers")
+        touched = frozenset(key for term in terms for key in term.columns)
+        return Rollout(values=tuple(dict(each) for each in values), left=left, touched=touched)
+
+
+def why_not(study: Study) -> str:
+    """Why a study's arm cannot be simulated from its commands, in words; "" where it can."""
+    if study.robot is None:
+        return "no robot is known"
+    if study.controller is None:
+        return "no controller is known"
+    if any(r.q_des is None or not np.isfinite(r.q_des).all() for r in study.recordings):
+        return "q_des was not recorded of every joint"
+    return ""
+
+
+def _beginnings(recordings: Sequence[Recording], longest: float) -> tuple[Recording, ...]:
+    """At most so many seconds of each."""
+    counts = [min(len(each.time), int(longest / each.period)) for each in recordings]
+    return tuple(
+        each if count == len(each.time) else part(each, 0, count)
+        for each, count in zip(recordings, counts, strict=True)
+    )
+
+
+_NO_EVIDENCE = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
+
+
+def _plain(term: Term, values: Values) -> dict[str, Estimate]:
+    units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
+    return {
+        name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units.get(name, "-"))
+        for name, v in values.items()
+    }
+
+
+def _as_logged(simulated: Recording, recorded: Recording) -> Recording:
+    """Only with the channels that were recorded."""
+    return replace(
+        simulated,
+        dq=None if recorded.dq is None else simulated.dq,
+        tau=None if recorded.tau is None else simulated.tau,
+        tau_cmd=None if recorded.tau_cmd is None else simulated.tau_cmd,
+        tip=None if recorded.tip is None else simulated.tip,
+    )

@@ -1,0 +1,84 @@
+"""Figures of the findings, moved by what simulating the whole arm with them leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pdoik.errors import PdoikError
+
+from ..effects import CATALOGUE, Effect
+from ..findings import Estimate
+from ..motion.prepare import Prepared
+from ..regression.estimate import values_and_errors
+from ..regression.fit import Fit, Term
+from ..regression.trial import Search
+from .refine_by_rollouts import refine_by_rollouts
+from .rollouts import Arm, Rollout, Values, why_not
+
+_STRAYS = 3.0  # times the loss of the regression, beyond which a simulation teaches nothing
+_OWN_ERROR = 0.25  # of a correction
+
+
+def simulated_estimates(
+    prepared: Prepared,
+    state: Search,
+    terms: tuple[Term, ...],
+    estimates: dict[int, dict[str, Estimate]],
+) -> tuple[dict[int, dict[str, Estimate]], str]:
+    """Estimates of the terms after simulation, and what was done, in words.
+
+    A quarter of each correction is added to its figure's error, or what an effect does not take of
+    it: where regression and simulation are as good, the middle.
+
+    Args:
+        prepared: the study.
+        state: whose fit the terms are of; figures simulated before are where this begins.
+        terms: accepted.
+        estimates: by the terms' index, of the regression.
+    """
+    if not terms:
+        return estimates, ""
+    reason = why_not(prepared.study)
+    if reason:
+        return estimates, f"The figures were not refined by simulating the arm: {reason}."
+    values, errors = values_and_errors(estimates)
+    start = [state.simulated.get(id(t), v) for t, v in zip(terms, values, strict=True)]
+    try:
+        arm = Arm(prepared, state.fit)
+        first, best = refine_by_rollouts(arm, terms, start, errors)
+    except (PdoikError, ValueError) as error:
+        return estimates, f"The figures were not refined by simulating the arm: {error}."
+    if best.cost > _STRAYS * max(_regression_loss(state.fit, first), 1.0):
+        return estimates, (
+            "The figures were not refined by simulating the arm: for its commands it strays"
+            f" from its recordings by {np.sqrt(best.cost):.2g} times the noise."
+        )
+    seconds = sum(float(r.time[-1]) for r in arm.recordings)
+    said = (
+        f"The figures were refined by simulating the arm for {seconds:.0f} s of its commands: the"
+        f" loss went from {first.cost:.3g} to {best.cost:.3g} squared noise floors."
+    )
+    moved = {
+        i: _moved(estimates[i], best.values[i], CATALOGUE[term.effect])
+        for i, term in enumerate(terms)
+    }
+    return moved, said
+
+
+def _regression_loss(fit: Fit, rollout: Rollout) -> float:
+    squares = np.concatenate([fit.residual(key) for key in fit.design if key in rollout.touched])
+    return float(np.mean(squares**2))
+
+
+def _moved(before: dict[str, Estimate], values: Values, effect: Effect) -> dict[str, Estimate]:
+    return {name: _estimate(each, values[name], effect) for name, each in before.items()}
+
+
+def _estimate(before: Estimate, simulated: float, effect: Effect) -> Estimate:
+    away = simulated - before.value
+    value = before.value + effect.corrected * away
+    more = np.hypot(max(_OWN_ERROR, 1.0 - effect.corrected) * away, effect.simplified * value)
+    std = float(np.hypot(before.std, more))
+    half = (before.interval95[1] - before.interval95[0]) / 2
+    half = float(np.hypot(half, 1.96 * more))
+    return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=before.unit)

@@ -1,0 +1,66 @@
+"""How a finding enters the simulation: as its effect does, within its part of time or positions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..findings import Finding
+from ..motion.place import Gate
+from ..simulation.laws import GatedMemory, constant, gated, of_speed
+from ..simulation.parts import DofChange, DriveChange, HardFriction, JointTorque, Part, StatefulLaw
+from .simulated import SIMULATED_UNKNOWN, depends_on, parts_of
+
+
+def parts_of_finding(finding: Finding) -> tuple[Part, ...]:
+    """What a finding adds to the simulation; nothing where it is `not_simulated`."""
+    if not_simulated(finding):
+        return ()
+    parts = _everywhere(finding)
+    gate = finding.gate
+    return parts if gate is None else tuple(_behind(part, gate) for part in parts)
+
+
+def not_simulated(finding: Finding) -> str:
+    """Why no part of the simulation is what was found, in words; "" where there is one."""
+    if finding.effect == "unknown" and depends_on(finding.values) not in SIMULATED_UNKNOWN:
+        return "a torque without a law is not simulated"
+    gate = finding.gate
+    if gate is not None and not all(_can_be_gated(part) for part in _everywhere(finding)):
+        where = "a part of the time" if gate.of == "time" else "some positions"
+        return f"{finding.effect.replace('_', ' ')} in {where} only is not simulated"
+    return ""
+
+
+def _everywhere(finding: Finding) -> tuple[Part, ...]:
+    return parts_of(
+        finding.effect,
+        finding.joints,
+        finding.links,
+        finding.window,
+        finding.values,
+        recordings=finding.recordings,
+        variant=finding.variant,
+    )
+
+
+def _can_be_gated(part: Part) -> bool:
+    if isinstance(part, DofChange):
+        return not (part.armature or part.stiffness)
+    if isinstance(part, DriveChange):
+        return part == DriveChange(joint=part.joint, offset=part.offset)
+    return isinstance(part, HardFriction | JointTorque)
+
+
+def _behind(part: Part, gate: Gate) -> Part:
+    """The part within a part of time or of positions only."""
+    if isinstance(part, DofChange):
+        return JointTorque(joint=part.joint, law=gated(of_speed(constant(part.damping)), gate))
+    if isinstance(part, DriveChange):
+        return JointTorque(joint=part.joint, law=gated(constant(part.offset), gate))
+    if isinstance(part, HardFriction):
+        level = part.level if callable(part.level) else constant(part.level)
+        return replace(part, level=gated(level, gate))
+    assert isinstance(part, JointTorque)
+    if isinstance(part.law, StatefulLaw):
+        return replace(part, law=GatedMemory(part.law, gate))
+    return replace(part, law=gated(part.law, gate))

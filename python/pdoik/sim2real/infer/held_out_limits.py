@@ -1,0 +1,93 @@
+"""Limits that only held-out recordings reach: found where they happened, and said to be so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..effects.torque_saturation import OF_COMMAND, kinds, top_of
+from ..findings import Estimate, Evidence, Finding
+from ..motion.balances import Balances
+from ..motion.flat_top import FlatTop
+from ..motion.place import Key, Place
+from ..motion.prepare import Prepared
+from ..regression.fit import Fit, Term, term_of
+from ..regression.naming import Found, finding_of
+from ..regression.prediction import Prediction
+from ..regression.refine import refined
+from ..study.recording import FloatArray
+
+_LIMIT = "torque_saturation"
+_OF_THE_LEVEL = 0.002  # its error at least
+
+
+def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
+    """Flat tops of joints that the fit recordings never drove to their limit.
+
+    Held-out recordings choose nothing that could be learnt elsewhere; what only happens there can
+    only be seen there, as a contact can. It is taken out of their residual.
+    """
+    found: list[Found] = []
+    b = prepared.validate
+    if b is None:
+        return found
+    limited = {t.place.joints for t in fit.terms if t.effect == _LIMIT}
+    for j in range(b.n):
+        if (j,) in limited:
+            continue
+        for kind in kinds(b.motions[0], j):
+            top = top_of(b.motions, j, kind)
+            if top is None:
+                continue
+            place = Place(joints=(j,))
+            term = term_of(b, CATALOGUE[_LIMIT], place, (kind, top.level))
+            if term is None:
+                continue
+            left = prediction.residual(fit)
+            term = refined(_rest(b, left), term)
+            share = _share(b, left, term)
+            if share < CATALOGUE[_LIMIT].least_of_rest:
+                continue
+            prediction.events.append((term, np.ones(1)))
+            channels = ("tau_cmd" if kind == OF_COMMAND else "q_des",)
+            evidence = Evidence(validation_gain=share, interval95=(share, share), channels=channels)
+            finding = finding_of(
+                prepared, term, {"level": _estimate(term.shape[1], top)}, (), evidence
+            )
+            found.append((_where(finding, b, top), (term,)))
+            break
+    return found
+
+
+def _share(b: Balances, left: dict[Key, FloatArray], term: Term) -> float:
+    """Of the mean square that was left on the rows in which the term acts."""
+    gained = began = 0.0
+    for key, column in term.columns.items():
+        at = b.mask[key] & (column[:, 0] != 0.0)
+        before, part = left[key][at] / b.sigma[key], column[at, 0] / b.sigma[key]
+        gained += float(np.sum(before**2 - (before - part) ** 2))
+        began += float(np.sum(before**2))
+    return float(np.clip(gained / max(began, 1e-12), 0.0, 1.0))
+
+
+def _rest(b: Balances, left: dict[Key, FloatArray]) -> Fit:
+    """A fit of nothing yet to what is left."""
+    rest = Fit(b, ())
+    for key in rest.target:
+        rest.target[key] = left[key][rest.rows[key]] / b.sigma[key]
+    return rest
+
+
+def _estimate(level: float, top: FlatTop) -> Estimate:
+    std = float(np.hypot(top.std, _OF_THE_LEVEL * level))
+    interval = (level - 1.96 * std, level + 1.96 * std)
+    return Estimate(value=level, std=std, interval95=interval, unit="N m")
+
+
+def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:
+    """With the recordings in which it happened, and that nothing else speaks for it."""
+    names = tuple(m.recording.name for m, rows in zip(b.motions, top.rows, strict=True) if rows)
+    said = f"Reached only in {', '.join(names)}, held out: no other recording speaks for it."
+    return replace(finding, recordings=names, statement=f"{finding.statement} {said}")

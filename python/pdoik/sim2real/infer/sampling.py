@@ -1,0 +1,124 @@
+"""What a log's samples and a controller's ticks leave open of a delay.
+
+The law, or the command, is known at the log's samples and held over the controller's period, half
+of which is accounted for. Forty studies with nothing wrong show what remains, as a share of that
+period: of a position's delay 0.013 root mean square and 0.06 at most where its own error is
+small, of a torque's 0.08 and 0.22. What they cannot show is that a machine logs its command a
+tick before it acts, or its torque a tick after: then all joints seem late by up to a period.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..effects.command_delay import OF_POSITION, OF_TORQUE, period_of
+from ..findings import Estimate
+from ..motion.motion import Motion
+from ..motion.place import Key, Place
+from ..motion.prepare import Prepared
+from ..regression.fit import Fit, Term
+from ..regression.naming import described
+from ..study.recording import FloatArray
+
+LATE = ("command_delay", "actuator_lag")
+
+_POSITION, _TORQUE, _UNKNOWN = 0.03, 0.15, 0.3
+"""Standard deviation of a delay by sampling, in periods; of any where the period is not known.
+
+A position's is what clean studies show; a torque's, twice that, since machines (and simulations)
+differ in when within a tick a torque is said to act.
+"""
+
+_OF_LOG = 0.01  # the same of the log's period, for interpolation
+_SMALL = 0.2  # of a period: the step of a derivative by the delay
+_CLEARLY = 3.0  # standard deviations of sampling
+_TELLS = 1.0 / 3.0  # of a delay, below which another joint's error says whether it is late too
+
+
+def blur(motions: Sequence[Motion], shape: tuple[float, ...]) -> float:
+    """Standard deviation that sampling gives a delay or a lag [s]."""
+    first = motions[0]
+    period, known = period_of(first)
+    share = (_POSITION if shape[0] == OF_POSITION else _TORQUE) if known else _UNKNOWN
+    return float(np.hypot(share * period, _OF_LOG * first.recording.raw_period))
+
+
+def widened(
+    motions: Sequence[Motion], term: Term, values: dict[str, Estimate]
+) -> dict[str, Estimate]:
+    """A delay's, lag's or skew's estimates with the error that sampling adds."""
+    if term.effect not in (*LATE, "timestamp_skew") or motions[0].source == "":
+        return values
+    by = blur(motions, term.shape if term.effect in LATE else (OF_TORQUE,))
+    return {name: _wider(each, by) for name, each in values.items()}
+
+
+def _wider(each: Estimate, by: float) -> Estimate:
+    std = float(np.hypot(each.std, by))
+    low, high = each.interval95
+    half = max(float(np.hypot((high - low) / 2, 1.96 * by)), 1.96 * std)
+    return replace(each, std=std, interval95=(each.value - half, each.value + half))
+
+
+def without_sampling(
+    prepared: Prepared, fit: Fit, terms: tuple[Term, ...]
+) -> tuple[tuple[Term, ...], list[str]]:
+    """The terms that sampling does not explain, and what was left out, in words."""
+    shared = [term for term in terms if shared_by_all(fit, term)]
+    notes = [
+        f"{described(prepared, term)}: {1e3 * term.shape[1]:.2g} ms, not more than a period and not"
+        " told from what all joints show; sampling and ticks explain it, so it is not claimed."
+        for term in shared
+    ]
+    return tuple(term for term in terms if term not in shared), notes
+
+
+def shared_by_all(fit: Fit, term: Term) -> bool:
+    """Whether a delay not clearly above a period is one that the other joints show as well.
+
+    Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
+    """
+    motions = fit.balances.motions
+    if term.effect not in LATE or motions[0].source == "":
+        return False
+    delay = abs(term.shape[1])
+    if delay > period_of(motions[0])[0] + _CLEARLY * blur(motions, term.shape):
+        return False
+    others = [t for t in fit.terms if not (t.effect in LATE and t.shape[0] == term.shape[0])]
+    bare = Fit(fit.balances, others)
+    seen = []
+    for j in range(fit.balances.n):
+        if (j,) == term.place.joints or not fit.balances.excited[j]:
+            continue
+        value, error = lateness(bare, j, term.shape[0])
+        if error < _TELLS * delay:
+            seen.append(value)
+    return not seen or float(np.median(seen)) > 0.5 * delay
+
+
+def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:
+    """How late a joint's commands act beside a fit, to first order, and its error [s].
+
+    Infinite where no balance shows it.
+    """
+    b, effect = fit.balances, CATALOGUE["command_delay"]
+    place = Place(joints=(j,))
+    if not effect.shapes(b.motions, place):
+        return 0.0, np.inf
+    step = _SMALL * period_of(b.motions[0])[0]
+    late, early = (b.compute(effect, place, (what, sign * step)) for sign in (1.0, -1.0))
+    slope = {key: (late[key] - early[key]) / 2 for key in late if key in early}
+    if not slope:
+        return 0.0, np.inf
+    middle = {key: (late[key] + early[key]) / 2 for key in slope}
+    wider = fit.extended(_term("command_delay", place, middle), _term("slope", place, slope))
+    error = float(np.sqrt(wider.robust(wider.terms[-1])[0, 0]))
+    return float(wider.beta[-1]) * step, error * step
+
+
+def _term(effect: str, place: Place, columns: dict[Key, FloatArray]) -> Term:
+    return Term(effect=effect, place=place, shape=(), columns=columns, prior=np.zeros(1))

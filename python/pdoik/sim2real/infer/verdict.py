@@ -1,0 +1,198 @@
+"""How far each joint is explained, the verdict in one word, and what cannot be told."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..findings import Estimate, Evidence, Finding, JointFit, Verdict
+from ..motion.place import Key
+from ..motion.prepare import Prepared, simulated
+from ..regression.naming import channel_of
+from ..regression.prediction import Prediction
+from ..regression.trial import Search
+from ..study.recording import FloatArray
+
+_OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics
+_NEAR_FLOOR, _LITTLE = 1.6, 0.05
+"""A residual within these factors of the noise floor, or of what it was, counts as explained."""
+
+
+def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dict[str, JointFit]:
+    """Residual of each joint before and after, on held-out recordings.
+
+    What is left is the regression's, or where an effect was confirmed by simulations, the less of
+    theirs and the regression's.
+    """
+    b = prediction.balances
+    left = prediction.residual(state.fit)
+    names = ", ".join(m.recording.name for m in b.motions)
+    result = {}
+    for j, name in enumerate(prepared.study.joints):
+        key = next((k for k in preferred(j) if k in b.residual), None)
+        if key is None:
+            result[name] = JointFit(
+                before=0.0, after=0.0, noise_floor=0.0, unit="N m", data=names, excited=False
+            )
+            continue
+        rows = b.mask[key]
+        excited = bool(prepared.fit.excited[j])
+        if not rows.any():
+            rows, excited = np.ones_like(rows), False
+        result[name] = JointFit(
+            before=_rms(b.residual[key][rows]),
+            after=min(_rms(left[key][rows]), state.left.get(key, np.inf)),
+            noise_floor=b.floor[key],
+            unit="rad" if key[0] == "servo" else "N m",
+            data=names,
+            excited=excited,
+        )
+    return result
+
+
+def fitted_joints(prepared: Prepared, state: Search) -> dict[str, JointFit]:
+    """The same on the recordings to fit: what happened in these alone is not to be passed over."""
+    b = prepared.fit
+    names = ", ".join(m.recording.name for m in b.motions)
+    result = {}
+    for j, name in enumerate(prepared.study.joints):
+        key = next((k for k in preferred(j) if k in state.fit.design), None)
+        if key is None or not len(state.fit.rows[key]):
+            continue
+        left = b.sigma[key] * _rms(state.fit.residual(key))
+        result[name] = JointFit(
+            before=b.rms(key),
+            after=min(left, state.left.get(key, np.inf)),
+            noise_floor=b.floor[key],
+            unit="rad" if key[0] == "servo" else "N m",
+            data=names,
+            excited=bool(b.excited[j]),
+        )
+    return result
+
+
+def preferred(j: int) -> tuple[Key, ...]:
+    """Balances that say how far joint j is explained, the first that there is."""
+    return (("torque", j), ("servo", j), ("drive", j), ("law", j), ("velocity", j))
+
+
+def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Verdict:
+    """The verdict in one word."""
+    judged = [each for each in joints.values() if each.excited]
+    if not judged:
+        return "cannot_tell"
+    near = all(map(_is_explained, judged))
+    named = [f for f in findings if f.effect != "unknown"]
+    if not findings and near and len(judged) < len(joints):
+        return "cannot_tell"  # of a joint that did not move
+    if not findings:
+        return "no_mismatch" if near or _small(judged) else "mismatch_unexplained"
+    if not named:
+        return "mismatch_unexplained"
+    return (
+        "mismatch_explained"
+        if near and len(named) == len(findings)
+        else ("mismatch_partly_explained")
+    )
+
+
+def _is_explained(joint: JointFit) -> bool:
+    floor = max(joint.noise_floor, 1e-12)
+    return joint.after <= _NEAR_FLOOR * floor or joint.after <= _LITTLE * joint.before
+
+
+def _small(judged: list[JointFit]) -> bool:
+    """Whether no joint is far from its floor: a factor of two is no mismatch worth a name."""
+    return all(each.after <= 2.0 * each.noise_floor for each in judged)
+
+
+def what_is_left(
+    prepared: Prepared, findings: tuple[Finding, ...], joints: dict[str, JointFit]
+) -> tuple[Finding, ...]:
+    """A finding without a name for every joint that is not explained and has no law of its own."""
+    told = {name for finding in findings if finding.effect == "unknown" for name in finding.joints}
+    effect = CATALOGUE["unknown"]
+    left = []
+    for name, each in joints.items():
+        if not each.excited or _is_explained(each) or _small([each]):
+            continue
+        if name in told or each.unit != "N m":
+            continue
+        channel = channel_of(prepared, ("torque", prepared.study.joints.index(name)))
+        amount = Estimate(value=each.after, std=0.0, interval95=(0.0, each.before), unit=each.unit)
+        finding = Finding(
+            effect="unknown",
+            joints=(name,),
+            regime=f"motion of {name}",
+            statement=effect.statement(name, {"left": each.after}),
+            parameters={"left": amount},
+            decided_by=effect.decided_by,
+            evidence=Evidence(validation_gain=0.0, interval95=(0.0, 0.0), channels=(channel,)),
+            variant="left",
+        )
+        left.append(finding)
+    return tuple(left)
+
+
+def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:
+    """What was assumed and what cannot be told, in words."""
+    study = prepared.study
+    notes = list(study.notes)
+    for recording in study.recordings:
+        notes += [f"{recording.name}: {note}" for note in recording.notes]
+    notes.append(f"Fit and held-out recordings were parted {study.split}.")
+    notes.append(
+        f"Both sides of every balance were filtered at {prepared.cutoff:.3g} Hz without delay;"
+        f" torque is {source_in_words(prepared)}."
+    )
+    if prepared.fit.motions[0].source == "":
+        notes.append(
+            "Without torques, or gains of the controller, friction, play, loads and inertias cannot"
+            " be told apart: only how positions follow their commands."
+        )
+    notes += simulation_notes(prepared)
+    still = [name for name, each in joints.items() if not each.excited]
+    if still:
+        notes.append(f"{', '.join(still)}: moved too little to be judged.")
+    if state.nuisance:
+        notes.append(
+            f"The model's masses, centres and inertias were adjusted within"
+            f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
+        )
+    return tuple(dict.fromkeys(notes))
+
+
+def simulation_notes(prepared: Prepared) -> list[str]:
+    """Whether the user's own simulation is of the model that was given."""
+    b = simulated(prepared)
+    if b is None:
+        return []
+    apart = []
+    for j, name in enumerate(prepared.study.joints):
+        key: Key = ("torque", j)
+        if key in b.residual and b.mask[key].any():
+            left, size = b.rms(key), _rms(np.concatenate([m.tau[:, j] for m in b.motions]))
+            if left > _OF_THE_MODEL * size and left > 0.2 * prepared.fit.rms(key):
+                apart.append(f"{name} by {left:.3g} N m")
+    if not apart:
+        return ["The given simulation obeys the given model: what differs is the machine."]
+    return [
+        "The given simulation is not of the given model: its torques differ from inverse dynamics"
+        f" at {', '.join(apart)} (its own friction, gains, masses or another description)."
+    ]
+
+
+def source_in_words(prepared: Prepared) -> str:
+    """Where the torque comes from."""
+    words = {
+        "tau": "as the drives report it",
+        "current": "in proportion to the drives' currents",
+        "tau_cmd": "as commanded (none was reported)",
+        "law": "by the controller's law (none was recorded)",
+        "": "not known: positions are held against their commands",
+    }
+    return words[prepared.fit.motions[0].source]
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0

@@ -1,0 +1,244 @@
+"""The balances of a study: what is measured less what the model says, filtered and thinned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..study.recording import FloatArray
+from .motion import Motion
+from .place import Columns, Key, Place, Shape
+from .signals import dilated, noise_density, zero_phase
+
+MODEL_ERROR = 0.003
+"""Share of a torque's own size below which nothing is claimed: differentiation, rounding."""
+
+FIT_ERROR = 0.01
+"""Share of a mismatch's own size to which the laws of the catalogue are held to be exact."""
+
+_BLOCK = 1.5  # of the bootstrap [s], longer than the residual remembers
+_FOLDS = 4  # of cross-validation: recordings, or long stretches where these are few
+_LEAST_RANGE = 0.05  # a joint that stays within this has not moved [rad]
+_LEAST_SHARE = 0.1  # of the time that a joint must move to be judged
+
+
+class Cause(Protocol):
+    """What may add to balances: an effect."""
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """What it adds per unit of its coefficients, at the motion's rate."""
+
+
+def columns_of(cause: Cause, motion: Motion, place: Place, shape: Shape) -> Columns:
+    """The cause's columns, zero outside its place's gate."""
+    columns, gate = cause.columns(motion, place, shape), place.gate
+    if gate is None:
+        return columns
+    x = motion.time if gate.of == "time" else motion.q[:, place.joints[0]]
+    weight = gate.weight(x)[:, None]
+    return {key: column * weight for key, column in columns.items()}
+
+
+class Balances:
+    """Rows of every balance of some motions: (N,) per key, recordings one after the other."""
+
+    def __init__(self, motions: Sequence[Motion]) -> None:
+        """Motions share joints and cut-off."""
+        self.motions = tuple(motions)
+        self.n = motions[0].n
+        self._steps = [max(1, int(1.0 / (3.0 * m.cutoff * m.period))) for m in motions]
+        counts = [len(range(0, len(m.time), s)) for m, s in zip(motions, self._steps, strict=True)]
+        self.starts = np.concatenate([[0], np.cumsum(counts)])
+        self.count = int(self.starts[-1])
+        self.time = self._stack([m.time for m in motions])
+        self.recording = np.repeat(np.arange(len(motions)), counts)
+        self.block = self._blocks()
+        self.fold = self._folds()
+        self.excited = np.array([_excited(motions, j) for j in range(self.n)])
+        self.residual: dict[Key, FloatArray] = {}
+        self.mask: dict[Key, NDArray[np.bool_]] = {}
+        self.floor: dict[Key, float] = {}
+        self.sigma: dict[Key, float] = {}
+        self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
+        self._columns: dict[tuple[str, Place, Shape], dict[Key, FloatArray]] = {}
+        for key, values in self._raw().items():
+            self._add(key, values)
+
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """Balances and channels that these motions have."""
+        return tuple(self.residual)
+
+    def thin(self, motion: int, values: FloatArray) -> FloatArray:
+        """Filter and leave out samples, as every balance is; (T, ...) to (N of the motion, ...)."""
+        m = self.motions[motion]
+        return zero_phase(values, m.cutoff, m.period)[:: self._steps[motion]]
+
+    def sampled(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Unfiltered values of every motion at the rows, (N, ...)."""
+        return self._stack(list(values))
+
+    def columns(self, cause: Cause, place: Place, shape: Shape) -> dict[Key, FloatArray]:
+        """What a cause adds per coefficient, (N, k) for each key that it changes."""
+        name = (cause.id, place, shape)
+        if name not in self._columns:
+            self._columns[name] = self.compute(cause, place, shape)
+        return self._columns[name]
+
+    def compute(self, cause: Cause, place: Place, shape: Shape) -> dict[Key, FloatArray]:
+        """`columns`, computed anew."""
+        parts: dict[Key, dict[int, FloatArray]] = {}
+        for i, motion in enumerate(self.motions):
+            for key, values in columns_of(cause, motion, place, shape).items():
+                if key in self.residual:
+                    parts.setdefault(key, {})[i] = self.thin(i, values)
+        result: dict[Key, FloatArray] = {}
+        for key, by_motion in parts.items():
+            width = next(iter(by_motion.values())).shape[1]
+            column = np.zeros((self.count, width))
+            for i, values in by_motion.items():
+                column[self.starts[i] : self.starts[i + 1]] = values
+            if np.any(column):
+                result[key] = column
+        return result
+
+    def lean(self, gravity: FloatArray) -> None:
+        """Let unknown bodies be pulled by another gravity, (3,) in the base's frame [m/s^2]."""
+        for motion in self.motions:
+            motion.lean(gravity)
+        for name in [name for name in self._columns if name[1].link is not None]:
+            del self._columns[name]
+
+    def rms(self, key: Key, values: FloatArray | None = None) -> float:
+        """Root mean square over the rows that count."""
+        picked = (self.residual[key] if values is None else values)[self.mask[key]]
+        return float(np.sqrt(np.mean(picked**2))) if len(picked) else 0.0
+
+    def _raw(self) -> dict[Key, list[FloatArray]]:
+        """What is measured less what the model says, at each motion's rate."""
+        raw: dict[Key, list[FloatArray]] = {}
+        first = self.motions[0]
+        for j in range(self.n):
+            if first.body is not None and first.torque is not None and self._known("torque", j):
+                raw["torque", j] = [_column(m.torque, j) - m.tau[:, j] for m in self.motions]
+            if first.command is not None and first.torque is not None and self._known("command", j):
+                raw["drive", j] = [
+                    _column(m.torque, j) - _column(m.command, j) for m in self.motions
+                ]
+            if first.has_law(j) and self._known("law", j) and self._known("torque", j):
+                raw["law", j] = [m.given(j) - _column(m.law, j) for m in self.motions]
+            if first.measured_dq is not None and self._known("measured_dq", j):
+                raw["velocity", j] = [_column(m.measured_dq, j) - m.dq[:, j] for m in self.motions]
+            if first.source == "" and first.q_des is not None and self._known("q_des", j):
+                raw["servo", j] = [m.q[:, j] - _column(m.q_des, j) for m in self.motions]
+        if all(m.tip_error is not None for m in self.motions):
+            for axis in range(6):
+                raw["tip", axis] = [_column(m.tip_error, axis) for m in self.motions]
+        return raw
+
+    def _known(self, name: str, j: int) -> bool:
+        arrays = [getattr(m, name) for m in self.motions]
+        return all(array is not None and np.isfinite(array[:, j]).all() for array in arrays)
+
+    def _add(self, key: Key, values: list[FloatArray]) -> None:
+        balance, channel = key
+        self.residual[key] = np.concatenate([self.thin(i, v) for i, v in enumerate(values)])
+        masks = []
+        for i, m in enumerate(self.motions):
+            good = m.valid.copy()
+            edge = int(1.0 / (m.cutoff * m.period)) + 1
+            good[:edge] = good[-edge:] = False
+            if balance == "torque":
+                # At rest dry friction takes whatever value holds the joint: nothing to learn.
+                around = int(0.3 / (m.cutoff * m.period))
+                good &= ~dilated(m.still[:, channel], around)
+            masks.append(good[:: self._steps[i]])
+        mask = np.concatenate(masks)
+        if balance in ("torque", "velocity", "servo") and not self.excited[channel]:
+            mask = np.zeros_like(mask)
+        self.mask[key] = mask
+        self.floor[key] = self._noise(key, values)
+        size = 0.0
+        if balance in ("torque", "drive", "law"):
+            tau = np.concatenate([m.tau[:, channel] for m in self.motions])
+            size = MODEL_ERROR * float(np.sqrt(np.mean(tau**2)))
+        elif balance == "velocity":
+            speeds = np.concatenate([m.dq[:, channel] for m in self.motions])
+            size = MODEL_ERROR * float(np.sqrt(np.mean(speeds**2)))
+        size = float(np.hypot(size, FIT_ERROR * self.rms(key)))
+        self.sigma[key] = float(np.hypot(self.floor[key], size)) or 1e-9
+
+    def _noise(self, key: Key, values: list[FloatArray]) -> float:
+        """Standard deviation that white noise of the channels leaves after filtering."""
+        balance, channel = key
+        variances = []
+        for m, each in zip(self.motions, values, strict=True):
+            density = float(noise_density(each[:, None], m.period, 1.5 * m.cutoff)[0])
+            variance = density * m.cutoff
+            if balance == "torque":
+                variance += float(inertial_noise(m)[channel])
+            elif balance == "velocity":
+                q_noise = position_noise(m.recording.q, m.period)[channel]
+                variance += q_noise * (2 * np.pi) ** 2 * m.cutoff**3 / 3
+            variances.append(variance)
+        return float(np.sqrt(np.mean(variances)))
+
+    def _blocks(self) -> NDArray[np.intp]:
+        blocks, first = [], 0
+        for i in range(len(self.motions)):
+            time = self.time[self.starts[i] : self.starts[i + 1]]
+            number = np.floor(time / _BLOCK).astype(np.intp)
+            blocks.append(first + number)
+            first += int(number[-1]) + 1
+        return np.concatenate(blocks)
+
+    def _folds(self) -> NDArray[np.intp]:
+        """Recordings, or halves or quarters of them, so that about four are left out in turn."""
+        parts = -(-_FOLDS // len(self.motions))
+        folds = np.empty(self.count, dtype=np.intp)
+        for i in range(len(self.motions)):
+            span = slice(int(self.starts[i]), int(self.starts[i + 1]))
+            place = np.arange(span.stop - span.start)
+            folds[span] = i * parts + np.minimum(place * parts // len(place), parts - 1)
+        return folds if len(self.motions) * parts <= 2 * _FOLDS else folds % _FOLDS
+
+    def _stack(self, values: list[FloatArray]) -> FloatArray:
+        parts = [v[::s] for v, s in zip(values, self._steps, strict=True)]
+        return np.concatenate(parts)
+
+
+def position_noise(q: FloatArray, period: float) -> FloatArray:
+    """Density of white noise in positions, (n,) [rad^2/Hz]."""
+    return noise_density(q, period, 0.25 / period)
+
+
+def inertial_noise(motion: Motion) -> FloatArray:
+    """Variance that noise of positions leaves in the inertial torques after filtering, (n,).
+
+    White noise of density S in q is S (2 pi f)^4 in the acceleration: its integral up to the
+    cut-off times the mass matrix squared.
+    """
+    density = position_noise(motion.recording.q, motion.period)
+    acceleration = density * (2 * np.pi) ** 4 * motion.cutoff**5 / 5
+    squared = np.mean(motion.mass_matrix**2, axis=0)
+    if motion.body is not None:
+        squared = squared + np.diag(motion.body.rotor**2)
+    return np.asarray(squared @ acceleration, dtype=np.float64)
+
+
+def _excited(motions: Sequence[Motion], j: int) -> bool:
+    span = max(float(np.ptp(m.q[:, j])) for m in motions)
+    share = float(np.mean(np.concatenate([~m.still[:, j] for m in motions])))
+    return span > _LEAST_RANGE and share > _LEAST_SHARE
+
+
+def _column(values: FloatArray | None, j: int) -> FloatArray:
+    assert values is not None
+    return np.ascontiguousarray(values[:, j])

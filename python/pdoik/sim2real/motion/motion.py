@@ -1,0 +1,300 @@
+"""A recording's motion, and what the model says of it, at the rate the diagnosis works at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..study.recording import FloatArray, Recording
+from ..study.study import Controller
+from .rigid_body import RigidBody
+from .signals import derivative, dilated, shifted, zero_phase
+
+Source = Literal["tau", "current", "tau_cmd", "law", ""]
+
+_WORKING_RATE = 200.0  # recordings faster than twice this are thinned to at least this [Hz]
+_WIDER = 2.5  # the motion is filtered this much wider than the balances are
+_SLOWEST = 2e-3  # below this speed a joint is still, whatever its noise [rad/s]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Motion:
+    """Arrays are (T, n) unless said otherwise."""
+
+    recording: Recording
+    body: RigidBody | None
+    period: float
+    time: FloatArray  # (T,) from the recording's start [s]
+    since: float  # of the first sample since the file's start: blocks of a file follow one another
+    cutoff: float  # of the balances [Hz]
+    q: FloatArray
+    dq: FloatArray
+    ddq: FloatArray
+    speed_floor: FloatArray  # (n,) below it the sign of the speed is not known [rad/s]
+    still: NDArray[np.bool_]
+    valid: NDArray[np.bool_]  # (T,)
+    torque: FloatArray | None  # as recorded, commanded or by the controller's law; NaN columns
+    source: Source  # of the torque
+    command: FloatArray | None  # torque the drive was told to give, where both were recorded
+    law: FloatArray | None  # torque by the controller's law
+    controller: Controller | None
+    tau: FloatArray  # of the rigid body; zeros without a model
+    dtau_dq: FloatArray  # (T, n, n)
+    dtau_dv: FloatArray  # (T, n, n)
+    mass_matrix: FloatArray  # (T, n, n)
+    dtau_dgravity: FloatArray  # (T, n, 3)
+    tip: str | None  # link whose pose is measured
+    measured_dq: FloatArray | None
+    q_des: FloatArray | None
+    dq_des: FloatArray | None
+    tip_error: FloatArray | None  # (T, 6) measured tip less the model's: translation, rotation
+    tip_jacobian: FloatArray | None  # (T, 6, n)
+    cache: dict[str, FloatArray] = field(default_factory=dict, repr=False)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.q.shape[1])
+
+    def sign(self, j: int, smoothing: float = 0.0) -> FloatArray:
+        """Direction of joint j, -1 to 1, smooth within `smoothing` [rad/s] of rest; (T,)."""
+        scale = max(smoothing, 0.5 * self.speed_floor[j])
+        return np.asarray(np.tanh(self.dq[:, j] / scale), dtype=np.float64)
+
+    def regressor(self) -> FloatArray:
+        """Torque per inertial parameter, (T, n, n links, 10)."""
+        if "regressor" not in self.cache:
+            assert self.body is not None
+            gravity = self.cache.get("gravity")
+            self.cache["regressor"] = self.body.regressor(self.q, self.dq, self.ddq, gravity)
+        return self.cache["regressor"]
+
+    def lean(self, gravity: FloatArray) -> None:
+        """Let unknown bodies be pulled by another gravity, (3,) in the base's frame [m/s^2]."""
+        self.cache["gravity"] = gravity
+        self.cache.pop("regressor", None)
+
+    def rotor(self, j: int) -> FloatArray:
+        """Torque of joint j's known rotor inertia, (T,)."""
+        inertia = 0.0 if self.body is None else float(self.body.rotor[j])
+        return inertia * self.ddq[:, j]
+
+    def has_command(self, j: int) -> bool:
+        """Whether joint j's torque was recorded beside what the drive was told."""
+        return self.command is not None and bool(np.isfinite(self.command[:, j]).all())
+
+    def has_law(self, j: int) -> bool:
+        """Whether a torque or a command of joint j was recorded beside the controller's law."""
+        return self.law is not None and self.source not in ("law", "")
+
+    def law_of(self, j: int) -> FloatArray:
+        """The controller's law for joint j, (T,)."""
+        assert self.law is not None
+        return np.ascontiguousarray(self.law[:, j])
+
+    def given(self, j: int) -> FloatArray:
+        """What the controller gave joint j: the command, else the torque; (T,)."""
+        recorded = self.recording.tau_cmd
+        given = self.torque if recorded is None else recorded
+        assert given is not None
+        return np.ascontiguousarray(given[:, j])
+
+    def transmitted(self, j: int) -> FloatArray | None:
+        """Torque through joint j's gear, (T,), from what was commanded; None where nothing was.
+
+        Not from the torque's sensor: a second derivative of its noise would explain that noise.
+        """
+        recorded = self.recording.tau_cmd
+        asked = self.law if recorded is None else recorded
+        if asked is None or not np.isfinite(asked[:, j]).all():
+            return None
+        smooth = zero_phase(asked[:, j], 2.0 * self.cutoff, self.period)
+        return np.asarray(smooth - self.rotor(j), dtype=np.float64)
+
+    def tau_without_rotor(self) -> FloatArray:
+        """Torques of the rigid body alone, (T, n)."""
+        if "rigid" not in self.cache:
+            assert self.body is not None
+            self.cache["rigid"] = self.body.torque(self.q, self.dq, self.ddq)
+        return self.cache["rigid"]
+
+    def tip_moved(self, q: FloatArray, body: RigidBody | None = None) -> FloatArray:
+        """Change of the tip's pose to other positions (T, n), or another body's; (T, 6)."""
+        assert self.body is not None
+        other = body or self.body
+        here = self.body.poses_and_jacobians(self.q, self.body.frame(self.tip))[0]
+        there = other.poses_and_jacobians(q, other.frame(self.tip))[0]
+        turn = Rotation.from_matrix(there[:, :3, :3] @ np.transpose(here[:, :3, :3], (0, 2, 1)))
+        return np.hstack([there[:, :3, 3] - here[:, :3, 3], turn.as_rotvec()])
+
+    def tip_position(self) -> FloatArray:
+        """The tip's position by the model, (T, 3)."""
+        return self.cache["tip_position"]
+
+    def link_jacobian(self, link: int, *, at_tip: bool = True) -> FloatArray:
+        """Linear Jacobian of a link's origin, or of the tip for the last link; (T, 3, n)."""
+        name = f"jacobian {link} {at_tip}"
+        if name not in self.cache:
+            assert self.body is not None
+            tip = at_tip and link == self.body.last
+            frame = self.body.frame(self.tip if tip else self.body.links[link])
+            self.cache[name] = self.body.poses_and_jacobians(self.q, frame)[1][:, :3]
+        return self.cache[name]
+
+    def by_motion(self, j: int, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+        """Change of the torques, (T, n), where joint j moves by (T,) more, to first order."""
+        change = (
+            self.dtau_dq[:, :, j] * q[:, None]
+            + self.dtau_dv[:, :, j] * dq[:, None]
+            + self.mass_matrix[:, :, j] * ddq[:, None]
+        )
+        return np.asarray(change, dtype=np.float64)
+
+    def by_deflection(self, deflection: FloatArray, j: int) -> FloatArray:
+        """Change of the rigid body's torques where joint j's link lags by `deflection`; (T, n).
+
+        tau(q - d) - tau(q) to first order; `deflection` is (T,) [rad].
+        """
+        smooth = zero_phase(deflection, self.cutoff, self.period)
+        speed = derivative(smooth, self.period)
+        acceleration = derivative(speed, self.period)
+        return -self.by_motion(j, smooth, speed, acceleration)
+
+
+def thinned(recording: Recording) -> Recording:
+    """The recording at a rate of at least 200 Hz, filtered before samples are left out."""
+    every = int(1.0 / (recording.period * _WORKING_RATE))
+    if every < 2:
+        return recording
+    cutoff = 0.4 / (recording.period * every)
+    changes: dict[str, FloatArray] = {}
+    for name in recording.channels:
+        values: FloatArray = getattr(recording, name)
+        changes[name] = zero_phase(values, cutoff, recording.period)[::every]
+    keep = ~dilated(~recording.valid, every)[::every]
+    return replace(recording, time=recording.time[::every], valid=keep, **changes)  # type: ignore[arg-type]
+
+
+def control_law(
+    recording: Recording, controller: Controller, body: RigidBody | None
+) -> FloatArray | None:
+    """Torque the controller asks for, (T, n); None where it cannot be known."""
+    if recording.q_des is None or (controller.gravity_compensation and body is None):
+        return None
+    asked = controller.kp * (recording.q_des - recording.q)
+    speed = recording.dq
+    if speed is None:
+        speed = derivative(recording.q, recording.period)
+    aim = 0.0 if recording.dq_des is None else recording.dq_des
+    asked = asked + controller.kd * (aim - speed)
+    if controller.gravity_compensation and body is not None:
+        asked = asked + body.gravity(recording.q)
+    if controller.torque_limit is not None:
+        asked = np.clip(asked, -controller.torque_limit, controller.torque_limit)
+    if controller.period:  # what is held over a period comes half of it late on average
+        asked = shifted(asked, 0.5 * controller.period, recording.period)
+    return np.asarray(asked, dtype=np.float64)
+
+
+def motion_of(
+    recording: Recording,
+    body: RigidBody | None,
+    controller: Controller | None,
+    cutoff: float,
+    position_noise: FloatArray,
+    tip: str | None = None,
+    since: float = 0.0,
+) -> Motion:
+    """Smooth the motion and evaluate the model along it.
+
+    Args:
+        recording: thinned.
+        body: None without a robot description.
+        controller: None where it is not known.
+        cutoff: of the balances [Hz].
+        position_noise: (n,) density of white noise in q [rad^2/Hz].
+        tip: link whose pose the channel `tip` is.
+        since: time from the file's start to the recording's first sample [s].
+    """
+    period, count = recording.period, len(recording.time)
+    n = recording.q.shape[1]
+    wide = _WIDER * cutoff
+    q = zero_phase(recording.q, wide, period)
+    dq = derivative(q, period)
+    ddq = derivative(dq, period)
+    # White noise of density S in q gives the speed a variance of S (2 pi)^2 f^3 / 3 below f.
+    band = min(wide, 0.5 / period)
+    speed_noise = np.sqrt(position_noise * (2 * np.pi) ** 2 * band**3 / 3)
+    floor = np.maximum(4.0 * speed_noise, _SLOWEST)
+    zeros = np.zeros((count, n))
+    empty = np.zeros((count, n, n))
+    tau, by_q, by_v, mass = zeros, empty, empty, empty
+    by_gravity = np.zeros((count, n, 3))
+    tip_error = tip_jacobian = None
+    cache: dict[str, FloatArray] = {}
+    if body is not None:
+        dynamics = body.dynamics(q, dq, ddq)
+        tau, by_q, by_v = dynamics.tau, dynamics.dtau_dq, dynamics.dtau_dv
+        mass, by_gravity = dynamics.mass_matrix, dynamics.dtau_dgravity
+        if recording.tip is not None:
+            poses, tip_jacobian = body.poses_and_jacobians(q, body.frame(tip))
+            tip_error = _pose_error(recording.tip, poses)
+            cache["tip_position"] = np.ascontiguousarray(poses[:, :3, 3])
+    law = None if controller is None else control_law(recording, controller, body)
+    torque, source = _torque(recording, law)
+    command = recording.tau_cmd if source in ("tau", "current") else None
+    return Motion(
+        recording=recording,
+        body=body,
+        period=period,
+        time=recording.time,
+        since=since,
+        cutoff=cutoff,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        speed_floor=floor,
+        still=np.abs(dq) < floor,
+        valid=~dilated(~recording.valid, int(0.5 / (cutoff * period)) + 1),
+        torque=torque,
+        source=source,
+        command=command,
+        law=law,
+        controller=controller,
+        tau=tau,
+        dtau_dq=by_q,
+        dtau_dv=by_v,
+        mass_matrix=mass,
+        dtau_dgravity=by_gravity,
+        tip=tip,
+        measured_dq=recording.dq,
+        q_des=recording.q_des,
+        dq_des=recording.dq_des,
+        tip_error=tip_error,
+        tip_jacobian=tip_jacobian,
+        cache=cache,
+    )
+
+
+def _torque(recording: Recording, law: FloatArray | None) -> tuple[FloatArray | None, Source]:
+    if recording.tau is not None:
+        return recording.tau, "tau"
+    if recording.current is not None:
+        return recording.current, "current"
+    if recording.tau_cmd is not None:
+        return recording.tau_cmd, "tau_cmd"
+    if law is not None:
+        return law, "law"
+    return None, ""
+
+
+def _pose_error(measured: FloatArray, poses: FloatArray) -> FloatArray:
+    """Translation and rotation vector from the model's tip to the measured one, base axes."""
+    wxyz = measured[:, 3:]
+    rotation = Rotation.from_quat(wxyz[:, [1, 2, 3, 0]])
+    turned = rotation * Rotation.from_matrix(poses[:, :3, :3]).inv()
+    return np.hstack([measured[:, :3] - poses[:, :3, 3], turned.as_rotvec()])

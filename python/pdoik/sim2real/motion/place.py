@@ -1,0 +1,49 @@
+"""Where something acts, and in which of the balances it shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..study.recording import FloatArray
+
+Balance = Literal["torque", "drive", "law", "velocity", "tip", "servo"]
+Key = tuple[Balance, int]  # a balance and its channel: a joint, or an axis of the tip's error
+Columns = dict[Key, FloatArray]  # (T, k) for every channel that changes
+Shape = tuple[float, ...]  # the parameters that enter nonlinearly
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gate:
+    """A part of all recordings' time, or of the first joint's positions, outside which is nothing.
+
+    An end at which the recordings stop is open.
+    """
+
+    of: Literal["time", "position"]
+    low: float = -np.inf  # [s] since a recording's begin; [rad], [m] for prismatic joints
+    high: float = np.inf
+    edge: float = 0.0  # over which it comes and goes, half of it outside
+
+    def weight(self, x: FloatArray) -> FloatArray:
+        """1 inside and 0 outside, straight lines between."""
+        inside = np.minimum(x - self.low, self.high - x)
+        return np.clip(0.5 + inside / max(self.edge, 1e-9), 0.0, 1.0)
+
+    def weight_at(self, x: float) -> float:
+        """The same of one value, quickly."""
+        inside = 0.5 + min(x - self.low, self.high - x) / max(self.edge, 1e-9)
+        return 0.0 if inside < 0.0 else 1.0 if inside > 1.0 else inside
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where an effect sits, by index: joints, a link (that of a joint), a window of a recording."""
+
+    joints: tuple[int, ...] = ()
+    link: int | None = None
+    recording: str | None = None
+    window: tuple[float, float] | None = None
+    gate: Gate | None = None

@@ -1,0 +1,88 @@
+"""From a study to the motions and balances of its recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..study.recording import FloatArray, Recording
+from ..study.study import Study
+from .balances import Balances
+from .cutoff import chosen_cutoff, noise_of
+from .motion import Motion, motion_of, thinned
+from .rigid_body import RigidBody
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """A study ready to be searched."""
+
+    study: Study
+    body: RigidBody | None
+    cutoff: float  # [Hz]
+    fit: Balances
+    validate: Balances | None  # None where nothing was held out
+
+
+def rigid_body(study: Study) -> RigidBody | None:
+    """The study's robot; None without one."""
+    if study.robot is None:
+        return None
+    return RigidBody(study.robot, study.joints, study.rotor_inertia)
+
+
+def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = None) -> Prepared:
+    """Smooth every recording and put up its balances.
+
+    Args:
+        study: with its recordings read.
+        body: of the study's robot; made where it is None and the study has one.
+        cutoff: of the balances [Hz]; chosen by the channels' noise where it is None.
+    """
+    body = rigid_body(study) if body is None else body
+    fit = [thinned(r) for r in study.fit]
+    noise = noise_of(fit)
+    if cutoff is None:
+        cutoff = chosen_cutoff(fit, body, noise)
+    held_out = [thinned(r) for r in study.validate]
+    return Prepared(
+        study=study,
+        body=body,
+        cutoff=cutoff,
+        fit=Balances(motions_of(study, fit, body, cutoff, noise)),
+        validate=Balances(motions_of(study, held_out, body, cutoff, noise)) if held_out else None,
+    )
+
+
+def simulated(prepared: Prepared) -> Balances | None:
+    """Balances of what the user's own simulator gave; None without any."""
+    study = prepared.study
+    if not study.simulation or prepared.body is None:
+        return None
+    thin = [thinned(r) for r in study.simulation]
+    noise = np.zeros(len(study.joints))
+    return Balances(motions_of(study, thin, prepared.body, prepared.cutoff, noise))
+
+
+def motions_of(
+    study: Study,
+    recordings: list[Recording],
+    body: RigidBody | None,
+    cutoff: float,
+    noise: FloatArray,
+) -> list[Motion]:
+    """Motions of thinned recordings, with the density (n,) of noise in their positions."""
+    begins: dict[str, float] = {}
+    for each in (*study.recordings, *recordings):
+        name = _file(each)
+        begins[name] = min(begins.get(name, np.inf), each.start)
+    return [
+        motion_of(r, body, study.controller, cutoff, noise, study.tip, r.start - begins[_file(r)])
+        for r in recordings
+    ]
+
+
+def _file(recording: Recording) -> str:
+    """The file a recording or a block of one comes from."""
+    return recording.name.split(" (")[0]

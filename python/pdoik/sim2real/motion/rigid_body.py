@@ -1,0 +1,264 @@
+"""Inverse dynamics of the model the user believes, over whole recordings (Pinocchio)."""
+
+from __future__ import annotations
+
+import copy
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ..study.recording import FloatArray
+
+STANDARD_GRAVITY = 9.81
+_SPEED_OF_REST = 2e-3  # within which the description's dry friction turns [rad/s]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dynamics:
+    """Inverse dynamics along a motion and its derivatives."""
+
+    tau: FloatArray  # (T, n) of the rigid body, with the known rotor inertia [N m]
+    dtau_dq: FloatArray  # (T, n, n)
+    dtau_dv: FloatArray  # (T, n, n)
+    mass_matrix: FloatArray  # (T, n, n), without rotors
+    dtau_dgravity: FloatArray  # (T, n, 3) per m/s^2 of gravity along x, y, z of the base
+
+
+class RigidBody:
+    """The study's joints of a URDF or MJCF; every other joint is held at its neutral position."""
+
+    def __init__(
+        self, robot: Path, joints: tuple[str, ...], rotor_inertia: FloatArray | None
+    ) -> None:
+        """Raises ValueError where a joint of the study has not one degree of freedom."""
+        model = _load(robot)
+        held = [i for i in range(1, model.njoints) if model.names[i] not in joints]
+        model = pin.buildReducedModel(model, held, pin.neutral(model))
+        for name in joints:
+            if model.joints[model.getJointId(name)].nv != 1:
+                raise ValueError(f"joint {name} has not one degree of freedom")
+        model.gravity.linear = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+        model.armature = np.zeros(model.nv)
+        self.model: Any = model
+        self.joints = joints
+        self.n = len(joints)
+        self._data: Any = model.createData()
+        ids = [model.getJointId(name) for name in joints]
+        self._ids = ids
+        self._v = np.array([model.joints[i].idx_v for i in ids])  # place of each joint in v
+        self._q = np.array([model.joints[i].idx_q for i in ids])
+        self._circle = np.array([model.joints[i].nq == 2 for i in ids])  # continuous: cos, sin
+        self.links = tuple(_link_of(model, i) for i in ids)
+        ancestors = np.array([[_carries(model, a, b) for b in ids] for a in ids])
+        self.depth = ancestors.sum(axis=0)  # study joints from the base to each, itself included
+        self.last = int(np.argmax(self.depth))  # the joint that moves the last link
+        self.damping = np.array(model.damping)[self._v]  # as the description has it
+        self.friction = _dry_friction(model)[self._v]
+        self.rotor = np.zeros(self.n) if rotor_inertia is None else rotor_inertia
+
+    def _position(self, q: FloatArray) -> FloatArray:
+        """Pinocchio's configurations, (T, nq)."""
+        configuration = np.zeros((len(q), self.model.nq))
+        plain = ~self._circle
+        configuration[:, self._q[plain]] = q[:, plain]
+        for j in np.flatnonzero(self._circle):
+            configuration[:, self._q[j]] = np.cos(q[:, j])
+            configuration[:, self._q[j] + 1] = np.sin(q[:, j])
+        return configuration
+
+    def _velocity(self, dq: FloatArray) -> FloatArray:
+        velocity = np.zeros((len(dq), self.model.nv))
+        velocity[:, self._v] = dq
+        return velocity
+
+    def dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> Dynamics:
+        """Torques and derivatives, for (T, n) each."""
+        model, data, v = self.model, self._data, self._v
+        count, n = q.shape
+        grid = np.ix_(v, v)
+        configuration, velocity = self._position(q), self._velocity(dq)
+        acceleration = self._velocity(ddq)
+        tau = np.empty((count, n))
+        by_q, by_v, mass = (np.empty((count, n, n)) for _ in range(3))
+        for t in range(count):
+            pin.computeRNEADerivatives(model, data, configuration[t], velocity[t], acceleration[t])
+            tau[t] = data.tau[v]
+            by_q[t] = data.dtau_dq[grid]
+            by_v[t] = data.dtau_dv[grid]
+            mass[t] = data.M[grid]
+        mass = np.triu(mass) + np.transpose(np.triu(mass, 1), (0, 2, 1))
+        return Dynamics(
+            tau=tau
+            + self.rotor * ddq
+            + self.damping * dq
+            + self.friction * np.tanh(dq / _SPEED_OF_REST),
+            dtau_dq=by_q,
+            dtau_dv=by_v,
+            mass_matrix=mass,
+            dtau_dgravity=self._by_gravity(configuration),
+        )
+
+    def torque(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+        """Torques of the rigid body alone, (T, n): no rotors, no friction."""
+        model, data, v = self.model, self._data, self._v
+        rows = zip(self._position(q), self._velocity(dq), self._velocity(ddq), strict=True)
+        return np.stack([pin.rnea(model, data, a, b, c)[v] for a, b, c in rows])
+
+    def displaced(self, j: int, shift: FloatArray, turn: FloatArray) -> RigidBody:
+        """The same body with joint j placed elsewhere.
+
+        Args:
+            j: a study joint.
+            shift: (3,) added to its origin, in its parent's axes [m].
+            turn: (3,) rotation vector after its orientation, in its own axes [rad].
+        """
+        other = copy.copy(self)
+        other.model = self.model.copy()
+        placement = other.model.jointPlacements[self._ids[j]].copy()
+        placement.translation = placement.translation + shift
+        placement.rotation = placement.rotation @ pin.exp3(turn)
+        other.model.jointPlacements[self._ids[j]] = placement
+        other._data = other.model.createData()
+        return other
+
+    def placement_rotation(self, j: int) -> FloatArray:
+        """Orientation of joint j's frame on its parent at its zero, (3, 3)."""
+        return np.array(self.model.jointPlacements[self._ids[j]].rotation)
+
+    def mass_diagonal(self, q: FloatArray) -> FloatArray:
+        """Inertia each joint sees with the others at rest, rotors included; q and result (n,)."""
+        row = self._position(q[None])[0]
+        mass = pin.crba(self.model, self._data, row)
+        return np.asarray(np.diag(mass)[self._v] + self.rotor, dtype=np.float64)
+
+    def gravity(self, q: FloatArray) -> FloatArray:
+        """Torques that hold the robot still, (T, n)."""
+        configuration = self._position(q)
+        model, data, v = self.model, self._data, self._v
+        return np.stack(
+            [pin.computeGeneralizedGravity(model, data, row)[v].copy() for row in configuration]
+        )
+
+    def _by_gravity(self, configuration: FloatArray) -> FloatArray:
+        model, v = self.model.copy(), self._v
+        data = model.createData()
+        result = np.empty((len(configuration), self.n, 3))
+        for axis in range(3):
+            model.gravity.linear = np.eye(3)[axis]
+            for t, row in enumerate(configuration):
+                result[t, :, axis] = pin.computeGeneralizedGravity(model, data, row)[v]
+        return result
+
+    def regressor(
+        self, q: FloatArray, dq: FloatArray, ddq: FloatArray, gravity: FloatArray | None = None
+    ) -> FloatArray:
+        """Torque per inertial parameter, (T, n, n links, 10).
+
+        Ten per link, in the link's frame at its joint: mass, first moments x y z, inertias about
+        the frame's origin xx xy yy xz yz zz (Pinocchio's order).
+
+        Args:
+            q: (T, n) positions.
+            dq: their derivatives.
+            ddq: those of these.
+            gravity: (3,) in the base's frame [m/s^2]; the model's own where it is None.
+        """
+        model = self.model
+        if gravity is not None:
+            model = model.copy()
+            model.gravity.linear = gravity
+        configuration, velocity = self._position(q), self._velocity(dq)
+        acceleration = self._velocity(ddq)
+        order = [(i - 1) * 10 + k for i in self._ids for k in range(10)]
+        result = np.empty((len(q), self.n, self.n, 10))
+        for t in range(len(q)):
+            each = pin.computeJointTorqueRegressor(
+                model, self._data, configuration[t], velocity[t], acceleration[t]
+            )
+            each = each.reshape(self.model.nv, -1)  # flat where there is one joint
+            result[t] = each[self._v][:, order].reshape(self.n, self.n, 10)
+        return result
+
+    def inertial_parameters(self) -> FloatArray:
+        """The model's own ten parameters per link, (n, 10), as `regressor` orders them."""
+        return np.stack([self.model.inertias[i].toDynamicParameters() for i in self._ids])
+
+    def axis(self, j: int) -> FloatArray | None:
+        """Axis joint j turns about in its own frame, (3,); None where it slides."""
+        velocity = np.zeros(self.model.nv)
+        velocity[self._v[j]] = 1.0
+        joint = self.model.joints[self._ids[j]]
+        motion = joint.createData()
+        joint.calc(motion, pin.neutral(self.model), velocity)
+        axis = np.array(motion.v.angular)
+        return axis if np.linalg.norm(axis) > 0.5 else None
+
+    def neighbours(self) -> list[tuple[int, int]]:
+        """Pairs of joints that follow one another along the chain, both ways round."""
+        order = np.argsort(self.depth, kind="stable").tolist()
+        pairs = list(pairwise(order))
+        return pairs + [(b, a) for a, b in pairs]
+
+    def frame(self, name: str | None) -> int:
+        """Index of the frame of a link; of the last link for None."""
+        wanted = self.links[self.last] if name is None else name
+        if self.model.existFrame(wanted, pin.BODY):  # a joint may have the same name
+            return int(self.model.getFrameId(wanted, pin.BODY))
+        if not self.model.existFrame(wanted):
+            raise ValueError(f"tip {wanted!r} is no link of the robot")
+        return int(self.model.getFrameId(wanted))
+
+    def poses_and_jacobians(self, q: FloatArray, frame: int) -> tuple[FloatArray, FloatArray]:
+        """Poses (T, 4, 4) and Jacobians (T, 6, n), linear then angular, base axes, of a frame."""
+        model, data, v = self.model, self._data, self._v
+        poses = np.empty((len(q), 4, 4))
+        jacobians = np.empty((len(q), 6, self.n))
+        for t, row in enumerate(self._position(q)):
+            jacobian = pin.computeFrameJacobian(model, data, row, frame, pin.LOCAL_WORLD_ALIGNED)
+            jacobians[t] = jacobian.reshape(6, -1)[:, v]  # flat where there is one joint
+            poses[t] = data.oMf[frame].homogeneous
+        return poses, jacobians
+
+    def joint_poses(self, q: FloatArray) -> FloatArray:
+        """Pose of each study joint's frame in the base, (T, n, 4, 4)."""
+        poses = np.empty((len(q), self.n, 4, 4))
+        for t, row in enumerate(self._position(q)):
+            pin.forwardKinematics(self.model, self._data, row)
+            for j, i in enumerate(self._ids):
+                poses[t, j] = self._data.oMi[i].homogeneous
+        return poses
+
+
+def _load(robot: Path) -> Any:
+    if robot.suffix == ".urdf":
+        return pin.buildModelFromUrdf(str(robot))
+    root = ElementTree.parse(robot).getroot()
+    if root.tag == "robot":
+        return pin.buildModelFromUrdf(str(robot))
+    return pin.buildModelFromMJCF(str(robot))
+
+
+def _link_of(model: Any, joint: int) -> str:
+    """The link that a joint moves."""
+    for frame in model.frames:
+        if frame.parentJoint == joint and frame.type == pin.BODY:
+            return str(frame.name)
+    return str(model.names[joint])
+
+
+def _carries(model: Any, joint: int, other: int) -> bool:
+    """Whether the other joint is the joint itself or sits on what it moves."""
+    return joint in model.supports[other]
+
+
+def _dry_friction(model: Any) -> FloatArray:
+    """The description's dry friction of each joint (Pinocchio has renamed the field)."""
+    for name in ("upperDryFrictionLimit", "friction"):
+        if hasattr(model, name):
+            return np.abs(np.array(getattr(model, name), dtype=np.float64))
+    return np.zeros(model.nv)

@@ -1,0 +1,140 @@
+"""Values of what was found, with intervals from the block bootstrap."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..findings import Estimate
+from ..motion.balances import Balances
+from ..study.recording import FloatArray
+from .fit import Fit, Term
+
+DRAWS = 200
+_DISCRETISATION = 0.0015  # share of a value that differentiation and sampling may take
+
+
+def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[str, Estimate]]:
+    """Parameters of each wanted term, by its index in `wanted`.
+
+    Nonlinear parameters take part by the derivative of their columns: the bootstrap's step along
+    it is the parameter's.
+    """
+    rng = np.random.default_rng(seed)
+    moving = [(term, i) for term in wanted for i in _free(term)]
+    extra = [_sensitivity(fit, term, i) for term, i in moving]
+    wider = fit.extended(*extra) if extra else fit
+    draws = wider.bootstrap(rng, DRAWS)
+    centre = wider.beta
+    # Directions no motion shows do not move in the bootstrap: their prior's spread is added.
+    unseen = _unseen(wider)
+    if unseen is not None:
+        draws = draws + rng.standard_normal((len(draws), len(unseen))) @ unseen
+    result: dict[int, dict[str, Estimate]] = {}
+    bounded = fit.bounded()
+    for number, term in enumerate(wanted):
+        at = fit.terms.index(term)
+        span = slice(int(fit.offsets[at]), int(fit.offsets[at]) + (0 if term.fixed else term.width))
+        beta = np.ones(1) if term.fixed else bounded[span]
+        samples = []
+        for draw in draws:
+            shape = list(term.shape)
+            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) :], strict=False):
+                if owner is term:
+                    step = draw[offset] - centre[offset]
+                    shape[i] += float(step) * _step(term, i)
+            sample = np.ones(1) if term.fixed else beta + draw[span] - centre[span]
+            samples.append(CATALOGUE[term.effect].values(tuple(shape), sample))
+        values = CATALOGUE[term.effect].values(term.shape, beta)
+        units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
+        result[number] = {
+            name: _estimate(value, np.array([s[name] for s in samples]), units.get(name, "-"))
+            for name, value in values.items()
+        }
+    return result
+
+
+def values_and_errors(
+    found: dict[int, dict[str, Estimate]],
+) -> tuple[list[dict[str, float]], list[dict[str, float]]]:
+    """Values and standard errors of `estimates`, by the terms' index."""
+    each = [found[number] for number in range(len(found))]
+    return (
+        [{name: e.value for name, e in one.items()} for one in each],
+        [{name: e.std for name, e in one.items()} for one in each],
+    )
+
+
+def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
+    """Parameters of an event, the fit's last term: too short for a bootstrap of blocks.
+
+    Errors are cluster-robust, of clusters within its window.
+    """
+    effect = CATALOGUE[term.effect]
+    std = np.sqrt(np.diag(fit.robust(term)))
+    units = {p.name: p.unit for p in effect.parameters}
+    values = effect.values(term.shape, fit.beta[-term.width :])
+    return {
+        name: Estimate(
+            value=value,
+            std=float(s),
+            interval95=(value - 1.96 * float(s), value + 1.96 * float(s)),
+            unit=units.get(name, "-"),
+        )
+        for (name, value), s in zip(values.items(), std, strict=True)
+    }
+
+
+def _estimate(value: float, samples: FloatArray, unit: str) -> Estimate:
+    if unit == "rad" and len(samples):  # a phase may wrap
+        samples = value + (samples - value + np.pi) % (2 * np.pi) - np.pi
+    std = float(np.hypot(np.std(samples), _DISCRETISATION * abs(value)))
+    low, high = np.quantile(samples, (0.025, 0.975))
+    # Centred on the value: the bootstrap's own bias is not the estimate's.
+    half = max(float(high - low) / 2, 1.96 * std)
+    return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=unit)
+
+
+def _free(term: Term) -> list[int]:
+    bounds = CATALOGUE[term.effect].shape_bounds(term.shape)
+    return [i for i, (low, high) in enumerate(bounds) if high - low > 1e-9]
+
+
+def _step(term: Term, i: int) -> float:
+    size = abs(term.shape[i])
+    step = 0.02 * max(size, 0.02)
+    return min(step, 0.25 * size) if size else step  # a time stays positive
+
+
+def _sensitivity(fit: Fit, term: Term, i: int) -> Term:
+    """Change of a term's contribution per step of a nonlinear parameter."""
+    b: Balances = fit.balances
+    effect, step = CATALOGUE[term.effect], _step(term, i)
+    at = fit.terms.index(term)
+    offset = int(fit.offsets[at])
+    beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
+    sides = []
+    for sign in (1.0, -1.0):
+        shape = list(term.shape)
+        shape[i] += sign * step
+        sides.append(b.compute(effect, term.place, tuple(shape)))
+    columns = {
+        key: ((sides[0][key] - sides[1][key]) @ beta / 2.0)[:, None]
+        for key in sides[0]
+        if key in sides[1]
+    }
+    return Term(effect="shape", place=term.place, shape=(), columns=columns, prior=np.full(1, 1e-3))
+
+
+def _unseen(fit: Fit) -> FloatArray | None:
+    """Square root of the prior's covariance along directions that data leave to it, or None."""
+    if not fit.size or not np.any(fit.prior > 0.0):
+        return None
+    which = np.flatnonzero(fit.prior > 0.0)
+    scale = 1.0 / np.sqrt(fit.prior[which])
+    covariance = np.linalg.inv(fit.regular(fit.gram))[np.ix_(which, which)]
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    kept = np.where(values > 0.05, np.sqrt(np.maximum(values, 0.0)), 0.0)
+    root = np.zeros((len(which), fit.size))
+    root[:, which] = (vectors * kept).T * scale
+    return root

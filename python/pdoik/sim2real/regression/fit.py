@@ -1,0 +1,305 @@
+"""Least squares of many terms over all balances at once, cross-validated and bootstrapped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, optimize
+
+from ..effects import CATALOGUE, Effect
+from ..motion.balances import Balances
+from ..motion.place import Key, Place, Shape
+from ..study.recording import FloatArray
+
+_RIDGE = 1e-9  # relative to the largest diagonal entry
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Term:
+    """One effect at one place: its columns in the balances."""
+
+    effect: str
+    place: Place
+    shape: Shape
+    columns: dict[Key, FloatArray]
+    prior: FloatArray  # (k,) inverse variances of the coefficients
+
+    @property
+    def width(self) -> int:
+        """Number of coefficients."""
+        return len(self.prior)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the one coefficient is 1 by its meaning."""
+        return self.effect in CATALOGUE and CATALOGUE[self.effect].fixed
+
+
+def term_of(balances: Balances, effect: Effect, place: Place, shape: Shape) -> Term | None:
+    """The term of an effect; None where it changes nothing."""
+    columns = balances.columns(effect, place, shape)
+    if not columns:
+        return None
+    width = next(iter(columns.values())).shape[1]
+    return Term(
+        effect=effect.id, place=place, shape=shape, columns=columns, prior=effect.prior(width)
+    )
+
+
+Index = NDArray[np.intp]
+
+
+class Fit:
+    """Terms fitted to balances by weighted least squares.
+
+    Minimises sum of ((y - A beta) / sigma)^2 + beta' P beta over the rows that count. Terms whose
+    coefficient is fixed are subtracted before.
+    """
+
+    def __init__(self, balances: Balances, terms: Sequence[Term], base: Fit | None = None) -> None:
+        """Fits at once. With a base, `terms` are added to the base's and its sums are used."""
+        self.balances = balances
+        self.terms: tuple[Term, ...] = (*(base.terms if base else ()), *terms)
+        widths = [0 if t.fixed else t.width for t in self.terms]
+        self.offsets = np.concatenate([[0], np.cumsum(widths)]).astype(np.intp)
+        self.size = int(self.offsets[-1])
+        self.prior = np.concatenate([np.zeros(0)] + [t.prior for t in self.terms if not t.fixed])
+        self.folds = int(balances.fold.max()) + 1
+        self.index: dict[Key, Index] = {}
+        self.design: dict[Key, FloatArray] = {}  # (rows that count, columns), by sigma
+        self.target: dict[Key, FloatArray] = {}
+        self.rows: dict[Key, Index] = {}
+        self.fold_gram = np.zeros((self.folds, self.size, self.size))
+        self.fold_moment = np.zeros((self.folds, self.size))
+        if base is not None:
+            self.fold_gram[:, : base.size, : base.size] = base.fold_gram
+            self.fold_moment[:, : base.size] = base.fold_moment
+        for key in balances.keys:
+            self._assemble(key, terms, base)
+        self.gram = self.fold_gram.sum(axis=0)
+        self.moment = self.fold_moment.sum(axis=0)
+        self.beta = self.solve(self.gram, self.moment)
+
+    def _assemble(self, key: Key, added: Sequence[Term], base: Fit | None) -> None:
+        b = self.balances
+        scale = 1.0 / b.sigma[key]
+        if base is None:
+            rows = np.flatnonzero(b.mask[key])
+            target = b.residual[key][rows] * scale
+            old, old_index = np.zeros((len(rows), 0)), np.zeros(0, dtype=np.intp)
+        else:
+            rows, target = base.rows[key], base.target[key]
+            old, old_index = base.design[key], base.index[key]
+        first = len(self.terms) - len(added)
+        parts: list[FloatArray] = []
+        index: list[int] = []
+        moved = False
+        for term, offset in zip(added, self.offsets[first:], strict=False):
+            if key not in term.columns:
+                continue
+            column = term.columns[key][rows] * scale
+            if term.fixed:
+                target, moved = target - column[:, 0], True
+            else:
+                parts.append(column)
+                index.extend(range(offset, offset + term.width))
+        new = np.hstack(parts) if parts else np.zeros((len(rows), 0))
+        new_index = np.array(index, dtype=np.intp)
+        self.rows[key], self.target[key] = rows, target
+        self.index[key] = np.concatenate([old_index, new_index])
+        self.design[key] = np.hstack([old, new]) if parts else old
+        fold = b.fold[rows]
+        for f in range(self.folds):
+            at = fold == f
+            if moved and len(old_index) and base is not None:
+                change = target[at] - base.target[key][at]
+                self.fold_moment[f, old_index] += old[at].T @ change
+            if not len(new_index):
+                continue
+            part = new[at]
+            if len(old_index):
+                cross = old[at].T @ part
+                self.fold_gram[f][np.ix_(old_index, new_index)] += cross
+                self.fold_gram[f][np.ix_(new_index, old_index)] += cross.T
+            self.fold_gram[f][np.ix_(new_index, new_index)] += part.T @ part
+            self.fold_moment[f, new_index] += part.T @ target[at]
+
+    def extended(self, *terms: Term) -> Fit:
+        """The fit with more terms."""
+        return Fit(self.balances, terms, self)
+
+    def solve(self, gram: FloatArray, moment: FloatArray) -> FloatArray:
+        """Coefficients from normal equations; nothing is bounded here."""
+        if not self.size:
+            return np.zeros(0)
+        regular = self.regular(gram)
+        scale = 1.0 / np.sqrt(np.diag(regular))  # columns differ by many powers of ten
+        even = regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size)
+        try:
+            factor = linalg.cho_factor(even, check_finite=False)
+        except linalg.LinAlgError:
+            return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=1e-11)[0])
+        return np.asarray(scale * linalg.cho_solve(factor, scale * moment, check_finite=False))
+
+    def regular(self, gram: FloatArray) -> FloatArray:
+        """Normal matrix with the prior and a trace of ridge."""
+        ridge = _RIDGE * np.maximum(np.diag(gram), 1e-12) + 1e-12
+        return gram + np.diag(self.prior + ridge)
+
+    def bounded(self) -> FloatArray:
+        """Coefficients within every effect's bounds (SciPy's bounded least squares)."""
+        if not self.size:
+            return np.zeros(0)
+        lower, upper = np.full(self.size, -np.inf), np.full(self.size, np.inf)
+        for term, offset in zip(self.terms, self.offsets, strict=False):
+            if not term.fixed and term.effect in CATALOGUE:
+                span = slice(offset, offset + term.width)
+                low, high = CATALOGUE[term.effect].bounds
+                lower[span], upper[span] = low[: term.width], high[: term.width]
+        if (self.beta >= lower).all() and (self.beta <= upper).all():
+            return self.beta
+        factor = linalg.cholesky(self.regular(self.gram))
+        right = linalg.solve_triangular(factor, self.moment, trans="T")
+        return np.asarray(optimize.lsq_linear(factor, right, (lower, upper)).x)
+
+    def residual(self, key: Key, beta: FloatArray | None = None) -> FloatArray:
+        """What is left on the rows that count, in sigmas."""
+        beta = self.beta if beta is None else beta
+        return np.asarray(self.target[key] - self.design[key] @ beta[self.index[key]])
+
+    def penalty(self, beta: FloatArray | None = None) -> float:
+        """What the prior holds against the coefficients."""
+        beta = self.beta if beta is None else beta
+        return float(np.sum(self.prior * beta**2))
+
+    def cost(self) -> float:
+        """Sum of squares and penalty."""
+        left = sum(float(np.sum(self.residual(key) ** 2)) for key in self.design)
+        return left + self.penalty()
+
+    def held_out(self) -> dict[Key, FloatArray]:
+        """Residuals in sigmas of rows that their fit did not see."""
+        b = self.balances
+        folds = self.fold_betas()
+        result = {}
+        for key, design in self.design.items():
+            fold = b.fold[self.rows[key]]
+            left = np.empty(len(fold))
+            for f, beta in enumerate(folds):
+                at = fold == f
+                left[at] = self.target[key][at] - design[at] @ beta[self.index[key]]
+            result[key] = left
+        return result
+
+    def fold_betas(self) -> list[FloatArray]:
+        """Coefficients fitted without each fold."""
+        pairs = zip(self.fold_gram, self.fold_moment, strict=True)
+        return [self.solve(self.gram - g, self.moment - m) for g, m in pairs]
+
+    def by_block(self, squares: dict[Key, FloatArray]) -> FloatArray:
+        """Sums of squared rows per block of the bootstrap."""
+        b = self.balances
+        total = np.zeros(int(b.block.max()) + 1)
+        for key, values in squares.items():
+            total += np.bincount(b.block[self.rows[key]], values, minlength=len(total))
+        return total
+
+    def bootstrap(self, rng: np.random.Generator, draws: int) -> FloatArray:
+        """Coefficients of resampled blocks, (draws, size): the block bootstrap."""
+        b = self.balances
+        blocks = int(b.block.max()) + 1
+        grams = np.zeros((blocks, self.size, self.size))
+        moments = np.zeros((blocks, self.size))
+        for key, design in self.design.items():
+            index = self.index[key]
+            if not len(index):
+                continue
+            block = b.block[self.rows[key]]
+            for number in np.unique(block):
+                at = block == number
+                part = design[at]
+                grams[number][np.ix_(index, index)] += part.T @ part
+                moments[number][index] += part.T @ self.target[key][at]
+        samples = np.empty((draws, self.size))
+        for d in range(draws):
+            weight = np.bincount(rng.integers(0, blocks, blocks), minlength=blocks).astype(float)
+            gram = np.tensordot(weight, grams, axes=1)
+            samples[d] = self.solve(gram, weight @ moments)
+        return samples
+
+    def wald(self, term: Term) -> tuple[float, float]:
+        """How clearly the last term's coefficients differ from zero, and a fixed one's free value.
+
+        The square root of beta' V^-1 beta / k, with V of `robust`. For a fixed term the coefficient
+        is fitted beside the others, around its 1.
+        """
+        free = self if not term.fixed else Fit(self.balances, (_freed(term),), self)
+        beta = free.beta[-term.width :].copy()
+        if term.fixed:
+            beta += 1.0
+        values, vectors = np.linalg.eigh(free.robust(term))
+        keep = values > 1e-10 * values.max()
+        along = vectors[:, keep].T @ beta
+        rank = max(int(keep.sum()), 1)
+        return float(np.sqrt(np.sum(along**2 / values[keep]) / rank)), float(beta[0])
+
+    def robust(self, term: Term) -> FloatArray:
+        """Cluster-robust covariance of the last term's coefficients, (k, k).
+
+        Residuals count by clusters of neighbouring rows: the blocks, or parts of them where the
+        term acts in few (Cameron and Miller, J. Human Resources 50(2), 2015).
+        """
+        clusters, count = _clusters(self, term)
+        scores = np.zeros((count, self.size))
+        for key, design in self.design.items():
+            if not len(self.index[key]):
+                continue
+            summed = np.zeros((count, design.shape[1]))
+            weighted = design * self.residual(key)[:, None]
+            np.add.at(summed, clusters[self.rows[key]], weighted)
+            scores[:, self.index[key]] += summed
+        regular = self.regular(self.gram)
+        scale = 1.0 / np.sqrt(np.diag(regular))
+        inverse = np.linalg.inv(regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size))
+        inverse = inverse * np.outer(scale, scale)
+        last = inverse[-term.width :] @ scores.T  # (k, clusters)
+        return np.asarray(last @ last.T * count / max(count - self.size, 1))
+
+
+def _freed(term: Term) -> Term:
+    """A fixed term's column with a free coefficient."""
+    return Term(
+        effect="free",
+        place=term.place,
+        shape=term.shape,
+        columns=term.columns,
+        prior=np.zeros(1),
+    )
+
+
+_LEAST_CLUSTERS = 12
+_SHORTEST = 0.25  # of a cluster [s]
+
+
+def _clusters(fit: Fit, term: Term) -> tuple[Index, int]:
+    """Cluster of every row: the blocks, or parts of them where the term acts in few."""
+    b = fit.balances
+    parts = 1
+    while True:
+        length = max(1, int(np.median(np.bincount(b.block)) / parts))
+        order = np.arange(b.count)
+        within = order - np.concatenate([[0], np.flatnonzero(np.diff(b.block)) + 1])[b.block]
+        number = b.block * (parts + 1) + np.minimum(within // length, parts)
+        active = set()
+        for key, column in term.columns.items():
+            rows = fit.rows[key]
+            energy = np.sum(column[rows] ** 2, axis=1)
+            if len(energy):
+                active |= set(number[rows[energy > 0.02 * energy.max()]].tolist())
+        step = 1.0 / (3.0 * b.motions[0].cutoff)
+        if len(active) >= _LEAST_CLUSTERS or length * step <= _SHORTEST:
+            return number.astype(np.intp), int(number.max()) + 1
+        parts *= 2

@@ -1,0 +1,31 @@
+"""A study's robot with what was found, for simulation and prediction."""
+
+from __future__ import annotations
+
+from ..findings import Finding
+from ..model.model import Model
+from ..motion.prepare import Prepared
+from ..simulation.description import read_description
+from ..simulation.plant import build_plant
+from .fit import Fit
+from .trusted_bodies import TRUST
+
+
+def improved_model(prepared: Prepared, findings: tuple[Finding, ...], fit: Fit) -> Model:
+    """The robot with findings, and with its inertias as far as the study trusts none.
+
+    Raises:
+        LoadError: the robot's file cannot be read.
+    """
+    model = Model.of_study(prepared.study, findings, cutoff=prepared.cutoff)
+    changes = {
+        term.place.link: fit.beta[offset : offset + term.width]
+        for term, offset in zip(fit.terms, fit.offsets, strict=False)
+        if term.effect == TRUST and term.place.link is not None
+    }
+    if not changes or model.robot is None:
+        return model
+    links = build_plant(model.robot, model.joints).links
+    own = read_description(model.robot).inertials
+    corrected = {links[k]: own[links[k]].ten() + change for k, change in changes.items()}
+    return Model.of_study(prepared.study, findings, corrected, prepared.cutoff)

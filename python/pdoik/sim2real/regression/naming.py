@@ -1,0 +1,192 @@
+"""From terms to findings: names, places and words."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..findings import Equivalent, Estimate, Evidence, Finding
+from ..motion.place import Gate, Key
+from ..motion.prepare import Prepared
+from ..study.recording import FloatArray
+from .fit import Term
+
+Found = tuple[Finding, tuple[Term, ...]]
+
+ONE_CAUSE = ("command_delay", "actuator_lag", "timestamp_skew")
+"""Effects that several joints share when their figures agree."""
+
+
+def finding_of(
+    prepared: Prepared,
+    term: Term,
+    values: dict[str, Estimate],
+    equivalents: tuple[Equivalent, ...],
+    evidence: Evidence,
+) -> Finding:
+    """The finding a term stands for."""
+    place, study = term.place, prepared.study
+    effect = CATALOGUE[term.effect]
+    joints = tuple(study.joints[j] for j in place.joints)
+    links = link_of(prepared, term)
+    if effect.id == "kinematic_error" and prepared.body is not None:
+        links = (prepared.body.links[place.joints[0]],)
+    plain = {name: each.value for name, each in values.items()}
+    where = _where(effect.on, joints, links)
+    recordings = tuple(r.name for r in study.fit)
+    if place.recording is not None:
+        recordings = (place.recording,)
+    window, positions = place.window, None
+    if place.gate is not None and place.gate.of == "time":
+        window = ends_of(place.gate, [r.time - r.time[0] for r in study.recordings])
+    elif place.gate is not None:
+        positions = ends_of(place.gate, [r.q[:, place.joints[0]] for r in study.recordings])
+    decided = effect.decided_by if equivalents or effect.confused_with else ""
+    return Finding(
+        effect=effect.id,
+        joints=joints,
+        links=links,
+        recordings=recordings,
+        window=window,
+        positions=positions,
+        edge=place.gate.edge if place.gate else 0.0,
+        regime=effect.regime(_inside(where)) + gate_in_words(place.gate, ", only "),
+        statement=_sentence(effect.statement(where, plain)) + gate_in_words(place.gate, " Only "),
+        parameters=values,
+        equivalents=equivalents,
+        decided_by=decided,
+        evidence=evidence,
+        variant=CATALOGUE[term.effect].variant(term.shape),
+        shape=term.shape,
+    )
+
+
+def link_of(prepared: Prepared, term: Term) -> tuple[str, ...]:
+    """The link a term sits at, () where at none."""
+    if term.place.link is None or prepared.body is None:
+        return ()
+    return (prepared.body.links[term.place.link],)
+
+
+def channel_of(prepared: Prepared, key: Key) -> str:
+    """The column a balance rests on."""
+    source = prepared.fit.motions[0].source
+    return {
+        "torque": "q_des" if source == "law" else source,
+        "drive": "tau_cmd",
+        "law": "q_des",
+        "velocity": "dq",
+        "tip": "tip",
+        "servo": "q_des",
+    }[key[0]]
+
+
+def described(prepared: Prepared, term: Term) -> str:
+    """An effect and its place in words."""
+    place = term.place
+    where = " and ".join(prepared.study.joints[j] for j in place.joints) or "the base"
+    if place.link is not None and prepared.body is not None:
+        where = prepared.body.links[place.link]
+    if place.window is not None:
+        where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
+    where += gate_in_words(place.gate, ", only ")
+    return f"{term.effect.replace('_', ' ')} at {where}"
+
+
+def gate_in_words(gate: Gate | None, start: str) -> str:
+    """When or where something acts, after `start`; "" where it always does."""
+    if gate is None:
+        return ""
+    unit = "s" if gate.of == "time" else "rad"
+    if np.isinf(gate.low):
+        words = f"until {gate.high:.3g} s" if unit == "s" else f"below {gate.high:.3g} rad"
+    elif np.isinf(gate.high):
+        words = f"after {gate.low:.3g} s" if unit == "s" else f"above {gate.low:.3g} rad"
+    else:
+        words = f"from {gate.low:.3g} to {gate.high:.3g} {unit}"
+    return f"{start}{words}{'.' if start.startswith(' ') else ''}"
+
+
+def ends_of(gate: Gate, values: list[FloatArray]) -> tuple[float, float]:
+    """A gate's ends, an open one where the recordings end."""
+    low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
+    return max(gate.low, low), min(gate.high, high)
+
+
+def _sentence(text: str) -> str:
+    """With names of places in small letters where they do not begin it."""
+    return re.sub(r"(?<=[a-z,] )(Joint|Joints|Link|The)\b", lambda word: word[0].lower(), text)
+
+
+def _inside(where: str) -> str:
+    """Within a sentence."""
+    first, _, rest = where.partition(" ")
+    return f"{first.lower()} {rest}" if first in ("Joint", "Joints", "Link", "The") else where
+
+
+def _where(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> str:
+    if links:
+        said = ", ".join(links)
+        return said if "link" in links[0].lower() else f"Link {said}"
+    if joints:
+        said = " and ".join(joints)
+        return said if "joint" in said.lower() else f"Joint{'s' * (len(joints) > 1)} {said}"
+    return "The base" if on == "base" else "The robot"
+
+
+def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:
+    """One finding where several joints show the same delay, lag or skew."""
+    result: list[Found] = []
+    groups: dict[str, list[Found]] = {}
+    for finding, terms in found:
+        if finding.effect in ONE_CAUSE:
+            groups.setdefault(finding.effect, []).append((finding, terms))
+        else:
+            result.append((finding, terms))
+    for group in groups.values():
+        result += _joined(group, joints)
+    return result
+
+
+def near_the_median(times: FloatArray) -> list[int]:
+    """Which of several joints' times are one cause's."""
+    middle = float(np.median(times))
+    return [i for i, t in enumerate(times) if abs(t - middle) < max(0.3 * abs(middle), 2e-3)]
+
+
+def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
+    name = next(iter(group[0][0].parameters))
+    times = np.array([finding.parameters[name].value for finding, _ in group])
+    near = near_the_median(times)
+    if len(near) < 2:
+        return group
+    best = max((group[i] for i in near), key=lambda each: each[0].evidence.validation_gain)
+    inside = [group[i][0] for i in near]
+    weight = np.array([1.0 / max(f.parameters[name].std, 1e-6) ** 2 for f in inside])
+    value = float(np.sum(weight * times[near]) / weight.sum())
+    # What sampling leaves open is common to the joints: their number does not make it less.
+    std = float(
+        max(np.std(times[near]) / np.sqrt(len(near)), min(f.parameters[name].std for f in inside))
+    )
+    estimate = Estimate(
+        value=value,
+        std=std,
+        interval95=(value - 1.96 * std, value + 1.96 * std),
+        unit=inside[0].parameters[name].unit,
+    )
+    names = tuple(j for j in joints if any(j in f.joints for f in inside))
+    effect = CATALOGUE[best[0].effect]
+    where = "all joints" if len(names) == len(joints) else ", ".join(names)
+    others = {k: e for k, e in best[0].parameters.items() if k != name}
+    one = replace(
+        best[0],
+        joints=names,
+        parameters={name: estimate} | others,
+        statement=effect.statement(where, {name: value} | {k: e.value for k, e in others.items()}),
+        regime=effect.regime(where),
+    )
+    terms = tuple(term for i in near for term in group[i][1])
+    return [(one, terms)] + [group[i] for i in range(len(group)) if i not in near]

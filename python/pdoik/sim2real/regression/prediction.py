@@ -1,0 +1,103 @@
+"""What the findings are worth on recordings that nothing was fitted to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..findings import Evidence
+from ..motion.balances import Balances
+from ..motion.place import Key
+from ..study.recording import FloatArray
+from .fit import Fit, Term
+from .trusted_bodies import TRUST
+
+_DRAWS = 300
+
+
+def columns_on(balances: Balances, term: Term) -> dict[Key, FloatArray]:
+    """A term's columns on other recordings."""
+    effect = CATALOGUE["link_inertial_error" if term.effect == TRUST else term.effect]
+    return balances.compute(effect, term.place, term.shape)
+
+
+class Prediction:
+    """A fit's terms evaluated on other balances; their columns are computed once."""
+
+    def __init__(self, balances: Balances) -> None:
+        """Of these balances."""
+        self.balances = balances
+        self.events: list[tuple[Term, FloatArray]] = []  # found in these recordings themselves
+        self._kept: dict[tuple[object, ...], dict[Key, FloatArray]] = {}
+
+    def residual(self, fit: Fit) -> dict[Key, FloatArray]:
+        """What the fit leaves, (N,) per key, all rows."""
+        b = self.balances
+        left = {key: b.residual[key].copy() for key in b.keys}
+        for i, term in enumerate(fit.terms):
+            offset = int(fit.offsets[i])
+            beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
+            for key, column in self._columns(term).items():
+                left[key] -= column @ beta
+        for term, beta in self.events:
+            for key, column in term.columns.items():
+                left[key] -= column @ beta
+        return left
+
+    def share(self, fit: Fit, term: Term) -> float:
+        """Share of an event, the fit's last term, of the mean square residual in its window."""
+        b = self.balances
+        gained = began = 0.0
+        beta = fit.beta[-term.width :]
+        for key, column in term.columns.items():
+            rows = fit.rows[key]
+            part = column[rows] @ beta / b.sigma[key]
+            at = part != 0.0
+            after = fit.residual(key)[at]
+            gained += float(np.sum((after + part[at]) ** 2 - after**2))
+            began += float(np.sum((b.residual[key][rows][at] / b.sigma[key]) ** 2))
+        return float(np.clip(gained / max(began, 1e-12), 0.0, 1.0))
+
+    def _columns(self, term: Term) -> dict[Key, FloatArray]:
+        name = (term.effect, term.place, term.shape)
+        if name not in self._kept:
+            self._kept[name] = columns_on(self.balances, term)
+        return self._kept[name]
+
+    def evidence(self, fit: Fit, term: Term, channels: tuple[str, ...], seed: int) -> Evidence:
+        """How much of the mean square residual goes when the term is added last."""
+        b = self.balances
+        others = Fit(fit.balances, [t for t in fit.terms if t is not term])
+        without, with_it = self.residual(others), self.residual(fit)
+        count = int(b.block.max()) + 1
+        gained, began, other = np.zeros(count), np.zeros(count), np.zeros(count)
+        for key in term.columns:
+            if key not in without:
+                continue
+            rows, scale = b.mask[key], b.sigma[key] ** -2
+            block = b.block[rows]
+            difference = (without[key][rows] ** 2 - with_it[key][rows] ** 2) * scale
+            gained += np.bincount(block, difference, minlength=count)
+            square = b.residual[key][rows] ** 2 * scale
+            began += np.bincount(block, square, minlength=count)
+            other += np.bincount(block, without[key][rows] ** 2 * scale, minlength=count)
+        if other.sum() > began.sum():  # the rest alone make it worse than it was
+            began = other
+        return replace(share_by_blocks(gained, began, seed), channels=channels)
+
+
+def share_by_blocks(gained: FloatArray, began: FloatArray, seed: int) -> Evidence:
+    """Share that was gained of what began, of all blocks, and its interval by their bootstrap."""
+    rng = np.random.default_rng(seed)
+    count = len(gained)
+    draws = []
+    for _ in range(_DRAWS):
+        picked = rng.integers(0, count, count)
+        draws.append(gained[picked].sum() / max(began[picked].sum(), 1e-12))
+    low, high = np.quantile(draws, (0.025, 0.975))
+    return Evidence(
+        validation_gain=float(gained.sum() / max(float(began.sum()), 1e-12)),
+        interval95=(float(low), float(high)),
+    )

@@ -1,0 +1,217 @@
+"""Hypotheses, and what they gain on rows that were held out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from ..effects import CATALOGUE
+from ..findings import Evidence
+from ..motion.balances import Balances
+from ..motion.place import Key, Place
+from ..study.recording import FloatArray
+from .fit import Fit, Term
+
+_LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
+LEAST_T = 3.5  # held-out gain over its standard error, by blocks
+_LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
+_LEAST_SHARE = 0.002  # of the mean square residual that the effect's channels began with
+LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
+_FEW_ROWS, _LEAST_IN_FEW = 40, 80.0  # what acts in so few rows must gain so many squared sigmas
+_LEAST_RELIEF = 12.0  # of the prior's penalty: a log evidence of six that figures are beyond trust
+_TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
+_TIE = 0.03  # or the share of the gain, where blocks differ as much
+_FIXED_WITHIN = (0.6, 1.6)  # where a coefficient that should be 1 may lie when it is set free
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """A hypothesis and how it did on held-out rows."""
+
+    term: Term
+    gain: float  # sum over held-out rows, in squared sigmas, the prior's relief included
+    t: float  # its mean over blocks by the standard error
+    size: float  # root mean square in sigmas on the rows where it acts
+    share: float  # of the mean square that its channels began with
+    of_rest: float  # of the mean square that was left where it acts
+    rows: int  # on which it acts
+    blocks: FloatArray  # gain of each block
+    accepted: bool = False
+    why_not: str = ""
+
+    @property
+    def significant(self) -> bool:
+        """Whether the gain is real and large enough to matter."""
+        explains = max(LEAST_OF_REST, CATALOGUE[self.term.effect].least_of_rest)
+        return (
+            self.t >= LEAST_T
+            and self.size >= _LEAST_SIZE
+            and self.share >= _LEAST_SHARE
+            and self.of_rest >= explains
+            and (self.rows >= _FEW_ROWS or self.gain >= _LEAST_IN_FEW)
+        )
+
+    @property
+    def needed(self) -> bool:
+        """Whether an accepted term still earns its place beside those accepted after it."""
+        return self.t >= 0.7 * LEAST_T and self.size >= 0.7 * _LEAST_SIZE
+
+
+@dataclass(kw_only=True)
+class Search:
+    """The state of a search: what is accepted, and all that was tried."""
+
+    balances: Balances
+    nuisance: tuple[Term, ...]
+    fit: Fit
+    start: Fit
+    contacts: tuple[Term, ...] = ()
+    dropped: Counter[tuple[str, Place]] = field(
+        default_factory=Counter
+    )  # how often, needless later
+    tried: list[Trial] = field(default_factory=list)
+    level: dict[int, list[Trial]] = field(default_factory=dict)  # by id of the accepted term
+    simulated: dict[int, dict[str, float]] = field(default_factory=dict)  # figures by term's id
+    confirmed: dict[int, Evidence] = field(default_factory=dict)  # by simulations, by term's id
+    left: dict[Key, float] = field(default_factory=dict)  # by simulations of held-out recordings
+
+    @property
+    def accepted(self) -> tuple[Term, ...]:
+        """Terms accepted so far."""
+        return self.fit.terms[len(self.nuisance) :]
+
+
+def level(best: Trial, other: Trial) -> bool:
+    """Whether held-out rows cannot tell the other from the best."""
+    if other is best:
+        return True
+    difference = best.blocks - other.blocks
+    total = float(difference.sum())
+    if total < _TIE_SIZE**2 * max(best.rows, other.rows):
+        return True
+    used = difference[(best.blocks != 0.0) | (other.blocks != 0.0)]
+    error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf
+    return total < _TIE * best.gain and total < 1.5 * error
+
+
+def screen(fit: Fit, terms: list[Term]) -> list[tuple[Term, float]]:
+    """Admissible candidates by training gain, the best shape of each effect and place."""
+    best: dict[tuple[str, Place], tuple[Term, float]] = {}
+    factor = linalg.cho_factor(fit.regular(fit.gram)) if fit.size else None  # of the training fit
+    left = {key: fit.residual(key) for key in fit.design}
+    for term in terms:
+        gain = _training_gain(fit, term, factor, left)
+        name = (term.effect, term.place)
+        if gain > _LEAST_TRAINING_GAIN and (name not in best or gain > best[name][1]):
+            best[name] = (term, gain)
+    return sorted(best.values(), key=lambda each: -each[1])
+
+
+def _training_gain(
+    fit: Fit,
+    term: Term,
+    factor: tuple[FloatArray, bool] | None,
+    left: dict[Key, FloatArray],
+) -> float:
+    """Decrease of the cost where the term is added and all else refitted; -1 if inadmissible."""
+    width = term.width
+    moment, gram = np.zeros(width), np.zeros((width, width))
+    cross = np.zeros((fit.size, width))
+    for key, column in term.columns.items():
+        rows = fit.rows[key]
+        part = column[rows] / fit.balances.sigma[key]
+        moment += part.T @ left[key]
+        gram += part.T @ part
+        if fit.size:
+            cross[fit.index[key]] += fit.design[key].T @ part
+    if not np.diag(gram).max() > 0.0:
+        return -1.0
+    reduced = gram + np.diag(term.prior + 1e-9 * np.diag(gram).max())
+    if factor is not None:
+        reduced = reduced - cross.T @ linalg.cho_solve(factor, cross)
+    if term.fixed:
+        return float(2 * moment[0] - reduced[0, 0])
+    values, vectors = np.linalg.eigh(reduced)
+    keep = values > 1e-8 * np.diag(gram).max()
+    along = vectors[:, keep].T @ moment
+    beta = vectors[:, keep] @ (along / values[keep])
+    effect = CATALOGUE[term.effect]
+    if not effect.admissible(beta):
+        beta = np.clip(beta, *[bound[: len(beta)] for bound in effect.bounds])
+        if not effect.admissible(beta):
+            return -1.0
+        return float(2 * beta @ moment - beta @ reduced @ beta)
+    return float(along @ (along / values[keep]))
+
+
+def held_out_squares(fit: Fit) -> dict[Key, FloatArray]:
+    """Squared held-out residuals of a fit by key."""
+    return {key: left**2 for key, left in fit.held_out().items()}
+
+
+def cross_validated(
+    state: Search, term: Term, held: dict[Key, FloatArray], base: Fit | None = None
+) -> Trial:
+    """Gain of a term on rows held out."""
+    base = state.fit if base is None else base
+    wider = base.extended(term)
+    squares = held_out_squares(wider)
+    blocks = base.by_block({key: held[key] - squares[key] for key in squares})
+    relief = base.penalty() - (wider.penalty() - _own_penalty(wider, term))
+    active_rows, acting = activity(base, term)
+    t, coefficient = wider.wald(term)
+    effect = CATALOGUE[term.effect]
+    if not term.fixed and not effect.admissible(wider.beta[-term.width :]):
+        t = 0.0
+    if not effect.plausible(base.balances.motions, term.place, term.shape):
+        t = 0.0
+    if term.fixed and not _FIXED_WITHIN[0] < coefficient < _FIXED_WITHIN[1]:
+        t = 0.0  # the data want another multiple of it: it is something else
+    gain = float(blocks.sum())
+    if relief > _LEAST_RELIEF and gain > -0.2 * relief:  # the prior asks for it
+        gain, t = gain + relief, max(t, LEAST_T)
+    began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
+    rest = sum(float(np.sum(held[key][acting[key]])) for key in term.columns)
+    return Trial(
+        term=term,
+        gain=gain,
+        t=t,
+        size=float(np.sqrt(max(gain, 0.0) / max(active_rows, 1))),
+        share=gain / max(began, 1e-12),
+        of_rest=gain / max(rest, 1e-12),
+        rows=active_rows,
+        blocks=blocks,
+    )
+
+
+def _own_penalty(fit: Fit, term: Term) -> float:
+    if term.fixed:
+        return 0.0
+    beta = fit.beta[-term.width :]
+    return float(np.sum(term.prior * beta**2))
+
+
+def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
+    """On how many rows a term acts, and which."""
+    count = 0
+    acting: dict[Key, NDArray[np.bool_]] = {}
+    for key, column in term.columns.items():
+        part = column[fit.rows[key]]
+        if not len(part):  # a joint at rest throughout
+            acting[key] = np.zeros(0, dtype=np.bool_)
+            continue
+        scale = np.sqrt(np.mean(part**2, axis=0)) + 1e-300
+        energy = np.sum((part / scale) ** 2, axis=1)
+        acting[key] = energy > 0.05 * energy.mean()
+        count += int(acting[key].sum())
+    return count, acting
+
+
+def without(state: Search, term: Term) -> Trial:
+    """What an accepted term gains on held-out rows beside all the others."""
+    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    return cross_validated(state, term, held_out_squares(others), others)

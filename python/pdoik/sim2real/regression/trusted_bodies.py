@@ -1,0 +1,43 @@
+"""The model's inertial figures within the user's trust: always fitted, never named."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..motion.balances import Balances
+from ..motion.place import Place
+from ..study.recording import FloatArray
+from .fit import Term
+
+TRUST = "trust"
+"""Effect id of the terms; none of the catalogue."""
+
+
+def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
+    """Ten parameters of every link, held near the model's by the user's trust.
+
+    The standard deviation of a mass is `trust` times the mass; of a first moment `trust` times
+    mass times the larger of the centre's distance and the radius of gyration; of an inertia
+    `trust` times the largest inertia.
+    """
+    body = balances.motions[0].body
+    if not trust or body is None:
+        return ()
+    terms = []
+    for link, ten in enumerate(body.inertial_parameters()):
+        scale = trust * inertial_scale(ten)
+        columns = balances.compute(CATALOGUE["link_inertial_error"], Place(link=link), ())
+        if columns:
+            prior = 1.0 / scale**2
+            place = Place(link=link)
+            terms.append(Term(effect=TRUST, place=place, shape=(), columns=columns, prior=prior))
+    return tuple(terms)
+
+
+def inertial_scale(ten: FloatArray) -> FloatArray:
+    """Size of a link's ten inertial parameters: mass, mass times reach, largest inertia."""
+    mass = max(float(ten[0]), 1e-6)
+    largest = max(float(np.abs(ten[4:]).max()), 1e-9)
+    reach = max(float(np.linalg.norm(ten[1:4])) / mass, float(np.sqrt(largest / mass)))
+    return np.array([mass] + [mass * reach] * 3 + [largest] * 6)

@@ -1,0 +1,79 @@
+"""The first search, and again where a base is found to lean: a load is then pulled another way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..effects import CATALOGUE
+from ..motion.balances import Balances
+from ..motion.prepare import Prepared
+from ..motion.rigid_body import STANDARD_GRAVITY
+from ..regression.fit import Term, term_of
+from ..regression.naming import described
+from ..regression.trial import Search, held_out_squares
+from ..regression.trusted_bodies import trusted
+from ..study.recording import FloatArray
+from .search import search
+
+Tell = Callable[[str, str, float], None]
+
+_LEANINGS = 6  # searches at most, each with the tilt that the last found
+_LEANS = 0.02  # radians between two of them that matter to what bodies weigh
+
+
+def first_search(prepared: Prepared, say: Tell) -> Search:
+    """Accept effects; again where a base leans so far that unknown bodies pull another way."""
+    leaning = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+    state = _searched(prepared, say)
+    for turn in range(_LEANINGS):
+        gravity = leaning_gravity(state)
+        if gravity is None or np.linalg.norm(gravity - leaning) < _LEANS * STANDARD_GRAVITY:
+            break
+        say("name", "once more, with the base as it leans", 0.6)
+        if turn > 0:  # what one weighs too much the other leans too little: half way
+            gravity = (gravity + leaning) / 2.0
+        _lean(prepared, gravity)
+        same = [_anew(prepared.fit, term) for term in state.accepted]
+        again = _searched(prepared, say, tuple(term for term in same if term is not None))
+        if _missed(again) > _missed(state):
+            _lean(prepared, leaning)
+            break
+        state, leaning = again, gravity
+    return state
+
+
+def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
+    return search(
+        prepared.fit,
+        trusted(prepared.fit, prepared.study.trust.rigid_body),
+        lambda term, share: say("name", described(prepared, term), 0.15 + 0.5 * share),
+        begin=begin,
+    )
+
+
+def _lean(prepared: Prepared, gravity: FloatArray) -> None:
+    for balances in (prepared.fit, prepared.validate):
+        if balances is not None:
+            balances.lean(gravity)
+
+
+def _anew(balances: Balances, term: Term) -> Term | None:
+    return term_of(balances, CATALOGUE[term.effect], term.place, term.shape)
+
+
+def _missed(state: Search) -> float:
+    """Squared residual of rows that their fit did not see."""
+    return sum(float(np.sum(left)) for left in held_out_squares(state.fit).values())
+
+
+def leaning_gravity(state: Search) -> FloatArray | None:
+    """Gravity in the frame of the base, if that was found to be tilted, (3,) [m/s^2]."""
+    for term, offset in zip(state.fit.terms, state.fit.offsets, strict=False):
+        if term.effect == "gravity_direction":
+            tilt = CATALOGUE[term.effect].values((), state.fit.beta[offset : offset + 3])
+            base = Rotation.from_euler("XY", [tilt["tilt_x"], tilt["tilt_y"]])
+            return np.asarray(base.inv().apply([0.0, 0.0, -STANDARD_GRAVITY]))
+    return None

@@ -1,0 +1,66 @@
+"""Which hypotheses there are, and which make no sense beside what was found."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..motion.balances import Balances
+from ..motion.place import Key, Place
+from ..regression.fit import Fit, Term, term_of
+from ..regression.trusted_bodies import inertial_scale
+
+_SHARP = 0.4  # of a hump's speed, within which dry friction must turn for the hump to count
+
+
+def candidates(balances: Balances) -> list[Term]:
+    """Every effect at every plausible place and first shape."""
+    terms: list[Term] = []
+    for effect in CATALOGUE.values():
+        if effect.id == "unknown":
+            continue  # tried last
+        for place in effect.places(balances.motions):
+            if effect.per_joint_moving and not all(balances.excited[j] for j in place.joints):
+                continue
+            if effect.costly and not any(_restless(balances, j) for j in place.joints):
+                continue
+            for shape in effect.shapes(balances.motions, place):
+                term = term_of(balances, effect, place, shape)
+                if term is not None:
+                    terms.append(term)
+    return terms
+
+
+def _restless(balances: Balances, j: int) -> bool:
+    """Whether something is left in joint j's torque, or in the tip's pose."""
+    keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
+    return any(balances.rms(k) > 1.5 * balances.sigma[k] for k in keys if k in balances.residual)
+
+
+def implausibility(fit: Fit, term: Term) -> float:
+    """0 to 1: how large a link's error is beside the link; 0 for all other effects."""
+    body = fit.balances.motions[0].body
+    if term.effect != "link_inertial_error" or body is None or term.place.link is None:
+        return 0.0
+    scale = inertial_scale(body.inertial_parameters()[term.place.link])
+    beta = fit.extended(term).beta[-term.width :]
+    size = float(np.sqrt(np.sum((beta / scale)[:4] ** 2)))
+    return size / (1.0 + size)
+
+
+def has_company(term: Term, taken: set[tuple[str, Place]]) -> bool:
+    """Whether what the effect only comes beside was found at its place."""
+    beside = CATALOGUE[term.effect].beside
+    if any((effect, term.place) in taken for effect in CATALOGUE[term.effect].instead):
+        return False
+    return not beside or any((effect, term.place) in taken for effect in beside)
+
+
+def blurred(term: Term, others: tuple[Term, ...]) -> bool:
+    """Whether a Stribeck hump is only the edge of dry friction that is smooth about rest."""
+    return term.effect == "stribeck_friction" and any(
+        t.effect == "coulomb_friction"
+        and t.place == term.place
+        and t.shape[0] > _SHARP * term.shape[0]
+        for t in others
+    )

@@ -1,0 +1,92 @@
+"""What else would explain the same data, and whether it explains them better."""
+
+from __future__ import annotations
+
+from ..effects import CATALOGUE
+from ..findings import Equivalent
+from ..motion.rigid_body import RigidBody
+from ..regression.fit import Fit, Term
+from ..regression.refine import refined
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares, level, screen
+from .candidates import candidates, has_company, implausibility
+
+_TRIED = 8
+_MOST = 3  # equivalents listed
+NEVER = frozenset({"external_contact", "unknown"})
+
+
+def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
+    """The term's own trial, and those of others that take its place as well or better."""
+    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    held = held_out_squares(others)
+    own = cross_validated(state, term, held, others)
+    pool = [
+        t
+        for t in candidates(state.balances)
+        if (t.effect, t.place) != (term.effect, term.place)
+        and not any((t.effect, t.place) == (a.effect, a.place) for a in others.terms)
+        and not set(t.columns).isdisjoint(term.columns)
+    ]
+    taken = {(t.effect, t.place) for t in others.terms}
+    pool = [t for t in pool if has_company(t, taken)]
+    rivals = []
+    for rival, training_gain in screen(others, pool)[:_TRIED]:
+        if training_gain < 0.8 * own.gain:
+            break
+        better = refined(others, rival)
+        trial = cross_validated(state, better, held, others)
+        if trial.significant and level(max(own, trial, key=lambda t: t.gain), trial):
+            rivals.append(trial)
+    rivals.sort(key=lambda trial: -trial.gain)
+    return own, rivals
+
+
+def swapped(state: Search) -> None:
+    """Replace accepted terms by rivals that do clearly better; keep what is level."""
+    for term in state.accepted:
+        if term.effect in NEVER:
+            continue
+        own, rivals = level_trials(state, term)
+        winners = [rival for rival in rivals if _wins(state, rival, own)]
+        best = winners[0] if winners else None
+        if best is not None:
+            terms = [best.term if t is term else t for t in state.fit.terms]
+            state.fit = Fit(state.balances, terms)
+            rivals = [r for r in rivals if r is not best] + ([own] if level(best, own) else [])
+            term = best.term
+        state.level[id(term)] = rivals
+
+
+def _wins(state: Search, rival: Trial, own: Trial) -> bool:
+    if not level(rival, own):
+        return rival.gain > own.gain
+    others = Fit(state.balances, [t for t in state.fit.terms if t is not own.term])
+    rank = [_rank(others, each.term) for each in (rival, own)]
+    return rank[0] < rank[1] and level(own, rival)
+
+
+def _rank(others: Fit, term: Term) -> float:
+    """Order of names that data cannot tell apart, the likelier first."""
+    rank = CATALOGUE[term.effect].complexity + implausibility(others, term)
+    rubs = any(t.effect == "coulomb_friction" and t.place == term.place for t in others.terms)
+    if term.effect == "asymmetric_friction" and rubs:
+        return 0.5  # one cause, not friction and an offset of the sensor besides
+    return rank
+
+
+def equivalents_of(
+    state: Search, term: Term, joints: tuple[str, ...], body: RigidBody | None
+) -> tuple[Equivalent, ...]:
+    """At most three other effects that held-out rows cannot tell from the term."""
+    result: list[Equivalent] = []
+    for trial in state.level.get(id(term), []):
+        place = trial.term.place
+        link = () if place.link is None or body is None else (body.links[place.link],)
+        each = Equivalent(
+            effect=trial.term.effect,
+            joints=tuple(joints[j] for j in place.joints),
+            links=link,
+        )
+        if each not in result:
+            result.append(each)
+    return tuple(result[:_MOST])

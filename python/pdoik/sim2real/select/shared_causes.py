@@ -1,0 +1,40 @@
+"""A delay or a lag that most joints share is all joints': where data do not speak against it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..motion.place import Place
+from ..regression.fit import Term, term_of
+from ..regression.naming import ONE_CAUSE, near_the_median
+from ..regression.trial import Search
+
+_MOST_JOINTS = 0.6  # share of the moving joints that must show it
+
+
+def share_causes(state: Search) -> None:
+    """Give joints whose noise hides it the delay, lag or skew that the others agree on.
+
+    Only where its figure lowers the joint's training cost.
+    """
+    b = state.balances
+    moving = [j for j in range(b.n) if b.excited[j]]
+    for effect in ONE_CAUSE:
+        terms = [t for t in state.accepted if t.effect == effect]
+        alike = near_the_median(np.array([t.shape[-1] for t in terms])) if terms else []
+        shown = [terms[i] for i in alike]
+        if len(shown) < 2 or len(shown) < _MOST_JOINTS * len(moving):
+            continue
+        taken = {t.place.joints for t in terms}
+        shape = (*shown[0].shape[:-1], float(np.median([t.shape[-1] for t in shown])))
+        for j in moving:
+            if (j,) in taken:
+                continue
+            term = term_of(b, CATALOGUE[effect], Place(joints=(j,)), shape)
+            if term is not None and _helps(state, term):
+                state.fit = state.fit.extended(term)
+
+
+def _helps(state: Search, term: Term) -> bool:
+    return state.fit.extended(term).cost() < state.fit.cost()

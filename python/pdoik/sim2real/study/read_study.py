@@ -1,0 +1,210 @@
+"""From a study's YAML, or a study made in Python, to a checked `Study`."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from pdoik.errors import LoadError
+
+from . import keys as study_keys
+from .check_recording import STILL, moves, to_recording
+from .columns import Table, channel_of, check_names, is_known, joints_of
+from .keys import Entry
+from .read_table import read_table
+from .recording import FloatArray, Recording
+from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
+from .split import split
+from .study import Study
+from .suspect_units import check_units
+from .units import Units, units_from
+
+
+def load_study(source: str | os.PathLike[str] | Study) -> Study:
+    """Read and check a study.
+
+    Args:
+        source: A YAML file, whose paths are relative to its folder, or a `Study` made in Python.
+
+    Raises:
+        LoadError: something in it or in its files is not as expected; the message names the file,
+            the key or column, what was expected and what came.
+        ValueError: a `Study` made in Python contradicts itself.
+    """
+    if isinstance(source, Study):
+        return check_study(source)
+    path = Path(source)
+    if path.is_dir():
+        raise LoadError(f"study: expected a YAML file, got the folder {path}")
+    content = study_keys.read_keys(path)
+    folder = path.resolve().parent
+    units = units_from(content.get("units"), path.name)
+    ignore = study_keys.names(content.get("ignore"), "ignore") or ()
+    named = study_keys.names(content.get("joints"), "joints")
+    tip = study_keys.text(content.get("tip"), "tip")
+    robot = study_keys.text(content.get("robot"), "robot")
+    facts = None if robot is None else robot_facts(folder / Path(robot).expanduser())
+    if facts is not None and named is not None:
+        check_robot(facts, named, tip)  # before the files, which may be long
+    max_rows = content.get("max_rows")
+    entries = study_keys.entries(content["recordings"], folder, "recordings", max_rows)
+    simulations = study_keys.entries(
+        content.get("simulation") or [], folder, "simulation", max_rows
+    )
+    tables = [_table(each, named, units) for each in entries]
+    joints, notes = (named, ()) if named is not None else _common_joints(tables, facts)
+    notes += () if facts is None else check_robot(facts, joints, tip)
+    notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
+    controller = study_keys.controller_from(content.get("controller"), joints)
+    rotor_inertia = _rotor_inertia(content.get("rotor_inertia"), joints, facts)
+
+    recordings = []
+    for entry, table in zip(entries, tables, strict=True):
+        check_names(table, joints, ignore)
+        recordings.append(_recording(table, entry, joints, units, facts))
+    simulation = [
+        _recording(_table(each, joints, units), each, joints, units, facts) for each in simulations
+    ]
+    _check_still(recordings, joints)
+    parted, how = split(tuple(recordings))
+    return check_study(
+        Study(
+            folder=folder,
+            robot=None if facts is None else facts.path,
+            tip=tip,
+            joints=joints,
+            recordings=parted,
+            split=how,
+            controller=controller,
+            simulation=tuple(simulation),
+            trust=study_keys.trust_from(content.get("trust")),
+            rotor_inertia=rotor_inertia,
+            notes=(
+                *notes,
+                *(f"{each.name}: {note}" for each in recordings for note in each.notes),
+                *((f"held-out data were parted {how}",) if how != "by the study" else ()),
+            ),
+        )
+    )
+
+
+def check_study(study: Study) -> Study:
+    """The study itself, if its parts fit together.
+
+    Raises:
+        ValueError: an array has the wrong shape, or no recording is there to fit.
+    """
+    n = len(study.joints)
+    if not n:
+        raise ValueError("joints: expected at least one")
+    for recording in (*study.recordings, *study.simulation):
+        rows = len(recording.time)
+        for channel in recording.channels:
+            shape = (rows, 7 if channel == "tip" else n)
+            came = getattr(recording, channel).shape
+            if came != shape:
+                raise ValueError(f"{recording.name}: {channel} is {came}, expected {shape}")
+        if recording.valid.shape != (rows,):
+            raise ValueError(f"{recording.name}: valid is {recording.valid.shape}, not ({rows},)")
+    names = [recording.name for recording in study.recordings]
+    if len(set(names)) != len(names):
+        raise ValueError("recordings: two have the same name")
+    vectors: dict[str, FloatArray | None] = {"rotor_inertia": study.rotor_inertia}
+    if study.controller is not None:
+        vectors |= {
+            "controller.kp": study.controller.kp,
+            "controller.kd": study.controller.kd,
+            "controller.torque_limit": study.controller.torque_limit,
+        }
+    for name, values in vectors.items():
+        if values is not None and values.shape != (n,):
+            raise ValueError(f"{name} is {values.shape}, expected ({n},): one for each joint")
+    if not study.fit:
+        raise ValueError("recordings: none has the role fit")
+    return study
+
+
+def _table(entry: Entry, joints: tuple[str, ...] | None, units: Units) -> Table:
+    """A recording's raw columns, those of these joints only, if they are known."""
+
+    def wanted(column: str) -> bool:
+        pair = channel_of(column)
+        if pair is not None and joints is not None and f"q.{pair[1]}" != column:
+            return pair[1] in joints
+        return is_known(column)
+
+    if entry.path.is_dir() or entry.path.suffix in (".mcap", ".db3", ".bag"):
+        from .read_bag import read_bag
+
+        return read_bag(
+            entry.path, entry.name, entry.topic, entry.command_topic, joints, entry.part
+        )
+    for key, value in (("topic", entry.topic), ("command_topic", entry.command_topic)):
+        if value is not None:
+            raise LoadError(f"{entry.name}: {key}: only bags have topics")
+    return read_table(entry.path, entry.name, wanted, entry.part, units.factor("time"))
+
+
+def _common_joints(
+    tables: list[Table], facts: RobotFacts | None
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The joints that every recording has a position of, and notes on the others."""
+    each = [joints_of(table.columns) for table in tables]
+    common = [joint for joint in each[0] if all(joint in others for others in each)]
+    shown = "; ".join(
+        f"{table.name}: {', '.join(joints) or 'none'}"
+        for table, joints in zip(tables, each, strict=True)
+    )
+    if not common:
+        raise LoadError(
+            f"recordings: no joint has a column 'q.<joint>' in all of them ({shown}); with"
+            " 'joints:' the study can say which joints it is about"
+        )
+    notes = [
+        f"joint {joint} left out: not all recordings have it"
+        for joint in sorted({joint for joints in each for joint in joints} - set(common))
+    ]
+    if facts is None:
+        return tuple(common), tuple(notes)
+    known = [joint for joint in facts.joints if joint in common]
+    if not known:
+        check_robot(facts, common, None)  # names the nearest
+    notes += [
+        f"joint {joint} left out: the robot has none of this name"
+        for joint in common
+        if joint not in known
+    ]
+    return tuple(known), tuple(notes)
+
+
+def _recording(
+    table: Table,
+    entry: Entry,
+    joints: tuple[str, ...],
+    units: Units,
+    facts: RobotFacts | None,
+) -> Recording:
+    slides = [
+        joint for joint in joints if facts is not None and facts.joints[joint].type == "prismatic"
+    ]
+    recording = to_recording(table, joints, entry.role, units, slides)
+    check_units(recording, joints, units, facts)
+    return recording
+
+
+def _rotor_inertia(
+    content: object, joints: tuple[str, ...], facts: RobotFacts | None
+) -> FloatArray | None:
+    if content is not None:
+        return study_keys.per_joint(content, "rotor_inertia", joints)
+    return None if facts is None else armatures(facts, joints)
+
+
+def _check_still(recordings: list[Recording], joints: tuple[str, ...]) -> None:
+    fit = [each for each in recordings if each.role == "fit"]
+    if fit and not any(moves(each).any() for each in fit):
+        files = ", ".join(each.name for each in fit)
+        raise LoadError(
+            f"{files}: no joint moves by more than {STILL:g} rad; expected motion"
+            f" of {', '.join(joints)}"
+        )

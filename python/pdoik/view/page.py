@@ -1,0 +1,60 @@
+"""What the tabs of the panel may ask of the page they are on."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import viser
+
+from .model import Model
+from .obstacle_scene import ObstacleScene
+from .scene import RobotScene
+from .session import Session
+from .worker import Worker
+
+
+class Page(Protocol):
+    """The page that `viewer.Viewer` is."""
+
+    server: viser.ViserServer
+    session: Session
+    model: Model
+    worker: Worker
+    robot_scene: RobotScene
+    obstacle_scene: ObstacleScene
+
+    def change_options(self, **changes: Any) -> None:
+        """Other options of the solver."""
+
+    def change_goal(self, tip: str, kind: Any) -> None:
+        """Another kind of goal for a tip."""
+
+    def show_ball(self, on: bool, radius: float) -> None:
+        """Put the ball where its gizmo is, or take it away [m]."""
+
+    def move_cloud(self, on: bool) -> None:
+        """Give the cloud its gizmo, or take that away."""
+
+    def take_builtin(self, name: str) -> None:
+        """One of pdoik's own robots."""
+
+    def take_urdf(self, file: viser.UploadedFile) -> None:
+        """The robot of a URDF."""
+
+    def take_tip(self, tip_link: str | None) -> None:
+        """One tip, or every leaf for None."""
+
+    def take_hulls(self, file: viser.UploadedFile) -> None:
+        """Hulls from a file."""
+
+    def fit_hulls(self) -> None:
+        """Hulls around the collision geometry."""
+
+    def take_cloud(self, file: viser.UploadedFile) -> None:
+        """A cloud from a file."""
+
+    def drop_cloud(self) -> None:
+        """No cloud."""
+
+    def take_log(self, file: viser.UploadedFile) -> None:
+        """A log to replay."""
