@@ -18,7 +18,7 @@ from bench.concealed.spec import Truth, WorldSpec
 
 from pdoik.sim2real import Diagnosis, Finding, diagnose
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.simulated_finding import not_simulated, parts_of_finding
+from pdoik.sim2real.effects.simulated import not_simulated, parts_of_finding
 from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion.balances import columns_of
 from pdoik.sim2real.motion.motion import Motion

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
-from pdoik.sim2real.effects.simulated import EFFECTS, parts_of
+from pdoik.sim2real.effects import CATALOGUE, parts_of
 from pdoik.sim2real.simulation import Simulator, Stepper
 from sim2real_robots import PENDULUM, TURNTABLE, arm_urdf, commands, parts, pd
 
@@ -75,7 +75,7 @@ def test_every_effect_of_the_table_has_its_parts() -> None:
         "lowest": -1.0, "highest": 1.0, "value_0": 1.0, "value_1": 0.5,
     }  # fmt: skip
     run = commands(0.1, n=2, q_des=0.0)
-    for effect in EFFECTS:
+    for effect in CATALOGUE:
         added = parts_of(effect, ["joint1", "joint2"], values=values)
         assert added or effect == "sensor_noise"
         simulator = Simulator(arm_urdf(2), ["joint1", "joint2"], pd(100.0, 10.0, 2), parts=added)

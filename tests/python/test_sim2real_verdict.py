@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.effects.simulated_finding import not_simulated, parts_of_finding
+from pdoik.sim2real.effects.simulated import not_simulated, parts_of_finding
 from pdoik.sim2real.findings import Finding, JointFit
 from pdoik.sim2real.infer.verdict import verdict_of, what_is_left
 from pdoik.sim2real.model.model import Model

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..effects.sensor_gain import SensorGain
 from ..effects.torque_saturation import kinds, top_of
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
@@ -223,7 +224,7 @@ def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
     after = before - measured * (1.0 - 1.0 / factor)
     share = 1.0 - float(np.mean(after**2)) / max(float(np.mean(before**2)), 1e-12)
     return Finding(
-        effect="sensor_gain",
+        effect=SensorGain.id,
         joints=(name,),
         recordings=tuple(r.name for r in prepared.study.fit),
         regime=f"in proportion to the torque of {name}",

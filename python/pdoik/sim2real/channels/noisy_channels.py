@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from ..effects.sensor_noise import SensorNoise
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.prepare import Prepared
@@ -215,7 +216,7 @@ def _finding(
         left = value * float(np.sqrt(min(2.0 * prepared.cutoff * period, 1.0)))
         said += f" Of what acts at this joint, less than about {left:.2g} {unit} cannot be seen."
     return Finding(
-        effect="sensor_noise",
+        effect=SensorNoise.id,
         joints=(name,),
         recordings=tuple(r.name for r in study.fit),
         regime=f"always, in {channel}.{name}",
@@ -228,7 +229,7 @@ def _finding(
                 unit=unit,
             )
         },
-        decided_by="the robot at rest, brakes on",
+        decided_by=SensorNoise.decided_by,
         evidence=Evidence(validation_gain=gain, interval95=(gain, gain), channels=(channel,)),
         variant={"q": "position", "dq": "speed", "tau": "torque"}[channel],
     )

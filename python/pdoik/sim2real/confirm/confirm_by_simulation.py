@@ -28,17 +28,6 @@ _MUCH = 0.02  # of the mean loss
 _ROUNDS = 2  # of refinement, before names are compared
 _SKETCH = 12_000  # steps of a rollout that looks for a shape
 _CLOSER = (1.2, 1.1)  # factors by which shapes are tried around the best
-_STAND_INS = (
-    "timestamp_skew",
-    "command_delay",
-    "actuator_lag",
-    "sensor_gain",
-    "presliding_hysteresis",
-    "torque_saturation",
-    "unknown",
-)
-"""What a regression puts beside play or a spring to make up for what its columns miss of them."""
-
 Tell = Callable[[str], None]
 
 
@@ -88,7 +77,11 @@ def _stand_ins(state: Search, term: Term) -> list[Term]:
     """What may have been put beside a term to make up for what its columns miss."""
     if not CATALOGUE[term.effect].shown_poorly:
         return []
-    return [t for t in state.accepted if t.place == term.place and t.effect in _STAND_INS]
+    return [
+        t
+        for t in state.accepted
+        if t.place == term.place and CATALOGUE[t.effect].makes_up_for_misfit
+    ]
 
 
 def _is_doubtful(state: Search, term: Term) -> bool:

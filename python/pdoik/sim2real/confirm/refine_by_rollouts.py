@@ -21,9 +21,6 @@ from .rollouts import FAR, Arm, Rollout, Values
 
 _ROUNDS = 4
 _CLEAR = 0.3  # standard errors that a figure must move to be worth another run
-_AS_THEY_ARE = ("external_contact", "kinematic_error", "unknown")
-"""Simulated, but not refined: an event, pure geometry, and figures without a meaning."""
-
 _LEAST = 0.05  # of its value that a figure which cannot be negative keeps
 _FARTHEST = 0.5  # of its value that a figure may move in one step
 
@@ -94,7 +91,7 @@ def _figures(
 ) -> list[_Figure]:
     result = []
     for i, term in enumerate(terms):
-        if term.effect in _AS_THEY_ARE:
+        if not CATALOGUE[term.effect].refined:
             continue
         known = {each.name: each for each in CATALOGUE[term.effect].parameters}
         for name, value in at.values[i].items():

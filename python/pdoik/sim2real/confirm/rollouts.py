@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
-from ..effects.simulated_finding import not_simulated
+from ..effects.simulated import not_simulated
 from ..findings import Estimate, Evidence
 from ..motion.balances import Balances
 from ..motion.cutoff import noise_of

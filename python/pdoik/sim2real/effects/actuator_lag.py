@@ -9,6 +9,7 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.signals import lagged
+from ..simulation.parts import DriveChange, Part
 from ..study.recording import FloatArray
 from .command_delay import (
     OF_POSITION,
@@ -20,12 +21,14 @@ from .command_delay import (
     too_short,
 )
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class ActuatorLag(Effect):
     """T dtau/dt + tau = tau_cmd."""
 
     id = "actuator_lag"
+    family = "timing"
     on = "drive"
     equation = "T dtau/dt + tau = tau_cmd"
     parameters = (Parameter("time_constant", "s", lower=0.0, upper=0.5),)
@@ -35,6 +38,11 @@ class ActuatorLag(Effect):
     fixed = True
     simulated_rivals = ("command_delay",)
     complexity = 2
+    is_delay = True
+    blurred_by_sampling = True
+    shared = True
+    makes_up_for_misfit = True
+    of_commands = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Time constants [s]."""
@@ -73,6 +81,13 @@ class ActuatorLag(Effect):
     def variant(self, shape: Shape) -> str:
         """What lags."""
         return drive_variant(shape)
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        time = site["time_constant"]
+        if site.variant == "position":
+            return site.each(lambda j: DriveChange(joint=j, command_lag=time))
+        return site.each(lambda j: DriveChange(joint=j, time_constant=time))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

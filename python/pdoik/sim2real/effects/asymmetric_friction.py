@@ -8,14 +8,18 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import level_asymmetry, viscous_asymmetry
+from ..simulation.parts import HardFriction, JointTorque, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class AsymmetricFriction(Effect):
     """tau = (dL |sign(dq)| + dc |dq|) / 2: forwards less backwards, beside the symmetric part."""
 
     id = "asymmetric_friction"
+    family = "friction"
     on = "joint"
     equation = "tau = (dL |sign(dq)| + dc |dq|) / 2"
     parameters = (
@@ -26,6 +30,10 @@ class AsymmetricFriction(Effect):
     decided_by = "rests between motions in both directions: an offset stays at rest, friction not"
     source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
     complexity = 3
+    of_joint_torque = True
+    depends_on = ("speed",)
+    likelier_beside = ("coulomb_friction",)
+    jumps = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Whether it moves, and how fast."""
@@ -36,6 +44,14 @@ class AsymmetricFriction(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Differences of level and of viscous coefficient."""
         return {"level_difference": float(beta[0]), "viscous_difference": float(beta[1])}
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        level = level_asymmetry(site.get("level_difference"))
+        viscous = viscous_asymmetry(site.get("viscous_difference"))
+        return site.each(lambda j: HardFriction(joint=j, level=level)) + site.each(
+            lambda j: JointTorque(joint=j, law=viscous)
+        )
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -9,9 +9,11 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import GearPlay, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
 from .joint_elasticity import deflected
+from .site import Site
 
 _GAPS = (0.0006, 0.0012, 0.0024, 0.0036, 0.0052, 0.0076, 0.011, 0.016, 0.024, 0.035, 0.055)
 _STEP = 8e-4  # of the simulation [s]
@@ -56,6 +58,7 @@ class Backlash(Effect):
     """A link between two flanks: simulated along the motor's recorded motion."""
 
     id = "backlash"
+    family = "transmission"
     on = "joint"
     equation = "I u'' = tau_rigid - F(u), u = q - q_link; F is zero within gap / 2, stiff beyond"
     parameters = (Parameter("gap", "rad", lower=0.0),)
@@ -98,6 +101,10 @@ class Backlash(Effect):
     ) -> tuple[Shape, FloatArray]:
         """All of the simulated play."""
         return (values["gap"],), np.ones(1)
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return site.each(lambda j: GearPlay(joint=j, gap=site["gap"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

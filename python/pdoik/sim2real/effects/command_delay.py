@@ -9,8 +9,10 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.signals import lagged, shifted
+from ..simulation.parts import DriveChange, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 OF_POSITION, OF_TORQUE = 0.0, 1.0
 """First entry of a shape: whether the commanded position or the torque comes late."""
@@ -110,6 +112,7 @@ class CommandDelay(Effect):
     """command(t - d) acts at t."""
 
     id = "command_delay"
+    family = "timing"
     on = "drive"
     equation = "tau(t) = tau_cmd(t - d), or q_des(t - d) enters the controller"
     parameters = (
@@ -122,6 +125,11 @@ class CommandDelay(Effect):
     fixed = True
     simulated_rivals = ("actuator_lag",)
     complexity = 2
+    is_delay = True
+    blurred_by_sampling = True
+    shared = True
+    makes_up_for_misfit = True
+    of_commands = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Delays from parts of a sample to a third of a second [s]."""
@@ -180,6 +188,13 @@ class CommandDelay(Effect):
     def variant(self, shape: Shape) -> str:
         """What comes late."""
         return drive_variant(shape)
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        if site.variant == "torque":
+            return site.each(lambda j: DriveChange(joint=j, torque_delay=site["delay"]))
+        lag = site.get("time_constant")  # of a servo of which positions alone are known
+        return site.each(lambda j: DriveChange(joint=j, delay=site["delay"], command_lag=lag))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -8,20 +8,29 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class CoulombFriction(Effect):
     """tau = L sign(dq), smooth within a fitted speed of rest where data show it."""
 
     id = "coulomb_friction"
+    name = "Coulomb friction"
+    family = "friction"
     on = "joint"
     equation = "tau = L tanh(dq / v), v small"
     parameters = (Parameter("level", "N m", lower=0.0),)
     confused_with = ("presliding_hysteresis", "load_dependent_friction", "stribeck_friction")
     decided_by = "slow motion back and forth at two speeds, with reversals of a few degrees"
     source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
+    gated = True
+    of_joint_torque = True
+    depends_on = ("speed",)
+    size_first = True
+    jumps = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Speeds within which the sign turns [rad/s]."""
@@ -45,6 +54,10 @@ class CoulombFriction(Effect):
     ) -> tuple[Shape, FloatArray]:
         """The level; the speed of rest it was found with."""
         return shape or (0.0,), np.array([values["level"]])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return site.each(lambda j: HardFriction(joint=j, level=site["level"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

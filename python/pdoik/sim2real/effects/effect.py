@@ -5,13 +5,23 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import Part
 from ..study.recording import FloatArray
+from .site import Site
+
+Axis = Literal["speed", "q", "load"]
+Family = Literal[
+    "friction", "body", "torque", "timing", "transmission", "geometry", "sensor", "contact", "other"
+]
+Sought = Literal["candidates", "harmonics", "windows", "last", "channels"]
+"""How an effect is looked for: at all places, as harmonics of a joint's angle in the residual, as
+windows of time, only where names explain too little, or in the channels before all else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,23 +46,54 @@ class Effect(ABC):
     """
 
     id: ClassVar[str]
-    on: ClassVar[str]  # joint, link, base, drive, channel
+    name: ClassVar[str] = ""  # in words; the id's where it is ""
+    family: ClassVar[Family] = "other"
+    on: ClassVar[str]  # joint, link, base, drive, channel, window
     equation: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
+    source: ClassVar[str] = ""
+    against: ClassVar[Axis] = "speed"  # what its curve is drawn over
+
+    # What else looks like it, and what tells them apart.
     confused_with: ClassVar[tuple[str, ...]] = ()
     decided_by: ClassVar[str] = ""
-    source: ClassVar[str] = ""
-    fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
-    least_of_rest: ClassVar[float] = 0.0  # share of what is left that it must explain where it acts
-    costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
+    likelier_beside: ClassVar[tuple[str, ...]] = ()  # one cause with these, where data cannot tell
+    complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
+
+    # How it is looked for.
+    fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
+    sought: ClassVar[Sought] = "candidates"
+    costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
+    per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
+    gated: ClassVar[bool] = False  # may act in a part of the time or of the positions only
+    of_joint_torque: ClassVar[bool] = False  # may stand in for another torque of its joint
+    depends_on: ClassVar[tuple[str, ...]] = ()  # variables by which a joint's torque shows it
+    together: ClassVar[bool] = False  # its joints are one place, not one each
+
+    # What it takes to be believed.
+    least_of_rest: ClassVar[float] = 0.0  # share of what is left that it must explain where it acts
+    size_first: ClassVar[bool] = False  # its first parameter is its size: near 0 it is nothing
+    is_body: ClassVar[bool] = False  # its figures together are a body's
+    is_delay: ClassVar[bool] = False  # of commands: sampling and ticks may look like it
+    blurred_by_sampling: ClassVar[bool] = False  # a time that sampling makes less sure
+    shared: ClassVar[bool] = False  # one cause where several joints' figures agree
+
+    # How it is simulated and predicted.
     simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that a simulation tells from it
     shown_poorly: ClassVar[bool] = False  # by its columns: simulate before it is believed
+    makes_up_for_misfit: ClassVar[bool] = False  # of what is shown poorly, in a regression
+    refined: ClassVar[bool] = True  # its figures by simulations
     corrected: ClassVar[float] = 1.0  # share that its figures take of a simulation's correction
     simplified: ClassVar[float] = 0.0  # share of its figures that its law's simplicity may take
-    complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
-    per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
+    of_commands: ClassVar[bool] = False  # changes what becomes of these, not what a motion needs
+    jumps: ClassVar[bool] = False  # its torque does, so that no filter should round it
+
+    @property
+    def words(self) -> str:
+        """Its name in words."""
+        return self.name or self.id.replace("_", " ")
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """Where it may sit: every joint, unless an effect says otherwise."""
@@ -120,6 +161,31 @@ class Effect(ABC):
     def trifling(self, values: Mapping[str, float]) -> bool:
         """Whether its figures are within what differentiation and rounding may take."""
         return False
+
+    def gravity(self, values: Mapping[str, float]) -> FloatArray | None:
+        """Gravity in the frame of the base, (3,) [m/s^2], if it turns that; None elsewhere."""
+        return None
+
+    def is_edge_of(self, shape: Shape, other: str, other_shape: Shape) -> bool:
+        """Whether it is only what is left at the edge of another effect at the same place."""
+        return False
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it; () where it acts in a log only.
+
+        Raises:
+            KeyError: a parameter is missing.
+            ValueError: the site is none of its own.
+        """
+        return ()
+
+    def not_simulated(self, values: Mapping[str, float]) -> str:
+        """Why `parts` is not what was found, in words; "" where it is."""
+        return ""
+
+    def shown(self, values: Mapping[str, float]) -> dict[str, str]:
+        """Parameters a reader wants to see, by what they are called there."""
+        return {name: name for name in values}
 
     @abstractmethod
     def statement(self, where: str, values: Mapping[str, float]) -> str:

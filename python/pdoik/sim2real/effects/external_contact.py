@@ -8,8 +8,10 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import ExternalForce, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 ORIGIN: Shape = (1.0,)
 """Of a push at the last link's origin instead of the tip."""
@@ -22,6 +24,8 @@ class ExternalContact(Effect):
     """
 
     id = "external_contact"
+    name = "contact from outside"
+    family = "contact"
     on = "window"
     equation = "tau = -J(q)^T f, from t0 to t1"
     parameters = tuple(Parameter(f"force_{axis}", "N") for axis in "xyz")
@@ -30,6 +34,10 @@ class ExternalContact(Effect):
     source = "Haddadin, De Luca and Albu-Schaeffer, IEEE T-RO 33(6), 2017"
     complexity = 4
     per_joint_moving = False
+    against = "q"
+    sought = "windows"
+    refined = False
+    jumps = True
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """None: windows are looked for in the residual."""
@@ -57,6 +65,17 @@ class ExternalContact(Effect):
         """The force on the link, base axes."""
         return {f"force_{axis}": float(f) for axis, f in zip("xyz", beta, strict=True)}
 
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        push = ExternalForce(
+            link=site.link,
+            force=(site.get("force_x"), site.get("force_y"), site.get("force_z")),
+            window=site.window,
+            recordings=site.recordings,
+            at_origin=site.variant == "origin",
+        )
+        return (push,)
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         force = np.array([values[f"force_{axis}"] for axis in "xyz"])
@@ -67,3 +86,7 @@ class ExternalContact(Effect):
     def regime(self, where: str) -> str:
         """When it shows."""
         return "a stretch of one recording"
+
+
+CONTACT = ExternalContact()
+"""For those who look for its windows."""

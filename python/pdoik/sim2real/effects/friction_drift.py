@@ -8,14 +8,18 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import drift
+from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class FrictionDrift(Effect):
     """tau = D exp(-t/T) sign(dq), t from the recording's start."""
 
     id = "friction_drift"
+    family = "friction"
     on = "joint"
     equation = "tau = D exp(-t / T) sign(dq)"
     parameters = (
@@ -27,6 +31,10 @@ class FrictionDrift(Effect):
     source = "Simoni et al., IROS 2015 (friction of robot joints and temperature)"
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
+    of_joint_torque = True
+    depends_on = ("time",)
+    size_first = True
+    jumps = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Times over which it fades, within the recordings' length [s]."""
@@ -53,6 +61,11 @@ class FrictionDrift(Effect):
     ) -> tuple[Shape, FloatArray]:
         """The surplus is linear, its time constant is not."""
         return (values["time_constant"],), np.array([values["extra"]])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        level = drift(site["extra"], site["time_constant"])
+        return site.each(lambda j: HardFriction(joint=j, level=level))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

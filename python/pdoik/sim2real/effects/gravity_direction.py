@@ -5,18 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.rigid_body import STANDARD_GRAVITY
+from ..simulation.parts import GravityTilt, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class GravityDirection(Effect):
     """Gravity seen from a base turned by R_x(tilt_x) R_y(tilt_y)."""
 
     id = "gravity_direction"
+    name = "direction of gravity"
+    family = "body"
     on = "base"
     equation = "tau = G(q; R^T g) - G(q; g), R = R_x(tilt_x) R_y(tilt_y)"
     parameters = (
@@ -27,6 +32,7 @@ class GravityDirection(Effect):
     decided_by = "slow motion of the first joint with the arm stretched out, or a level on the base"
     source = "a rotation of the base; torques are linear in gravity's components"
     complexity = 2
+    against = "q"
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """The base."""
@@ -61,6 +67,15 @@ class GravityDirection(Effect):
         """Both tilts, and what their cosines take from gravity."""
         x, y = values["tilt_x"], values["tilt_y"]
         return (), np.array([np.sin(x), np.sin(y) * np.cos(x), 1.0 - np.cos(x) * np.cos(y)])
+
+    def gravity(self, values: Mapping[str, float]) -> FloatArray | None:
+        """As the tilted base sees it."""
+        base = Rotation.from_euler("XY", [values["tilt_x"], values["tilt_y"]])
+        return np.asarray(base.inv().apply([0.0, 0.0, -STANDARD_GRAVITY]))
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return (GravityTilt(x=site.get("tilt_x"), y=site.get("tilt_y")),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -9,8 +9,11 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.inertial import Inertial
+from ..simulation.parts import LinkChange, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")
 PRIOR = np.array([5.0, 1.0, 1.0, 1.0] + [0.3] * 6)
@@ -21,6 +24,8 @@ class LinkInertials(Effect):
     """Ten inertial parameters added to one link; only combinations of them are visible."""
 
     id = "link_inertial_error"
+    name = "a link's inertia"
+    family = "body"
     on = "link"
     equation = "tau = Y(q, dq, ddq) dpi, ten parameters of one link"
     parameters = (
@@ -39,6 +44,8 @@ class LinkInertials(Effect):
     complexity = 5
     corrected = 0.5  # torques are linear in it: a regression shows it as well as a simulation
     per_joint_moving = False
+    against = "q"
+    is_body = True
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """Every link; on the last it may be lighter, where a payload cannot."""
@@ -63,6 +70,11 @@ class LinkInertials(Effect):
         """What no motion shows stays near zero."""
         return 1.0 / PRIOR**2
 
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        ten = [site.get(each.name) for each in self.parameters]
+        return (LinkChange(link=site.link, inertial=Inertial.from_ten(ten)),)
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         h = np.linalg.norm([values[f"d_first_moment_{axis}"] for axis in "xyz"])
@@ -80,6 +92,7 @@ class Payload(LinkInertials):
     """A body held by the last link."""
 
     id = "payload"
+    name = "payload"
     on = "link"
     equation = "tau = Y(q, dq, ddq) pi(mass, com, inertia), at the last link"
     parameters = (
@@ -124,6 +137,13 @@ class Payload(LinkInertials):
         about = about + mass * (com @ com * np.eye(3) - np.outer(com, com))
         inertias = (about[0, 0], about[0, 1], about[1, 1], about[0, 2], about[1, 2], about[2, 2])
         return (), np.array([mass, *(mass * com), *inertias])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        com = np.array([site.get(f"com_{axis}") for axis in "xyz"])
+        about_com = Inertial.from_ten([0.0] * 4 + [site.get(name) for name in INERTIAS]).inertia
+        body = Inertial.about_com(site["mass"], com, about_com)
+        return (LinkChange(link=site.link, inertial=body),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -6,14 +6,17 @@ from collections.abc import Mapping, Sequence
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import Coupling, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
+from .site import Site
 
 
 class JointCoupling(Effect):
     """True q_k = q_k + r q_j; motor j also carries r tau_k. Joints are (k, j)."""
 
     id = "joint_coupling"
+    family = "transmission"
     on = "joint"
     equation = "q_k,true = q_k + r q_j; tau_j,motor = tau_j + r tau_k"
     parameters = (Parameter("ratio", "-", lower=-1.5, upper=1.5),)
@@ -21,6 +24,8 @@ class JointCoupling(Effect):
     decided_by = "motion of joint j alone while the tip's pose is measured"
     source = "virtual work of a coupled transmission"
     complexity = 3
+    depends_on = ("other load",)
+    together = True
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """Neighbours, both ways."""
@@ -38,6 +43,13 @@ class JointCoupling(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The ratio."""
         return {"ratio": float(beta[0])}
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        if len(site.joints) != 2:
+            got = ", ".join(site.joints) or "none"
+            raise ValueError(f"{self.id} needs two joints, got {got}")
+        return (Coupling(joint=site.joints[0], by=site.joints[1], ratio=site["ratio"]),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

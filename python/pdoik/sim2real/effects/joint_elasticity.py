@@ -9,8 +9,10 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.signals import lagged
+from ..simulation.parts import GearPlay, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
+from .site import Site
 
 
 def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:
@@ -23,6 +25,7 @@ class JointElasticity(Effect):
     """The link lags its motor by tau_load / k; the encoder is on the motor."""
 
     id = "joint_elasticity"
+    family = "transmission"
     on = "joint"
     equation = "q_link = q - tau_load / k - d (tau_load)'/k^2; two inertias and a spring"
     parameters = (
@@ -72,6 +75,11 @@ class JointElasticity(Effect):
         """The compliance, and damping over stiffness."""
         stiffness = values["stiffness"]
         return (values["damping"] / stiffness,), np.array([1.0 / stiffness])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        stiffness, damping = site["stiffness"], site.get("damping")
+        return site.each(lambda j: GearPlay(joint=j, stiffness=stiffness, damping=damping))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -8,8 +8,10 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter, on_torque_and_tip
+from .site import Site
 
 _SMALL = 2e-3  # below it the derivative is as good [rad]
 
@@ -18,6 +20,7 @@ class JointOffset(Effect):
     """q_true = q + b: seen in gravity's torques and in the tip's pose."""
 
     id = "joint_offset"
+    family = "geometry"
     on = "joint"
     equation = "q_true = q + b"
     parameters = (Parameter("offset", "rad", lower=-0.6, upper=0.6),)
@@ -26,6 +29,7 @@ class JointOffset(Effect):
     source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
     complexity = 1.9
     per_joint_moving = False
+    against = "q"
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """The derivative first; `refined` moves on to the secant at the offset itself."""
@@ -60,6 +64,10 @@ class JointOffset(Effect):
     ) -> tuple[Shape, FloatArray]:
         """The offset, along the secant to it."""
         return shape or (values["offset"],), np.array([values["offset"]])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return site.each(lambda j: SensorChange(joint=j, channel="q", offset=site["offset"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -9,14 +9,17 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.rigid_body import RigidBody
+from ..simulation.parts import Part, Placement
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class KinematicError(Effect):
     """One joint's placement: translation in its parent's axes, rotation after it in its own."""
 
     id = "kinematic_error"
+    family = "geometry"
     on = "link"
     equation = "origin = origin_model + (dx, dy, dz); R = R_model exp(rx, ry, rz)"
     parameters = (
@@ -28,6 +31,7 @@ class KinematicError(Effect):
     source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
     complexity = 6
     per_joint_moving = False
+    refined = False
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """How the tip, where it is measured, and the torques change with the joint's frame."""
@@ -55,6 +59,12 @@ class KinematicError(Effect):
         moved = motion.body.displaced(j, shift, turn)
         change = motion.tip_moved(motion.q, moved)
         return {("tip", axis): change[:, axis, None] for axis in range(6)}
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        shift = (site.get("dx"), site.get("dy"), site.get("dz"))
+        turn = (site.get("rx"), site.get("ry"), site.get("rz"))
+        return site.each(lambda j: Placement(joint=j, shift=shift, rotation=turn))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -8,14 +8,19 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import of_load
+from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class LoadDependentFriction(Effect):
     """tau = c |tau_load| sign(dq)."""
 
     id = "load_dependent_friction"
+    name = "load-dependent friction"
+    family = "friction"
     on = "joint"
     equation = "tau = c |tau_load| sign(dq)"
     parameters = (Parameter("coefficient", "-", lower=0.0, upper=1.0),)
@@ -23,6 +28,12 @@ class LoadDependentFriction(Effect):
     decided_by = "the same slow motion back and forth with the arm stretched out and folded"
     source = "Hamon et al., ICRA 2010 (load-dependent friction in robot dynamics)"
     complexity = 2
+    against = "load"
+    gated = True
+    of_joint_torque = True
+    depends_on = ("load", "position and speed")
+    size_first = True
+    jumps = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Transmitted torque times direction."""
@@ -33,6 +44,11 @@ class LoadDependentFriction(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The coefficient."""
         return {"coefficient": float(beta[0])}
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        level = of_load(site["coefficient"])
+        return site.each(lambda j: HardFriction(joint=j, level=level, needs_load=True))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

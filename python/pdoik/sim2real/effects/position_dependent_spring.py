@@ -8,14 +8,19 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import spring
+from ..simulation.parts import DofChange, JointTorque, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class PositionDependentSpring(Effect):
     """tau = k (q - q0), everywhere or only beyond its onset on one side."""
 
     id = "position_dependent_spring"
+    name = "spring that depends on position"
+    family = "transmission"
     on = "joint"
     equation = "tau = k (q - q0), everywhere (side 0) or only where side (q - q0) > 0"
     parameters = (
@@ -27,6 +32,10 @@ class PositionDependentSpring(Effect):
     decided_by = "slow motion through the whole range with the cable taken off"
     source = "a linear spring"
     complexity = 3
+    against = "q"
+    of_joint_torque = True
+    depends_on = ("position",)
+    size_first = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Side and onset: within the angles that were visited."""
@@ -80,6 +89,14 @@ class PositionDependentSpring(Effect):
         if side == 0.0:
             return (0.0, 0.0), np.array([stiffness, -stiffness * onset])
         return (side, onset), np.array([stiffness])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        stiffness, onset, side = site["stiffness"], site.get("onset"), site.get("side")
+        if side == 0:
+            return site.each(lambda j: DofChange(joint=j, stiffness=stiffness, rest=onset))
+        law = spring(stiffness, onset, side)
+        return site.each(lambda j: JointTorque(joint=j, law=law, at_link=True))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

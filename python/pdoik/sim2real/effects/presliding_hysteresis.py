@@ -8,8 +8,11 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import Dahl
+from ..simulation.parts import JointTorque, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 def bristle(q: FloatArray, displacement: float) -> FloatArray:
@@ -29,6 +32,7 @@ class PreslidingHysteresis(Effect):
     """tau = L z, dz/dt = (dq/d) (1 - z sign(dq)) (Dahl, 1968)."""
 
     id = "presliding_hysteresis"
+    family = "friction"
     on = "joint"
     equation = "tau = L z, dz/dt = (dq / d) (1 - z sign(dq))"
     parameters = (
@@ -39,6 +43,12 @@ class PreslidingHysteresis(Effect):
     decided_by = "reversals of less than a degree at rest, several sizes"
     source = "Dahl, Aerospace Corp. TOR-158, 1968; Canudas de Wit et al., IEEE TAC 40(3), 1995"
     complexity = 2
+    gated = True
+    of_joint_torque = True
+    depends_on = ("speed",)
+    size_first = True
+    makes_up_for_misfit = True
+    jumps = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Displacements over which friction builds up [rad]."""
@@ -65,6 +75,11 @@ class PreslidingHysteresis(Effect):
     ) -> tuple[Shape, FloatArray]:
         """The level is linear, the displacement is not."""
         return (values["displacement"],), np.array([values["level"]])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        law = Dahl(site["level"], site["displacement"])
+        return site.each(lambda j: JointTorque(joint=j, law=law))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

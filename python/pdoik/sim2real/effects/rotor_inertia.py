@@ -6,14 +6,17 @@ from collections.abc import Mapping
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import DofChange, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class RotorInertia(Effect):
     """tau = I ddq of the joint alone, beside what the model knows."""
 
     id = "rotor_inertia"
+    family = "body"
     on = "joint"
     equation = "tau = I ddq"
     parameters = (Parameter("inertia", "kg m^2", lower=0.0),)
@@ -22,6 +25,8 @@ class RotorInertia(Effect):
         "quick motion of this joint with the arm in different poses and of the joint before"
     )
     source = "Featherstone, Rigid Body Dynamics Algorithms, 2008, Sec. 9.6"
+    of_joint_torque = True
+    size_first = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The joint's acceleration."""
@@ -31,6 +36,10 @@ class RotorInertia(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The inertia at the joint."""
         return {"inertia": float(beta[0])}
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return site.each(lambda j: DofChange(joint=j, armature=site["inertia"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -8,11 +8,18 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import Part, SensedChannel, SensorChange
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
+from .site import Site
 
 OF_LOGGED_SPEED, OF_POSITION, OF_LOGGED_POSITION, OF_SPEED = 0.0, 1.0, 2.0, 3.0
 """What reads wrong: the controller's sensor too, or the log alone."""
+
+_LOGGED = "logged "
+"""Begins the variant of what is wrong in the log alone."""
+
+_CHANNELS: dict[str, SensedChannel] = {"position": "q", "speed": "dq", "torque": "tau"}
 
 _STEP = 1e-4  # of gravity's derivative [rad]
 
@@ -21,6 +28,7 @@ class SensorGain(Effect):
     """logged = k true, in the sensor or the log alone; of torque see torque_gain."""
 
     id = "sensor_gain"
+    family = "sensor"
     on = "channel"
     equation = "logged = k true"
     parameters = (Parameter("gain", "-"),)
@@ -28,6 +36,7 @@ class SensorGain(Effect):
     decided_by = "the channel beside a second instrument"
     source = "sensor calibration"
     complexity = 2
+    makes_up_for_misfit = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Channels; in the log alone where a law tells that from what the controller reads."""
@@ -81,15 +90,27 @@ class SensorGain(Effect):
     def variant(self, shape: Shape) -> str:
         """The channel."""
         what = "position" if _of_position(shape) else "speed"
-        return what if shape[0] in (OF_SPEED, OF_POSITION) else f"logged {what}"
+        return what if shape[0] in (OF_SPEED, OF_POSITION) else f"{_LOGGED}{what}"
 
     def trifling(self, values: Mapping[str, float]) -> bool:
         """Less than half a percent."""
         return abs(values["gain"] - 1.0) < 5e-3
 
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        channel, log_only = channel_of(site.variant, "dq"), site.variant.startswith(_LOGGED)
+        return site.each(
+            lambda j: SensorChange(joint=j, channel=channel, gain=site["gain"], log_only=log_only)
+        )
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return f"A sensor of {where} reads {values['gain']:.3g} times what is true."
+
+
+def channel_of(variant: str, default: SensedChannel) -> SensedChannel:
+    """The channel that a variant names."""
+    return _CHANNELS.get(variant.removeprefix(_LOGGED), default)
 
 
 def through_law(motion: Motion, j: int, speed_error: FloatArray) -> Columns:

@@ -8,14 +8,21 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import stribeck
+from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
+
+_SHARP = 0.4  # of a hump's speed, within which dry friction must turn for the hump to count
 
 
 class StribeckFriction(Effect):
     """tau = S sign(dq) exp(-(dq/v)^2) with S > 0: a negative S is smooth dry friction, not this."""
 
     id = "stribeck_friction"
+    name = "Stribeck friction"
+    family = "friction"
     on = "joint"
     equation = "tau = S sign(dq) exp(-(dq / v)^2), beside Coulomb's"
     parameters = (Parameter("extra", "N m", lower=0.0), Parameter("speed", "rad/s", lower=0.0))
@@ -24,6 +31,10 @@ class StribeckFriction(Effect):
     source = "Bo and Pavelescu, Wear 82(3), 1982"
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
+    of_joint_torque = True
+    depends_on = ("speed",)
+    size_first = True
+    jumps = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Speeds at which the extra friction fades, within what the recordings contain."""
@@ -53,6 +64,15 @@ class StribeckFriction(Effect):
     ) -> tuple[Shape, FloatArray]:
         """The extra friction is linear, the speed is not."""
         return (values["speed"],), np.array([values["extra"]])
+
+    def is_edge_of(self, shape: Shape, other: str, other_shape: Shape) -> bool:
+        """Of dry friction that is smooth about rest."""
+        return other == "coulomb_friction" and other_shape[0] > _SHARP * shape[0]
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        level = stribeck(site["extra"], site["speed"])
+        return site.each(lambda j: HardFriction(joint=j, level=level))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -9,9 +9,11 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
 from ..motion.signals import shifted
+from ..simulation.parts import Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
-from .sensor_gain import through_law
+from .sensor_gain import channel_of, through_law
+from .site import Site
 
 OF_TORQUE, OF_SPEED = 0.0, 1.0
 
@@ -23,6 +25,8 @@ class TimestampSkew(Effect):
     """channel_logged(t) = channel(t - s), of torque or of speed."""
 
     id = "timestamp_skew"
+    name = "skewed time stamps"
+    family = "timing"
     on = "channel"
     equation = "logged(t) = true(t - s)"
     parameters = (Parameter("skew", "s", lower=-0.3, upper=0.3),)
@@ -31,6 +35,9 @@ class TimestampSkew(Effect):
     source = "clocks of separate buses"
     fixed = True
     complexity = 2
+    blurred_by_sampling = True
+    shared = True
+    makes_up_for_misfit = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Both signs [s]."""
@@ -91,6 +98,11 @@ class TimestampSkew(Effect):
     def variant(self, shape: Shape) -> str:
         """The channel."""
         return "speed" if shape[0] == OF_SPEED else "torque"
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        channel = channel_of(site.variant, "tau")
+        return site.each(lambda j: SensorChange(joint=j, channel=channel, skew=site["skew"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -8,8 +8,10 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Shape
+from ..simulation.parts import DriveChange, Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Parameter
+from .site import Site
 from .torque_channel import OF_BOTH, TorqueChannel
 
 
@@ -17,6 +19,7 @@ class TorqueGain(TorqueChannel):
     """tau_reported = k tau."""
 
     id = "torque_gain"
+    family = "torque"
     on = "joint"
     equation = "tau_reported = k tau"
     parameters = (Parameter("gain", "-"),)
@@ -25,6 +28,10 @@ class TorqueGain(TorqueChannel):
     source = "Gautier and Briot, ICRA 2011 (global identification of drive gains)"
     complexity = 2
     per_joint_moving = False
+    against = "load"
+    gated = True
+    of_joint_torque = True
+    depends_on = ("load", "other load")
 
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:
         """In proportion to the torque."""
@@ -48,6 +55,15 @@ class TorqueGain(TorqueChannel):
     def trifling(self, values: Mapping[str, float]) -> bool:
         """Less than half a percent."""
         return abs(values["gain"] - 1.0) < 5e-3
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        gain = site["gain"]
+        if site.variant == "report":
+            return site.each(lambda j: SensorChange(joint=j, channel="tau", gain=gain))
+        if site.variant == "drive":
+            return site.each(lambda j: DriveChange(joint=j, command_gain=gain))
+        return site.each(lambda j: DriveChange(joint=j, gain=gain))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -8,8 +8,10 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Shape
+from ..simulation.parts import DriveChange, Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Parameter
+from .site import Site
 from .torque_channel import OF_BOTH, TorqueChannel
 
 
@@ -17,6 +19,7 @@ class TorqueOffset(TorqueChannel):
     """tau_reported = tau + b."""
 
     id = "torque_offset"
+    family = "torque"
     on = "joint"
     equation = "tau_reported = tau + b"
     parameters = (Parameter("offset", "N m"),)
@@ -24,6 +27,11 @@ class TorqueOffset(TorqueChannel):
     decided_by = "a rest in a pose where gravity does not load the joint"
     source = "drive calibration"
     per_joint_moving = False
+    against = "q"
+    gated = True
+    of_joint_torque = True
+    depends_on = ("position", "time", "other load")
+    size_first = True
 
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:
         """A constant."""
@@ -38,6 +46,15 @@ class TorqueOffset(TorqueChannel):
     ) -> tuple[Shape, FloatArray]:
         """The offset."""
         return shape or (OF_BOTH,), np.array([values["offset"]])
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        offset = site["offset"]
+        if site.variant == "report":
+            return site.each(lambda j: SensorChange(joint=j, channel="tau", offset=-offset))
+        if site.variant == "drive":
+            return site.each(lambda j: DriveChange(joint=j, command_offset=offset))
+        return site.each(lambda j: DriveChange(joint=j, offset=offset))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

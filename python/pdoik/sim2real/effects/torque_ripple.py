@@ -8,14 +8,18 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import ripple
+from ..simulation.parts import JointTorque, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class TorqueRipple(Effect):
     """tau = A cos(h q + phase)."""
 
     id = "torque_ripple"
+    family = "transmission"
     on = "joint"
     equation = "tau = A cos(h q + phase)"
     parameters = (
@@ -27,6 +31,12 @@ class TorqueRipple(Effect):
     decided_by = "slow constant speed over a whole turn: ripple repeats with the angle"
     source = "Tjahjowidodo et al. 2013; Zhang et al., ICRA 2015 (harmonic drive torque ripple)"
     complexity = 4
+    against = "q"
+    sought = "harmonics"
+    gated = True
+    of_joint_torque = True
+    depends_on = ("position",)
+    size_first = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Cosine and sine of the angle's multiple."""
@@ -60,6 +70,11 @@ class TorqueRipple(Effect):
         amplitude, phase = values["amplitude"], values["phase"]
         beta = amplitude * np.array([np.cos(phase), -np.sin(phase)])
         return (values["harmonic"],), beta
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        law = ripple(site["amplitude"], site.get("phase"), site["harmonic"])
+        return site.each(lambda j: JointTorque(joint=j, law=law))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -10,8 +10,10 @@ from ..motion.flat_top import FlatTop, flat_top
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.signals import zero_phase
+from ..simulation.parts import DriveChange, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 _LEAST_REACHED = 12  # samples
 _AT_TOP = 0.1  # how far a level may lie from the flat top that it is meant to be
@@ -23,6 +25,7 @@ class TorqueSaturation(Effect):
     """tau = clip(tau_cmd, -L, L)."""
 
     id = "torque_saturation"
+    family = "torque"
     on = "joint"
     equation = "tau = clip(tau_cmd, -L, L)"
     parameters = (Parameter("level", "N m", lower=0.0),)
@@ -32,6 +35,11 @@ class TorqueSaturation(Effect):
     fixed = True
     least_of_rest = 0.5
     complexity = 2
+    against = "load"
+    of_joint_torque = True
+    size_first = True
+    makes_up_for_misfit = True
+    of_commands = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """The flat top's level; where the torque given was not recorded, levels below the peak."""
@@ -91,6 +99,10 @@ class TorqueSaturation(Effect):
         reached = int(np.count_nonzero(asked > level))
         # A joint that never needed as much: what is cut off is not torque.
         return 0.8 * level <= highest < 1.06 * level and reached >= _LEAST_REACHED
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return site.each(lambda j: DriveChange(joint=j, limit=site["level"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

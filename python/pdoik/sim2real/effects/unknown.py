@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import cast
 
 import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.laws import Variable, curve, cycle, of_speed, smooth_sign
+from ..simulation.parts import HardFriction, JointTorque, Law, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 VARIABLES = (
     "position",
@@ -39,12 +43,19 @@ class Unknown(Effect):
     """tau = f(x), f piecewise linear over nine knots; x is named, f is not."""
 
     id = "unknown"
+    name = "unknown effect"
     on = "joint"
     equation = "tau = f(x), f given by its values at knots"
     parameters = (Parameter("knots", "-"),)
     decided_by = "motion that varies what it depends on and keeps everything else still"
     source = "penalised regression splines (Eilers and Marx, Statistical Science 11(2), 1996)"
     complexity = 9
+    sought = "last"
+    of_joint_torque = True
+    together = True
+    makes_up_for_misfit = True
+    refined = False
+    jumps = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Every variable over its range, but time within a recording's periodic part."""
@@ -102,6 +113,41 @@ class Unknown(Effect):
         count = sum(name.startswith("value_") for name in values)
         beta = np.array([values[f"value_{i}"] for i in range(count)])
         return (values["variable"], values["lowest"], values["highest"]), beta
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """A torque by its values at even knots of a variable."""
+        depends, joint = depends_on(site.values), site.joints[0]
+        if depends not in SIMULATED:
+            return ()
+        low, high = site["lowest"], site["highest"]
+        count = sum(each.startswith("value_") for each in site.values)
+        values = [site[f"value_{k}"] for k in range(count)]
+        if depends == "clock":
+            law = cycle(low, values[0], values[1])
+            return (JointTorque(joint=joint, law=law, by_clock=True),)
+        if depends.endswith("position and speed"):
+            knots, levels = _prolonged(low, high, values[: count // 2])
+            level = curve("position", knots, levels)
+            slope = curve("position", *_prolonged(low, high, values[count // 2 :]))
+            return (
+                _dry(joint, level, min(levels)),
+                JointTorque(joint=joint, law=of_speed(slope)),
+            )
+        variable = cast(Variable, depends.removeprefix("other ").removeprefix("fine "))
+        knots, values = _prolonged(low, high, values)
+        return (unknown_part(joint, variable, knots, values, of=site.joints[-1]),)
+
+    def not_simulated(self, values: Mapping[str, float]) -> str:
+        """A loaded neighbour's torque, or what is left, is no law of one joint."""
+        known = depends_on(values) in SIMULATED
+        return "" if known else "a torque without a law is not simulated"
+
+    def shown(self, values: Mapping[str, float]) -> dict[str, str]:
+        """The function's values, by where their knots are."""
+        if "variable" not in values:
+            return super().shown(values)
+        names = [name for name in values if name.startswith("value_")]
+        return {name: _knot(values, k, len(names)) for k, name in enumerate(names)}
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
@@ -174,3 +220,62 @@ def hats(x: FloatArray, low: float, high: float, knots: int) -> FloatArray:
     k = np.arange(knots)
     left, right = before[:, None] == k, before[:, None] + 1 == k
     return np.asarray(left * (1.0 - share)[:, None] + right * share[:, None])
+
+
+SIMULATED = (
+    "position",
+    "fine position",
+    "speed",
+    "load",
+    "time",
+    "position and speed",
+    "fine position and speed",
+    "other position",
+    "other speed",
+    "clock",
+)
+"""Variables of torques that a law of one joint can be: a loaded neighbour's cannot."""
+
+
+def depends_on(values: Mapping[str, float]) -> str:
+    """On what an unnamed torque depends; "nothing" where that is not known."""
+    return VARIABLES[int(values["variable"])] if "variable" in values else "nothing"
+
+
+def unknown_part(
+    joint: str, variable: Variable, knots: Sequence[float], values: Sequence[float], of: str = ""
+) -> JointTorque:
+    """A torque without a name as straight lines over a variable (of another joint, if `of`)."""
+    law = curve(variable, knots, values)
+    return JointTorque(joint=joint, law=law, of=of, needs_load=variable == "load")
+
+
+def _prolonged(low: float, high: float, values: list[float]) -> tuple[list[float], list[float]]:
+    """Even knots and values, the outermost lines going on as those of the columns do."""
+    knots = np.linspace(low, high, len(values)).tolist()
+    if len(values) < 2:
+        return knots, values
+    more, steps = BEYOND * (high - low), BEYOND * (len(values) - 1)
+    first = values[0] - steps * (values[1] - values[0])
+    last = values[-1] + steps * (values[-1] - values[-2])
+    return [low - more, *knots, high + more], [first, *values, last]
+
+
+def _dry(joint: str, level: Law, lowest: float) -> Part:
+    """Friction of a level that varies; where it may be negative, smooth and without sticking."""
+    if lowest >= 0.0:
+        return HardFriction(joint=joint, level=level)
+    return JointTorque(joint=joint, law=smooth_sign(level))
+
+
+def _knot(values: Mapping[str, float], k: int, count: int) -> str:
+    """What the k-th of the values stands for."""
+    name, low, high = depends_on(values), values["lowest"], values["highest"]
+    if name == "clock":
+        return f"{'cosine' if k == 0 else 'sine'} at {low:.3g} Hz"
+    part = ""
+    if name.endswith("and speed"):
+        count //= 2
+        part = "direction, " if k < count else "speed, "
+        k %= count
+    return f"{part}at {low + (high - low) * k / max(count - 1, 1):.3g}"

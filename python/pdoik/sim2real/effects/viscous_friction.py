@@ -6,20 +6,27 @@ from collections.abc import Mapping
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..simulation.parts import DofChange, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Parameter
+from .site import Site
 
 
 class ViscousFriction(Effect):
     """tau = c dq (Siciliano et al., Robotics, 2009, Sec. 7.1)."""
 
     id = "viscous_friction"
+    family = "friction"
     on = "joint"
     equation = "tau = c dq"
     parameters = (Parameter("coefficient", "N m s/rad", lower=0.0),)
     confused_with = ("stribeck_friction", "asymmetric_friction", "torque_gain")
     decided_by = "both directions at five or more constant speeds over the whole range"
     source = "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, Sec. 7.1"
+    gated = True
+    of_joint_torque = True
+    depends_on = ("speed",)
+    size_first = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The joint's speed."""
@@ -29,6 +36,10 @@ class ViscousFriction(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The coefficient."""
         return {"coefficient": float(beta[0])}
+
+    def parts(self, site: Site) -> tuple[Part, ...]:
+        """What a simulation is given for it."""
+        return site.each(lambda j: DofChange(joint=j, damping=site["coefficient"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..effects import CATALOGUE
 from ..motion.balances import Balances, columns_of
 from ..motion.motion import Motion
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..motion.signals import zero_phase
 from ..regression.fit import Fit, Term
-from ..regression.trusted_bodies import TRUST
+from ..regression.trusted_bodies import effect_of
 from ..report.data import Traces
 from ..study.recording import FloatArray
 
@@ -162,7 +161,7 @@ def _added(motion: Motion, weighted: Weighted) -> dict[Key, FloatArray]:
     """What the terms add to each balance, unfiltered, (T,)."""
     total: dict[Key, FloatArray] = {}
     for term, beta in weighted:
-        effect = CATALOGUE["link_inertial_error" if term.effect == TRUST else term.effect]
+        effect = effect_of(term)
         for key, column in columns_of(effect, motion, term.place, term.shape).items():
             total[key] = total.get(key, 0.0) + column @ beta
     return total

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeGuard
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pdoik._files import write_whole
 
-from ..effects.simulated_finding import parts_of_finding
+from ..effects.simulated import parts_of_finding
 from ..findings import Finding
 from ..model.model import Model
 from ..simulation.assemble import HINGE
@@ -150,11 +151,12 @@ def _parted(model: Model, has_words: Callable[[Part], bool]) -> tuple[list[Part]
     """Parts that a format expresses, and the findings that it does not, in words."""
     kept: list[Part] = []
     left_out: list[str] = []
-    elastic = {j for finding in model.findings for j in finding.joints if _is_elastic(finding)}
+    gears = [part for f in model.findings for part in parts_of_finding(f) if _is_gear(part)]
+    sprung = {part.joint for part in gears if not part.gap}
     for finding in model.findings:
         parts = parts_of_finding(finding)
         # Play and a spring in series in one joint are a law that no format has.
-        mixed = finding.effect == "backlash" and elastic.intersection(finding.joints)
+        mixed = any(_is_gear(part) and part.gap and part.joint in sprung for part in parts)
         if parts and all(map(has_words, parts)) and not mixed:
             kept.extend(parts)
         else:
@@ -162,8 +164,8 @@ def _parted(model: Model, has_words: Callable[[Part], bool]) -> tuple[list[Part]
     return kept, tuple(left_out)
 
 
-def _is_elastic(finding: Finding) -> bool:
-    return finding.effect == "joint_elasticity"
+def _is_gear(part: Part) -> TypeGuard[GearPlay]:
+    return isinstance(part, GearPlay)
 
 
 def _words(finding: Finding) -> str:

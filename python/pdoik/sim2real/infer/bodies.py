@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..effects.inertial import LinkInertials, Payload
 from ..findings import Estimate
 from ..motion.place import Place
 from ..regression.estimate import estimates
@@ -26,13 +27,13 @@ def by_moments(
         The terms, their estimates, and where a payload was put so.
     """
     shapeless = [
-        i for i, t in enumerate(terms) if t.effect == "payload" and not _is_body(values[i])
+        i for i, t in enumerate(terms) if t.effect == Payload.id and not _is_body(values[i])
     ]
     if not shapeless:
         return terms, values, frozenset()
     kept = list(terms)
     for i in shapeless:
-        kept[i] = replace(terms[i], effect="link_inertial_error")
+        kept[i] = replace(terms[i], effect=LinkInertials.id)
         for known in (state.level, state.simulated, state.confirmed):
             known.pop(id(terms[i]), None)
     swap = {id(old): new for old, new in zip(terms, kept, strict=True)}

@@ -9,6 +9,7 @@ import numpy as np
 from ..channels.check_channels import ChannelCheck
 from ..confirm.simulated_estimates import simulated_estimates
 from ..effects import CATALOGUE
+from ..effects.inertial import Payload
 from ..findings import Diagnosis, Equivalent, Estimate, Evidence
 from ..motion.prepare import Prepared
 from ..regression.estimate import estimates, event_estimates
@@ -29,21 +30,6 @@ LEAST_CONTACT = 0.01
 
 _CLEAR_TOGETHER = 100.0
 """Wald statistic of all figures of a body, above which they are not nothing together."""
-
-_AMPLITUDE_FIRST = (
-    "viscous_friction",
-    "coulomb_friction",
-    "stribeck_friction",
-    "load_dependent_friction",
-    "presliding_hysteresis",
-    "friction_drift",
-    "rotor_inertia",
-    "torque_offset",
-    "torque_saturation",
-    "torque_ripple",
-    "position_dependent_spring",
-)
-"""Effects whose first parameter is their size: without it there is no finding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,8 +85,8 @@ def conclude(
         if id(term) in state.confirmed:
             evidence = replace(state.confirmed[id(term)], channels=channels)
         rivals = equivalents_of(state, term, study.joints, prepared.body)
-        if term.effect == "link_inertial_error" and term.place in loads:
-            rivals = (Equivalent(effect="payload", links=link_of(prepared, term)), *rivals)[:3]
+        if term.place in loads and CATALOGUE[term.effect].is_body:
+            rivals = (Equivalent(effect=Payload.id, links=link_of(prepared, term)), *rivals)[:3]
         finding = finding_of(prepared, term, values[number], rivals, evidence)
         found.append((finding, (term,)))
     if lost:
@@ -145,8 +131,9 @@ def _is_lost_in_its_error(fit: Fit, term: Term, values: dict[str, Estimate]) -> 
     not: then it stays.
     """
     sizes = list(values.values())
-    body = term.effect in ("payload", "link_inertial_error")
-    if term.effect in _AMPLITUDE_FIRST:
+    effect = CATALOGUE[term.effect]
+    body = effect.is_body
+    if effect.size_first:
         sizes = sizes[:1]
     elif not body:
         return False
@@ -158,6 +145,10 @@ def _is_lost_in_its_error(fit: Fit, term: Term, values: dict[str, Estimate]) -> 
     return others.extended(term).wald(term)[0] < _CLEAR_TOGETHER
 
 
+def _is_nameless(term: Term) -> bool:
+    return term.effect in CATALOGUE and CATALOGUE[term.effect].sought == "last"
+
+
 def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
     """Contacts in recordings that were held out; an event is found where it happened.
 
@@ -165,7 +156,7 @@ def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> l
     without a name: what its function misses where it was not learnt looks like events.
     """
     found: list[Found] = []
-    if prepared.validate is None or any(term.effect == "unknown" for term in fit.terms):
+    if prepared.validate is None or any(_is_nameless(term) for term in fit.terms):
         return found
     b = prepared.validate
     left = prediction.residual(fit)

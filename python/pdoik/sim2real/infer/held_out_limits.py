@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.torque_saturation import OF_COMMAND, kinds, top_of
+from ..effects.torque_saturation import OF_COMMAND, TorqueSaturation, kinds, top_of
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.flat_top import FlatTop
@@ -19,7 +19,7 @@ from ..regression.prediction import Prediction
 from ..regression.refine import refined
 from ..study.recording import FloatArray
 
-_LIMIT = "torque_saturation"
+_LIMIT = TorqueSaturation.id
 _OF_THE_LEVEL = 0.002  # its error at least
 
 

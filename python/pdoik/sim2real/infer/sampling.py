@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.command_delay import OF_POSITION, OF_TORQUE, period_of
+from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay, period_of
 from ..findings import Estimate
 from ..motion.motion import Motion
 from ..motion.place import Key, Place
@@ -23,8 +23,6 @@ from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..study.recording import FloatArray
-
-LATE = ("command_delay", "actuator_lag")
 
 _POSITION, _TORQUE, _UNKNOWN = 0.03, 0.15, 0.3
 """Standard deviation of a delay by sampling, in periods; of any where the period is not known.
@@ -51,9 +49,10 @@ def widened(
     motions: Sequence[Motion], term: Term, values: dict[str, Estimate]
 ) -> dict[str, Estimate]:
     """A delay's, lag's or skew's estimates with the error that sampling adds."""
-    if term.effect not in (*LATE, "timestamp_skew") or motions[0].source == "":
+    effect = CATALOGUE[term.effect]
+    if not effect.blurred_by_sampling or motions[0].source == "":
         return values
-    by = blur(motions, term.shape if term.effect in LATE else (OF_TORQUE,))
+    by = blur(motions, term.shape if effect.is_delay else (OF_TORQUE,))
     return {name: _wider(each, by) for name, each in values.items()}
 
 
@@ -83,12 +82,12 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
     Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
     """
     motions = fit.balances.motions
-    if term.effect not in LATE or motions[0].source == "":
+    if not _is_delay(term) or motions[0].source == "":
         return False
     delay = abs(term.shape[1])
     if delay > period_of(motions[0])[0] + _CLEARLY * blur(motions, term.shape):
         return False
-    others = [t for t in fit.terms if not (t.effect in LATE and t.shape[0] == term.shape[0])]
+    others = [t for t in fit.terms if not (_is_delay(t) and t.shape[0] == term.shape[0])]
     bare = Fit(fit.balances, others)
     seen = []
     for j in range(fit.balances.n):
@@ -100,12 +99,16 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
     return not seen or float(np.median(seen)) > 0.5 * delay
 
 
+def _is_delay(term: Term) -> bool:
+    return term.effect in CATALOGUE and CATALOGUE[term.effect].is_delay
+
+
 def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:
     """How late a joint's commands act beside a fit, to first order, and its error [s].
 
     Infinite where no balance shows it.
     """
-    b, effect = fit.balances, CATALOGUE["command_delay"]
+    b, effect = fit.balances, CATALOGUE[CommandDelay.id]
     place = Place(joints=(j,))
     if not effect.shapes(b.motions, place):
         return 0.0, np.inf
@@ -115,7 +118,7 @@ def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:
     if not slope:
         return 0.0, np.inf
     middle = {key: (late[key] + early[key]) / 2 for key in slope}
-    wider = fit.extended(_term("command_delay", place, middle), _term("slope", place, slope))
+    wider = fit.extended(_term(effect.id, place, middle), _term("slope", place, slope))
     error = float(np.sqrt(wider.robust(wider.terms[-1])[0, 0]))
     return float(wider.beta[-1]) * step, error * step
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..effects import CATALOGUE
+from ..effects.unknown import Unknown
 from ..findings import Estimate, Evidence, Finding, JointFit, Verdict
 from ..motion.place import Key
 from ..motion.prepare import Prepared, simulated
@@ -82,7 +83,7 @@ def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Ve
     if not judged:
         return "cannot_tell"
     near = all(map(_is_explained, judged))
-    named = [f for f in findings if f.effect != "unknown"]
+    named = [f for f in findings if f.effect != Unknown.id]
     if not findings and near and len(judged) < len(joints):
         return "cannot_tell"  # of a joint that did not move
     if not findings:
@@ -110,8 +111,8 @@ def what_is_left(
     prepared: Prepared, findings: tuple[Finding, ...], joints: dict[str, JointFit]
 ) -> tuple[Finding, ...]:
     """A finding without a name for every joint that is not explained and has no law of its own."""
-    told = {name for finding in findings if finding.effect == "unknown" for name in finding.joints}
-    effect = CATALOGUE["unknown"]
+    told = {name for finding in findings if finding.effect == Unknown.id for name in finding.joints}
+    effect = CATALOGUE[Unknown.id]
     left = []
     for name, each in joints.items():
         if not each.excited or _is_explained(each) or _small([each]):
@@ -121,7 +122,7 @@ def what_is_left(
         channel = channel_of(prepared, ("torque", prepared.study.joints.index(name)))
         amount = Estimate(value=each.after, std=0.0, interval95=(0.0, each.before), unit=each.unit)
         finding = Finding(
-            effect="unknown",
+            effect=Unknown.id,
             joints=(name,),
             regime=f"motion of {name}",
             statement=effect.statement(name, {"left": each.after}),

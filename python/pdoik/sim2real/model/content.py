@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..effects.simulated_finding import parts_of_finding
+from ..effects.simulated import parts_of_finding
 from ..findings import Diagnosis, Finding
 from ..study.recording import FloatArray
 from ..study.study import Controller

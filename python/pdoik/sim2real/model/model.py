@@ -10,7 +10,7 @@ from pathlib import Path
 from pdoik._files import write_whole
 from pdoik.errors import LoadError
 
-from ..effects.simulated_finding import not_simulated, parts_of_finding
+from ..effects.simulated import not_simulated, parts_of_finding
 from ..findings import Diagnosis, Finding
 from ..simulation import Part, Simulator, Stepper
 from ..simulation.description import nearest, read_description

@@ -21,23 +21,6 @@ from ..simulation.plant import build_plant
 from ..study.recording import FloatArray, Recording
 from .model import Model
 
-OF_COMMANDS = frozenset({"command_delay", "actuator_lag", "torque_saturation"})
-"""Effects that change what becomes of a command, not what a motion needs."""
-
-SHARP = frozenset(
-    {
-        "asymmetric_friction",
-        "coulomb_friction",
-        "external_contact",
-        "friction_drift",
-        "load_dependent_friction",
-        "presliding_hysteresis",
-        "stribeck_friction",
-        "unknown",
-    }
-)
-"""Effects whose torque jumps, which no filter should round."""
-
 
 def predict(model: Model, recording: Recording, findings: bool = True) -> FloatArray:
     """Torque of the drives along a recorded motion, as they would report it.
@@ -64,7 +47,7 @@ def predict(model: Model, recording: Recording, findings: bool = True) -> FloatA
     if findings:
         smooth += _corrections(model, motion)
         for finding in model.findings:
-            kind = sharp if finding.effect in SHARP else smooth
+            kind = sharp if _jumps(finding) else smooth
             kind += torque_of(finding, motion, model.joints)
     # Accelerations are noisy: what depends on them goes through the diagnosis's own filter.
     tau = zero_phase(smooth, motion.cutoff, motion.period) + sharp
@@ -74,14 +57,18 @@ def predict(model: Model, recording: Recording, findings: bool = True) -> FloatA
     return np.stack(columns, axis=1)
 
 
+def _jumps(finding: Finding) -> bool:
+    return finding.effect in CATALOGUE and CATALOGUE[finding.effect].jumps
+
+
 def torque_of(finding: Finding, motion: Motion, joints: tuple[str, ...]) -> FloatArray:
     """What one finding adds to the torques along a motion, (T, n)."""
     tau = np.zeros_like(motion.tau)
-    if finding.effect not in CATALOGUE or finding.effect in OF_COMMANDS:
+    effect = CATALOGUE.get(finding.effect)
+    if effect is None or effect.of_commands or effect.sought == "channels":
         return tau
-    if finding.effect == "unknown" and "variable" not in finding.values:
+    if effect.sought == "last" and "variable" not in finding.values:
         return tau  # only how much is left
-    effect = CATALOGUE[finding.effect]
     shape, beta = effect.coefficients(finding.values, finding.shape)
     for place in places_of(finding, motion.body, joints):
         for (balance, channel), column in columns_of(effect, motion, place, shape).items():
@@ -96,7 +83,7 @@ def places_of(finding: Finding, body: RigidBody | None, joints: tuple[str, ...])
     index = tuple(joints.index(nearest(name, joints, "joint")) for name in finding.joints)
     if effect.on == "base":
         return [Place()]
-    if finding.effect in ("joint_coupling", "unknown"):
+    if effect.together:
         return [Place(joints=index)]
     if index:
         return [Place(joints=(j,), gate=finding.gate) for j in index]

@@ -16,9 +16,6 @@ from .fit import Term
 
 Found = tuple[Finding, tuple[Term, ...]]
 
-ONE_CAUSE = ("command_delay", "actuator_lag", "timestamp_skew")
-"""Effects that several joints share when their figures agree."""
-
 
 def finding_of(
     prepared: Prepared,
@@ -32,7 +29,7 @@ def finding_of(
     effect = CATALOGUE[term.effect]
     joints = tuple(study.joints[j] for j in place.joints)
     links = link_of(prepared, term)
-    if effect.id == "kinematic_error" and prepared.body is not None:
+    if effect.on == "link" and joints and prepared.body is not None:
         links = (prepared.body.links[place.joints[0]],)
     plain = {name: each.value for name, each in values.items()}
     where = _where(effect.on, joints, links)
@@ -93,7 +90,7 @@ def described(prepared: Prepared, term: Term) -> str:
     if place.window is not None:
         where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
     where += gate_in_words(place.gate, ", only ")
-    return f"{term.effect.replace('_', ' ')} at {where}"
+    return f"{CATALOGUE[term.effect].words} at {where}"
 
 
 def gate_in_words(gate: Gate | None, start: str) -> str:
@@ -142,7 +139,7 @@ def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:
     result: list[Found] = []
     groups: dict[str, list[Found]] = {}
     for finding, terms in found:
-        if finding.effect in ONE_CAUSE:
+        if CATALOGUE[finding.effect].shared:
             groups.setdefault(finding.effect, []).append((finding, terms))
         else:
             result.append((finding, terms))

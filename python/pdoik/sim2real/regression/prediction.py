@@ -6,21 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import CATALOGUE
 from ..findings import Evidence
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..study.recording import FloatArray
 from .fit import Fit, Term
-from .trusted_bodies import TRUST
+from .trusted_bodies import effect_of
 
 _DRAWS = 300
 
 
 def columns_on(balances: Balances, term: Term) -> dict[Key, FloatArray]:
     """A term's columns on other recordings."""
-    effect = CATALOGUE["link_inertial_error" if term.effect == TRUST else term.effect]
-    return balances.compute(effect, term.place, term.shape)
+    return balances.compute(effect_of(term), term.place, term.shape)
 
 
 class Prediction:

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..effects import CATALOGUE
+from ..effects import CATALOGUE, Effect
+from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
 from ..motion.place import Place
 from ..study.recording import FloatArray
 from .fit import Term
 
+_BODY = LinkInertials()
+
 TRUST = "trust"
 """Effect id of the terms; none of the catalogue."""
+
+
+def effect_of(term: Term) -> Effect:
+    """The effect of a term, one of these included."""
+    return _BODY if term.effect == TRUST else CATALOGUE[term.effect]
 
 
 def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
@@ -27,7 +35,7 @@ def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
     terms = []
     for link, ten in enumerate(body.inertial_parameters()):
         scale = trust * inertial_scale(ten)
-        columns = balances.compute(CATALOGUE["link_inertial_error"], Place(link=link), ())
+        columns = balances.compute(_BODY, Place(link=link), ())
         if columns:
             prior = 1.0 / scale**2
             place = Place(link=link)

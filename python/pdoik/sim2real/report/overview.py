@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.findings import Diagnosis, Finding
 
 from .curves import binned, reach, sample
@@ -15,19 +16,10 @@ from .study_figures import forest, forest_rows, joint_bars
 from .style import AFTER, BEFORE, INK, MUTED, NOISE, png_of, quiet_legend, short
 from .words import VERDICTS, effect_name, percent, place
 
-_AGAINST = {
-    "position_dependent_spring": "q",
-    "torque_ripple": "q",
-    "gravity_direction": "q",
-    "joint_offset": "q",
-    "payload": "q",
-    "link_inertial_error": "q",
-    "torque_offset": "q",
-    "external_contact": "q",
-    "load_dependent_friction": "load",
-    "torque_gain": "load",
-    "torque_saturation": "load",
-}  # speed otherwise
+
+def _axis(finding: Finding) -> str:
+    effect = CATALOGUE.get(finding.effect)
+    return "dq" if effect is None or effect.against == "speed" else effect.against
 
 
 def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
@@ -114,13 +106,13 @@ def curve_findings(diagnosis: Diagnosis, data: ReportData) -> list[Finding]:
     chosen: dict[tuple[str, str], Finding] = {}
     for finding in diagnosis.findings:
         joint = finding.joints[0] if finding.joints else ""
-        if joint in data.joints or (not joint and finding.effect in _AGAINST):
+        if joint in data.joints or (not joint and _axis(finding) != "dq"):
             chosen.setdefault((joint, _against(finding)), finding)
     return list(chosen.values())[:2]
 
 
 def _against(finding: Finding | None) -> str:
-    return _AGAINST.get(finding.effect, "dq") if finding else "dq"
+    return _axis(finding) if finding else "dq"
 
 
 def finding_curve(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 
+from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Finding, JointFit, Verdict
 
 MINUS, DASH = "\N{MINUS SIGN}", "\N{EN DASH}"
@@ -33,28 +33,16 @@ VERDICTS: dict[Verdict, tuple[str, str]] = {
         "They hold too little motion, or too few channels, to judge the model by.",
     ),
 }
-_SPECIAL = {
-    "load_dependent_friction": "load-dependent friction",
-    "presliding_hysteresis": "presliding hysteresis",
-    "stribeck_friction": "Stribeck friction",
-    "coulomb_friction": "Coulomb friction",
-    "position_dependent_spring": "spring that depends on position",
-    "unknown": "unknown effect",
-    "gravity_direction": "direction of gravity",
-    "link_inertial_error": "a link's inertia",
-    "external_contact": "contact from outside",
-    "timestamp_skew": "skewed time stamps",
-}
 
 
 def effect_name(effect: str) -> str:
     """`coulomb_friction` as Coulomb friction."""
-    return _SPECIAL.get(effect, effect.replace("_", " "))
+    return CATALOGUE[effect].words if effect in CATALOGUE else effect.replace("_", " ")
 
 
 def place(thing: Finding | Equivalent) -> str:
     """The link that has it, or else the joints."""
-    if thing.effect == "gravity_direction":
+    if thing.effect in CATALOGUE and CATALOGUE[thing.effect].on == "base":
         return "the base"
     return ", ".join(thing.links or thing.joints) or "the whole robot"
 
@@ -95,28 +83,10 @@ def estimate_numbers(estimate: Estimate) -> tuple[str, str, str]:
 
 def parameters_of(finding: Finding) -> dict[str, Estimate]:
     """As a reader wants them: of an unnamed torque, its values at the knots."""
-    if finding.effect != "unknown" or "variable" not in finding.parameters:
+    if finding.effect not in CATALOGUE:
         return finding.parameters
-    values = finding.values
-    names = [name for name in values if name.startswith("value_")]
-    low, high = values.get("lowest", 0.0), values.get("highest", 0.0)
-    shown: dict[str, Estimate] = {}
-    for k, name in enumerate(names):
-        said = _knot(int(values.get("variable", -1)), k, len(names), low, high)
-        shown[said] = replace(finding.parameters[name], unit="N m")
-    return shown
-
-
-def _knot(variable: int, k: int, count: int, low: float, high: float) -> str:
-    """What the k-th of an unnamed torque's values stands for; by the codes of its effect."""
-    if variable == 7:
-        return f"{'cosine' if k == 0 else 'sine'} at {number(low)} Hz"
-    part = ""
-    if variable in (4, 9, 11):
-        count //= 2
-        part = "direction, " if k < count else "speed, "
-        k %= count
-    return f"{part}at {number(low + (high - low) * k / max(count - 1, 1))}"
+    shown = CATALOGUE[finding.effect].shown(finding.values)
+    return {said: finding.parameters[name] for name, said in shown.items()}
 
 
 def percent(share: float) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
@@ -14,7 +13,7 @@ from ..motion.rigid_body import STANDARD_GRAVITY
 from ..regression.fit import Term, term_of
 from ..regression.naming import described
 from ..regression.trial import Search, held_out_squares
-from ..regression.trusted_bodies import trusted
+from ..regression.trusted_bodies import effect_of, trusted
 from ..study.recording import FloatArray
 from .search import search
 
@@ -72,8 +71,8 @@ def _missed(state: Search) -> float:
 def leaning_gravity(state: Search) -> FloatArray | None:
     """Gravity in the frame of the base, if that was found to be tilted, (3,) [m/s^2]."""
     for term, offset in zip(state.fit.terms, state.fit.offsets, strict=False):
-        if term.effect == "gravity_direction":
-            tilt = CATALOGUE[term.effect].values((), state.fit.beta[offset : offset + 3])
-            base = Rotation.from_euler("XY", [tilt["tilt_x"], tilt["tilt_y"]])
-            return np.asarray(base.inv().apply([0.0, 0.0, -STANDARD_GRAVITY]))
+        effect = effect_of(term)
+        if effect.on == "base":
+            beta = state.fit.beta[offset : offset + term.width]
+            return effect.gravity(effect.values(term.shape, beta))
     return None

@@ -5,20 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ..effects import CATALOGUE
+from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
 from ..motion.place import Key, Place
 from ..regression.fit import Fit, Term, term_of
 from ..regression.trusted_bodies import inertial_scale
-
-_SHARP = 0.4  # of a hump's speed, within which dry friction must turn for the hump to count
 
 
 def candidates(balances: Balances) -> list[Term]:
     """Every effect at every plausible place and first shape."""
     terms: list[Term] = []
     for effect in CATALOGUE.values():
-        if effect.id == "unknown":
-            continue  # tried last
+        if effect.sought != "candidates":
+            continue
         for place in effect.places(balances.motions):
             if effect.per_joint_moving and not all(balances.excited[j] for j in place.joints):
                 continue
@@ -40,7 +39,7 @@ def _restless(balances: Balances, j: int) -> bool:
 def implausibility(fit: Fit, term: Term) -> float:
     """0 to 1: how large a link's error is beside the link; 0 for all other effects."""
     body = fit.balances.motions[0].body
-    if term.effect != "link_inertial_error" or body is None or term.place.link is None:
+    if term.effect != LinkInertials.id or body is None or term.place.link is None:
         return 0.0
     scale = inertial_scale(body.inertial_parameters()[term.place.link])
     beta = fit.extended(term).beta[-term.width :]
@@ -57,10 +56,8 @@ def has_company(term: Term, taken: set[tuple[str, Place]]) -> bool:
 
 
 def blurred(term: Term, others: tuple[Term, ...]) -> bool:
-    """Whether a Stribeck hump is only the edge of dry friction that is smooth about rest."""
-    return term.effect == "stribeck_friction" and any(
-        t.effect == "coulomb_friction"
-        and t.place == term.place
-        and t.shape[0] > _SHARP * term.shape[0]
-        for t in others
+    """Whether the effect is only what is left at the edge of another at its place."""
+    effect = CATALOGUE[term.effect]
+    return any(
+        effect.is_edge_of(term.shape, t.effect, t.shape) for t in others if t.place == term.place
     )

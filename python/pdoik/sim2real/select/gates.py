@@ -18,30 +18,7 @@ from ..regression.refine import refined
 from ..regression.trial import Search, Trial, cross_validated, held_out_squares
 from ..study.recording import FloatArray
 from .candidates import candidates
-from .ripple import ripple_terms
-
-GATED = (
-    "viscous_friction",
-    "coulomb_friction",
-    "load_dependent_friction",
-    "presliding_hysteresis",
-    "torque_gain",
-    "torque_offset",
-    "torque_ripple",
-)
-"""Effects that are tried behind a gate."""
-
-_STAND_INS = (
-    *GATED,
-    "stribeck_friction",
-    "asymmetric_friction",
-    "friction_drift",
-    "position_dependent_spring",
-    "torque_saturation",
-    "rotor_inertia",
-    "unknown",
-)
-"""What a search without gates may have put in a gated effect's place."""
+from .harmonics import harmonic_terms
 
 _SLOW = (4.0, 5.0, 6.0, 7.0, 8.0)
 """Harmonics of the joint's angle that a part of the positions shows no whole wave of."""
@@ -69,7 +46,11 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
     b = state.balances
     if not b.excited[j] or any(t.place.gate and t.place.joints == (j,) for t in state.accepted):
         return None
-    instead = [t for t in state.accepted if t.effect in _STAND_INS and t.place.joints[:1] == (j,)]
+    instead = [
+        t
+        for t in state.accepted
+        if CATALOGUE[t.effect].of_joint_torque and t.place.joints[:1] == (j,)
+    ]
     base = Fit(b, [t for t in state.fit.terms if t not in instead])
     key: Key = ("torque", j)
     if key not in base.design or not len(base.rows[key]):
@@ -106,10 +87,11 @@ def _above_noise(fit: Fit, key: Key) -> float:
 
 def _plain(base: Fit, j: int) -> list[Term]:
     """Candidates of the joint without a gate."""
-    b, ripple = base.balances, CATALOGUE["torque_ripple"]
-    slow = [term_of(b, ripple, Place(joints=(j,)), (h,)) for h in _SLOW]
-    pool = [*candidates(b), *ripple_terms(base), *(term for term in slow if term is not None)]
-    return [t for t in pool if t.effect in GATED and t.place.joints == (j,)]
+    b = base.balances
+    harmonic = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
+    slow = [term_of(b, each, Place(joints=(j,)), (h,)) for each in harmonic for h in _SLOW]
+    pool = [*candidates(b), *harmonic_terms(base), *(term for term in slow if term is not None)]
+    return [t for t in pool if CATALOGUE[t.effect].gated and t.place.joints == (j,)]
 
 
 def _gates(base: Fit, term: Term) -> Iterator[tuple[float, Gate]]:

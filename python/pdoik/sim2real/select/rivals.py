@@ -12,7 +12,6 @@ from .candidates import candidates, has_company, implausibility
 
 _TRIED = 8
 _MOST = 3  # equivalents listed
-NEVER = frozenset({"external_contact", "unknown"})
 
 
 def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
@@ -44,7 +43,7 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
 def swapped(state: Search) -> None:
     """Replace accepted terms by rivals that do clearly better; keep what is level."""
     for term in state.accepted:
-        if term.effect in NEVER:
+        if CATALOGUE[term.effect].sought in ("windows", "last"):
             continue
         own, rivals = level_trials(state, term)
         winners = [rival for rival in rivals if _wins(state, rival, own)]
@@ -68,9 +67,9 @@ def _wins(state: Search, rival: Trial, own: Trial) -> bool:
 def _rank(others: Fit, term: Term) -> float:
     """Order of names that data cannot tell apart, the likelier first."""
     rank = CATALOGUE[term.effect].complexity + implausibility(others, term)
-    rubs = any(t.effect == "coulomb_friction" and t.place == term.place for t in others.terms)
-    if term.effect == "asymmetric_friction" and rubs:
-        return 0.5  # one cause, not friction and an offset of the sensor besides
+    beside = CATALOGUE[term.effect].likelier_beside
+    if any(t.effect in beside and t.place == term.place for t in others.terms):
+        return 0.5  # one cause with it, not another besides
     return rank
 
 

@@ -20,7 +20,7 @@ from ..regression.trial import (
     without,
 )
 from .candidates import blurred, candidates, has_company, implausibility
-from .ripple import ripple_terms
+from .harmonics import harmonic_terms
 
 _SCREENED = 12  # candidates of the highest training gain that are cross-validated, a round
 _HOPELESS = 60  # candidates of no significance after which a round gives up
@@ -69,7 +69,7 @@ def _round(state: Search, pool: list[Term]) -> Trial | None:
     gone = taken | {name for name, times in state.dropped.items() if times > 1}
     fresh = [t for t in pool if (t.effect, t.place) not in gone and has_company(t, taken)]
     fresh = [t for t in fresh if not blurred(t, state.accepted)]
-    fresh += [t for t in ripple_terms(state.fit) if (t.effect, t.place) not in gone]
+    fresh += [t for t in harmonic_terms(state.fit) if (t.effect, t.place) not in gone]
     screened = screen(state.fit, fresh)
     held = held_out_squares(state.fit)
     trials: list[Trial] = []

@@ -7,7 +7,7 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..motion.place import Place
 from ..regression.fit import Term, term_of
-from ..regression.naming import ONE_CAUSE, near_the_median
+from ..regression.naming import near_the_median
 from ..regression.trial import Search
 
 _MOST_JOINTS = 0.6  # share of the moving joints that must show it
@@ -20,8 +20,8 @@ def share_causes(state: Search) -> None:
     """
     b = state.balances
     moving = [j for j in range(b.n) if b.excited[j]]
-    for effect in ONE_CAUSE:
-        terms = [t for t in state.accepted if t.effect == effect]
+    for effect in [each for each in CATALOGUE.values() if each.shared]:
+        terms = [t for t in state.accepted if t.effect == effect.id]
         alike = near_the_median(np.array([t.shape[-1] for t in terms])) if terms else []
         shown = [terms[i] for i in alike]
         if len(shown) < 2 or len(shown) < _MOST_JOINTS * len(moving):
@@ -31,7 +31,7 @@ def share_causes(state: Search) -> None:
         for j in moving:
             if (j,) in taken:
                 continue
-            term = term_of(b, CATALOGUE[effect], Place(joints=(j,)), shape)
+            term = term_of(b, effect, Place(joints=(j,)), shape)
             if term is not None and _helps(state, term):
                 state.fit = state.fit.extended(term)
 

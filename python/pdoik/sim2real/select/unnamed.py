@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.unknown import VARIABLES
+from ..effects.unknown import VARIABLES, Unknown
 from ..motion.place import Key, Place
 from ..regression.fit import Fit, Term, term_of
 from ..regression.trial import Search, Trial, cross_validated, held_out_squares, screen
@@ -14,26 +14,7 @@ _LEAST_SHARE = 0.08  # of the mean square residual the joint began with
 _NAMES_EXPLAIN = 0.96  # of what the unnamed function does; less, and the names are not right
 _FAR, _NEAR = 2.2, 1.5  # sigmas between which a function must bring what names leave, if little
 _LEAST_LEFT = 1.35  # root mean square in sigmas below which nothing is left to explain
-_SAME_VARIABLE = {
-    "speed": (
-        "viscous_friction",
-        "coulomb_friction",
-        "stribeck_friction",
-        "asymmetric_friction",
-        "presliding_hysteresis",
-    ),
-    "position": ("position_dependent_spring", "torque_ripple", "torque_offset"),
-    "load": ("load_dependent_friction", "torque_gain"),
-    "time": ("friction_drift", "torque_offset"),
-}
-_OF_SPEED = (*_SAME_VARIABLE["speed"], "load_dependent_friction")
-_SAME_VARIABLE |= {
-    "position and speed": _OF_SPEED,
-    "fine position and speed": _OF_SPEED,
-    "other position and speed": _OF_SPEED,
-    "fine position": _SAME_VARIABLE["position"],
-    "other load": ("joint_coupling", "torque_gain", "torque_offset"),
-}
+_NAMELESS = CATALOGUE[Unknown.id]
 
 
 def add_unknown(state: Search) -> None:
@@ -49,9 +30,9 @@ def add_unknown(state: Search) -> None:
 
 
 def _best(state: Search) -> Trial | None:
-    b, effect = state.balances, CATALOGUE["unknown"]
+    b, effect = state.balances, _NAMELESS
     held = held_out_squares(state.fit)
-    taken = {t.place.joints[0] for t in state.accepted if t.effect == "unknown"}
+    taken = {t.place.joints[0] for t in state.accepted if t.effect == effect.id}
     trials = []
     for j in range(b.n):
         key = ("torque", j)
@@ -130,7 +111,7 @@ def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
     names = [
         term
         for term in state.accepted
-        if term.effect in _SAME_VARIABLE.get(name, ()) and term.place.joints == (j,)
+        if _shows_by(CATALOGUE[term.effect].depends_on, name) and term.place.joints == (j,)
     ]
     if not names:
         return
@@ -144,6 +125,13 @@ def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
         explained < _NAMES_EXPLAIN or _rms(named, unknown) > _FAR > _NEAR > _rms(alone, unknown)
     ):
         state.fit = alone
+
+
+def _shows_by(variables: tuple[str, ...], name: str) -> bool:
+    """Whether what depends on these variables may be what the unnamed function of `name` is."""
+    if name.endswith("position and speed"):
+        return "speed" in variables or "position and speed" in variables
+    return name.removeprefix("fine ") in variables
 
 
 def _left(fit: Fit, j: int) -> float:

@@ -15,10 +15,10 @@ _LOWEST, _HIGHEST = 4, 300  # cycles per turn; fewer look like gravity
 _TRIED = 2  # harmonics per joint that are worked out
 
 
-def ripple_terms(fit: Fit) -> list[Term]:
-    """Ripple of the strongest harmonics in what is left, for each joint that moves."""
+def harmonic_terms(fit: Fit) -> list[Term]:
+    """Effects of the strongest harmonics in what is left, for each joint that moves."""
     b = fit.balances
-    effect = CATALOGUE["torque_ripple"]
+    effects = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     terms = []
     harmonics = np.arange(_LOWEST, _HIGHEST + 1)
     for j in range(b.n):
@@ -32,9 +32,9 @@ def ripple_terms(fit: Fit) -> list[Term]:
         power = 2.0 * np.abs(fit.residual(key) @ waves[rows]) ** 2 / np.maximum(count, 50.0)
         for i in np.argsort(power)[::-1][:_TRIED]:
             if power[i] > 20.0:
-                term = term_of(b, effect, Place(joints=(j,)), (float(harmonics[i]),))
-                if term is not None:
-                    terms.append(term)
+                shape = (float(harmonics[i]),)
+                found = [term_of(b, each, Place(joints=(j,)), shape) for each in effects]
+                terms += [term for term in found if term is not None]
     return terms
 
 

@@ -1,0 +1,39 @@
+"""A sensor that is noisier than it should be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
+from ..study.recording import FloatArray
+from .effect import Effect, Parameter
+
+
+class SensorNoise(Effect):
+    """logged = true + white noise: told from spectra, before anything is fitted."""
+
+    id = "sensor_noise"
+    family = "sensor"
+    on = "channel"
+    equation = "logged = true + n, n white"
+    parameters = (Parameter("std", "unit of the channel", lower=0.0),)
+    decided_by = "the robot at rest, brakes on"
+    source = "white noise above the frequencies of motion"
+    sought = "channels"
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """None: it is no part of a balance."""
+        return []
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """None."""
+        return {}
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """Its standard deviation."""
+        return {"std": float(beta[0])}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return f"A sensor of {where} has white noise of {values['std']:.2g}."
