@@ -17,13 +17,13 @@ import mujoco
 
 from pdoik.sim2real import (
     Diagnosis,
-    Model,
     evidence_of,
     examine,
-    files_of,
+    load_model,
     load_study,
     model_of,
     predict,
+    write,
 )
 from pdoik.sim2real.regression.trusted_bodies import TRUST
 from pdoik.sim2real.report.data import ReportData
@@ -139,17 +139,41 @@ def test_without_a_known_controller_recorded_torque_drives_the_replay(
 
 
 def test_the_files_hold_the_findings(examination: Any, tmp_path: Path) -> None:
-    files = files_of(examination)
-    assert set(files) == {"model.json", "improved.xml", "improved.urdf"}
-    model = Model.from_json(str(files["model.json"]))
+    write(tmp_path, examination, quick=True)
+    model = load_model(tmp_path)
     assert model.findings == examination.diagnosis.findings
     assert model.cutoff == examination.prepared.cutoff
-    loaded = mujoco.MjModel.from_xml_string(str(files["improved.xml"]))
+    loaded = mujoco.MjModel.from_xml_path(str(tmp_path / "improved.xml"))
     elbow = loaded.joint("elbow").dofadr[0]
     assert loaded.dof_frictionloss[elbow] == pytest.approx(example.LEVEL, rel=0.03)
     assert loaded.dof_damping[elbow] == pytest.approx(example.DAMPING, rel=0.05)
     assert loaded.body("forearm").mass[0] == pytest.approx(0.9 + example.MASS, rel=0.02)
-    assert Diagnosis.from_json(examination.diagnosis.to_json()) == examination.diagnosis
+    text = (tmp_path / "diagnosis.json").read_text()
+    assert Diagnosis.from_json(text) == examination.diagnosis
+
+
+def test_what_fails_takes_nothing_along(
+    examination: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pdoik.sim2real.evidence import files
+
+    def fails(*args: Any, **options: Any) -> Any:
+        raise RuntimeError("no body has mass -340 kg")
+
+    monkeypatch.setattr(files, "improved_mjcf", fails)
+    monkeypatch.setattr(files, "evidence_of", fails)
+    assert write(tmp_path, examination) == tmp_path / "diagnosis.json"
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "diagnosis.json",
+        "improved.urdf",
+        "model.json",
+    }
+    found = Diagnosis.from_json((tmp_path / "diagnosis.json").read_text())
+    assert found.findings == examination.diagnosis.findings
+    assert found.notes[-2:] == (
+        "improved.xml could not be made: no body has mass -340 kg.",
+        "The report could not be made: no body has mass -340 kg.",
+    )
 
 
 def test_predicted_torque_comes_down_to_the_noise(examination: Any) -> None:

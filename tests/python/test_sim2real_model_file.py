@@ -14,6 +14,7 @@ mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 import pdoik  # noqa: E402
 from pdoik.errors import LoadError  # noqa: E402
+from pdoik.sim2real.effects import CATALOGUE  # noqa: E402
 from pdoik.sim2real.export.export import export_mjcf, export_urdf, write_exports  # noqa: E402
 from pdoik.sim2real.findings import Estimate, Finding  # noqa: E402
 from pdoik.sim2real.model.model import Model, load_model, replay, robot_text  # noqa: E402
@@ -273,12 +274,39 @@ def test_corrected_inertials_take_the_place_of_the_robot_s() -> None:
     assert urdf.body_inertia[-1] == pytest.approx([0.1] * 3)
 
 
-def test_moments_that_mjcf_refuses_are_evened_out_and_said() -> None:
+def test_inertias_of_no_body_are_those_of_the_nearest_and_said() -> None:
     flat = Inertial.about_com(2.0, np.array([0.3, 0, 0]), np.diag([0.01, 0.01, 0.05])).ten()
     model = Model(robot=PENDULUM, joints=("joint1",), rigid_body={"link1": flat})
-    export = export_mjcf(model)
-    assert "A + B >= C" in export.left_out[0]
-    mujoco.MjModel.from_xml_string(export.text)
+    for export in (export_mjcf(model), export_urdf(model)):
+        assert "link link1: the inertia that was found is no body's" in export.left_out[0]
+        moments = np.sort(mujoco.MjModel.from_xml_string(export.text).body_inertia[-1])
+        assert moments[0] + moments[1] >= moments[2] * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_improved_model_loads_whatever_was_found(seed: int) -> None:
+    pytest.importorskip("pinocchio", reason="needs the Python package pin")
+    from pdoik.sim2real.export.checked import improved_mjcf, improved_urdf
+
+    rng = np.random.default_rng(seed)
+    links = tuple(f"panda_link{k}" for k in range(1, 8))
+    names = [each.name for each in CATALOGUE["link_inertial_error"].parameters]
+    scale = 10.0 ** rng.uniform(-3, 3)
+    findings = [
+        found("payload", links=links[-1:], mass=scale, com_x=rng.normal(), ixx=rng.normal()),
+        found("coulomb_friction", JOINTS[:2], level=scale),
+        found("joint_offset", JOINTS[3:4], offset=rng.normal()),
+        found("gravity_direction", tilt_x=rng.normal(), tilt_y=rng.normal()),
+    ]
+    for k in rng.choice(7, 3, replace=False):
+        changes = dict(zip(names, (scale * rng.standard_normal(10)).tolist(), strict=True))
+        findings.append(found("link_inertial_error", links=links[k : k + 1], **changes))
+    model = panda(tuple(findings))
+    loaded = mujoco.MjModel.from_xml_string(improved_mjcf(model))
+    assert (loaded.body_mass >= 0.0).all()
+    mass, I = loaded.body_mass, np.sort(loaded.body_inertia, axis=1)  # noqa: E741
+    assert (I[mass > 0.0, 0] + I[mass > 0.0, 1] >= I[mass > 0.0, 2] * (1.0 - 1e-6)).all()
+    assert improved_urdf(model) is not None
 
 
 def test_findings_go_with_another_description_and_corrections_by_as_much(tmp_path: Path) -> None:

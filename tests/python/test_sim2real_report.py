@@ -14,9 +14,9 @@ from PIL import Image
 
 pytest.importorskip("jinja2", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik import _files
+from pdoik.sim2real.evidence.files import write_files
 from pdoik.sim2real.findings import Diagnosis, JointFit
-from pdoik.sim2real.report import cloud_size, draw_pictures, render_report, words, write_report
+from pdoik.sim2real.report import cloud_size, draw_pictures, render_report, words
 from pdoik.sim2real.report.curves import binned, busiest, envelope, reach
 from pdoik.sim2real.report.data import RegimeMap, ReportData
 from pdoik.sim2real.report.joint_figure import joint_picture
@@ -78,9 +78,7 @@ def data() -> ReportData:
 @pytest.fixture(scope="module")
 def folder(data: ReportData, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report") / "new" / "report"
-    assert write_report(folder, diagnosis(data), data, {"model.json": "{}\n"}) == (
-        folder / "report.html"
-    )
+    write_files(folder, render_report(diagnosis(data), data))
     return folder
 
 
@@ -197,7 +195,7 @@ def test_glyphs_that_no_font_has_do_not_stop_it() -> None:
 
 def test_files_stay_inside_the_folder_whatever_names_say(tmp_path: Path) -> None:
     data = small(joints=("../../a", "/etc/b"))
-    write_report(tmp_path / "out", diagnosis(data), data)
+    write_files(tmp_path / "out", render_report(diagnosis(data), data))
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
@@ -252,42 +250,9 @@ def test_the_same_input_gives_the_same_files() -> None:
     assert render_report(found, data) == render_report(found, data)
 
 
-def test_an_interrupted_report_leaves_whole_files_and_starts_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    data = small()
-    found = diagnosis(data)
-    whole = render_report(found, data)
-    written = 0
-    rename = Path.replace
-
-    def interrupted(path: Path, target: Path) -> Path:
-        nonlocal written
-        written += 1
-        if written == 3:
-            raise KeyboardInterrupt
-        return rename(path, target)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(_files.Path, "replace", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            write_report(tmp_path, found, data)
-    files = [path for path in tmp_path.rglob("*") if path.is_file()]
-    assert len(files) == 2
-    for path in files:
-        content = whole[str(path.relative_to(tmp_path))]
-        assert path.read_bytes() == (content if isinstance(content, bytes) else content.encode())
-    assert not (tmp_path / "diagnosis.json").exists()
-    write_report(tmp_path, found, data)
-    assert Diagnosis.from_json((tmp_path / "diagnosis.json").read_text()) == found
-    left = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
-    assert left == {*whole, "diagnosis.json"}
-
-
-def test_nothing_is_written_if_a_figure_cannot_be_drawn(tmp_path: Path) -> None:
+def test_without_a_recording_nothing_is_shown() -> None:
     with pytest.raises(ValueError, match=r"evidence\.recordings is empty"):
-        write_report(tmp_path / "out", diagnosis(small()), small(recordings=()))
-    assert not (tmp_path / "out").exists()
+        render_report(diagnosis(small()), small(recordings=()))
 
 
 @pytest.mark.parametrize(

@@ -34,8 +34,9 @@ def diagnose(
 ) -> None:
     """Say where recordings and model disagree, what physics was left out, and how sure that is.
 
-    Writes report.html, diagnosis.json, model.json, the improved model and the figures. Once
-    stopped, the same command starts it again; no file is ever half written.
+    Writes diagnosis.json as soon as it is known, then model.json, the improved model, the figures
+    and report.html; what of these cannot be made is said in the diagnosis's notes. No file is ever
+    half written.
 
     [bold]Example[/]: pdoik diagnose study.yaml --out report
     """
@@ -46,17 +47,13 @@ def diagnose(
     if out_folder.exists() and not out_folder.is_dir():
         fail(f"--out {out_folder}: is a file, expected a folder")
     with extra_needed("diagnose"), misuse_fails():
-        from pdoik.sim2real import evidence_of, examine, files_of, load_study
-        from pdoik.sim2real.report import write_report
+        from pdoik.sim2real import examine, load_study, write
 
         loaded = load_study(study)
         out_folder.mkdir(parents=True, exist_ok=True)
         with _story() as tell:
             examination = examine(loaded, tell=tell, seed=seed)
-            evidence = evidence_of(examination, quick=quick, tell=tell)
-            tell("report", "drawing the figures", 0.97)
-            files = files_of(examination)
-            path = write_report(out_folder, examination.diagnosis, evidence, files)
+            path = write(out_folder, examination, quick=quick, tell=tell)
         print_diagnosis(examination.diagnosis)
     out.print(escape(str(path)), highlight=False)
 

@@ -13,7 +13,7 @@ order of the study's joints.
 
 from .diagnose import diagnose, examine
 from .effects import CATALOGUE
-from .evidence import evidence_of, files_of, model_of, write
+from .evidence import evidence_of, model_of, write
 from .export.export import export_mjcf, export_urdf
 from .findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit
 from .infer.conclude import Examination, conclude
@@ -52,7 +52,6 @@ __all__ = [
     "examine",
     "export_mjcf",
     "export_urdf",
-    "files_of",
     "load_model",
     "load_study",
     "model_of",

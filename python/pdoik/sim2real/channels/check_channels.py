@@ -158,12 +158,13 @@ def _commanded(m: Motion, j: int) -> FloatArray:
 
 
 def _own(m: Motion, j: int) -> FloatArray:
-    """The model's torque, friction's columns, a constant; (T, 4)."""
-    return np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+    """The model's torque, friction's columns, a rotor's that nobody told of, a constant; (T, 5)."""
+    beside = [m.sign(j), m.dq[:, j], m.ddq[:, j], np.ones(len(m.time))]
+    return np.stack([m.tau[:, j], *beside], axis=1)
 
 
 def _by_model(m: Motion, j: int) -> FloatArray:
-    """The model's torque, friction's columns, a constant and a payload's ten; (T, 14)."""
+    """The model's torque, friction's columns, a rotor's, a constant and a payload's ten; (T, 15)."""
     assert m.body is not None
     return np.hstack([_own(m, j), m.regressor()[:, j, m.body.last]])
 

@@ -16,7 +16,7 @@ from ..effects.simulated import parts_of_finding
 from ..findings import Finding
 from ..model.model import Model
 from ..simulation.assemble import HINGE
-from ..simulation.description import nearest, read_description
+from ..simulation.description import Description, nearest, read_description
 from ..simulation.drive import combine
 from ..simulation.inertial import Inertial
 from ..simulation.mjcf import mjcf_text, movable_joints, odd_inertias
@@ -32,7 +32,7 @@ from ..simulation.parts import (
     SensorChange,
     Vector,
 )
-from ..simulation.plant import build_plant
+from ..simulation.plant import build_plant, unphysical
 from ..study.recording import FloatArray
 from .urdf import improve_urdf
 
@@ -81,8 +81,9 @@ def export_mjcf(model: Model) -> Export:
         [*corrected, *parts],
         rotor_inertia=armature,
         gravity=model.gravity,
-        tip=model.tip or build_plant(robot, model.joints).links[-1],
+        tip=model.tip or described.links_of(model.joints)[-1],
     )
+    left_out += _evened_out(described, model, [*corrected, *parts])
     left_out += tuple(
         f"link {link}: its moments of inertia break A + B >= C; MuJoCo evens them out on loading"
         for link in odd_inertias(plant.model)
@@ -108,10 +109,18 @@ def export_urdf(model: Model) -> Export:
     if model.rotor_inertia is not None and np.any(model.rotor_inertia):
         left_out += ("rotor inertias known before the diagnosis",)
     parts = _placed(kept, robot)
-    text = improve_urdf(
-        robot, model.joints, [*_corrected(model), *parts], _comment("URDF", left_out)
-    )
+    changes = [*_corrected(model), *parts]
+    left_out += _evened_out(read_description(robot), model, changes)
+    text = improve_urdf(robot, model.joints, changes, _comment("URDF", left_out))
     return Export(text=text, left_out=left_out)
+
+
+def _evened_out(described: Description, model: Model, parts: list[Part]) -> tuple[str, ...]:
+    links = unphysical(described, described.links_of(model.joints), parts)
+    return tuple(
+        f"link {link}: the inertia that was found is no body's; that of the nearest body is in here"
+        for link in links
+    )
 
 
 def _robot(model: Model) -> str:

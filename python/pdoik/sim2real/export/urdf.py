@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from ..simulation.description import nearest, read_description, rotation_of_rpy
 from ..simulation.inertial import Inertial
 from ..simulation.parts import DofChange, HardFriction, LinkChange, Part, Placement
-from ..simulation.plant import build_plant, changed_inertials
+from ..simulation.plant import changed_inertials
 from ..study.recording import FloatArray
 
 
@@ -52,13 +52,12 @@ def _set_inertials(
     changes = [part for part in parts if isinstance(part, LinkChange)]
     if not changes:
         return
-    links = build_plant(text, joints).links
-    inertials = changed_inertials(read_description(text), links, changes)
+    described = read_description(text)
+    links = described.links_of(joints)
+    inertials = changed_inertials(described, links, changes)
     elements = {each.get("name", ""): each for each in root.findall("link")}
     for link in dict.fromkeys(change.link or links[-1] for change in changes):
-        body = inertials[link].nearest_body()
-        body.principal(link)  # raises where no body is like that
-        _set_inertial(elements[link], body)
+        _set_inertial(elements[link], inertials[link].nearest_body())
 
 
 def _set_inertial(link: ElementTree.Element, inertial: Inertial) -> None:

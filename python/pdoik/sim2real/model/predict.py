@@ -17,7 +17,6 @@ from ..motion.place import Place
 from ..motion.rigid_body import RigidBody
 from ..motion.signals import zero_phase
 from ..simulation.description import nearest, read_description
-from ..simulation.plant import build_plant
 from ..study.recording import FloatArray, Recording
 from .model import Model
 
@@ -116,8 +115,8 @@ def _corrections(model: Model, motion: Motion) -> FloatArray:
     tau = np.zeros_like(motion.tau)
     if not model.rigid_body or model.robot is None or motion.body is None:
         return tau
-    own = read_description(model.robot).inertials
-    links = build_plant(model.robot, model.joints).links
+    described = read_description(model.robot)
+    own, links = described.inertials, described.links_of(model.joints)
     for name, ten in model.rigid_body.items():
         link = links.index(nearest(name, links, "link"))
         change = ten - own[nearest(name, own, "link")].ten()

@@ -85,4 +85,4 @@ def motions_of(
 
 def _file(recording: Recording) -> str:
     """The file a recording or a block of one comes from."""
-    return recording.name.split(" (")[0]
+    return recording.file or recording.name

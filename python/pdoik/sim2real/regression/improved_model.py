@@ -6,7 +6,6 @@ from ..findings import Finding
 from ..model.model import Model
 from ..motion.prepare import Prepared
 from ..simulation.description import read_description
-from ..simulation.plant import build_plant
 from .fit import Fit
 from .trusted_bodies import TRUST
 
@@ -25,7 +24,7 @@ def improved_model(prepared: Prepared, findings: tuple[Finding, ...], fit: Fit) 
     }
     if not changes or model.robot is None:
         return model
-    links = build_plant(model.robot, model.joints).links
-    own = read_description(model.robot).inertials
+    described = read_description(model.robot)
+    links, own = described.links_of(model.joints), described.inertials
     corrected = {links[k]: own[links[k]].ten() + change for k, change in changes.items()}
     return Model.of_study(prepared.study, findings, corrected, prepared.cutoff)

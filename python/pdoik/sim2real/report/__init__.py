@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-
-from pdoik._files import write_whole
 from pdoik.sim2real.findings import Diagnosis
 
 from .data import CutoffInfluence, Hypothesis, RegimeMap, Replay, ReportData, Traces
@@ -25,41 +21,10 @@ __all__ = [
     "ReportData",
     "Traces",
     "render_report",
-    "write_report",
 ]
 
 POINTS = 14000  # samples in all clouds of one kind of panel: they make the page's size
 MOST_REPLAYS = 3
-
-
-def write_report(
-    folder: Path,
-    diagnosis: Diagnosis,
-    evidence: ReportData,
-    others: Mapping[str, str | bytes] | None = None,
-) -> Path:
-    """Write report.html, overview.png, figures/*.png and diagnosis.json; the page's path.
-
-    Everything is drawn before the first file is written, and each file is whole or not there.
-    diagnosis.json is the last: where it stands, the report is complete.
-
-    Args:
-        folder: Made if it is not there.
-        diagnosis: What to say.
-        evidence: What to show.
-        others: More files by their path within the folder, as model.json and the improved model.
-
-    Raises:
-        ValueError: The evidence holds no recording.
-        OSError: The folder cannot be made or written to.
-    """
-    files = {**render_report(diagnosis, evidence), **(others or {})}
-    files["diagnosis.json"] = diagnosis.to_json()
-    (folder / "diagnosis.json").unlink(missing_ok=True)
-    for name, content in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        write_whole(folder / name, content)
-    return folder / "report.html"
 
 
 def render_report(diagnosis: Diagnosis, evidence: ReportData) -> dict[str, str | bytes]:

@@ -45,6 +45,11 @@ class Description:
     def links(self) -> tuple[str, ...]:
         return tuple(body.name for body in self.spec.bodies)
 
+    def links_of(self, joints: Iterable[str]) -> tuple[str, ...]:
+        """The link that each joint moves."""
+        moved = {joint.name: joint.parent.name for joint in self.spec.joints}
+        return tuple(moved[nearest(joint, moved, "joint")] for joint in joints)
+
 
 def read_description(robot: str | Path) -> Description:
     """The robot of a file, or of the text of one.

@@ -59,23 +59,34 @@ class Inertial:
         """In axes parallel to the frame's, (3, 3) [kg m^2]."""
         return np.asarray(self.inertia - self.mass * _steiner(self.com))
 
+    @property
+    def is_body(self) -> bool:
+        """Whether some distribution of mass has these figures.
+
+        The second moments about the centre of mass, trace(I)/2 - I, are those of a density, so they
+        have no negative eigenvalue: that is A + B >= C for the principal moments.
+        """
+        I = self.inertia_about_com  # noqa: E741
+        least = float(np.linalg.eigvalsh(0.5 * np.trace(I) * np.eye(3) - I)[0])
+        scale = max(float(np.abs(self.inertia).max()), 1e-9)
+        return self.mass >= 0.0 and least >= -1e-9 * scale
+
     def nearest_body(self) -> Inertial:
-        """These parameters if a body can have them or none is near, else those of one near them.
+        """These figures if they are a body's, else those of one near them.
 
         The 4x4 matrix of second moments [[S, h], [h', m]] with I = trace(S) - S is that of a
-        density, so it is positive; its negative eigenvalues are set to zero (Wensing, Kim and
+        density, so it is positive; its eigenvalues are kept from being negative (Wensing, Kim and
         Slotine, RA-L 3(1), 2018), lengths in units of the link's own.
         """
-        moments = np.linalg.eigvalsh(self.inertia_about_com)
-        scale = max(float(np.abs(self.inertia).max()), 1e-9)
-        if self.mass <= 0 or moments[0] >= -1e-9 * scale:
+        if self.is_body:
             return self
         S = 0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia
-        length = np.sqrt(max(float(np.abs(S).max()), 1e-9) / self.mass)
+        scale = max(abs(self.mass), 1e-6)
+        length = np.sqrt(max(float(np.abs(S).max()), 1e-9) / scale)
         unit, back = np.diag([1.0 / length] * 3 + [1.0]), np.diag([length] * 3 + [1.0])
         whole = np.block([[S, self.first_moment[:, None]], [self.first_moment[None], self.mass]])
         values, vectors = np.linalg.eigh(unit @ whole @ unit)
-        least = 1e-6 * max(float(values[-1]), 1e-12)
+        least = 1e-6 * max(float(np.abs(values).max()), 1e-12)
         whole = back @ (vectors * np.maximum(values, least)) @ vectors.T @ back
         S = whole[:3, :3]
         return Inertial(

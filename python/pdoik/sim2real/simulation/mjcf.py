@@ -49,6 +49,8 @@ def mjcf_text(
     compiler = {"angle": "radian", "autolimits": "true"}
     if _some_inertia_is_odd(model):
         compiler["balanceinertia"] = "true"
+    if _some_moves_no_mass(model):
+        compiler |= {"boundmass": "1e-6", "boundinertia": "1e-9"}
     ElementTree.SubElement(root, "compiler", compiler)
     ElementTree.SubElement(
         root,
@@ -82,6 +84,12 @@ def odd_inertias(model: Any) -> tuple[str, ...]:
 
 def _some_inertia_is_odd(model: Any) -> bool:
     return bool(odd_inertias(model))
+
+
+def _some_moves_no_mass(model: Any) -> bool:
+    """Whether a link that a joint moves has no mass, which MuJoCo refuses."""
+    moving = model.body_mass[model.jnt_bodyid]
+    return bool((moving <= 0.0).any())
 
 
 def _body(parent: ElementTree.Element, model: Any, k: int) -> ElementTree.Element:

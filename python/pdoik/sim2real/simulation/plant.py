@@ -27,6 +27,8 @@ from .parts import (
 )
 
 STANDARD_GRAVITY: Vector = (0.0, 0.0, -9.81)
+NO_INERTIA = 1e-9  # a joint that moves less cannot be simulated [kg m^2]
+LONELY_INERTIA = 1e-3  # of a joint that moves none where none moves any [kg m^2]
 ROTOR_SHARE = 0.1  # of a joint's inertia, for a motor behind play whose rotor nobody knows
 FINEST_STEP = 1e-4  # [s]
 DAMPING_OF_STIFFEST = 0.3  # of a spring too stiff for any step, as a share of critical
@@ -159,6 +161,16 @@ def changed_inertials(
     return inertials
 
 
+def unphysical(
+    described: Description, links: tuple[str, ...], parts: Iterable[Part]
+) -> tuple[str, ...]:
+    """Links whose changed figures are no body's."""
+    parts = [part for part in parts if isinstance(part, LinkChange)]
+    changed = dict.fromkeys(part.link or links[-1] for part in parts)
+    inertials = changed_inertials(described, links, parts)
+    return tuple(link for link in changed if not inertials[link].is_body)
+
+
 def tilted(gravity: Vector, tilt: GravityTilt) -> FloatArray:
     """Gravity in the frame of a base rolled by R_x(x) R_y(y), (3,)."""
     (cx, cy), (sx, sy) = np.cos([tilt.x, tilt.y]), np.sin([tilt.x, tilt.y])
@@ -242,8 +254,14 @@ def _check_inertia(plant: Plant) -> None:
     locked = _link_inertia(plant)
     for k, (joint, link) in enumerate(zip(plant.joints, plant.links, strict=True)):
         dof = plant.dof[k]
-        if locked[k] + model.dof_armature[dof] < 1e-9:
-            raise ValueError(f"joint {joint} moves no inertia: link {link} has no mass")
+        if locked[k] + model.dof_armature[dof] < NO_INERTIA:
+            heavy = locked[locked > NO_INERTIA]
+            least = ROTOR_SHARE * float(np.min(heavy)) if len(heavy) else LONELY_INERTIA
+            model.dof_armature[dof] = least
+            plant.notes += (
+                f"joint {joint} moves no inertia, since link {link} has no mass: simulated with"
+                f" {least:.3g} kg m^2",
+            )
         if plant.play[k] is not None and model.dof_armature[dof] <= 0.0:
             model.dof_armature[dof] = ROTOR_SHARE * locked[k]
             plant.notes += (

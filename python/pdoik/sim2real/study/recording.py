@@ -23,6 +23,7 @@ class Recording:
     """
 
     name: str  # the file's name, unique in the study
+    file: str = ""  # its name where the recording is a part of one
     role: Role
     start: float  # of the first sample on the study's clock [s]
     time: FloatArray  # (T,) uniform, from 0 [s]

@@ -37,15 +37,17 @@ class RobotFacts:
     masses: dict[str, float]  # of each link [kg]
     parents: dict[str, str]  # link before each link
     frames: tuple[str, ...] = ()  # other names that may be the tip
+    free: dict[str, str] = field(default_factory=dict)  # joint by the link it lets float or glide
+    leaders: dict[str, str] = field(default_factory=dict)  # joint that each follower follows
     notes: tuple[str, ...] = field(default=())
 
     def mass_moved_by(self, joint: str) -> float:
         """Of the joint's link and all after it [kg]."""
-        return sum(
-            mass for link, mass in self.masses.items() if self.joints[joint].link in self._up(link)
-        )
+        moved = self.joints[joint].link
+        return sum(mass for link, mass in self.masses.items() if moved in self.chain(link))
 
-    def _up(self, link: str) -> list[str]:
+    def chain(self, link: str) -> list[str]:
+        """The link and those before it, to the base."""
         chain = [link]
         while chain[-1] in self.parents and len(chain) <= len(self.masses):
             chain.append(self.parents[chain[-1]])
@@ -88,14 +90,26 @@ def check_robot(facts: RobotFacts, joints: Collection[str], tip: str | None) -> 
                 f"{facts.path.name}: no joint {joint!r} that moves{nearest(joint, facts.joints)}"
             )
         link = facts.joints[joint].link
-        mass = facts.mass_moved_by(joint)
-        if not mass > 0:
-            raise LoadError(
-                f"{facts.path.name}: joint {joint!r} moves a mass of {mass:g} kg (link {link!r} and"
-                " all after it), expected more than 0"
+        for above in facts.chain(link):
+            if above in facts.free:
+                raise LoadError(
+                    f"{facts.path.name}: joint {joint!r} is on link {above!r}, which joint"
+                    f" {facts.free[above]!r} lets float: floating bases are not supported yet; give"
+                    " a description whose base is fixed as it was when it was recorded"
+                )
+        if not facts.mass_moved_by(joint) > 0:
+            notes.append(
+                f"joint {joint} moves no mass in the robot's description: of its load nothing is"
+                " predicted"
             )
-        if facts.masses.get(link, 0.0) == 0:
+        elif facts.masses.get(link, 0.0) == 0:
             notes.append(f"link {link} has no mass in the robot's description")
+    if not any(facts.mass_moved_by(joint) > 0 for joint in joints):
+        raise LoadError(
+            f"{facts.path.name}: none of the joints {', '.join(joints)} moves any mass, expected"
+            " links with <inertial>"
+        )
+    notes += _held(facts, joints)
     negative = [link for link, mass in facts.masses.items() if mass < 0]
     if negative:
         mass = facts.masses[negative[0]]
@@ -106,6 +120,24 @@ def check_robot(facts: RobotFacts, joints: Collection[str], tip: str | None) -> 
             f"{facts.path.name}: no link {tip!r} (the study's tip){nearest(tip, known)}"
         )
     return tuple(notes)
+
+
+_NAMED = 6  # joints in one note
+
+
+def _held(facts: RobotFacts, joints: Collection[str]) -> list[str]:
+    """Notes on joints of the description that the study does not list."""
+    notes = [
+        f"joint {name} follows joint {leader} in the robot's description, but is held at its zero"
+        " here"
+        for name, leader in facts.leaders.items()
+        if name in facts.joints and name not in joints
+    ]
+    others = [name for name in facts.joints if name not in joints and name not in facts.leaders]
+    if others:
+        more = f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
+        notes.append(f"not in the study, so held at zero: joint {', '.join(others[:_NAMED])}{more}")
+    return notes
 
 
 def armatures(facts: RobotFacts, joints: tuple[str, ...]) -> FloatArray | None:
@@ -121,6 +153,8 @@ def _from_urdf(path: Path, root: ElementTree.Element) -> RobotFacts:
         mass = element.find("inertial/mass")
         masses[name] = _number(path, mass, "value", f"link {name!r}: mass")
     joints, parents = {}, {}
+    free: dict[str, str] = {}
+    leaders: dict[str, str] = {}
     for joint in root.findall("joint"):
         name, kind = joint.get("name", ""), joint.get("type", "")
         parent, child = joint.find("parent"), joint.find("child")
@@ -128,8 +162,13 @@ def _from_urdf(path: Path, root: ElementTree.Element) -> RobotFacts:
             raise LoadError(f"{path.name}: joint {name!r}: expected <parent> and <child>")
         link = child.get("link", "")
         parents[link] = parent.get("link", "")
+        if kind in ("floating", "planar"):
+            free[link] = name
         if kind not in ("revolute", "continuous", "prismatic"):
             continue
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            leaders[name] = mimic.get("joint", "")
         limit = joint.find("limit")
         bounded = limit is not None and kind != "continuous"
         where = f"joint {name!r}: limit"
@@ -141,7 +180,9 @@ def _from_urdf(path: Path, root: ElementTree.Element) -> RobotFacts:
             upper=_number(path, limit, "upper", where) if bounded else np.inf,
             effort=_number(path, limit, "effort", where) or None,
         )
-    return RobotFacts(path=path, joints=joints, masses=masses, parents=parents)
+    return RobotFacts(
+        path=path, joints=joints, masses=masses, parents=parents, free=free, leaders=leaders
+    )
 
 
 def _number(path: Path, element: ElementTree.Element | None, key: str, what: str) -> float:
@@ -162,10 +203,11 @@ def _from_mjcf(path: Path) -> RobotFacts:
     bodies = [model.body(k).name or f"body {k}" for k in range(model.nbody)]
     hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
     kinds = {int(hinge): "revolute", int(slide): "prismatic"}
-    joints = {}
+    joints, free = {}, {}
     for k in range(model.njnt):
         kind = kinds.get(int(model.jnt_type[k]))
         if kind is None:
+            free[bodies[model.jnt_bodyid[k]]] = model.joint(k).name or f"joint {k}"
             continue
         name = model.joint(k).name
         limited = bool(model.jnt_limited[k])
@@ -185,4 +227,5 @@ def _from_mjcf(path: Path) -> RobotFacts:
         masses={bodies[k]: float(model.body_mass[k]) for k in range(model.nbody)},
         parents={bodies[k]: bodies[model.body_parentid[k]] for k in range(1, model.nbody)},
         frames=tuple(model.site(k).name for k in range(model.nsite)),
+        free=free,
     )

@@ -48,6 +48,7 @@ def _blocks(recording: Recording) -> tuple[Recording, Recording]:
     late = replace(
         part(recording, cut, count),
         name=f"{recording.name} (last {100 * HELD_OUT:.0f} %)",
+        file=recording.name,
         role="validate",
     )
     return replace(part(recording, 0, cut - between), role="fit"), late
