@@ -10,8 +10,12 @@ import pytest
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pin = pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real import Estimate, Finding, Model  # noqa: E402
-from pdoik.sim2real.export import urdf as export_urdf  # noqa: E402
+from pdoik.sim2real import (  # noqa: E402
+    Estimate,
+    Finding,
+    Model,
+    export_urdf,
+)
 
 MOVED = {"dx": 0.002, "dy": 0.011, "dz": -0.004, "rx": 0.004, "ry": -0.003, "rz": 0.002}
 

@@ -164,7 +164,7 @@ def _own(m: Motion, j: int) -> FloatArray:
 
 
 def _by_model(m: Motion, j: int) -> FloatArray:
-    """The model's torque, friction's columns, a rotor's, a constant and a payload's ten; (T, 15)."""
+    """`_own` and a payload's ten columns; (T, 15)."""
     assert m.body is not None
     return np.hstack([_own(m, j), m.regressor()[:, j, m.body.last]])
 

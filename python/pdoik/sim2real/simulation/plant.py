@@ -165,9 +165,9 @@ def unphysical(
     described: Description, links: tuple[str, ...], parts: Iterable[Part]
 ) -> tuple[str, ...]:
     """Links whose changed figures are no body's."""
-    parts = [part for part in parts if isinstance(part, LinkChange)]
-    changed = dict.fromkeys(part.link or links[-1] for part in parts)
-    inertials = changed_inertials(described, links, parts)
+    changes = [part for part in parts if isinstance(part, LinkChange)]
+    inertials = changed_inertials(described, links, changes)
+    changed = dict.fromkeys(change.link or links[-1] for change in changes)
     return tuple(link for link in changed if not inertials[link].is_body)
 
 
