@@ -36,7 +36,8 @@ def unknown_told(hidden: Entry, said: Said) -> bool:
     if said["verdict"] == "mismatch_unexplained" and len(unknown) == len(said["findings"]) == 0:
         return True
     at = set(hidden["joints"])
-    placed = any(not at or at & set(each["joints"]) for each in unknown)
+    left = {name for name, each in said["joints"].items() if each.get("residue")}
+    placed = any(not at or at & joints for joints in (*(set(u["joints"]) for u in unknown), left))
     return placed and said["verdict"] in ("mismatch_unexplained", "mismatch_partly_explained")
 
 

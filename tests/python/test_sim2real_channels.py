@@ -4,33 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real import Study, prepare
+from pdoik.sim2real import prepare
 from pdoik.sim2real.channels.check_channels import check_channels
-from pdoik.sim2real.motion.rigid_body import RigidBody
-from sim2real_motions import PERIOD, recording, wave, write_arm
-
-SECONDS = 20.0
-JOINTS = ("j1", "j2", "j3")
-
-
-def study(folder: Path, rotor: tuple[float, ...], factor: tuple[float, ...]) -> Study:
-    """An arm with rotors and dry friction that its description does not tell of."""
-    robot = write_arm(folder, 3)
-    body = RigidBody(robot, JOINTS, None)
-    time = PERIOD * np.arange(round(SECONDS / PERIOD))
-    q, dq, ddq = (wave(time, 3, order) for order in range(3))
-    tau = body.dynamics(q, dq, ddq).tau + np.array(rotor) * ddq + 1.5 * np.tanh(dq / 0.01)
-    tau = tau + 0.02 * np.random.default_rng(0).standard_normal(tau.shape)
-    alone = {"tau_cmd": None, "q_des": None, "dq_des": None}
-    logged = recording(body, 3, SECONDS, tau=tau * np.array(factor), **alone)
-    return Study(
-        folder=folder, robot=robot, joints=JOINTS, recordings=(logged,), split="by the test"
-    )
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.infer.conclude import at_bound
+from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.regression.estimate import estimates
+from pdoik.sim2real.regression.fit import Fit, term_of
+from sim2real_channels import study
 
 
 def test_rotors_that_nobody_told_of_are_no_factor_of_a_channel(tmp_path: Path) -> None:
@@ -49,3 +34,19 @@ def test_a_wrong_sign_or_unit_is_found_beside_rotors_that_nobody_told_of(
     # A load that nobody told of could take a part of it: sign and order of size are what is sure.
     assert 0.6 < finding.values["gain"] / factor < 1.6
     assert check.mended
+
+
+def test_a_figure_on_its_bound_is_said_and_explains_nothing(tmp_path: Path) -> None:
+    prepared = prepare(study(tmp_path, (0.0, 0.0, 0.0), (1.0, 3.4, 1.0)))
+    gain = CATALOGUE["torque_gain"]
+    term = term_of(prepared.fit, gain, Place(joints=(1,)), (0.0,))
+    assert term is not None
+    fit = Fit(prepared.fit, (term,))
+    said = at_bound(fit, term, estimates(fit, (term,), 0)[0])
+    assert "lies on a bound" in said  # 2.5 times at most
+    assert "2.5" in said
+    right = prepare(study(tmp_path, (0.0, 0.0, 0.0), (1.0, 1.4, 1.0)))
+    term = term_of(right.fit, gain, Place(joints=(1,)), (0.0,))
+    assert term is not None
+    fit = Fit(right.fit, (term,))
+    assert at_bound(fit, term, estimates(fit, (term,), 0)[0]) == ""

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.effects.simulated import not_simulated, parts_of_finding
-from pdoik.sim2real.findings import Finding, JointFit
-from pdoik.sim2real.infer.verdict import verdict_of, what_is_left
-from pdoik.sim2real.model.model import Model
+from pdoik.sim2real import Diagnosis, Finding, JointFit, Residue, prepare
+from pdoik.sim2real.infer.residue import residue_of
+from pdoik.sim2real.infer.verdict import verdict_of
+from pdoik.sim2real.report.words import residue_words
+from sim2real_channels import study
 
 
 def joint(before: float, after: float, *, floor: float = 0.1, excited: bool = True) -> JointFit:
@@ -22,10 +24,6 @@ def joint(before: float, after: float, *, floor: float = 0.1, excited: bool = Tr
     )
 
 
-MOTION = SimpleNamespace(source="tau")
-STUDY: Any = SimpleNamespace(  # what is asked of a prepared study here
-    study=SimpleNamespace(joints=("a", "b", "c")), fit=SimpleNamespace(motions=[MOTION])
-)
 FRICTION = Finding(effect="coulomb_friction", joints=("a",))
 
 
@@ -52,27 +50,34 @@ def test_the_verdict(
     assert verdict_of(findings, joints) == verdict
 
 
-def test_much_that_is_left_at_a_joint_is_a_finding_without_a_name() -> None:
-    joints = {"a": joint(2.0, 1.5), "b": joint(2.0, 0.2), "c": joint(0.1, 0.1)}
-    (left,) = what_is_left(STUDY, (FRICTION,), joints)
-    assert (left.effect, left.joints, left.variant) == ("unknown", ("a",), "left")
-    assert left.values == {"left": 1.5}
-    assert left.evidence.channels == ("tau",)
-    assert "nothing the catalogue knows" in left.statement
+def test_what_happened_in_the_fit_recordings_alone_is_not_passed_over() -> None:
+    fine, left = {"a": joint(2.0, 0.1)}, {"a": joint(2.0, 1.5)}
+    assert verdict_of((FRICTION,), fine, fine) == "mismatch_explained"
+    assert verdict_of((FRICTION,), fine, left) == "mismatch_partly_explained"
+    assert verdict_of((), {"a": joint(0.1, 0.1)}, left) == "mismatch_unexplained"
 
 
-def test_what_a_joint_that_stood_still_leaves_is_nobodys_finding() -> None:
-    assert what_is_left(STUDY, (), {"a": joint(2.0, 2.0, excited=False)}) == ()
+@pytest.mark.parametrize("of", ["speed", "position", "load", "time"])
+def test_what_is_left_of_a_joint_is_placed(tmp_path: Path, of: str) -> None:
+    prepared = prepare(study(tmp_path, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    b, key = prepared.fit, ("torque", 1)
+    by = {
+        "speed": b.sampled([m.dq[:, 1] for m in b.motions]),
+        "position": b.sampled([m.q[:, 1] for m in b.motions]),
+        "load": b.sampled([m.tau[:, 1] for m in b.motions]),
+        "time": b.time,
+    }[of]
+    law = np.sin(3.0 * (by - by.mean()) / by.std())
+    noise = np.random.default_rng(1).standard_normal(len(law))
+    residue = residue_of(b, key, law + 0.5 * noise)
+    assert residue.of == of
+    assert residue.share == pytest.approx(0.5 / 0.75, abs=0.15)
+    assert residue_of(b, key, noise) == Residue()
 
 
-def test_what_already_has_a_law_is_not_told_twice() -> None:
-    told = Finding(effect="unknown", joints=("a",), variant="")
-    assert what_is_left(STUDY, (told,), {"a": joint(2.0, 1.5)}) == ()
-
-
-def test_what_is_left_survives_the_models_file_and_adds_no_torque() -> None:
-    (left,) = what_is_left(STUDY, (), {"a": joint(2.0, 1.5)})
-    assert not_simulated(left)
-    assert parts_of_finding(left) == ()
-    model = Model(joints=("a",), findings=(left,))
-    assert Model.from_json(model.to_json()).findings == (left,)
+def test_a_residue_survives_the_diagnosis_file() -> None:
+    left = replace(joint(2.0, 1.5), residue=Residue(of="speed", share=0.6))
+    found = Diagnosis(verdict="mismatch_unexplained", findings=(), joints={"a": left})
+    assert Diagnosis.from_json(found.to_json()) == found
+    assert residue_words(left) == "1.50 N m unexplained, 60 % of it by speed"
+    assert residue_words(joint(2.0, 0.1)) == ""

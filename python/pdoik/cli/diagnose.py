@@ -119,7 +119,7 @@ def _findings(diagnosis: Diagnosis) -> Table:
 
 
 def _joints(diagnosis: Diagnosis) -> Table:
-    from pdoik.sim2real.report.words import joint_state, number
+    from pdoik.sim2real.report.words import joint_state, number, residue_words
 
     table = _table("joint")
     for name in ("residual before", "after", "noise floor"):
@@ -128,7 +128,9 @@ def _joints(diagnosis: Diagnosis) -> Table:
     table.add_column("")
     for name, fit in diagnosis.joints.items():
         numbers = [number(value) for value in (fit.before, fit.after, fit.noise_floor)]
-        table.add_row(*map(escape, (name, *numbers, fit.unit, joint_state(fit))))
+        table.add_row(
+            *map(escape, (name, *numbers, fit.unit, residue_words(fit) or joint_state(fit)))
+        )
     return table
 
 

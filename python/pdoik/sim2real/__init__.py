@@ -15,7 +15,7 @@ from .diagnose import diagnose, examine
 from .effects import CATALOGUE
 from .evidence import evidence_of, model_of, write
 from .export.export import export_mjcf, export_urdf
-from .findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit
+from .findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit, Residue
 from .infer.conclude import Examination, conclude
 from .model.model import Model, load_model, replay
 from .model.predict import predict
@@ -40,6 +40,7 @@ __all__ = [
     "Model",
     "Prepared",
     "Recording",
+    "Residue",
     "Search",
     "SimulationError",
     "Simulator",

@@ -83,6 +83,14 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Residue:
+    """What of a joint nothing explains: by which variable it is seen most."""
+
+    of: str = ""  # speed, position, load, time; "" where none of them tells much of it
+    share: float = 0.0  # of its mean square that goes with this variable
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class JointFit:
     """Root mean square residual of a joint on data that nothing was fitted to."""
 
@@ -92,6 +100,7 @@ class JointFit:
     unit: str
     data: str  # the recordings it was measured on
     excited: bool  # whether the joint moved enough to be judged
+    residue: Residue | None = None  # None where the joint is explained, or was not judged
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,9 +129,14 @@ class Diagnosis:
         return cls(
             verdict=content["verdict"],
             findings=tuple(_finding(each) for each in content["findings"]),
-            joints={name: JointFit(**each) for name, each in content["joints"].items()},
+            joints={name: _joint(each) for name, each in content["joints"].items()},
             notes=tuple(content.get("notes", ())),
         )
+
+
+def _joint(content: dict[str, Any]) -> JointFit:
+    residue = content.get("residue")
+    return JointFit(**{**content, "residue": None if residue is None else Residue(**residue)})
 
 
 def _finding(content: dict[str, Any]) -> Finding:

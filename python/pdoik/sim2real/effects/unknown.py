@@ -138,24 +138,17 @@ class Unknown(Effect):
         return (unknown_part(joint, variable, knots, values, of=site.joints[-1]),)
 
     def not_simulated(self, values: Mapping[str, float]) -> str:
-        """A loaded neighbour's torque, or what is left, is no law of one joint."""
+        """A loaded neighbour's torque is no law of one joint."""
         known = depends_on(values) in SIMULATED
         return "" if known else "a torque without a law is not simulated"
 
     def shown(self, values: Mapping[str, float]) -> dict[str, str]:
         """The function's values, by where their knots are."""
-        if "variable" not in values:
-            return super().shown(values)
         names = [name for name in values if name.startswith("value_")]
         return {name: _knot(values, k, len(names)) for k, name in enumerate(names)}
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
-        if "variable" not in values:
-            return (
-                f"What is left at {where}, {values['left']:.3g} N m, is explained by nothing the"
-                " catalogue knows."
-            )
         name = VARIABLES[int(values["variable"])]
         on = {
             "other position": "another joint's position",
@@ -238,8 +231,8 @@ SIMULATED = (
 
 
 def depends_on(values: Mapping[str, float]) -> str:
-    """On what an unnamed torque depends; "nothing" where that is not known."""
-    return VARIABLES[int(values["variable"])] if "variable" in values else "nothing"
+    """On what an unnamed torque depends."""
+    return VARIABLES[int(values["variable"])]
 
 
 def unknown_part(

@@ -23,7 +23,7 @@ from ..select.rivals import equivalents_of
 from .bodies import by_moments
 from .held_out_limits import held_out_limits
 from .sampling import widened, without_sampling
-from .verdict import fitted_joints, joint_fits, notes_of, verdict_of, what_is_left
+from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
 LEAST_CONTACT = 0.01
 """Share of the first residual within its window that a contact must explain."""
@@ -76,6 +76,10 @@ def conclude(
             unsure.append(f"{described(prepared, term)}: suggested, but not larger than its error.")
             lost.append(term)
             continue
+        if said := at_bound(state.fit, term, values[number]):
+            unsure.append(f"{described(prepared, term)}: {said}, so it explains nothing.")
+            lost.append(term)
+            continue
         channels = tuple(sorted({channel_of(prepared, key) for key in term.columns}))
         evidence = prediction.evidence(state.fit, term, channels, seed)
         if term in state.contacts:
@@ -100,11 +104,8 @@ def conclude(
     found.sort(key=lambda each: -each[0].evidence.validation_gain)
     joints = joint_fits(prepared, state, prediction)
     findings = tuple(finding for finding, _ in found)
-    left = what_is_left(prepared, findings, joints)
-    left += what_is_left(prepared, (*findings, *left), fitted_joints(prepared, state))
-    findings, found = (*findings, *left), [*found, *((finding, ()) for finding in left)]
     diagnosis = Diagnosis(
-        verdict=verdict_of(findings, joints),
+        verdict=verdict_of(findings, joints, fitted_joints(prepared, state)),
         findings=findings,
         joints=joints,
         notes=(
@@ -143,6 +144,32 @@ def _is_lost_in_its_error(fit: Fit, term: Term, values: dict[str, Estimate]) -> 
         return True
     others = Fit(fit.balances, [each for each in fit.terms if each is not term])
     return others.extended(term).wald(term)[0] < _CLEAR_TOGETHER
+
+
+_ON_IT = 1e-3  # relative: how near to a bound a figure lies on it
+
+
+def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
+    """Which figure of a term lies on a bound of its effect, in words; "" where none does.
+
+    A figure that would go on beyond what it may be is pulled by something else.
+    """
+    effect = CATALOGUE[term.effect]
+    for each in effect.parameters:
+        if each.name not in values or each.chosen:
+            continue
+        value = values[each.name].value
+        for bound in (each.lower, each.upper):
+            if bound and np.isfinite(bound) and abs(value - bound) <= _ON_IT * abs(bound):
+                return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
+    if term.fixed or term.width != 1:
+        return ""
+    beta = fit.bounded()[int(fit.offsets[fit.terms.index(term)])]
+    for bound in (float(limit[0]) for limit in effect.bounds):
+        if bound and np.isfinite(bound) and abs(beta - bound) <= _ON_IT * abs(bound):
+            figures = ", ".join(f"{name} {each.value:.3g}" for name, each in values.items())
+            return f"it lies on a bound of what it may be ({figures})"
+    return ""
 
 
 def _is_nameless(term: Term) -> bool:

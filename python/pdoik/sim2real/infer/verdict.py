@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from ..effects import CATALOGUE
 from ..effects.unknown import Unknown
-from ..findings import Estimate, Evidence, Finding, JointFit, Verdict
+from ..findings import Finding, JointFit, Verdict
 from ..motion.place import Key
 from ..motion.prepare import Prepared, simulated
-from ..regression.naming import channel_of
 from ..regression.prediction import Prediction
 from ..regression.trial import Search
 from ..study.recording import FloatArray
+from .residue import residue_of
 
 _OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics
 _NEAR_FLOOR, _LITTLE = 1.6, 0.05
@@ -40,7 +41,7 @@ def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dic
         excited = bool(prepared.fit.excited[j])
         if not rows.any():
             rows, excited = np.ones_like(rows), False
-        result[name] = JointFit(
+        fit = JointFit(
             before=_rms(b.residual[key][rows]),
             after=min(_rms(left[key][rows]), state.left.get(key, np.inf)),
             noise_floor=b.floor[key],
@@ -48,6 +49,9 @@ def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dic
             data=names,
             excited=excited,
         )
+        if excited and not _is_explained(fit) and not _small([fit]):
+            fit = replace(fit, residue=residue_of(b, key, left[key]))
+        result[name] = fit
     return result
 
 
@@ -77,24 +81,33 @@ def preferred(j: int) -> tuple[Key, ...]:
     return (("torque", j), ("servo", j), ("drive", j), ("law", j), ("velocity", j))
 
 
-def verdict_of(findings: tuple[Finding, ...], joints: dict[str, JointFit]) -> Verdict:
-    """The verdict in one word."""
+def verdict_of(
+    findings: tuple[Finding, ...],
+    joints: dict[str, JointFit],
+    fitted: dict[str, JointFit] | None = None,
+) -> Verdict:
+    """The verdict in one word.
+
+    Args:
+        findings: of the diagnosis.
+        joints: as they are judged.
+        fitted: the same on the recordings to fit: what happened in these alone counts too.
+    """
     judged = [each for each in joints.values() if each.excited]
+    also = [each for each in (fitted or {}).values() if each.excited]
     if not judged:
         return "cannot_tell"
     near = all(map(_is_explained, judged))
+    small = all(_is_explained(each) or _small([each]) for each in (*judged, *also))
     named = [f for f in findings if f.effect != Unknown.id]
-    if not findings and near and len(judged) < len(joints):
+    if not findings and near and small and len(judged) < len(joints):
         return "cannot_tell"  # of a joint that did not move
     if not findings:
-        return "no_mismatch" if near or _small(judged) else "mismatch_unexplained"
+        return "no_mismatch" if small else "mismatch_unexplained"
     if not named:
         return "mismatch_unexplained"
-    return (
-        "mismatch_explained"
-        if near and len(named) == len(findings)
-        else ("mismatch_partly_explained")
-    )
+    explained = near and small and len(named) == len(findings)
+    return "mismatch_explained" if explained else "mismatch_partly_explained"
 
 
 def _is_explained(joint: JointFit) -> bool:
@@ -105,34 +118,6 @@ def _is_explained(joint: JointFit) -> bool:
 def _small(judged: list[JointFit]) -> bool:
     """Whether no joint is far from its floor: a factor of two is no mismatch worth a name."""
     return all(each.after <= 2.0 * each.noise_floor for each in judged)
-
-
-def what_is_left(
-    prepared: Prepared, findings: tuple[Finding, ...], joints: dict[str, JointFit]
-) -> tuple[Finding, ...]:
-    """A finding without a name for every joint that is not explained and has no law of its own."""
-    told = {name for finding in findings if finding.effect == Unknown.id for name in finding.joints}
-    effect = CATALOGUE[Unknown.id]
-    left = []
-    for name, each in joints.items():
-        if not each.excited or _is_explained(each) or _small([each]):
-            continue
-        if name in told or each.unit != "N m":
-            continue
-        channel = channel_of(prepared, ("torque", prepared.study.joints.index(name)))
-        amount = Estimate(value=each.after, std=0.0, interval95=(0.0, each.before), unit=each.unit)
-        finding = Finding(
-            effect=Unknown.id,
-            joints=(name,),
-            regime=f"motion of {name}",
-            statement=effect.statement(name, {"left": each.after}),
-            parameters={"left": amount},
-            decided_by=effect.decided_by,
-            evidence=Evidence(validation_gain=0.0, interval95=(0.0, 0.0), channels=(channel,)),
-            variant="left",
-        )
-        left.append(finding)
-    return tuple(left)
 
 
 def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:

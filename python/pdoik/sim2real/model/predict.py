@@ -66,8 +66,6 @@ def torque_of(finding: Finding, motion: Motion, joints: tuple[str, ...]) -> Floa
     effect = CATALOGUE.get(finding.effect)
     if effect is None or effect.of_commands or effect.sought == "channels":
         return tau
-    if effect.sought == "last" and "variable" not in finding.values:
-        return tau  # only how much is left
     shape, beta = effect.coefficients(finding.values, finding.shape)
     for place in places_of(finding, motion.body, joints):
         for (balance, channel), column in columns_of(effect, motion, place, shape).items():

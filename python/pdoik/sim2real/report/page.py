@@ -57,7 +57,10 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
         headline=words.VERDICTS[diagnosis.verdict][0],
         summary=words.summary(diagnosis),
         findings=[_card(finding) for finding in diagnosis.findings],
-        joints=[(name, fit, words.joint_state(fit)) for name, fit in diagnosis.joints.items()],
+        joints=[
+            (name, fit, words.residue_words(fit) or words.joint_state(fit))
+            for name, fit in diagnosis.joints.items()
+        ],
         recordings=data.recordings,
         data=data,
         pictures=pictures,

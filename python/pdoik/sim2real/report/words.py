@@ -114,6 +114,16 @@ def joint_state(fit: JointFit) -> str:
     return "partly explained" if fit.after < 0.9 * fit.before else "not explained"
 
 
+def residue_words(fit: JointFit) -> str:
+    """How much of a joint nothing explains, and where it sits; "" where it is explained."""
+    if fit.residue is None:
+        return ""
+    said = f"{number(fit.after)} {fit.unit} unexplained"
+    if fit.residue.of:
+        said += f", {percent(fit.residue.share)} of it by {fit.residue.of}"
+    return said
+
+
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict's reasons, a sentence each."""
     lines = [VERDICTS[diagnosis.verdict][1]]
