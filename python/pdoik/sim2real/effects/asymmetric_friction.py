@@ -45,6 +45,11 @@ class AsymmetricFriction(Effect):
         """Differences of level and of viscous coefficient."""
         return {"level_difference": float(beta[0]), "viscous_difference": float(beta[1])}
 
+    def is_likelier(self, beta: FloatArray, beside: Mapping[str, FloatArray]) -> bool:
+        """Beside dry friction that is large enough: friction never drives a joint."""
+        level = sum(float(beside[each][0]) for each in self.likelier_beside if each in beside)
+        return level >= 0.5 * abs(float(beta[0]))
+
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
         level = level_asymmetry(site.get("level_difference"))

@@ -166,6 +166,15 @@ class Effect(ABC):
         """Gravity in the frame of the base, (3,) [m/s^2], if it turns that; None elsewhere."""
         return None
 
+    def is_likelier(self, beta: FloatArray, beside: Mapping[str, FloatArray]) -> bool:
+        """Whether it is one cause with one of `likelier_beside`.
+
+        Args:
+            beta: its coefficients.
+            beside: those of effects at the same place, by their ids.
+        """
+        return any(each in beside for each in self.likelier_beside)
+
     def is_edge_of(self, shape: Shape, other: str, other_shape: Shape) -> bool:
         """Whether it is only what is left at the edge of another effect at the same place."""
         return False

@@ -67,9 +67,16 @@ def _wins(state: Search, rival: Trial, own: Trial) -> bool:
 def _rank(others: Fit, term: Term) -> float:
     """Order of names that data cannot tell apart, the likelier first."""
     rank = CATALOGUE[term.effect].complexity + implausibility(others, term)
-    beside = CATALOGUE[term.effect].likelier_beside
-    if any(t.effect in beside and t.place == term.place for t in others.terms):
-        return 0.5  # one cause with it, not another besides
+    effect = CATALOGUE[term.effect]
+    if effect.likelier_beside:
+        fit = others.extended(term)
+        beside = {
+            t.effect: fit.beta[offset : offset + t.width]
+            for t, offset in zip(others.terms, others.offsets, strict=False)
+            if t.place == term.place and not t.fixed
+        }
+        if effect.is_likelier(fit.beta[-term.width :], beside):
+            return 0.5  # one cause with it, not another besides
     return rank
 
 
