@@ -10,6 +10,7 @@ import pdoik
 
 from .bench import bench
 from .diagnose import diagnose
+from .effects import app as effects
 from .h1 import h1
 from .info import info
 from .messages import out
@@ -37,6 +38,7 @@ app.command()(h1)
 app.command()(diagnose)
 app.command()(predict)
 app.command()(replay)
+app.add_typer(effects)
 
 
 def _print_version(wanted: bool) -> None:

@@ -12,7 +12,7 @@ order of the study's joints.
 """
 
 from .diagnose import diagnose, examine
-from .effects import CATALOGUE
+from .effects import CATALOGUE, register
 from .evidence import evidence_of, model_of, write
 from .export.export import export_mjcf, export_urdf
 from .findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit, Residue
@@ -58,6 +58,7 @@ __all__ = [
     "model_of",
     "predict",
     "prepare",
+    "register",
     "replay",
     "search",
     "write",
