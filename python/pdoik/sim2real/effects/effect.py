@@ -150,6 +150,10 @@ class Effect(ABC):
         """Inverse variances of the coefficients; zero where they are free."""
         return np.zeros(width)
 
+    def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
+        """`prior` at a place, where it depends on what is there."""
+        return self.prior(width)
+
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether nothing in the recordings contradicts it outright."""
         return True

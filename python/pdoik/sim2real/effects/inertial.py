@@ -70,6 +70,12 @@ class LinkInertials(Effect):
         """What no motion shows stays near zero."""
         return 1.0 / PRIOR**2
 
+    def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
+        """By the link's own size: twice its mass is as dear on a thigh as on an upper arm."""
+        if motion.body is None or place.link is None:
+            return self.prior(width)
+        return np.asarray(1.0 / motion.body.inertial_scale(place.link) ** 2)
+
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
         ten = [site.get(each.name) for each in self.parameters]
@@ -109,6 +115,10 @@ class Payload(LinkInertials):
         """The last link."""
         body = motions[0].body
         return [] if body is None else [Place(link=body.last)]
+
+    def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
+        """A load may be of any size."""
+        return self.prior(width)
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:

@@ -188,6 +188,14 @@ class RigidBody:
         """The model's own ten parameters per link, (n, 10), as `regressor` orders them."""
         return np.stack([self.model.inertias[i].toDynamicParameters() for i in self._ids])
 
+    def inertial_scale(self, link: int) -> FloatArray:
+        """Size of a link's ten inertial parameters: mass, mass times reach, largest inertia.
+
+        A link that has none, or next to none, is as large as a tenth of the largest.
+        """
+        each = np.stack([_scale(ten) for ten in self.inertial_parameters()])
+        return np.asarray(np.maximum(each[link], _LEAST_SCALE * each.max(axis=0)))
+
     def axis(self, j: int) -> FloatArray | None:
         """Axis joint j turns about in its own frame, (3,); None where it slides."""
         velocity = np.zeros(self.model.nv)
@@ -232,6 +240,16 @@ class RigidBody:
             for j, i in enumerate(self._ids):
                 poses[t, j] = self._data.oMi[i].homogeneous
         return poses
+
+
+_LEAST_SCALE = 0.1  # of the largest link's figures
+
+
+def _scale(ten: FloatArray) -> FloatArray:
+    mass = max(float(ten[0]), 1e-6)
+    largest = max(float(np.abs(ten[4:]).max()), 1e-9)
+    reach = max(float(np.linalg.norm(ten[1:4])) / mass, float(np.sqrt(largest / mass)))
+    return np.array([mass] + [mass * reach] * 3 + [largest] * 6)
 
 
 def _load(robot: Path) -> Any:

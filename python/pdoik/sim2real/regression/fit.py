@@ -44,9 +44,8 @@ def term_of(balances: Balances, effect: Effect, place: Place, shape: Shape) -> T
     if not columns:
         return None
     width = next(iter(columns.values())).shape[1]
-    return Term(
-        effect=effect.id, place=place, shape=shape, columns=columns, prior=effect.prior(width)
-    )
+    prior = effect.prior_at(balances.motions[0], place, width)
+    return Term(effect=effect.id, place=place, shape=shape, columns=columns, prior=prior)
 
 
 Index = NDArray[np.intp]

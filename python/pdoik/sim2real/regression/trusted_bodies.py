@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..effects import CATALOGUE, Effect
 from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
 from ..motion.place import Place
-from ..study.recording import FloatArray
 from .fit import Term
 
 _BODY = LinkInertials()
@@ -33,19 +30,11 @@ def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
     if not trust or body is None:
         return ()
     terms = []
-    for link, ten in enumerate(body.inertial_parameters()):
-        scale = trust * inertial_scale(ten)
+    for link in range(body.n):
+        scale = trust * body.inertial_scale(link)
         columns = balances.compute(_BODY, Place(link=link), ())
         if columns:
             prior = 1.0 / scale**2
             place = Place(link=link)
             terms.append(Term(effect=TRUST, place=place, shape=(), columns=columns, prior=prior))
     return tuple(terms)
-
-
-def inertial_scale(ten: FloatArray) -> FloatArray:
-    """Size of a link's ten inertial parameters: mass, mass times reach, largest inertia."""
-    mass = max(float(ten[0]), 1e-6)
-    largest = max(float(np.abs(ten[4:]).max()), 1e-9)
-    reach = max(float(np.linalg.norm(ten[1:4])) / mass, float(np.sqrt(largest / mass)))
-    return np.array([mass] + [mass * reach] * 3 + [largest] * 6)

@@ -9,7 +9,6 @@ from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
 from ..motion.place import Key, Place
 from ..regression.fit import Fit, Term, term_of
-from ..regression.trusted_bodies import inertial_scale
 
 
 def candidates(balances: Balances) -> list[Term]:
@@ -41,7 +40,7 @@ def implausibility(fit: Fit, term: Term) -> float:
     body = fit.balances.motions[0].body
     if term.effect != LinkInertials.id or body is None or term.place.link is None:
         return 0.0
-    scale = inertial_scale(body.inertial_parameters()[term.place.link])
+    scale = body.inertial_scale(term.place.link)
     beta = fit.extended(term).beta[-term.width :]
     size = float(np.sqrt(np.sum((beta / scale)[:4] ** 2)))
     return size / (1.0 + size)
