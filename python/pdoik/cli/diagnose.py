@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich import box
+from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
@@ -18,6 +19,7 @@ from .sim2real_extra import extra_needed
 
 if TYPE_CHECKING:
     from pdoik.sim2real.findings import Diagnosis
+    from pdoik.sim2real.report.matrix import Matrix
 
 Tell = Callable[[str, str, float], None]
 
@@ -80,62 +82,45 @@ def _story() -> Iterator[Tell]:
         yield tell
 
 
+_LINES = 25  # of the summary; the page has the rest
+_WIDTH = 118  # of tables where nobody looks at a terminal
+
+
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """The verdict, a table of findings, a table of joints."""
-    from pdoik.sim2real.report.words import VERDICTS
+    """The verdict, joints by what several of them have, what is peculiar, what would decide."""
+    from pdoik.sim2real.report.matrix import line, matrix_of
+    from pdoik.sim2real.report.words import VERDICTS, percent
 
+    matrix = matrix_of(diagnosis)
     out.print(f"[bold]{escape(VERDICTS[diagnosis.verdict][0])}[/]", highlight=False)
-    if diagnosis.findings:
-        out.print(_findings(diagnosis))
-        for finding in diagnosis.findings:
-            out.print(escape(finding.statement), highlight=False)
-    out.print(_joints(diagnosis))
-
-
-def _findings(diagnosis: Diagnosis) -> Table:
-    from pdoik.sim2real.report.words import (
-        effect_name,
-        estimate_numbers,
-        parameters_of,
-        percent,
-        place,
-    )
-
-    table = _table("finding", "where", "parameter")
-    table.add_column("95 % interval", no_wrap=True)
-    table.add_column("gain", justify="right", no_wrap=True)  # on held-out recordings
-    for finding in diagnosis.findings:
-        head = [effect_name(finding.effect), place(finding)]
+    wide = out if out.is_terminal else Console(file=out.file, width=_WIDTH)
+    wide.print(_joints(diagnosis, matrix))
+    decided = next((f.decided_by for f in diagnosis.findings if f.equivalents), "")
+    room = max(3, _LINES - len(diagnosis.joints) - 8 - bool(decided))  # 7 of them the table's
+    for finding in matrix.others[:room]:
         gain = percent(finding.evidence.validation_gain)
-        if not finding.parameters:
-            table.add_row(*map(escape, head), "", "", gain)
-        for name, estimate in parameters_of(finding).items():
-            value, low, high = estimate_numbers(estimate)
-            unit = "" if estimate.unit == "-" else f" {estimate.unit}"
-            cells = [*head, f"{name} {value}{unit}", f"{low} to {high}"]
-            table.add_row(*map(escape, cells), gain)
-            head, gain = ["", ""], ""
-    return table
+        out.print(escape(f"{line(finding)}; gain {gain}"), highlight=False)
+    if len(matrix.others) > room:
+        out.print(f"... and {len(matrix.others) - room} more findings", highlight=False)
+    if decided:
+        out.print(escape(f"What would decide: {decided}"), highlight=False)
 
 
-def _joints(diagnosis: Diagnosis) -> Table:
+def _joints(diagnosis: Diagnosis, matrix: Matrix) -> Table:
+    from pdoik.sim2real.report.matrix import cell, heading
     from pdoik.sim2real.report.words import joint_state, number, residue_words
 
-    table = _table("joint")
-    for name in ("residual before", "after", "noise floor"):
-        table.add_column(name, justify="right")
-    table.add_column("unit")
-    table.add_column("")
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("joint", no_wrap=True)
+    for name in ("before", "after", "noise"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    for effect in matrix.effects:
+        table.add_column(escape(heading(effect)), justify="right", min_width=13)
+    table.add_column("", no_wrap=True)
     for name, fit in diagnosis.joints.items():
         numbers = [number(value) for value in (fit.before, fit.after, fit.noise_floor)]
-        table.add_row(
-            *map(escape, (name, *numbers, fit.unit, residue_words(fit) or joint_state(fit)))
-        )
-    return table
-
-
-def _table(*columns: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    for name in columns:
-        table.add_column(name)
+        found = [cell(matrix.cells[name].get(effect)) for effect in matrix.effects]
+        state = residue_words(fit) or joint_state(fit)
+        table.add_row(*map(escape, (name, *numbers, fit.unit, *found, state)))
     return table

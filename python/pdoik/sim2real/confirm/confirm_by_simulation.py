@@ -89,7 +89,7 @@ def _is_doubtful(state: Search, term: Term) -> bool:
     effect = CATALOGUE[term.effect]
     if effect.negligible(state.balances.motions, term.shape):
         return False
-    level = {trial.term.effect for trial in state.level.get(id(term), [])}
+    level = {trial.term.effect for trial in state.level.get(term.key, [])}
     return effect.shown_poorly or not level.isdisjoint(effect.simulated_rivals)
 
 
@@ -110,7 +110,7 @@ def confirm(prepared: Prepared, state: Search) -> None:
         return
     arm = Arm(prepared, state.fit, held_out=True)
     terms = state.accepted
-    values = [state.simulated[id(t)] for t in terms if id(t) in state.simulated]
+    values = [state.simulated[t.key] for t in terms if t.key in state.simulated]
     if len(values) < len(terms):
         return
     try:
@@ -120,7 +120,7 @@ def confirm(prepared: Prepared, state: Search) -> None:
             kept, figures = [*terms[:at], *terms[at + 1 :]], [*values[:at], *values[at + 1 :]]
             without = arm.run(kept, figures)
             if _nearer(arm, whole, without, {*term.columns}) >= _CLEARLY:
-                state.confirmed[id(term)] = _evidence(arm, whole, without, {*term.columns})
+                state.confirmed[term.key] = _evidence(arm, whole, without, {*term.columns})
     except (PdoikError, ValueError):
         return
     if len(state.confirmed) == len(doubtful):
@@ -147,16 +147,16 @@ def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | Non
     """
     terms = state.accepted
     values, errors = values_and_errors(estimates(state.fit, terms, seed))
-    values = [state.simulated.get(id(t), v) for t, v in zip(terms, values, strict=True)]
+    values = [state.simulated.get(t.key, v) for t, v in zip(terms, values, strict=True)]
     try:
         for i, term in enumerate(terms):
-            if CATALOGUE[term.effect].costly and id(term) not in state.simulated:
+            if CATALOGUE[term.effect].costly and term.key not in state.simulated:
                 values[i] = _nearest_shape(sketch, terms, values, i)
         best = refine_by_rollouts(arm, terms, values, errors, _ROUNDS)[1]
     except (PdoikError, ValueError):
         return None
     for term, figures in zip(terms, best.values, strict=True):
-        state.simulated[id(term)] = figures
+        state.simulated[term.key] = figures
     return best
 
 
@@ -212,11 +212,11 @@ def _list(state: Search, term: Term, rival: Term) -> None:
     """Add the rival to the names that data cannot tell from the term's."""
     free = Fit(state.balances, [t for t in state.fit.terms if t is not term])
     trial = cross_validated(state, rival, held_out_squares(free), free)
-    others = [t for t in state.level.get(id(term), []) if t.term.effect != rival.effect]
-    state.level[id(term)] = [trial, *others]
+    others = [t for t in state.level.get(term.key, []) if t.term.effect != rival.effect]
+    state.level[term.key] = [trial, *others]
 
 
 def _forget(state: Search, term: Term, rival: Term) -> None:
     """Take the rival off the names that data cannot tell from the term's."""
-    kept = [t for t in state.level.get(id(term), []) if t.term.effect != rival.effect]
-    state.level[id(term)] = kept
+    kept = [t for t in state.level.get(term.key, []) if t.term.effect != rival.effect]
+    state.level[term.key] = kept

@@ -42,7 +42,7 @@ def simulated_estimates(
     if reason:
         return estimates, f"The figures were not refined by simulating the arm: {reason}."
     values, errors = values_and_errors(estimates)
-    start = [state.simulated.get(id(t), v) for t, v in zip(terms, values, strict=True)]
+    start = [state.simulated.get(t.key, v) for t, v in zip(terms, values, strict=True)]
     try:
         arm = Arm(prepared, state.fit)
         first, best = refine_by_rollouts(arm, terms, start, errors)

@@ -66,7 +66,7 @@ class ActuatorLag(Effect):
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """What lags is what it is; the time within a factor."""
         what, time = shape
-        return [(what, what), (0.4 * time, 2.5 * time)]
+        return [(what, what), (0.4 * time, min(2.5 * time, self.parameters[0].upper))]
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""

@@ -170,7 +170,7 @@ class CommandDelay(Effect):
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """What comes late is what it is; the time within a factor."""
         what, time = shape[:2]
-        first = [(what, what), (0.4 * time, 2.5 * time)]
+        first = [(what, what), (0.4 * time, min(2.5 * time, self.parameters[0].upper))]
         return [*first, (0.0, 0.5)] if len(shape) > 2 else first
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:

@@ -80,7 +80,8 @@ class TimestampSkew(Effect):
         """The channel is what it is; the time within a factor."""
         what, time = shape
         low, high = sorted((0.4 * time, 2.5 * time))
-        return [(what, what), (low, high)]
+        skew = self.parameters[0]
+        return [(what, what), (max(low, skew.lower), min(high, skew.upper))]
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""

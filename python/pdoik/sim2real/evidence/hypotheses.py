@@ -33,7 +33,7 @@ def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
     rivals = {
         (trial.term.effect, trial.term.place): effect_name(term.effect)
         for term in state.accepted
-        for trial in state.level.get(id(term), ())
+        for trial in state.level.get(term.key, ())
     }
     first: dict[Name, Trial] = {}
     for trial in (*state.tried, *(t for trials in state.level.values() for t in trials)):

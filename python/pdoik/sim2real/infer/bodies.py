@@ -35,9 +35,9 @@ def by_moments(
     for i in shapeless:
         kept[i] = replace(terms[i], effect=LinkInertials.id)
         for known in (state.level, state.simulated, state.confirmed):
-            known.pop(id(terms[i]), None)
-    swap = {id(old): new for old, new in zip(terms, kept, strict=True)}
-    state.fit = Fit(state.balances, [swap.get(id(t), t) for t in state.fit.terms])
+            known.pop(terms[i].key, None)
+    swap = {old.key: new for old, new in zip(terms, kept, strict=True)}
+    state.fit = Fit(state.balances, [swap.get(t.key, t) for t in state.fit.terms])
     places = frozenset(terms[i].place for i in shapeless)
     return tuple(kept), estimates(state.fit, tuple(kept), seed), places
 

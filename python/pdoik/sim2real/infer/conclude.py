@@ -86,8 +86,8 @@ def conclude(
             evidence = within(state, term, channels)
             others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
             values[number] = event_estimates(others.extended(term), term)
-        if id(term) in state.confirmed:
-            evidence = replace(state.confirmed[id(term)], channels=channels)
+        if term.key in state.confirmed:
+            evidence = replace(state.confirmed[term.key], channels=channels)
         rivals = equivalents_of(state, term, study.joints, prepared.body)
         if term.place in loads and CATALOGUE[term.effect].is_body:
             rivals = (Equivalent(effect=Payload.id, links=link_of(prepared, term)), *rivals)[:3]
@@ -159,8 +159,8 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
         if each.name not in values or each.chosen:
             continue
         value = values[each.name].value
-        for bound in (each.lower, each.upper):
-            if bound and np.isfinite(bound) and abs(value - bound) <= _ON_IT * abs(bound):
+        for bound, beyond in ((each.lower, each.lower - value), (each.upper, value - each.upper)):
+            if bound and np.isfinite(bound) and beyond >= -_ON_IT * abs(bound):
                 return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
     if term.fixed or term.width != 1:
         return ""

@@ -30,7 +30,7 @@ def selection_veto(prepared: Prepared, state: Search) -> tuple[str, ...]:
     notes = []
     prediction = Prediction(prepared.validate)
     for term in state.accepted:
-        if term in state.contacts or id(term) in state.confirmed:
+        if term in state.contacts or term.key in state.confirmed:
             continue
         evidence = prediction.evidence(state.fit, term, (), 0)
         low, high = evidence.interval95

@@ -17,6 +17,9 @@ from ..study.recording import FloatArray
 _RIDGE = 1e-9  # relative to the largest diagonal entry
 
 
+TermKey = tuple[str, Place]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Term:
     """One effect at one place: its columns in the balances."""
@@ -26,6 +29,11 @@ class Term:
     shape: Shape
     columns: dict[Key, FloatArray]
     prior: FloatArray  # (k,) inverse variances of the coefficients
+
+    @property
+    def key(self) -> TermKey:
+        """What it is and where: the same for other shapes, and on other recordings."""
+        return self.effect, self.place
 
     @property
     def width(self) -> int:

@@ -14,7 +14,7 @@ from ..findings import Evidence
 from ..motion.balances import Balances
 from ..motion.place import Key, Place
 from ..study.recording import FloatArray
-from .fit import Fit, Term
+from .fit import Fit, Term, TermKey
 
 _LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
 LEAST_T = 3.5  # held-out gain over its standard error, by blocks
@@ -74,9 +74,9 @@ class Search:
         default_factory=Counter
     )  # how often, needless later
     tried: list[Trial] = field(default_factory=list)
-    level: dict[int, list[Trial]] = field(default_factory=dict)  # by id of the accepted term
-    simulated: dict[int, dict[str, float]] = field(default_factory=dict)  # figures by term's id
-    confirmed: dict[int, Evidence] = field(default_factory=dict)  # by simulations, by term's id
+    level: dict[TermKey, list[Trial]] = field(default_factory=dict)  # rivals of accepted terms
+    simulated: dict[TermKey, dict[str, float]] = field(default_factory=dict)  # figures of terms
+    confirmed: dict[TermKey, Evidence] = field(default_factory=dict)  # terms, by simulations
     left: dict[Key, float] = field(default_factory=dict)  # by simulations of held-out recordings
 
     @property

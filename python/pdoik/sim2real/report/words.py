@@ -115,13 +115,11 @@ def joint_state(fit: JointFit) -> str:
 
 
 def residue_words(fit: JointFit) -> str:
-    """How much of a joint nothing explains, and where it sits; "" where it is explained."""
+    """By which variable that sits which nothing explains; "" where a joint is explained."""
     if fit.residue is None:
         return ""
-    said = f"{number(fit.after)} {fit.unit} unexplained"
-    if fit.residue.of:
-        said += f", {percent(fit.residue.share)} of it by {fit.residue.of}"
-    return said
+    of = fit.residue
+    return f"left, {percent(of.share)} by {of.of}" if of.of else "left"
 
 
 def summary(diagnosis: Diagnosis) -> list[str]:

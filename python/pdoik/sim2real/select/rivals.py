@@ -53,7 +53,7 @@ def swapped(state: Search) -> None:
             state.fit = Fit(state.balances, terms)
             rivals = [r for r in rivals if r is not best] + ([own] if level(best, own) else [])
             term = best.term
-        state.level[id(term)] = rivals
+        state.level[term.key] = rivals
 
 
 def _wins(state: Search, rival: Trial, own: Trial) -> bool:
@@ -85,7 +85,7 @@ def equivalents_of(
 ) -> tuple[Equivalent, ...]:
     """At most three other effects that held-out rows cannot tell from the term."""
     result: list[Equivalent] = []
-    for trial in state.level.get(id(term), []):
+    for trial in state.level.get(term.key, []):
         place = trial.term.place
         link = () if place.link is None or body is None else (body.links[place.link],)
         each = Equivalent(
