@@ -20,6 +20,11 @@ class Matrix:
     cells: dict[str, dict[str, Finding]]  # by joint, then by effect
     others: tuple[Finding, ...]  # findings that are no cell, in the diagnosis's order
 
+    def by_effect(self) -> dict[str, list[Finding]]:
+        """The cells of each effect, in the order of the joints."""
+        rows = self.cells.values()
+        return {name: [row[name] for row in rows if name in row] for name in self.effects}
+
 
 def matrix_of(diagnosis: Diagnosis) -> Matrix:
     """Effects of single joints found at two joints or more are columns, families side by side."""

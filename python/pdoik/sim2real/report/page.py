@@ -13,6 +13,7 @@ from pdoik.sim2real.findings import Diagnosis, Estimate, Finding
 
 from . import words
 from .data import Hypothesis, ReportData
+from .matrix import cell, heading, matrix_of
 from .style import Picture
 
 
@@ -51,14 +52,30 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
         place=words.place,
         sentence=words.sentence,
     )
+    matrix = matrix_of(diagnosis)
     return environment.get_template("page.html.j2").render(
         title=data.title,
         verdict=diagnosis.verdict,
         headline=words.VERDICTS[diagnosis.verdict][0],
         summary=words.summary(diagnosis),
-        findings=[_card(finding) for finding in diagnosis.findings],
+        findings=[
+            _card(finding, diagnosis.findings.index(finding) + 1) for finding in matrix.others
+        ],
+        shared=[
+            (
+                words.sentence(f"{words.effect_name(effect)} in {len(found)} joints"),
+                [_card(finding, diagnosis.findings.index(finding) + 1) for finding in found],
+            )
+            for effect, found in matrix.by_effect().items()
+        ],
+        effects=[heading(effect) for effect in matrix.effects],
         joints=[
-            (name, fit, words.residue_words(fit) or words.joint_state(fit))
+            (
+                name,
+                fit,
+                [cell(matrix.cells[name].get(effect)) for effect in matrix.effects],
+                words.residue_words(fit) or words.joint_state(fit),
+            )
             for name, fit in diagnosis.joints.items()
         ],
         recordings=data.recordings,
@@ -70,10 +87,11 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
     )
 
 
-def _card(finding: Finding) -> dict[str, object]:
+def _card(finding: Finding, number: int) -> dict[str, object]:
     evidence = finding.evidence
     return {
         "finding": finding,
+        "number": number,
         "gain": words.percent(evidence.validation_gain),
         "low": words.percent(evidence.interval95[0]),
         "high": words.percent(evidence.interval95[1]),
