@@ -87,9 +87,9 @@ def _some_inertia_is_odd(model: Any) -> bool:
 
 
 def _some_moves_no_mass(model: Any) -> bool:
-    """Whether a link that a joint moves has no mass, which MuJoCo refuses."""
-    moving = model.body_mass[model.jnt_bodyid]
-    return bool((moving <= 0.0).any())
+    """Whether a link that a joint moves has no mass or no inertia, which MuJoCo refuses."""
+    moving = model.jnt_bodyid
+    return bool((model.body_mass[moving] < 1e-6).any() or (model.body_inertia[moving] < 1e-9).any())
 
 
 def _body(parent: ElementTree.Element, model: Any, k: int) -> ElementTree.Element:
