@@ -162,7 +162,7 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
         for bound, beyond in ((each.lower, each.lower - value), (each.upper, value - each.upper)):
             if bound and np.isfinite(bound) and beyond >= -_ON_IT * abs(bound):
                 return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
-    if term.fixed or term.width != 1:
+    if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are told by simulations
         return ""
     beta = fit.bounded()[int(fit.offsets[fit.terms.index(term)])]
     for bound in (float(limit[0]) for limit in effect.bounds):
