@@ -109,7 +109,7 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
         elif all(m.has_law(j) for m in b.motions):
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
-            beside = _factor(b, j, [_own(m, j) for m in b.motions])
+            beside = _factor(b, j, [_with_rotor(m, j) for m in b.motions])
             if found is not None and (beside is None or not 0.5 < beside[0] / found[0] < 2.0):
                 found = None
         else:
@@ -158,15 +158,19 @@ def _commanded(m: Motion, j: int) -> FloatArray:
 
 
 def _own(m: Motion, j: int) -> FloatArray:
-    """The model's torque, friction's columns, a rotor's that nobody told of, a constant; (T, 5)."""
-    beside = [m.sign(j), m.dq[:, j], m.ddq[:, j], np.ones(len(m.time))]
-    return np.stack([m.tau[:, j], *beside], axis=1)
+    """The model's torque, friction's columns, a constant; (T, 4)."""
+    return np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+
+
+def _with_rotor(m: Motion, j: int) -> FloatArray:
+    """`_own` and the column of a rotor that nobody told of; (T, 5)."""
+    return np.hstack([_own(m, j), m.ddq[:, j, None]])
 
 
 def _by_model(m: Motion, j: int) -> FloatArray:
-    """`_own` and a payload's ten columns; (T, 15)."""
+    """`_with_rotor` and a payload's ten columns; (T, 15)."""
     assert m.body is not None
-    return np.hstack([_own(m, j), m.regressor()[:, j, m.body.last]])
+    return np.hstack([_with_rotor(m, j), m.regressor()[:, j, m.body.last]])
 
 
 def _copies_model(b: Balances, body: RigidBody) -> bool:
