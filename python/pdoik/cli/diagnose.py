@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,7 +50,7 @@ def diagnose(
     if out_folder.exists() and not out_folder.is_dir():
         fail(f"--out {out_folder}: is a file, expected a folder")
     with extra_needed("diagnose"), misuse_fails():
-        import pdoik.sim2real.report  # what is missing is said before the work begins
+        import_module("pdoik.sim2real.report")  # what is missing is said before the work begins
         from pdoik.sim2real import examine, load_study, write
 
         loaded = load_study(study)
