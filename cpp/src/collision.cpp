@@ -155,9 +155,11 @@ Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, C
     least = least_clearance(state, *few, least);
     return least_clearance_within(state, obstacles, least.distance, least);
   }
-  for (double g = 0.05; g < kBeyondAll; g *= 2.0) {
+  double g = 0.05;
+  while (g < kBeyondAll) {
     least = least_clearance_within(state, obstacles, g, least);
     if (least.distance <= g) return least;
+    g *= 2.0;
   }
   return least_clearance_within(state, obstacles, std::numeric_limits<double>::infinity(), least);
 }

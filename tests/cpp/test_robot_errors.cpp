@@ -100,9 +100,9 @@ TEST(RobotErrors, limits_out_of_order_or_half_open_or_not_numbers_are_refused) {
   const double bad[][2] = {{1.0, -1.0},       {kNan, 1.0},       {-1.0, kNan},
                            {-kInfinity, 1.0}, {-1.0, kInfinity}, {-kInfinity, kInfinity}};
   for (const auto& [lower, upper] : bad) {
-    expect_refused(
-        [&](RobotDescription& d) { d.joints[1].lower = lower, d.joints[1].upper = upper; },
-        {"elbow", "limit"});
+    expect_refused([low = lower, high = upper](
+                       RobotDescription& d) { d.joints[1].lower = low, d.joints[1].upper = high; },
+                   {"elbow", "limit"});
   }
 }
 
