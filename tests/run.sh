@@ -112,7 +112,8 @@ stage_consumer() {
 
 # The library compiled for this processor: its own tests, and a plain program that finds it installed.
 stage_native() {
-  configure_and_build build/native -D PDOIK_NATIVE=ON
+  # GCC 12 warns of its own intrinsics for AVX-512 (GCC bug 105593), so warnings are no errors here.
+  configure_and_build build/native -D PDOIK_NATIVE=ON -D PDOIK_WERROR=OFF
   run_ctest build/native "$@"
   rm -rf build/install_native build/consumer/of_native
   cmake --install build/native --prefix build/install_native --component cpp >/dev/null
