@@ -186,7 +186,7 @@ def _rivals(state: Search, term: Term) -> list[Term]:
         for each in candidates(state.balances)
         if each.effect in names
         and each.place == term.place
-        and not any((t.effect, t.place) == (each.effect, each.place) for t in others.terms)
+        and not any(t.key == each.key for t in others.terms)
     ]
     found = {t.effect: refined(others, t) for t, _ in screen(others, pool)}
     for each in pool:  # what its columns show too poorly to be screened

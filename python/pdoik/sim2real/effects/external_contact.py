@@ -86,7 +86,3 @@ class ExternalContact(Effect):
     def regime(self, where: str) -> str:
         """When it shows."""
         return "a stretch of one recording"
-
-
-CONTACT = ExternalContact()
-"""For those who look for its windows."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..motion.place import Place
-from ..regression.fit import Fit
+from ..regression.fit import Fit, TermKey
 from ..regression.trial import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
 from ..report.data import Hypothesis
 from ..report.words import effect_name
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from ..infer.conclude import Examination
 
 _DRAWS = 400
-
-Name = tuple[str, Place]
 
 
 def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
@@ -28,16 +26,16 @@ def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
     add.
     """
     state = examination.state
-    found = {(term.effect, term.place) for terms in examination.terms for term in terms}
-    accepted = {(term.effect, term.place): term for term in state.accepted}
+    found = {term.key for terms in examination.terms for term in terms}
+    accepted = {term.key: term for term in state.accepted}
     rivals = {
-        (trial.term.effect, trial.term.place): effect_name(term.effect)
+        trial.term.key: effect_name(term.effect)
         for term in state.accepted
         for trial in state.level.get(term.key, ())
     }
-    first: dict[Name, Trial] = {}
+    first: dict[TermKey, Trial] = {}
     for trial in (*state.tried, *(t for trials in state.level.values() for t in trials)):
-        first.setdefault((trial.term.effect, trial.term.place), trial)
+        first.setdefault(trial.term.key, trial)
     held = held_out_squares(state.fit)
     rng = np.random.default_rng(0)
     result = []
@@ -61,7 +59,7 @@ def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
     return (*result, *_events(examination, set(first)))
 
 
-def _events(examination: Examination, listed: set[Name]) -> list[Hypothesis]:
+def _events(examination: Examination, listed: set[TermKey]) -> list[Hypothesis]:
     """Findings that were looked for in the residual itself, such as contacts."""
     found = zip(examination.diagnosis.findings, examination.terms, strict=True)
     return [
@@ -73,7 +71,7 @@ def _events(examination: Examination, listed: set[Name]) -> list[Hypothesis]:
             accepted=True,
         )
         for finding, terms in found
-        if terms and (terms[0].effect, terms[0].place) not in listed
+        if terms and terms[0].key not in listed
     ]
 
 

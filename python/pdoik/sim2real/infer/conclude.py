@@ -18,6 +18,7 @@ from ..regression.naming import Found, channel_of, described, finding_of, link_o
 from ..regression.prediction import Prediction
 from ..regression.second_order import to_second_order
 from ..regression.trial import Search
+from ..regression.trusted_bodies import effect_of
 from ..select.contacts import contact_term
 from ..select.rivals import equivalents_of
 from .bodies import by_moments
@@ -172,10 +173,6 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
     return ""
 
 
-def _is_nameless(term: Term) -> bool:
-    return term.effect in CATALOGUE and CATALOGUE[term.effect].sought == "last"
-
-
 def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
     """Contacts in recordings that were held out; an event is found where it happened.
 
@@ -183,7 +180,7 @@ def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> l
     without a name: what its function misses where it was not learnt looks like events.
     """
     found: list[Found] = []
-    if prepared.validate is None or any(_is_nameless(term) for term in fit.terms):
+    if prepared.validate is None or any(effect_of(term).sought == "last" for term in fit.terms):
         return found
     b = prepared.validate
     left = prediction.residual(fit)

@@ -22,6 +22,7 @@ from ..motion.place import Key, Place
 from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term
 from ..regression.naming import described
+from ..regression.trusted_bodies import effect_of
 from ..study.recording import FloatArray
 
 _POSITION, _TORQUE, _UNKNOWN = 0.03, 0.15, 0.3
@@ -82,12 +83,12 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
     Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
     """
     motions = fit.balances.motions
-    if not _is_delay(term) or motions[0].source == "":
+    if not effect_of(term).is_delay or motions[0].source == "":
         return False
     delay = abs(term.shape[1])
     if delay > period_of(motions[0])[0] + _CLEARLY * blur(motions, term.shape):
         return False
-    others = [t for t in fit.terms if not (_is_delay(t) and t.shape[0] == term.shape[0])]
+    others = [t for t in fit.terms if not (effect_of(t).is_delay and t.shape[0] == term.shape[0])]
     bare = Fit(fit.balances, others)
     seen = []
     for j in range(fit.balances.n):
@@ -97,10 +98,6 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
         if error < _TELLS * delay:
             seen.append(value)
     return not seen or float(np.median(seen)) > 0.5 * delay
-
-
-def _is_delay(term: Term) -> bool:
-    return term.effect in CATALOGUE and CATALOGUE[term.effect].is_delay
 
 
 def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:

@@ -49,7 +49,7 @@ def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dic
             data=names,
             excited=excited,
         )
-        if excited and not _is_explained(fit) and not _small([fit]):
+        if excited and not _is_quiet(fit):
             fit = replace(fit, residue=residue_of(b, key, left[key]))
         result[name] = fit
     return result
@@ -98,15 +98,15 @@ def verdict_of(
     if not judged:
         return "cannot_tell"
     near = all(map(_is_explained, judged))
-    small = all(_is_explained(each) or _small([each]) for each in (*judged, *also))
+    quiet = all(map(_is_quiet, (*judged, *also)))
     named = [f for f in findings if f.effect != Unknown.id]
-    if not findings and near and small and len(judged) < len(joints):
+    if not findings and near and quiet and len(judged) < len(joints):
         return "cannot_tell"  # of a joint that did not move
     if not findings:
-        return "no_mismatch" if small else "mismatch_unexplained"
+        return "no_mismatch" if quiet else "mismatch_unexplained"
     if not named:
         return "mismatch_unexplained"
-    explained = near and small and len(named) == len(findings)
+    explained = near and quiet and len(named) == len(findings)
     return "mismatch_explained" if explained else "mismatch_partly_explained"
 
 
@@ -115,9 +115,9 @@ def _is_explained(joint: JointFit) -> bool:
     return joint.after <= _NEAR_FLOOR * floor or joint.after <= _LITTLE * joint.before
 
 
-def _small(judged: list[JointFit]) -> bool:
-    """Whether no joint is far from its floor: a factor of two is no mismatch worth a name."""
-    return all(each.after <= 2.0 * each.noise_floor for each in judged)
+def _is_quiet(joint: JointFit) -> bool:
+    """Whether it is explained, or so near its floor that a factor of two is worth no name."""
+    return _is_explained(joint) or joint.after <= 2.0 * joint.noise_floor
 
 
 def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:

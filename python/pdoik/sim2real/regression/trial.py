@@ -12,7 +12,7 @@ from scipy import linalg
 from ..effects import CATALOGUE
 from ..findings import Evidence
 from ..motion.balances import Balances
-from ..motion.place import Key, Place
+from ..motion.place import Key
 from ..study.recording import FloatArray
 from .fit import Fit, Term, TermKey
 
@@ -70,9 +70,7 @@ class Search:
     fit: Fit
     start: Fit
     contacts: tuple[Term, ...] = ()
-    dropped: Counter[tuple[str, Place]] = field(
-        default_factory=Counter
-    )  # how often, needless later
+    dropped: Counter[TermKey] = field(default_factory=Counter)  # how often, needless later
     tried: list[Trial] = field(default_factory=list)
     level: dict[TermKey, list[Trial]] = field(default_factory=dict)  # rivals of accepted terms
     simulated: dict[TermKey, dict[str, float]] = field(default_factory=dict)  # figures of terms
@@ -100,12 +98,12 @@ def level(best: Trial, other: Trial) -> bool:
 
 def screen(fit: Fit, terms: list[Term]) -> list[tuple[Term, float]]:
     """Admissible candidates by training gain, the best shape of each effect and place."""
-    best: dict[tuple[str, Place], tuple[Term, float]] = {}
+    best: dict[TermKey, tuple[Term, float]] = {}
     factor = linalg.cho_factor(fit.regular(fit.gram)) if fit.size else None  # of the training fit
     left = {key: fit.residual(key) for key in fit.design}
     for term in terms:
         gain = _training_gain(fit, term, factor, left)
-        name = (term.effect, term.place)
+        name = term.key
         if gain > _LEAST_TRAINING_GAIN and (name not in best or gain > best[name][1]):
             best[name] = (term, gain)
     return sorted(best.values(), key=lambda each: -each[1])

@@ -8,7 +8,7 @@ from ..motion.balances import Balances
 from ..motion.place import Place
 from .fit import Term
 
-_BODY = LinkInertials()
+_BODY = CATALOGUE[LinkInertials.id]
 
 TRUST = "trust"
 """Effect id of the terms; none of the catalogue."""

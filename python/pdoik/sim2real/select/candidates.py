@@ -7,8 +7,8 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
-from ..motion.place import Key, Place
-from ..regression.fit import Fit, Term, term_of
+from ..motion.place import Key
+from ..regression.fit import Fit, Term, TermKey, term_of
 
 
 def candidates(balances: Balances) -> list[Term]:
@@ -46,7 +46,7 @@ def implausibility(fit: Fit, term: Term) -> float:
     return size / (1.0 + size)
 
 
-def has_company(term: Term, taken: set[tuple[str, Place]]) -> bool:
+def has_company(term: Term, taken: set[TermKey]) -> bool:
     """Whether what the effect only comes beside was found at its place."""
     beside = CATALOGUE[term.effect].beside
     if any((effect, term.place) in taken for effect in CATALOGUE[term.effect].instead):

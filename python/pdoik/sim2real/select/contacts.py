@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..effects.external_contact import CONTACT, ORIGIN
+from ..effects import CATALOGUE
+from ..effects.external_contact import ORIGIN, ExternalContact
 from ..motion.place import Place, Shape
 from ..regression.fit import Fit, Term, term_of
 from ..study.recording import FloatArray
@@ -52,7 +53,7 @@ def contact_term(fit: Fit) -> Term | None:
         recording=b.motions[best.motion].recording.name,
         window=(best.begin, best.end),
     )
-    term = term_of(b, CONTACT, place, best.shape)
+    term = term_of(b, CATALOGUE[ExternalContact.id], place, best.shape)
     if term is None or best.end - best.begin < _SHORTEST:
         return None
     return term if stands(fit.extended(term), term) else None

@@ -22,11 +22,11 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     pool = [
         t
         for t in candidates(state.balances)
-        if (t.effect, t.place) != (term.effect, term.place)
-        and not any((t.effect, t.place) == (a.effect, a.place) for a in others.terms)
+        if t.key != term.key
+        and not any(t.key == a.key for a in others.terms)
         and not set(t.columns).isdisjoint(term.columns)
     ]
-    taken = {(t.effect, t.place) for t in others.terms}
+    taken = {t.key for t in others.terms}
     pool = [t for t in pool if has_company(t, taken)]
     rivals = []
     for rival, training_gain in screen(others, pool)[:_TRIED]:

@@ -65,11 +65,11 @@ def search(
 
 def _round(state: Search, pool: list[Term]) -> Trial | None:
     """The best significant candidate, the simplest where data cannot tell; None if none is."""
-    taken = {(t.effect, t.place) for t in state.accepted}
+    taken = {t.key for t in state.accepted}
     gone = taken | {name for name, times in state.dropped.items() if times > 1}
-    fresh = [t for t in pool if (t.effect, t.place) not in gone and has_company(t, taken)]
+    fresh = [t for t in pool if t.key not in gone and has_company(t, taken)]
     fresh = [t for t in fresh if not blurred(t, state.accepted)]
-    fresh += [t for t in harmonic_terms(state.fit) if (t.effect, t.place) not in gone]
+    fresh += [t for t in harmonic_terms(state.fit) if t.key not in gone]
     screened = screen(state.fit, fresh)
     held = held_out_squares(state.fit)
     trials: list[Trial] = []
