@@ -11,7 +11,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from pdoik.sim2real import prepare
 from pdoik.sim2real.channels.check_channels import check_channels
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.infer.conclude import at_bound
+from pdoik.sim2real.infer.figures import at_bound
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, term_of

@@ -14,7 +14,7 @@ from bench.concealed.build import make_study
 from bench.concealed.spec import Truth, WorldSpec
 
 from pdoik.sim2real import diagnose, load_study
-from pdoik.sim2real.confirm.confirm_by_simulation import confirm_by_simulation
+from pdoik.sim2real.confirm.confirm_by_simulation import confirmed_by_simulation
 from pdoik.sim2real.confirm.refine_by_rollouts import refine_by_rollouts
 from pdoik.sim2real.confirm.rollouts import Arm, Rollout, why_not
 from pdoik.sim2real.effects import CATALOGUE
@@ -103,9 +103,9 @@ def test_play_that_was_taken_for_a_spring_is_named_by_simulation(tmp_path: Path)
     shape = effect.shapes(prepared.fit.motions, play.place)[0]
     spring = term_of(prepared.fit, effect, play.place, shape)
     assert spring is not None
-    state.fit = Fit(prepared.fit, [*others, refined(Fit(prepared.fit, others), spring)])
+    wrong = state.fitted([*others, refined(Fit(prepared.fit, others), spring)])
     said: list[str] = []
-    confirm_by_simulation(prepared, state, 0, said.append)
+    state = confirmed_by_simulation(prepared, wrong, 0, said.append)
     assert "backlash" in {term.effect for term in state.accepted}
     assert "joint_elasticity" not in {term.effect for term in state.accepted}
     assert any("in the place of joint elasticity" in line for line in said), said

@@ -4,27 +4,30 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 
 from .channels.check_channels import check_channels
-from .confirm.confirm_by_simulation import confirm_by_simulation
+from .confirm.confirm_by_simulation import confirmed_by_simulation
+from .confirm.folds import borne_out
 from .confirm.rollouts import why_not
 from .findings import Diagnosis
-from .infer.conclude import LEAST_CONTACT, Examination, conclude, within
-from .infer.selection_veto import selection_veto
+from .infer.conclude import Examination, conclude
+from .infer.events import without_needless_contacts
 from .infer.verdict import source_in_words
 from .motion.prepare import Prepared, prepare
-from .regression.fit import Fit, Term
+from .regression.fit import Term
 from .regression.naming import described
 from .regression.trial import Search
 from .select.base_tilt import first_search
-from .select.contacts import contact_term, stands
+from .select.contacts import contact_term
 from .select.gates import gated_term
 from .select.rivals import swapped
 from .select.search import search
-from .select.shared_causes import share_causes
-from .select.unnamed import add_unknown
+from .select.shared_causes import with_shared_causes
+from .select.unnamed import with_unknown
 from .study.read_study import load_study
 from .study.study import Study
+from .thresholds import Thresholds
 
 Tell = Callable[[str, str, float], None]
 
@@ -32,7 +35,11 @@ _MOST = 5  # rounds of gates and contacts
 
 
 def diagnose(
-    study: Study | str | os.PathLike[str], *, seed: int = 0, tell: Tell | None = None
+    study: Study | str | os.PathLike[str],
+    *,
+    seed: int = 0,
+    tell: Tell | None = None,
+    thresholds: Thresholds | None = None,
 ) -> Diagnosis:
     """Where and why recordings and model disagree.
 
@@ -40,19 +47,26 @@ def diagnose(
         study: a study, or its YAML file.
         seed: of the bootstrap.
         tell: called with a stage's name, what it found in words, and the share of the work done.
+        thresholds: what is believed; the study's own, which are the defaults, if none are given.
 
     Raises:
         LoadError, ValueError: the study cannot be used; the message says what was expected.
     """
-    return examine(study, seed=seed, tell=tell).diagnosis
+    return examine(study, seed=seed, tell=tell, thresholds=thresholds).diagnosis
 
 
 def examine(
-    study: Study | str | os.PathLike[str], *, seed: int = 0, tell: Tell | None = None
+    study: Study | str | os.PathLike[str],
+    *,
+    seed: int = 0,
+    tell: Tell | None = None,
+    thresholds: Thresholds | None = None,
 ) -> Examination:
     """`diagnose`, with all it rests on."""
     say = tell or (lambda stage, text, share: None)
     study = load_study(study)
+    if thresholds is not None:
+        study = replace(study, thresholds=thresholds)
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)
     say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {source_in_words(prepared)}", 0.15)
@@ -61,23 +75,22 @@ def examine(
         say("channels", note, 0.16)
     if check.mended:
         prepared = prepare(check.study, prepared.body)
-    state = run_search(prepared, say)
-    add_unknown(state)
+    prepared, state = run_search(prepared, say)
+    state = with_unknown(state)
     say("name", "looking for what else would explain the same", 0.75)
-    swapped(state)
-    forget_contacts(state)
-    share_causes(state)
-    confirm_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.8))
-    vetoed = selection_veto(prepared, state)
+    state = with_shared_causes(without_needless_contacts(swapped(state)))
+    state = confirmed_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.78))
+    say("confirm", "each finding learnt anew without one part of the data after the other", 0.8)
+    state, doubtful = borne_out(state)
     say("estimate", "intervals by the block bootstrap", 0.82)
     if state.accepted and not why_not(study):
         say("simulate", "the figures refined by simulating the arm from its commands", 0.85)
-    return conclude(prepared, state, seed, check, vetoed)
+    return conclude(prepared, state, seed, check, doubtful)
 
 
-def run_search(prepared: Prepared, say: Tell) -> Search:
+def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
     """Accept effects, behind gates where they need one, then contacts, and effects beside these."""
-    state = first_search(prepared, say)
+    prepared, state = first_search(prepared, say)
     nuisance = state.nuisance
     contacts: tuple[Term, ...] = ()
     gated: tuple[Term, ...] = ()
@@ -93,14 +106,4 @@ def run_search(prepared: Prepared, say: Tell) -> Search:
             break
         state = search(prepared.fit, nuisance, contacts=contacts, begin=gated)
         gated = tuple(term for term in state.accepted if term.place.gate is not None)
-    return state
-
-
-def forget_contacts(state: Search) -> None:
-    """Leave out contacts that later findings have made needless."""
-    for term in state.contacts:
-        others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
-        share = within(state, term, ()).validation_gain
-        if share < LEAST_CONTACT or not stands(others.extended(term), term):
-            state.fit = others
-    state.contacts = tuple(term for term in state.contacts if term in state.fit.terms)
+    return prepared, state

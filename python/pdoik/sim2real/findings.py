@@ -38,6 +38,21 @@ class Equivalent:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Support:
+    """What a finding gains where neither its figures nor its shape were learnt, fold by fold."""
+
+    weight: float  # share of the mean square mismatch that its balances began with
+    gain: float  # share of what the other findings leave where it acts
+    t: float  # the gain over its standard error, by blocks
+    size: float  # root mean square where it acts, over the noise
+    agree: int  # folds in which it gains
+    folds: int  # folds that say anything of it
+    blocks: int  # in which it acts
+    left: float  # root mean square that nothing explains at its balances, over the noise
+    rivals: int  # other names that do as well
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
     """By how much a finding lowers the squared residual of recordings it was not fitted to."""
 
@@ -63,6 +78,10 @@ class Finding:
     equivalents: tuple[Equivalent, ...] = ()
     decided_by: str = ""
     evidence: Evidence = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
+    support: Support | None = None  # None where nothing can be left out: events, channels
+    weight: float = 0.0  # share of the mismatch by which findings are ordered, without judge data
+    confidence: float = 1.0  # probability that the effect is there, as calibrated
+    held_out_only: bool = False  # an event that was seen in held-out recordings alone
     variant: str = ""  # what it is of, where the effect may be of several: torque, speed, position
     shape: tuple[float, ...] = ()  # the nonlinear parameters behind it, as its effect has them
 
@@ -111,6 +130,8 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     joints: dict[str, JointFit]
     notes: tuple[str, ...] = ()  # what was repaired, assumed or cannot be told, in words
+    suspected: tuple[Finding, ...] = ()  # of low confidence: not claimed, and not in the model
+    thresholds: dict[str, dict[str, float]] = field(default_factory=dict)  # by stage and name
 
     def to_json(self) -> str:
         """Text of diagnosis.json."""
@@ -131,6 +152,8 @@ class Diagnosis:
             findings=tuple(_finding(each) for each in content["findings"]),
             joints={name: _joint(each) for name, each in content["joints"].items()},
             notes=tuple(content.get("notes", ())),
+            suspected=tuple(_finding(each) for each in content.get("suspected", ())),
+            thresholds=dict(content.get("thresholds", {})),
         )
 
 
@@ -165,6 +188,10 @@ def _finding(content: dict[str, Any]) -> Finding:
             interval95=tuple(content["evidence"]["interval95"]),
             channels=tuple(content["evidence"].get("channels", ())),
         ),
+        support=Support(**content["support"]) if content.get("support") else None,
+        weight=float(content.get("weight", content["evidence"]["validation_gain"])),
+        confidence=float(content.get("confidence", 1.0)),
+        held_out_only=bool(content.get("held_out_only", False)),
         variant=str(content.get("variant", "")),
         shape=tuple(float(each) for each in content.get("shape", ())),
         edge=float(content.get("edge", 0.0)),

@@ -27,7 +27,7 @@ _CLEAR = 4.0  # errors
 _LEAST_HEARD = 0.05
 _SCATTER = 0.1  # of sound joints' shares, at least
 _LEAST_ERROR = 0.03  # of a standard deviation
-_LEAST_GAIN = 0.5  # share of the noise's power beyond what is sound, in held-out recordings
+_LEAST_GAIN = 0.5  # share of the noise's power beyond what is sound, in either half
 _BLUR = 0.3  # part of that per jitter over period, as rows are interpolated to even times
 _CHANNELS = ("q", "dq", "tau")
 
@@ -64,8 +64,10 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
             std = np.where(_as_recorded(prepared.study, study), std, np.nan)
         noisy = _unheard(fit, channel, std) or _outlier(study, fit, channel, std)
         if noisy is not None:
-            gain = _confirmed(fit, held_out, noisy)
-            if gain > _LEAST_GAIN:
+            halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
+            if min(_beyond_sound(levels, half, noisy) for half in halves) > _LEAST_GAIN:
+                again = levels if held_out is None else held_out.levels(channel)
+                gain = 0.0 if again is None else _beyond_sound(levels, again, noisy)
                 found.append(_finding(prepared, study, noisy, levels, gain))
     return tuple(found)
 
@@ -186,11 +188,14 @@ def _efforts(study: Study) -> FloatArray | None:
     return np.array(limits, dtype=np.float64)
 
 
-def _confirmed(fit: ChannelNoise, held_out: ChannelNoise | None, noisy: _Noisy) -> float:
-    """Share of the noise's power that is more than it should be, in recordings held out."""
-    seen, again = fit.levels(noisy.channel), (held_out or fit).levels(noisy.channel)
-    if seen is None or again is None:
-        return 0.0
+def _beyond_sound(seen: FloatArray, again: FloatArray, noisy: _Noisy) -> float:
+    """Share of the noise's power that is more than it should be.
+
+    Args:
+        seen: levels (segments, n) by which it was found.
+        again: by which it is judged.
+        noisy: the joint and how many times too noisy it is.
+    """
     before, now = (float(np.median(each[:, noisy.joint])) for each in (seen, again))
     return 1.0 - before / max(noisy.times**2 * now, 1e-300)
 

@@ -10,15 +10,13 @@ import numpy as np
 from pdoik.errors import PdoikError
 
 from ..effects import CATALOGUE
-from ..findings import Evidence
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..regression.estimate import estimates, values_and_errors
-from ..regression.fit import Fit, Term
+from ..regression.fit import Term, TermKey
 from ..regression.naming import described
-from ..regression.prediction import share_by_blocks
 from ..regression.refine import refined
-from ..regression.trial import Search, cross_validated, held_out_squares, screen
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares, screen
 from ..select.candidates import candidates
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, huber, why_not
@@ -31,14 +29,14 @@ _CLOSER = (1.2, 1.1)  # factors by which shapes are tried around the best
 Tell = Callable[[str], None]
 
 
-def confirm_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) -> None:
-    """Swap findings whose rival's simulation is nearer, drop what a simulation does without.
+def confirmed_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) -> Search:
+    """Findings whose rival's simulation is nearer swapped, what a simulation does without dropped.
 
     Nothing is done where there is nothing to simulate the arm by.
     """
     doubtful = [term for term in state.accepted if _is_doubtful(state, term)]
     if not doubtful or why_not(prepared.study):
-        return
+        return state
     arm = Arm(prepared, state.fit)
     sketch = Arm(prepared, state.fit, steps=_SKETCH)
     for term in doubtful:
@@ -46,31 +44,31 @@ def confirm_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tel
             continue
         beside = _stand_ins(state, term)
         bare = _with(state, [t for t in state.accepted if t not in beside])
-        own = _simulated(arm, sketch, bare, seed)
+        own, bare = _simulated(arm, sketch, bare, seed)
         for rival in _rivals(bare, term):
             other = _with(bare, [rival if t is term else t for t in bare.accepted])
-            tried = _simulated(arm, sketch, other, seed)
+            tried, other = _simulated(arm, sketch, other, seed)
             if tried is None:
                 continue
             keys = {*term.columns, *rival.columns}
-            nearer = np.inf if own is None else _nearer(arm, tried, own, keys)
-            if nearer >= _CLEARLY:
+            by = np.inf if own is None else nearer(arm, tried, own, keys)
+            if by >= _CLEARLY:
                 say(f"{described(prepared, rival)} in the place of {described(prepared, term)}")
                 term, own, bare = rival, tried, other
-            elif nearer > -_CLEARLY:
-                _list(bare, term, rival)
+            elif by > -_CLEARLY:
+                bare = _listed(bare, term, rival)
             else:
-                _forget(bare, term, rival)
+                bare = _forgotten(bare, term, rival)
         if own is None:
             continue
         for each in beside:
             wider = _with(bare, [*bare.accepted, each])
-            tried = _simulated(arm, sketch, wider, seed)
+            tried, wider = _simulated(arm, sketch, wider, seed)
             keys = {*term.columns, *each.columns}
-            if tried is not None and _nearer(arm, tried, own, keys) >= _CLEARLY:
+            if tried is not None and nearer(arm, tried, own, keys) >= _CLEARLY:
                 own, bare = tried, wider
-        state.fit, state.level, state.simulated = bare.fit, bare.level, bare.simulated
-    confirm(prepared, state)
+        state = bare
+    return replace(state, confirmed=_confirmed(arm, state))
 
 
 def _stand_ins(state: Search, term: Term) -> list[Term]:
@@ -95,53 +93,36 @@ def _is_doubtful(state: Search, term: Term) -> bool:
 
 def _with(state: Search, accepted: Sequence[Term]) -> Search:
     """The search as if these had been accepted."""
-    return replace(
-        state,
-        fit=Fit(state.balances, (*state.nuisance, *accepted)),
-        level=dict(state.level),
-        simulated=dict(state.simulated),
-    )
+    return state.fitted((*state.nuisance, *accepted))
 
 
-def confirm(prepared: Prepared, state: Search) -> None:
-    """Hold what only a simulation shows well against simulations of the held-out recordings."""
-    doubtful = [t for t in state.accepted if CATALOGUE[t.effect].shown_poorly]
-    if prepared.validate is None or not doubtful:
-        return
-    arm = Arm(prepared, state.fit, held_out=True)
+def _confirmed(arm: Arm, state: Search) -> frozenset[TermKey]:
+    """What only a simulation shows well, and is nearer to the recordings with than without."""
     terms = state.accepted
     values = [state.simulated[t.key] for t in terms if t.key in state.simulated]
+    doubtful = [t for t in terms if CATALOGUE[t.effect].shown_poorly]
     if len(values) < len(terms):
-        return
+        return frozenset()
     try:
         whole = arm.run(terms, values)
-        for term in doubtful:
-            at = terms.index(term)
-            kept, figures = [*terms[:at], *terms[at + 1 :]], [*values[:at], *values[at + 1 :]]
-            without = arm.run(kept, figures)
-            if _nearer(arm, whole, without, {*term.columns}) >= _CLEARLY:
-                state.confirmed[term.key] = _evidence(arm, whole, without, {*term.columns})
+        return frozenset(
+            term.key
+            for term in doubtful
+            if nearer(arm, whole, run_without(arm, terms, values, term), {*term.columns})
+            >= _CLEARLY
+        )
     except (PdoikError, ValueError):
-        return
-    if len(state.confirmed) == len(doubtful):
-        for key, left in whole.left.items():
-            state.left[key] = float(np.sqrt(np.mean(left**2))) * arm.data.sigma[key]
+        return frozenset()
 
 
-def _evidence(arm: Arm, whole: Rollout, without: Rollout, keys: set[Key]) -> Evidence:
-    """Share of what simulations without a finding leave that goes with it, over blocks."""
-    count = int(arm.data.block.max()) + 1
-    gained, began = np.zeros(count), np.zeros(count)
-    for key in keys & set(arm.rows):
-        block = arm.data.block[arm.rows[key]]
-        before, after = without.left[key] ** 2, whole.left[key] ** 2
-        gained += np.bincount(block, before - after, minlength=count)
-        began += np.bincount(block, before, minlength=count)
-    return share_by_blocks(gained, began, 0)
+def run_without(arm: Arm, terms: Sequence[Term], values: Sequence[Values], term: Term) -> Rollout:
+    """The rollout of all terms but one."""
+    at = terms.index(term)
+    return arm.run([*terms[:at], *terms[at + 1 :]], [*values[:at], *values[at + 1 :]])
 
 
-def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | None:
-    """The rollout of what was accepted, its figures refined and kept; None if it ran away.
+def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> tuple[Rollout | None, Search]:
+    """The rollout of what was accepted, its figures refined, and these kept; None if it ran away.
 
     Shapes that columns show poorly are first looked for in shorter rollouts.
     """
@@ -154,10 +135,9 @@ def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> Rollout | Non
                 values[i] = _nearest_shape(sketch, terms, values, i)
         best = refine_by_rollouts(arm, terms, values, errors, _ROUNDS)[1]
     except (PdoikError, ValueError):
-        return None
-    for term, figures in zip(terms, best.values, strict=True):
-        state.simulated[term.key] = figures
-    return best
+        return None, state
+    figures = {term.key: each for term, each in zip(terms, best.values, strict=True)}
+    return best, replace(state, simulated={**state.simulated, **figures})
 
 
 def _nearest_shape(arm: Arm, terms: Sequence[Term], values: list[Values], i: int) -> Values:
@@ -180,7 +160,7 @@ def _nearest_shape(arm: Arm, terms: Sequence[Term], values: list[Values], i: int
 def _rivals(state: Search, term: Term) -> list[Term]:
     """The best of each rival's shapes at the term's place."""
     names = CATALOGUE[term.effect].simulated_rivals
-    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    others = state.without(term).fit
     pool = [
         each
         for each in candidates(state.balances)
@@ -194,7 +174,7 @@ def _rivals(state: Search, term: Term) -> list[Term]:
     return list(found.values())
 
 
-def _nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
+def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
     """By how many standard errors `one` leaves less than the other; negative if more."""
     blocks = np.zeros(int(arm.data.block.max()) + 1)
     total = 0.0
@@ -208,15 +188,21 @@ def _nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
     return float(blocks.sum()) / max(error, 1e-12)
 
 
-def _list(state: Search, term: Term, rival: Term) -> None:
-    """Add the rival to the names that data cannot tell from the term's."""
-    free = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+def _listed(state: Search, term: Term, rival: Term) -> Search:
+    """With the rival among the names that data cannot tell from the term's."""
+    free = state.without(term).fit
     trial = cross_validated(state, rival, held_out_squares(free), free)
-    others = [t for t in state.level.get(term.key, []) if t.term.effect != rival.effect]
-    state.level[term.key] = [trial, *others]
+    return _with_level(state, term, (trial, *_level_but(state, term, rival)))
 
 
-def _forget(state: Search, term: Term, rival: Term) -> None:
-    """Take the rival off the names that data cannot tell from the term's."""
-    kept = [t for t in state.level.get(term.key, []) if t.term.effect != rival.effect]
-    state.level[term.key] = kept
+def _forgotten(state: Search, term: Term, rival: Term) -> Search:
+    """Without the rival among the names that data cannot tell from the term's."""
+    return _with_level(state, term, _level_but(state, term, rival))
+
+
+def _level_but(state: Search, term: Term, rival: Term) -> tuple[Trial, ...]:
+    return tuple(t for t in state.level.get(term.key, ()) if t.term.effect != rival.effect)
+
+
+def _with_level(state: Search, term: Term, trials: tuple[Trial, ...]) -> Search:
+    return replace(state, level={**state.level, term.key: trials})

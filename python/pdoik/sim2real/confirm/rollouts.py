@@ -95,7 +95,8 @@ class Arm:
     def _balances(self, recordings: Sequence[Recording]) -> Balances:
         thin = [thinned(r) for r in recordings]
         p = self.prepared
-        return Balances(motions_of(p.study, thin, p.body, p.cutoff, self._noise))
+        motions = motions_of(p.study, thin, p.body, p.cutoff, self._noise)
+        return Balances(motions, p.study.thresholds)
 
     def run(self, terms: Sequence[Term], values: Sequence[Values]) -> Rollout:
         """Simulate with these figures.

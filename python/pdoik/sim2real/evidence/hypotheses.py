@@ -8,7 +8,7 @@ import numpy as np
 
 from ..motion.place import Place
 from ..regression.fit import Fit, TermKey
-from ..regression.trial import LEAST_T, Trial, activity, cross_validated, held_out_squares, without
+from ..regression.trial import Trial, activity, cross_validated, held_out_squares, without
 from ..report.data import Hypothesis
 from ..report.words import effect_name
 
@@ -110,8 +110,6 @@ def _reason(alone: Trial, trial: Trial, tiny: bool, rival: str | None) -> str:
     """Why it was not accepted; `alone` is how it did when it was first tried."""
     if tiny:
         return "less than the recordings' sampling and the controller's ticks can tell"
-    if trial.why_not:
-        return trial.why_not
     if rival is not None:
         return f"data cannot tell it from {rival}; listed as its equivalent"
     if alone.significant and not trial.significant:
@@ -121,4 +119,8 @@ def _reason(alone: Trial, trial: Trial, tiny: bool, rival: str | None) -> str:
         return "the data want another multiple of it: it is something else"
     if trial.gain <= 0.0:
         return "makes data worse that it was not fitted to"
-    return "no gain beyond chance" if trial.t < LEAST_T else "real, but too little to matter"
+    return (
+        "no gain beyond chance"
+        if trial.t < trial.thresholds.least_t
+        else "real, but too little to matter"
+    )

@@ -8,7 +8,7 @@ from ..effects.inertial import LinkInertials, Payload
 from ..findings import Estimate
 from ..motion.place import Place
 from ..regression.estimate import estimates
-from ..regression.fit import Fit, Term
+from ..regression.fit import Term
 from ..regression.trial import Search
 
 _CLEAR = 2.0  # standard errors that a body's mass must be above zero
@@ -18,28 +18,34 @@ Estimates = dict[int, dict[str, Estimate]]
 
 def by_moments(
     state: Search, terms: tuple[Term, ...], values: Estimates, seed: int
-) -> tuple[tuple[Term, ...], Estimates, frozenset[Place]]:
+) -> tuple[Search, tuple[Term, ...], Estimates, frozenset[Place]]:
     """Payloads without a clear mass as the last link's moments, which are what their columns are.
 
     A centre of mass is a moment over a mass: where the mass may be nothing, it may be anywhere.
 
     Returns:
-        The terms, their estimates, and where a payload was put so.
+        The search with them, the terms, their estimates, and where a payload was put so.
     """
     shapeless = [
         i for i, t in enumerate(terms) if t.effect == Payload.id and not _is_body(values[i])
     ]
     if not shapeless:
-        return terms, values, frozenset()
+        return state, terms, values, frozenset()
     kept = list(terms)
     for i in shapeless:
         kept[i] = replace(terms[i], effect=LinkInertials.id)
-        for known in (state.level, state.simulated, state.confirmed):
-            known.pop(terms[i].key, None)
+    gone = {terms[i].key for i in shapeless}
     swap = {old.key: new for old, new in zip(terms, kept, strict=True)}
-    state.fit = Fit(state.balances, [swap.get(t.key, t) for t in state.fit.terms])
+    supports = {swap[key].key if key in swap else key: s for key, s in state.support.items()}
+    state = replace(
+        state.fitted([swap.get(t.key, t) for t in state.fit.terms]),
+        level={key: trials for key, trials in state.level.items() if key not in gone},
+        simulated={key: each for key, each in state.simulated.items() if key not in gone},
+        confirmed=state.confirmed - gone,
+        support=supports,
+    )
     places = frozenset(terms[i].place for i in shapeless)
-    return tuple(kept), estimates(state.fit, tuple(kept), seed), places
+    return state, tuple(kept), estimates(state.fit, tuple(kept), seed), places
 
 
 def _is_body(values: dict[str, Estimate]) -> bool:

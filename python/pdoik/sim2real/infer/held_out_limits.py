@@ -18,6 +18,7 @@ from ..regression.naming import Found, finding_of
 from ..regression.prediction import Prediction
 from ..regression.refine import refined
 from ..study.recording import FloatArray
+from .events import only_held_out
 
 _LIMIT = TorqueSaturation.id
 _OF_THE_LEVEL = 0.002  # its error at least
@@ -56,7 +57,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
             finding = finding_of(
                 prepared, term, {"level": _estimate(term.shape[1], top)}, (), evidence
             )
-            found.append((_where(finding, b, top), (term,)))
+            found.append((_where(finding, b, top, share), (term,)))
             break
     return found
 
@@ -86,8 +87,7 @@ def _estimate(level: float, top: FlatTop) -> Estimate:
     return Estimate(value=level, std=std, interval95=interval, unit="N m")
 
 
-def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:
+def _where(finding: Finding, b: Balances, top: FlatTop, share: float) -> Finding:
     """With the recordings in which it happened, and that nothing else speaks for it."""
     names = tuple(m.recording.name for m, rows in zip(b.motions, top.rows, strict=True) if rows)
-    said = f"Reached only in {', '.join(names)}, held out: no other recording speaks for it."
-    return replace(finding, recordings=names, statement=f"{finding.statement} {said}")
+    return only_held_out(replace(finding, recordings=names), share)

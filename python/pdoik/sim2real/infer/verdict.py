@@ -20,11 +20,13 @@ _NEAR_FLOOR, _LITTLE = 1.6, 0.05
 """A residual within these factors of the noise floor, or of what it was, counts as explained."""
 
 
-def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dict[str, JointFit]:
+def joint_fits(
+    prepared: Prepared, state: Search, prediction: Prediction, simulated_left: dict[Key, float]
+) -> dict[str, JointFit]:
     """Residual of each joint before and after, on held-out recordings.
 
     What is left is the regression's, or where an effect was confirmed by simulations, the less of
-    theirs and the regression's.
+    what these leave and the regression does.
     """
     b = prediction.balances
     left = prediction.residual(state.fit)
@@ -43,7 +45,7 @@ def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dic
             rows, excited = np.ones_like(rows), False
         fit = JointFit(
             before=_rms(b.residual[key][rows]),
-            after=min(_rms(left[key][rows]), state.left.get(key, np.inf)),
+            after=min(_rms(left[key][rows]), simulated_left.get(key, np.inf)),
             noise_floor=b.floor[key],
             unit="rad" if key[0] == "servo" else "N m",
             data=names,
@@ -55,7 +57,9 @@ def joint_fits(prepared: Prepared, state: Search, prediction: Prediction) -> dic
     return result
 
 
-def fitted_joints(prepared: Prepared, state: Search) -> dict[str, JointFit]:
+def fitted_joints(
+    prepared: Prepared, state: Search, simulated_left: dict[Key, float]
+) -> dict[str, JointFit]:
     """The same on the recordings to fit: what happened in these alone is not to be passed over."""
     b = prepared.fit
     names = ", ".join(m.recording.name for m in b.motions)
@@ -67,7 +71,7 @@ def fitted_joints(prepared: Prepared, state: Search) -> dict[str, JointFit]:
         left = b.sigma[key] * _rms(state.fit.residual(key))
         result[name] = JointFit(
             before=b.rms(key),
-            after=min(left, state.left.get(key, np.inf)),
+            after=min(left, simulated_left.get(key, np.inf)),
             noise_floor=b.floor[key],
             unit="rad" if key[0] == "servo" else "N m",
             data=names,

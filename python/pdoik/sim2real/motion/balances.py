@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..study.recording import FloatArray
+from ..thresholds import Thresholds
 from .motion import Motion
 from .place import Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
-
-MODEL_ERROR = 0.003
-"""Share of a torque's own size below which nothing is claimed: differentiation, rounding."""
-
-FIT_ERROR = 0.01
-"""Share of a mismatch's own size to which the laws of the catalogue are held to be exact."""
-
-_BLOCK = 1.5  # of the bootstrap [s], longer than the residual remembers
-_FOLDS = 4  # of cross-validation: recordings, or long stretches where these are few
-_LEAST_RANGE = 0.05  # a joint that stays within this has not moved [rad]
-_LEAST_SHARE = 0.1  # of the time that a joint must move to be judged
 
 
 class Cause(Protocol):
@@ -49,9 +40,10 @@ def columns_of(cause: Cause, motion: Motion, place: Place, shape: Shape) -> Colu
 class Balances:
     """Rows of every balance of some motions: (N,) per key, recordings one after the other."""
 
-    def __init__(self, motions: Sequence[Motion]) -> None:
-        """Motions share joints and cut-off."""
+    def __init__(self, motions: Sequence[Motion], thresholds: Thresholds | None = None) -> None:
+        """Motions share joints and cut-off; thresholds are the defaults if none are given."""
         self.motions = tuple(motions)
+        self.thresholds = Thresholds() if thresholds is None else thresholds
         self.n = motions[0].n
         self._steps = [max(1, int(1.0 / (3.0 * m.cutoff * m.period))) for m in motions]
         counts = [len(range(0, len(m.time), s)) for m, s in zip(motions, self._steps, strict=True)]
@@ -61,7 +53,7 @@ class Balances:
         self.recording = np.repeat(np.arange(len(motions)), counts)
         self.block = self._blocks()
         self.fold = self._folds()
-        self.excited = np.array([_excited(motions, j) for j in range(self.n)])
+        self.excited = np.array([_excited(motions, j, self.thresholds) for j in range(self.n)])
         self.residual: dict[Key, FloatArray] = {}
         self.mask: dict[Key, NDArray[np.bool_]] = {}
         self.floor: dict[Key, float] = {}
@@ -109,12 +101,20 @@ class Balances:
                 result[key] = column
         return result
 
-    def lean(self, gravity: FloatArray) -> None:
-        """Let unknown bodies be pulled by another gravity, (3,) in the base's frame [m/s^2]."""
-        for motion in self.motions:
-            motion.lean(gravity)
-        for name in [name for name in self._columns if name[1].link is not None]:
-            del self._columns[name]
+    def pulled_by(self, gravity: FloatArray) -> Balances:
+        """The same, with unknown bodies under this gravity, (3,) in the base's frame [m/s^2]."""
+        other = copy(self)
+        other.motions = tuple(motion.pulled_by(gravity) for motion in self.motions)
+        kept = {name: each for name, each in self._columns.items() if name[1].link is None}
+        other._columns = kept
+        return other
+
+    def without_fold(self, fold: int) -> Balances:
+        """The same, where rows of one fold of the cross-validation do not count, nor near it."""
+        other = copy(self)
+        kept = (self.fold != fold) & ~self._near_borders()
+        other.mask = {key: mask & kept for key, mask in self.mask.items()}
+        return other
 
     def rms(self, key: Key, values: FloatArray | None = None) -> float:
         """Root mean square over the rows that count."""
@@ -165,14 +165,14 @@ class Balances:
             mask = np.zeros_like(mask)
         self.mask[key] = mask
         self.floor[key] = self._noise(key, values)
-        size = 0.0
+        size, noise = 0.0, self.thresholds.noise
         if balance in ("torque", "drive", "law"):
             tau = np.concatenate([m.tau[:, channel] for m in self.motions])
-            size = MODEL_ERROR * float(np.sqrt(np.mean(tau**2)))
+            size = noise.model_error * float(np.sqrt(np.mean(tau**2)))
         elif balance == "velocity":
             speeds = np.concatenate([m.dq[:, channel] for m in self.motions])
-            size = MODEL_ERROR * float(np.sqrt(np.mean(speeds**2)))
-        size = float(np.hypot(size, FIT_ERROR * self.rms(key)))
+            size = noise.model_error * float(np.sqrt(np.mean(speeds**2)))
+        size = float(np.hypot(size, noise.fit_error * self.rms(key)))
         self.sigma[key] = float(np.hypot(self.floor[key], size)) or 1e-9
 
     def _noise(self, key: Key, values: list[FloatArray]) -> float:
@@ -194,20 +194,32 @@ class Balances:
         blocks, first = [], 0
         for i in range(len(self.motions)):
             time = self.time[self.starts[i] : self.starts[i + 1]]
-            number = np.floor(time / _BLOCK).astype(np.intp)
+            number = np.floor(time / self.thresholds.noise.block).astype(np.intp)
             blocks.append(first + number)
             first += int(number[-1]) + 1
         return np.concatenate(blocks)
 
     def _folds(self) -> NDArray[np.intp]:
         """Recordings, or halves or quarters of them, so that about four are left out in turn."""
-        parts = -(-_FOLDS // len(self.motions))
+        wanted = self.thresholds.noise.folds
+        parts = -(-wanted // len(self.motions))
         folds = np.empty(self.count, dtype=np.intp)
         for i in range(len(self.motions)):
             span = slice(int(self.starts[i]), int(self.starts[i + 1]))
             place = np.arange(span.stop - span.start)
             folds[span] = i * parts + np.minimum(place * parts // len(place), parts - 1)
-        return folds if len(self.motions) * parts <= 2 * _FOLDS else folds % _FOLDS
+        return folds if len(self.motions) * parts <= 2 * wanted else folds % wanted
+
+    def _near_borders(self) -> NDArray[np.bool_]:
+        """Rows so near to another fold of their recording that filters let them resemble it."""
+        near = np.zeros(self.count, dtype=np.bool_)
+        for i, motion in enumerate(self.motions):
+            span = slice(int(self.starts[i]), int(self.starts[i + 1]))
+            change = np.flatnonzero(np.diff(self.fold[span])) + 1
+            time = self.time[span]
+            for at in change:
+                near[span] |= np.abs(time - time[at]) < 1.0 / motion.cutoff
+        return near
 
     def _stack(self, values: list[FloatArray]) -> FloatArray:
         parts = [v[::s] for v, s in zip(values, self._steps, strict=True)]
@@ -233,10 +245,10 @@ def inertial_noise(motion: Motion) -> FloatArray:
     return np.asarray(squared @ acceleration, dtype=np.float64)
 
 
-def _excited(motions: Sequence[Motion], j: int) -> bool:
+def _excited(motions: Sequence[Motion], j: int, thresholds: Thresholds) -> bool:
     span = max(float(np.ptp(m.q[:, j])) for m in motions)
     share = float(np.mean(np.concatenate([~m.still[:, j] for m in motions])))
-    return span > _LEAST_RANGE and share > _LEAST_SHARE
+    return span > thresholds.noise.least_range and share > thresholds.noise.least_moving
 
 
 def _column(values: FloatArray | None, j: int) -> FloatArray:

@@ -73,10 +73,10 @@ class Motion:
             self.cache["regressor"] = self.body.regressor(self.q, self.dq, self.ddq, gravity)
         return self.cache["regressor"]
 
-    def lean(self, gravity: FloatArray) -> None:
-        """Let unknown bodies be pulled by another gravity, (3,) in the base's frame [m/s^2]."""
-        self.cache["gravity"] = gravity
-        self.cache.pop("regressor", None)
+    def pulled_by(self, gravity: FloatArray) -> Motion:
+        """The same, with unknown bodies under this gravity, (3,) in the base's frame [m/s^2]."""
+        kept = {name: values for name, values in self.cache.items() if name != "regressor"}
+        return replace(self, cache={**kept, "gravity": gravity})
 
     def rotor(self, j: int) -> FloatArray:
         """Torque of joint j's known rotor inertia, (T,)."""

@@ -50,8 +50,10 @@ def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = 
         study=study,
         body=body,
         cutoff=cutoff,
-        fit=Balances(motions_of(study, fit, body, cutoff, noise)),
-        validate=Balances(motions_of(study, held_out, body, cutoff, noise)) if held_out else None,
+        fit=Balances(motions_of(study, fit, body, cutoff, noise), study.thresholds),
+        validate=Balances(motions_of(study, held_out, body, cutoff, noise), study.thresholds)
+        if held_out
+        else None,
     )
 
 
@@ -62,7 +64,8 @@ def simulated(prepared: Prepared) -> Balances | None:
         return None
     thin = [thinned(r) for r in study.simulation]
     noise = np.zeros(len(study.joints))
-    return Balances(motions_of(study, thin, prepared.body, prepared.cutoff, noise))
+    motions = motions_of(study, thin, prepared.body, prepared.cutoff, noise)
+    return Balances(motions, study.thresholds)
 
 
 def motions_of(

@@ -1,8 +1,14 @@
-"""Values of what was found, with intervals from the block bootstrap."""
+"""Values of what was found, with intervals from blocks and from recordings.
+
+The block bootstrap says how sure a figure is if all recordings are of one machine in one state.
+Machines change from session to session: the jackknife over recordings sees that, and what it sees
+beyond the bootstrap widens the interval (Bell and McCaffrey, Survey Methodology 28(2), 2002).
+"""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy import stats
 
 from ..effects import CATALOGUE
 from ..findings import Estimate
@@ -11,6 +17,7 @@ from ..study.recording import FloatArray
 from .fit import Fit, Term
 
 DRAWS = 200
+_FEWEST_SESSIONS = 3  # recordings from which their differences tell something
 _DISCRETISATION = 0.0015  # share of a value that differentiation and sampling may take
 
 
@@ -18,13 +25,14 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     """Parameters of each wanted term, by its index in `wanted`.
 
     Nonlinear parameters take part by the derivative of their columns: the bootstrap's step along
-    it is the parameter's.
+    it is the parameter's. Intervals hold for the mean over sessions like those recorded.
     """
     rng = np.random.default_rng(seed)
     moving = [(term, i) for term in wanted for i in _free(term)]
     extra = [_sensitivity(fit, term, i) for term, i in moving]
     wider = fit.extended(*extra) if extra else fit
     draws = wider.bootstrap(rng, DRAWS)
+    left_out = wider.without_each_recording()
     centre = wider.beta
     # Directions no motion shows do not move in the bootstrap: their prior's spread is added.
     unseen = _unseen(wider)
@@ -36,19 +44,36 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
         at = fit.terms.index(term)
         span = slice(int(fit.offsets[at]), int(fit.offsets[at]) + (0 if term.fixed else term.width))
         beta = np.ones(1) if term.fixed else bounded[span]
-        samples = []
-        for draw in draws:
+        own = [
+            (i, int(offset))
+            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) :], strict=False)
+            if owner is term
+        ]
+
+        def parameters(
+            draw: FloatArray,
+            term: Term = term,
+            own: list[tuple[int, int]] = own,
+            beta: FloatArray = beta,
+            span: slice = span,
+        ) -> dict[str, float]:
             shape = list(term.shape)
-            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) :], strict=False):
-                if owner is term:
-                    step = draw[offset] - centre[offset]
-                    shape[i] += float(step) * _step(term, i)
-            sample = np.ones(1) if term.fixed else beta + draw[span] - centre[span]
-            samples.append(CATALOGUE[term.effect].values(tuple(shape), sample))
+            for i, offset in own:
+                shape[i] += float(draw[offset] - centre[offset]) * _step(term, i)
+            sample = beta if term.fixed else beta + draw[span] - centre[span]
+            return CATALOGUE[term.effect].values(tuple(shape), sample)
+
+        by_blocks = [parameters(draw) for draw in draws]
+        by_recordings = [parameters(draw) for draw in left_out]
         values = CATALOGUE[term.effect].values(term.shape, beta)
         units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
         result[number] = {
-            name: _estimate(value, np.array([s[name] for s in samples]), units.get(name, "-"))
+            name: _estimate(
+                value,
+                np.array([each[name] for each in by_blocks]),
+                np.array([each[name] for each in by_recordings]),
+                units.get(name, "-"),
+            )
             for name, value in values.items()
         }
     return result
@@ -85,14 +110,32 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
     }
 
 
-def _estimate(value: float, samples: FloatArray, unit: str) -> Estimate:
-    if unit == "rad" and len(samples):  # a phase may wrap
-        samples = value + (samples - value + np.pi) % (2 * np.pi) - np.pi
-    std = float(np.hypot(np.std(samples), _DISCRETISATION * abs(value)))
-    low, high = np.quantile(samples, (0.025, 0.975))
+def _estimate(
+    value: float, by_blocks: FloatArray, by_recordings: FloatArray, unit: str
+) -> Estimate:
+    if unit == "rad":  # a phase may wrap
+        by_blocks, by_recordings = _near(value, by_blocks), _near(value, by_recordings)
+    std = float(np.hypot(np.std(by_blocks), _DISCRETISATION * abs(value)))
+    low, high = np.quantile(by_blocks, (0.025, 0.975))
     # Centred on the value: the bootstrap's own bias is not the estimate's.
     half = max(float(high - low) / 2, 1.96 * std)
+    between, freedom = _between_sessions(by_recordings, std)
+    half = float(np.hypot(half, stats.t.ppf(0.975, freedom) * between))
+    std = float(np.hypot(std, between))
     return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=unit)
+
+
+def _near(value: float, angles: FloatArray) -> FloatArray:
+    return np.asarray(value + (angles - value + np.pi) % (2 * np.pi) - np.pi)
+
+
+def _between_sessions(by_recordings: FloatArray, std: float) -> tuple[float, int]:
+    """Standard error by differences between recordings beyond `std`, and degrees of freedom."""
+    count = len(by_recordings)
+    if count < _FEWEST_SESSIONS:
+        return 0.0, 1
+    squares = (count - 1) / count * float(np.sum((by_recordings - by_recordings.mean()) ** 2))
+    return float(np.sqrt(max(squares - std**2, 0.0))), count - 1
 
 
 def _free(term: Term) -> list[int]:

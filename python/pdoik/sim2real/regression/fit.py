@@ -214,8 +214,8 @@ class Fit:
             total += np.bincount(b.block[self.rows[key]], values, minlength=len(total))
         return total
 
-    def bootstrap(self, rng: np.random.Generator, draws: int) -> FloatArray:
-        """Coefficients of resampled blocks, (draws, size): the block bootstrap."""
+    def block_sums(self) -> tuple[FloatArray, FloatArray]:
+        """Gram matrices (blocks, size, size) and moments (blocks, size) of every block."""
         b = self.balances
         blocks = int(b.block.max()) + 1
         grams = np.zeros((blocks, self.size, self.size))
@@ -230,11 +230,28 @@ class Fit:
                 part = design[at]
                 grams[number][np.ix_(index, index)] += part.T @ part
                 moments[number][index] += part.T @ self.target[key][at]
+        return grams, moments
+
+    def bootstrap(self, rng: np.random.Generator, draws: int) -> FloatArray:
+        """Coefficients of resampled blocks, (draws, size): the block bootstrap."""
+        grams, moments = self.block_sums()
+        blocks = len(grams)
         samples = np.empty((draws, self.size))
         for d in range(draws):
             weight = np.bincount(rng.integers(0, blocks, blocks), minlength=blocks).astype(float)
             gram = np.tensordot(weight, grams, axes=1)
             samples[d] = self.solve(gram, weight @ moments)
+        return samples
+
+    def without_each_recording(self) -> FloatArray:
+        """Coefficients without one recording after the other, (recordings, size): the jackknife."""
+        b = self.balances
+        grams, moments = self.block_sums()
+        samples = np.empty((len(b.motions), self.size))
+        for i in range(len(b.motions)):
+            span = slice(int(b.starts[i]), int(b.starts[i + 1]))
+            kept = np.setdiff1d(np.arange(len(grams)), b.block[span])
+            samples[i] = self.solve(grams[kept].sum(axis=0), moments[kept].sum(axis=0))
         return samples
 
     def wald(self, term: Term) -> tuple[float, float]:

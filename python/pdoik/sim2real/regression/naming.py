@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..findings import Equivalent, Estimate, Evidence, Finding
+from ..findings import Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.place import Gate, Key
 from ..motion.prepare import Prepared
 from ..study.recording import FloatArray
@@ -23,6 +23,7 @@ def finding_of(
     values: dict[str, Estimate],
     equivalents: tuple[Equivalent, ...],
     evidence: Evidence,
+    support: Support | None = None,
 ) -> Finding:
     """The finding a term stands for."""
     place, study = term.place, prepared.study
@@ -38,9 +39,9 @@ def finding_of(
         recordings = (place.recording,)
     window, positions = place.window, None
     if place.gate is not None and place.gate.of == "time":
-        window = ends_of(place.gate, [r.time - r.time[0] for r in study.recordings])
+        window = ends_of(place.gate, [r.time - r.time[0] for r in study.fit])
     elif place.gate is not None:
-        positions = ends_of(place.gate, [r.q[:, place.joints[0]] for r in study.recordings])
+        positions = ends_of(place.gate, [r.q[:, place.joints[0]] for r in study.fit])
     decided = effect.decided_by if equivalents or effect.confused_with else ""
     return Finding(
         effect=effect.id,
@@ -56,6 +57,7 @@ def finding_of(
         equivalents=equivalents,
         decided_by=decided,
         evidence=evidence,
+        support=support,
         variant=CATALOGUE[term.effect].variant(term.shape),
         shape=term.shape,
     )
@@ -160,7 +162,7 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
     near = near_the_median(times)
     if len(near) < 2:
         return group
-    best = max((group[i] for i in near), key=lambda each: each[0].evidence.validation_gain)
+    best = max((group[i] for i in near), key=lambda each: each[0].weight)
     inside = [group[i][0] for i in near]
     weight = np.array([1.0 / max(f.parameters[name].std, 1e-6) ** 2 for f in inside])
     value = float(np.sum(weight * times[near]) / weight.sum())
@@ -184,6 +186,7 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
         parameters={name: estimate} | others,
         statement=effect.statement(where, {name: value} | {k: e.value for k, e in others.items()}),
         regime=effect.regime(where),
+        confidence=max(finding.confidence for finding in inside),
     )
     terms = tuple(term for i in near for term in group[i][1])
     return [(one, terms)] + [group[i] for i in range(len(group)) if i not in near]

@@ -62,8 +62,8 @@ def refined(base: Fit, term: Term) -> Term:
     return at(best)[1] if cost < base.extended(term).cost() else term
 
 
-def polish(state: Search, joints: set[int] | None = None) -> None:
-    """Move nonlinear parameters once more with all terms there; of these joints, or of all.
+def polished(state: Search, joints: set[int] | None = None) -> Search:
+    """Nonlinear parameters moved once more with all terms there; of these joints, or of all.
 
     A shape found before its neighbours were there may have stood in for them.
     """
@@ -72,6 +72,6 @@ def polish(state: Search, joints: set[int] | None = None) -> None:
             continue
         if joints is not None and joints.isdisjoint(term.place.joints):
             continue
-        others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
-        better = refined(others, term)
-        state.fit = Fit(state.balances, [better if t is term else t for t in state.fit.terms])
+        better = refined(state.without(term).fit, term)
+        state = state.fitted([better if t is term else t for t in state.fit.terms])
+    return state

@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
 from ..effects import CATALOGUE
-from ..findings import Evidence
+from ..findings import Support
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..study.recording import FloatArray
+from ..thresholds.search import SearchThresholds
 from .fit import Fit, Term, TermKey
-
-_LEAST_TRAINING_GAIN = 20.0  # in squared sigmas
-LEAST_T = 3.5  # held-out gain over its standard error, by blocks
-_LEAST_SIZE = 0.5  # root mean square of an effect in sigmas, where it acts
-_LEAST_SHARE = 0.002  # of the mean square residual that the effect's channels began with
-LEAST_OF_REST = 0.12  # of what is left: what explains less of it is its own model's misfit
-_FEW_ROWS, _LEAST_IN_FEW = 40, 80.0  # what acts in so few rows must gain so many squared sigmas
-_LEAST_RELIEF = 12.0  # of the prior's penalty: a log evidence of six that figures are beyond trust
-_TIE_SIZE = 0.2  # root mean square in sigmas by which a candidate may be worse than one level
-_TIE = 0.03  # or the share of the gain, where blocks differ as much
-_FIXED_WITHIN = (0.6, 1.6)  # where a coefficient that should be 1 may lie when it is set free
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,47 +30,63 @@ class Trial:
     of_rest: float  # of the mean square that was left where it acts
     rows: int  # on which it acts
     blocks: FloatArray  # gain of each block
-    accepted: bool = False
-    why_not: str = ""
+    thresholds: SearchThresholds
 
     @property
     def significant(self) -> bool:
         """Whether the gain is real and large enough to matter."""
-        explains = max(LEAST_OF_REST, CATALOGUE[self.term.effect].least_of_rest)
+        least = self.thresholds
         return (
-            self.t >= LEAST_T
-            and self.size >= _LEAST_SIZE
-            and self.share >= _LEAST_SHARE
-            and self.of_rest >= explains
-            and (self.rows >= _FEW_ROWS or self.gain >= _LEAST_IN_FEW)
+            self.t >= least.least_t
+            and self.size >= least.least_size
+            and self.share >= least.least_share
+            and self.of_rest >= least_of_rest(least, self.term)
+            and (self.rows >= least.few_rows or self.gain >= least.least_in_few)
         )
 
     @property
     def needed(self) -> bool:
         """Whether an accepted term still earns its place beside those accepted after it."""
-        return self.t >= 0.7 * LEAST_T and self.size >= 0.7 * _LEAST_SIZE
+        least, share = self.thresholds, self.thresholds.still_needed
+        return self.t >= share * least.least_t and self.size >= share * least.least_size
 
 
-@dataclass(kw_only=True)
+def least_of_rest(thresholds: SearchThresholds, term: Term) -> float:
+    """Share of what is left that a term must explain where it acts."""
+    return max(thresholds.least_of_rest, CATALOGUE[term.effect].least_of_rest)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Search:
-    """The state of a search: what is accepted, and all that was tried."""
+    """What a stage hands to the next: what is accepted, and all that was tried.
+
+    Nothing in it changes: a stage returns another.
+    """
 
     balances: Balances
     nuisance: tuple[Term, ...]
     fit: Fit
     start: Fit
     contacts: tuple[Term, ...] = ()
-    dropped: Counter[TermKey] = field(default_factory=Counter)  # how often, needless later
-    tried: list[Trial] = field(default_factory=list)
-    level: dict[TermKey, list[Trial]] = field(default_factory=dict)  # rivals of accepted terms
-    simulated: dict[TermKey, dict[str, float]] = field(default_factory=dict)  # figures of terms
-    confirmed: dict[TermKey, Evidence] = field(default_factory=dict)  # terms, by simulations
-    left: dict[Key, float] = field(default_factory=dict)  # by simulations of held-out recordings
+    dropped: Mapping[TermKey, int] = field(default_factory=dict)  # how often, needless later
+    tried: tuple[Trial, ...] = ()
+    level: Mapping[TermKey, tuple[Trial, ...]] = field(default_factory=dict)  # rivals of accepted
+    simulated: Mapping[TermKey, dict[str, float]] = field(default_factory=dict)  # figures
+    confirmed: frozenset[TermKey] = frozenset()  # by simulations
+    support: Mapping[TermKey, Support] = field(default_factory=dict)  # by left-out folds
 
     @property
     def accepted(self) -> tuple[Term, ...]:
         """Terms accepted so far."""
         return self.fit.terms[len(self.nuisance) :]
+
+    def fitted(self, terms: Sequence[Term]) -> Search:
+        """With these terms, the nuisance's among them, and no others."""
+        return replace(self, fit=Fit(self.balances, terms))
+
+    def without(self, *terms: Term) -> Search:
+        """Without some of the accepted terms."""
+        return self.fitted([t for t in self.fit.terms if t not in terms])
 
 
 def level(best: Trial, other: Trial) -> bool:
@@ -89,11 +95,12 @@ def level(best: Trial, other: Trial) -> bool:
         return True
     difference = best.blocks - other.blocks
     total = float(difference.sum())
-    if total < _TIE_SIZE**2 * max(best.rows, other.rows):
+    least = best.thresholds
+    if total < least.tie_size**2 * max(best.rows, other.rows):
         return True
     used = difference[(best.blocks != 0.0) | (other.blocks != 0.0)]
     error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf
-    return total < _TIE * best.gain and total < 1.5 * error
+    return total < least.tie * best.gain and total < least.tie_error * error
 
 
 def screen(fit: Fit, terms: list[Term]) -> list[tuple[Term, float]]:
@@ -101,10 +108,11 @@ def screen(fit: Fit, terms: list[Term]) -> list[tuple[Term, float]]:
     best: dict[TermKey, tuple[Term, float]] = {}
     factor = linalg.cho_factor(fit.regular(fit.gram)) if fit.size else None  # of the training fit
     left = {key: fit.residual(key) for key in fit.design}
+    least = fit.balances.thresholds.search.least_training_gain
     for term in terms:
         gain = _training_gain(fit, term, factor, left)
         name = term.key
-        if gain > _LEAST_TRAINING_GAIN and (name not in best or gain > best[name][1]):
+        if gain > least and (name not in best or gain > best[name][1]):
             best[name] = (term, gain)
     return sorted(best.values(), key=lambda each: -each[1])
 
@@ -156,6 +164,7 @@ def cross_validated(
 ) -> Trial:
     """Gain of a term on rows held out."""
     base = state.fit if base is None else base
+    least = base.balances.thresholds.search
     wider = base.extended(term)
     squares = held_out_squares(wider)
     blocks = base.by_block({key: held[key] - squares[key] for key in squares})
@@ -167,11 +176,11 @@ def cross_validated(
         t = 0.0
     if not effect.plausible(base.balances.motions, term.place, term.shape):
         t = 0.0
-    if term.fixed and not _FIXED_WITHIN[0] < coefficient < _FIXED_WITHIN[1]:
+    if term.fixed and not least.fixed_from < coefficient < least.fixed_to:
         t = 0.0  # the data want another multiple of it: it is something else
     gain = float(blocks.sum())
-    if relief > _LEAST_RELIEF and gain > -0.2 * relief:  # the prior asks for it
-        gain, t = gain + relief, max(t, LEAST_T)
+    if relief > least.least_relief and gain > -0.2 * relief:  # the prior asks for it
+        gain, t = gain + relief, max(t, least.least_t)
     began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
     rest = sum(float(np.sum(held[key][acting[key]])) for key in term.columns)
     return Trial(
@@ -183,6 +192,7 @@ def cross_validated(
         of_rest=gain / max(rest, 1e-12),
         rows=active_rows,
         blocks=blocks,
+        thresholds=least,
     )
 
 
@@ -211,5 +221,5 @@ def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
 
 def without(state: Search, term: Term) -> Trial:
     """What an accepted term gains on held-out rows beside all the others."""
-    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    others = state.without(term).fit
     return cross_validated(state, term, held_out_squares(others), others)

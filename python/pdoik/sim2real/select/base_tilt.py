@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,8 +24,12 @@ _LEANINGS = 6  # searches at most, each with the tilt that the last found
 _LEANS = 0.02  # radians between two of them that matter to what bodies weigh
 
 
-def first_search(prepared: Prepared, say: Tell) -> Search:
-    """Accept effects; again where a base leans so far that unknown bodies pull another way."""
+def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
+    """Accept effects; again where a base leans so far that unknown bodies pull another way.
+
+    Returns:
+        The study with its bodies pulled as the base leans, and the search of that.
+    """
     leaning = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     state = _searched(prepared, say)
     for turn in range(_LEANINGS):
@@ -34,14 +39,13 @@ def first_search(prepared: Prepared, say: Tell) -> Search:
         say("name", "once more, with the base as it leans", 0.6)
         if turn > 0:  # what one weighs too much the other leans too little: half way
             gravity = (gravity + leaning) / 2.0
-        _lean(prepared, gravity)
-        same = [_anew(prepared.fit, term) for term in state.accepted]
-        again = _searched(prepared, say, tuple(term for term in same if term is not None))
+        tilted = _pulled_by(prepared, gravity)
+        same = [_anew(tilted.fit, term) for term in state.accepted]
+        again = _searched(tilted, say, tuple(term for term in same if term is not None))
         if _missed(again) > _missed(state):
-            _lean(prepared, leaning)
             break
-        state, leaning = again, gravity
-    return state
+        prepared, state, leaning = tilted, again, gravity
+    return prepared, state
 
 
 def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
@@ -53,10 +57,13 @@ def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Se
     )
 
 
-def _lean(prepared: Prepared, gravity: FloatArray) -> None:
-    for balances in (prepared.fit, prepared.validate):
-        if balances is not None:
-            balances.lean(gravity)
+def _pulled_by(prepared: Prepared, gravity: FloatArray) -> Prepared:
+    held_out = prepared.validate
+    return replace(
+        prepared,
+        fit=prepared.fit.pulled_by(gravity),
+        validate=None if held_out is None else held_out.pulled_by(gravity),
+    )
 
 
 def _anew(balances: Balances, term: Term) -> Term | None:

@@ -51,7 +51,7 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
         for t in state.accepted
         if CATALOGUE[t.effect].of_joint_torque and t.place.joints[:1] == (j,)
     ]
-    base = Fit(b, [t for t in state.fit.terms if t not in instead])
+    base = state.without(*instead).fit
     key: Key = ("torque", j)
     if key not in base.design or not len(base.rows[key]):
         return None
@@ -72,7 +72,7 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
     now = base.by_block(_difference(held, held_out_squares(state.fit)))
     best: tuple[float, Term] | None = None
     for _, plain, gate in likely[:_TRIED]:
-        term = _sharpened(base, _with_gate(base, plain, gate))
+        term = sharpened(base, _with_gate(base, plain, gate))
         trial = cross_validated(state, term, held, base)
         gain = float(trial.blocks.sum() - now.sum())
         if _stands(base, trial, now) and (best is None or gain > best[0]):
@@ -147,7 +147,7 @@ def _with_gate(base: Fit, plain: Term, gate: Gate) -> Term:
     return replace(plain, place=place, columns=columns)
 
 
-def _sharpened(base: Fit, term: Term) -> Term:
+def sharpened(base: Fit, term: Term) -> Term:
     """Ends, edges and shape moved to where the training cost is lowest."""
     gate = term.place.gate
     assert gate is not None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..effects import CATALOGUE
 from ..findings import Equivalent
 from ..motion.rigid_body import RigidBody
@@ -16,7 +18,7 @@ _MOST = 3  # equivalents listed
 
 def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     """The term's own trial, and those of others that take its place as well or better."""
-    others = Fit(state.balances, [t for t in state.fit.terms if t is not term])
+    others = state.without(term).fit
     held = held_out_squares(others)
     own = cross_validated(state, term, held, others)
     pool = [
@@ -40,8 +42,8 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     return own, rivals
 
 
-def swapped(state: Search) -> None:
-    """Replace accepted terms by rivals that do clearly better; keep what is level."""
+def swapped(state: Search) -> Search:
+    """Accepted terms replaced by rivals that do clearly better; what is level is kept beside."""
     for term in state.accepted:
         if CATALOGUE[term.effect].sought in ("windows", "last"):
             continue
@@ -50,16 +52,17 @@ def swapped(state: Search) -> None:
         best = winners[0] if winners else None
         if best is not None:
             terms = [best.term if t is term else t for t in state.fit.terms]
-            state.fit = Fit(state.balances, terms)
+            state = state.fitted(terms)
             rivals = [r for r in rivals if r is not best] + ([own] if level(best, own) else [])
             term = best.term
-        state.level[term.key] = rivals
+        state = replace(state, level={**state.level, term.key: tuple(rivals)})
+    return state
 
 
 def _wins(state: Search, rival: Trial, own: Trial) -> bool:
     if not level(rival, own):
         return rival.gain > own.gain
-    others = Fit(state.balances, [t for t in state.fit.terms if t is not own.term])
+    others = state.without(own.term).fit
     rank = [_rank(others, each.term) for each in (rival, own)]
     return rank[0] < rank[1] and level(own, rival)
 

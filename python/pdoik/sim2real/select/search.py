@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term
-from ..regression.refine import polish, refined
+from ..regression.refine import polished, refined
 from ..regression.trial import (
     Search,
     Trial,
@@ -21,10 +22,6 @@ from ..regression.trial import (
 )
 from .candidates import blurred, candidates, has_company, implausibility
 from .harmonics import harmonic_terms
-
-_SCREENED = 12  # candidates of the highest training gain that are cross-validated, a round
-_HOPELESS = 60  # candidates of no significance after which a round gives up
-_MOST = 40  # terms
 
 Tell = Callable[[Term, float], None]
 
@@ -48,23 +45,24 @@ def search(
     start = Fit(balances, nuisance)
     state = Search(balances=balances, nuisance=nuisance, fit=start, start=start, contacts=contacts)
     if contacts or begin:
-        state.fit = start.extended(*contacts, *begin)
+        state = replace(state, fit=start.extended(*contacts, *begin))
     pool = candidates(balances)
-    while len(state.accepted) < _MOST:
-        best = _round(state, pool)
+    while len(state.accepted) < balances.thresholds.search.most_terms:
+        trials = _trials(state, pool)
+        state = replace(state, tried=(*state.tried, *trials))
+        best = _best(state, trials)
         if best is None:
             break
         term = refined(state.fit, best.term)
-        state.fit = state.fit.extended(term)
+        state = replace(state, fit=state.fit.extended(term))
         tell(term, min(0.9, 0.1 * len(state.accepted)))
-        polish(state, {*term.place.joints})
-        _drop(state)
-    polish(state)
-    return state
+        state = _pruned(polished(state, {*term.place.joints}))
+    return polished(state)
 
 
-def _round(state: Search, pool: list[Term]) -> Trial | None:
-    """The best significant candidate, the simplest where data cannot tell; None if none is."""
+def _trials(state: Search, pool: list[Term]) -> list[Trial]:
+    """Candidates of a high training gain as they do on held-out rows, the best first."""
+    least = state.balances.thresholds.search
     taken = {t.key for t in state.accepted}
     gone = taken | {name for name, times in state.dropped.items() if times > 1}
     fresh = [t for t in pool if t.key not in gone and has_company(t, taken)]
@@ -85,10 +83,13 @@ def _round(state: Search, pool: list[Term]) -> Trial | None:
         if trial.significant:
             best = max(best, trial.gain)
         hopeless += not trial.significant
-        if (len(trials) >= _SCREENED and best > 0.0) or hopeless >= _HOPELESS:
+        if (len(trials) >= least.screened and best > 0.0) or hopeless >= least.hopeless:
             break
-    trials.sort(key=lambda each: -each.gain)
-    state.tried.extend(trials)
+    return sorted(trials, key=lambda each: -each.gain)
+
+
+def _best(state: Search, trials: list[Trial]) -> Trial | None:
+    """The best significant one, the simplest where data cannot tell; None if none is."""
     good = [each for each in trials if each.significant]
     if not good:
         return None
@@ -102,8 +103,8 @@ def _simplicity(state: Search, trial: Trial) -> tuple[float, float]:
     return complexity + implausibility(state.fit, trial.term), -trial.gain
 
 
-def _drop(state: Search) -> None:
-    """Leave out accepted terms that the later ones have made needless."""
+def _pruned(state: Search) -> Search:
+    """Without accepted terms that the later ones have made needless."""
     while len(state.accepted) > 1:
         worst, weakest = None, np.inf
         for term in state.accepted[:-1]:
@@ -116,7 +117,8 @@ def _drop(state: Search) -> None:
             if not trial.needed and trial.t < weakest:
                 worst, weakest = term, trial.t
         if worst is None:
-            return
-        state.dropped[worst.effect, worst.place] += 1  # twice, and it would come and go for ever
-        kept = [t for t in state.fit.terms if t is not worst]
-        state.fit = Fit(state.balances, kept)
+            return state
+        # Twice, and it would come and go for ever.
+        dropped = {**state.dropped, worst.key: state.dropped.get(worst.key, 0) + 1}
+        state = replace(state.without(worst), dropped=dropped)
+    return state

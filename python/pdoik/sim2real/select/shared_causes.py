@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -13,7 +15,7 @@ from ..regression.trial import Search
 _MOST_JOINTS = 0.6  # share of the moving joints that must show it
 
 
-def share_causes(state: Search) -> None:
+def with_shared_causes(state: Search) -> Search:
     """Give joints whose noise hides it the delay, lag or skew that the others agree on.
 
     Only where its figure lowers the joint's training cost.
@@ -33,7 +35,8 @@ def share_causes(state: Search) -> None:
                 continue
             term = term_of(b, effect, Place(joints=(j,)), shape)
             if term is not None and _helps(state, term):
-                state.fit = state.fit.extended(term)
+                state = replace(state, fit=state.fit.extended(term))
+    return state
 
 
 def _helps(state: Search, term: Term) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -17,16 +19,15 @@ _LEAST_LEFT = 1.35  # root mean square in sigmas below which nothing is left to 
 _NAMELESS = CATALOGUE[Unknown.id]
 
 
-def add_unknown(state: Search) -> None:
-    """Accept unnamed functions where named effects leave something that generalises."""
+def with_unknown(state: Search) -> Search:
+    """With unnamed functions where named effects leave something that generalises."""
     for _ in range(state.balances.n):
         best = _best(state)
         if best is None:
-            return
-        state.tried.append(best)
-        named = state.fit
-        state.fit = state.fit.extended(best.term)
-        _names_given_up(state, named, best.term)
+            break
+        wider = replace(state, fit=state.fit.extended(best.term), tried=(*state.tried, best))
+        state = _names_given_up(wider, state.fit, best.term)
+    return state
 
 
 def _best(state: Search) -> Trial | None:
@@ -104,8 +105,8 @@ def _clocks(fit: Fit, j: int) -> list[tuple[float, float, float]]:
     return [(code, float(grid[i]), 1.0) for i in top]
 
 
-def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
-    """Drop names of the same joint and variable where these explain clearly less."""
+def _names_given_up(state: Search, named: Fit, unknown: Term) -> Search:
+    """Without names of the same joint and variable where these explain clearly less."""
     name = VARIABLES[int(unknown.shape[0])]
     j = unknown.place.joints[0]
     names = [
@@ -114,8 +115,9 @@ def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
         if _shows_by(CATALOGUE[term.effect].depends_on, name) and term.place.joints == (j,)
     ]
     if not names:
-        return
-    alone = Fit(state.balances, [t for t in state.fit.terms if t not in names])
+        return state
+    without = state.without(*names)
+    alone = without.fit
     start, by_names, by_unknown, both = (
         _left(fit, j) for fit in (state.start, named, alone, state.fit)
     )
@@ -124,7 +126,8 @@ def _names_given_up(state: Search, named: Fit, unknown: Term) -> None:
     if enough and (
         explained < _NAMES_EXPLAIN or _rms(named, unknown) > _FAR > _NEAR > _rms(alone, unknown)
     ):
-        state.fit = alone
+        return without
+    return state
 
 
 def _shows_by(variables: tuple[str, ...], name: str) -> bool:

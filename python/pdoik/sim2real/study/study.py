@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from ..thresholds import Thresholds
 from .recording import FloatArray, Recording
 
 
@@ -47,6 +48,7 @@ class Study:
     trust: Trust = field(default_factory=Trust)
     rotor_inertia: FloatArray | None = None  # (n,) seen at the joint [kg m^2]
     notes: tuple[str, ...] = ()
+    thresholds: Thresholds = field(default_factory=Thresholds)
 
     @property
     def fit(self) -> tuple[Recording, ...]:

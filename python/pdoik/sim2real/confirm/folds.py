@@ -1,0 +1,137 @@
+"""Every accepted term learnt anew without one fold after the other, and held against that fold.
+
+The search tunes nonlinear parameters and gates on all rows and only its coefficients by folds, and
+it looks at hundreds of candidates. Here shapes and gates are tuned inside the folds too: what is
+gained is gained on stretches that the whole of the term never saw (nested cross-validation; Varma
+and Simon, BMC Bioinformatics 7:91, 2006).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..findings import Support
+from ..regression.fit import Fit, Term
+from ..regression.refine import refined
+from ..regression.trial import Search, without
+from ..select.gates import sharpened
+from ..study.recording import FloatArray
+
+
+def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
+    """The search without terms that left-out folds do not bear out, and these.
+
+    Contacts are events, of which nothing can repeat; what simulations confirmed stays.
+    """
+    doubtful: list[Term] = []
+    while True:
+        judged = [t for t in state.accepted if t not in state.contacts]
+        new = {t.key: support_of(state, t) for t in judged if t.key not in state.support}
+        state = replace(state, support={**state.support, **new})
+        failing = [t for t in judged if not _stands(state, t)]
+        if not failing:
+            return state, tuple(doubtful)
+        worst = min(failing, key=lambda term: state.support[term.key].t)
+        doubtful.append(worst)
+        beside = {
+            t.key
+            for t in judged
+            if t is not worst and not worst.columns.keys().isdisjoint(t.columns)
+        }
+        kept = {key: each for key, each in state.support.items() if key not in beside}
+        state = replace(state.without(worst), support=kept)
+
+
+def support_of(state: Search, term: Term) -> Support:
+    """What a term gains on folds that it was not learnt from, beside the others."""
+    b = state.balances
+    others = state.without(term).fit
+    gained, began = np.zeros(int(b.block.max()) + 1), 0.0
+    agree = used = rows = 0
+    for fold in _usable(others, term):
+        gain, left, count = _left_out(others, term, fold)
+        agree += bool(gain.sum() > 0.0)
+        used += 1
+        gained += gain
+        began += left
+        rows += count
+    acting = gained[gained != 0.0]
+    error = float(np.std(acting) * np.sqrt(len(acting))) if len(acting) > 1 else np.inf
+    total = float(gained.sum())
+    first = sum(
+        float(np.sum((b.residual[key][others.rows[key]] / b.sigma[key]) ** 2))
+        for key in term.columns
+    )
+    return Support(
+        weight=total / max(first, 1e-12),
+        gain=total / max(began, 1e-12),
+        t=total / max(error, 1e-12),
+        size=float(np.sign(total) * np.sqrt(abs(total) / max(rows, 1))),
+        agree=agree,
+        folds=used,
+        blocks=len(acting),
+        left=_left(state.fit, term),
+        rivals=len(state.level.get(term.key, ())),
+    )
+
+
+def _left(fit: Fit, term: Term) -> float:
+    """Root mean square of what nothing explains at the term's balances, in sigmas."""
+    squares = [fit.residual(key) ** 2 for key in term.columns]
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+
+def _usable(fit: Fit, term: Term) -> list[int]:
+    """Folds in which a term acts, and without which enough of it is left to be learnt."""
+    energy = np.zeros(fit.folds)
+    for key, column in term.columns.items():
+        rows = fit.rows[key]
+        scaled = np.sum((column[rows] / fit.balances.sigma[key]) ** 2, axis=1)
+        energy += np.bincount(fit.balances.fold[rows], scaled, minlength=fit.folds)
+    share = energy / max(float(energy.sum()), 1e-300)
+    least = fit.balances.thresholds.support.least_elsewhere
+    return [f for f in range(fit.folds) if share[f] >= least and 1.0 - share[f] >= least]
+
+
+def _left_out(others: Fit, term: Term, fold: int) -> tuple[FloatArray, float, int]:
+    """Gain of each block of a fold, what was left there before, and on how many rows."""
+    b = others.balances
+    base = Fit(b.without_fold(fold), others.terms)
+    learnt = relearnt(base, term)
+    beta = base.extended(learnt).beta
+    wider = others.extended(learnt)
+    gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0
+    for key, column in learnt.columns.items():
+        rows = others.rows[key]
+        part = column[rows]
+        acts = np.sum(part**2, axis=1) if len(part) else np.zeros(0)
+        at = (b.fold[rows] == fold) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
+        before = others.residual(key, base.beta)[at] ** 2
+        after = wider.residual(key, beta)[at] ** 2
+        gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
+        began += float(before.sum())
+        count += int(at.sum())
+    return gained, began, count
+
+
+def relearnt(base: Fit, term: Term) -> Term:
+    """The term with gate and nonlinear parameters tuned on the rows of a fit."""
+    if CATALOGUE[term.effect].costly:  # shown by simulations, where it is to be believed
+        return term
+    if term.place.gate is not None:
+        return sharpened(base, term)
+    return refined(base, term)
+
+
+def _stands(state: Search, term: Term) -> bool:
+    """Whether folds bear a term out; of what acts in one only, whether that is very clear."""
+    if term.key in state.confirmed:
+        return True
+    least, support = state.balances.thresholds.support, state.support[term.key]
+    if support.folds:
+        return support.t >= least.least_t
+    trial = without(state, term)
+    return trial.t >= least.alone_t and trial.size >= least.alone_size

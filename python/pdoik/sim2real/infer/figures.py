@@ -1,0 +1,120 @@
+"""What accepted terms come to: figures with intervals, and which of them are nothing after all.
+
+Only recordings to learn from are looked at here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..confirm.simulated_estimates import simulated_estimates
+from ..effects import CATALOGUE
+from ..findings import Estimate
+from ..motion.place import Place
+from ..motion.prepare import Prepared
+from ..regression.estimate import estimates, event_estimates
+from ..regression.fit import Fit, Term
+from ..regression.naming import described
+from ..regression.second_order import to_second_order
+from ..regression.trial import Search
+from .bodies import by_moments
+from .sampling import widened, without_sampling
+
+_CLEAR_TOGETHER = 100.0
+"""Wald statistic of all figures of a body, above which they are not nothing together."""
+
+_ON_IT = 1e-3  # relative: how near to a bound a figure lies on it
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Figures:
+    """Terms that stand with what they come to."""
+
+    state: Search  # without those that came to nothing
+    terms: tuple[tuple[Term, dict[str, Estimate]], ...]
+    loads: frozenset[Place]  # payloads that are told by their moments
+    notes: tuple[str, ...]  # what was done, and what came to nothing
+
+
+def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
+    """Estimates of all accepted terms, refined by simulation, widened by what sampling hides."""
+    motions = prepared.fit.motions
+    accepted = tuple(
+        term
+        for term in state.accepted
+        if not CATALOGUE[term.effect].negligible(motions, term.shape)
+    )
+    accepted, notes = without_sampling(prepared, state.fit, accepted)
+    values = estimates(state.fit, accepted, seed)
+    state, accepted, values, loads = by_moments(state, accepted, values, seed)
+    values = {i: to_second_order(state.fit, t, values[i]) for i, t in enumerate(accepted)}
+    values, simulated = simulated_estimates(prepared, state, accepted, values)
+    if simulated:
+        notes = [simulated, *notes]
+    kept: list[tuple[Term, dict[str, Estimate]]] = []
+    lost: list[Term] = []
+    for number, term in enumerate(accepted):
+        figures = widened(motions, term, values[number])
+        plain = {name: each.value for name, each in figures.items()}
+        if CATALOGUE[term.effect].trifling(plain):
+            continue
+        said = ""
+        if term not in state.contacts and _is_lost_in_its_error(state, term, figures):
+            said = "suggested, but not larger than its error."
+        elif beyond := at_bound(state.fit, term, figures):
+            said = f"{beyond}, so it explains nothing."
+        if said:
+            notes.append(f"{described(prepared, term)}: {said}")
+            lost.append(term)
+            continue
+        if term in state.contacts:
+            figures = event_estimates(state.without(term).fit.extended(term), term)
+        kept.append((term, figures))
+    if lost:
+        state = state.without(*lost)
+    return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes))
+
+
+def _is_lost_in_its_error(state: Search, term: Term, values: dict[str, Estimate]) -> bool:
+    """Whether the size of what was found, or of a body all its figures, may as well be zero.
+
+    Of a body each figure may be nothing while their combinations, which are what motors feel, are
+    not: then it stays.
+    """
+    sizes = list(values.values())
+    effect = CATALOGUE[term.effect]
+    body = effect.is_body
+    if effect.size_first:
+        sizes = sizes[:1]
+    elif not body:
+        return False
+    if any(abs(each.value) >= 2.0 * each.std for each in sizes):
+        return False
+    if not body:
+        return True
+    return state.without(term).fit.extended(term).wald(term)[0] < _CLEAR_TOGETHER
+
+
+def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
+    """Which figure of a term lies on a bound of its effect, in words; "" where none does.
+
+    A figure that would go on beyond what it may be is pulled by something else.
+    """
+    effect = CATALOGUE[term.effect]
+    for each in effect.parameters:
+        if each.name not in values or each.chosen:
+            continue
+        value = values[each.name].value
+        for bound, beyond in ((each.lower, each.lower - value), (each.upper, value - each.upper)):
+            if bound and np.isfinite(bound) and beyond >= -_ON_IT * abs(bound):
+                return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
+    if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are told by simulations
+        return ""
+    beta = fit.bounded()[int(fit.offsets[fit.terms.index(term)])]
+    for bound in (float(limit[0]) for limit in effect.bounds):
+        if bound and np.isfinite(bound) and abs(beta - bound) <= _ON_IT * abs(bound):
+            figures = ", ".join(f"{name} {each.value:.3g}" for name, each in values.items())
+            return f"it lies on a bound of what it may be ({figures})"
+    return ""

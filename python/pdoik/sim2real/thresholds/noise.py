@@ -1,0 +1,25 @@
+"""What counts as noise, and how rows are parted to tell it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseThresholds(Group):
+    """Of the balances that everything is weighed by."""
+
+    model_error: float = threshold(
+        0.003, "share of a torque's own size below which nothing is claimed: rounding, filters"
+    )
+    fit_error: float = threshold(
+        0.01, "share of a mismatch's own size to which the catalogue's laws are held to be exact"
+    )
+    block: float = threshold(
+        1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"
+    )
+    folds: int = threshold(4, "parts of cross-validation: recordings, or long stretches of few")
+    least_range: float = threshold(0.05, "range within which a joint has not moved", "rad or m")
+    least_moving: float = threshold(0.1, "share of the time that a joint must move to be judged")
