@@ -54,8 +54,8 @@ def score(name: str, truth: Content, said: Content, true: Mapping[str, float]) -
     poor = row["hide"] == "poor" and row["right"]
     row["listed_or_right"] = bool(row["listed"] or poor)
     row["placed_or_right"] = bool(row["placed"] or poor)
-    for key in ("hidden", "findings", "joints", "notes"):
-        content = truth["effects"] if key == "hidden" else diagnosis[key]
+    for key in ("hidden", "findings", "suspected", "joints", "notes"):
+        content = truth["effects"] if key == "hidden" else diagnosis.get(key, [])
         row[key] = json.dumps(content)
     return row
 

@@ -91,19 +91,23 @@ _WIDTH = 118  # of tables where nobody looks at a terminal
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """The verdict, joints by what several of them have, what is peculiar, what would decide."""
     from pdoik.sim2real.report.matrix import line, matrix_of
-    from pdoik.sim2real.report.words import VERDICTS, percent
+    from pdoik.sim2real.report.words import VERDICTS, percent, suspected_words
 
     matrix = matrix_of(diagnosis)
     out.print(f"[bold]{escape(VERDICTS[diagnosis.verdict][0])}[/]", highlight=False)
     wide = out if out.is_terminal else Console(file=out.file, width=_WIDTH)
     wide.print(_joints(diagnosis, matrix))
     decided = next((f.decided_by for f in diagnosis.findings if f.equivalents), "")
-    room = max(3, _LINES - len(diagnosis.joints) - 8 - bool(decided))  # 7 of them the table's
+    last = bool(decided) + bool(diagnosis.suspected)
+    room = max(3, _LINES - len(diagnosis.joints) - 8 - last)  # 7 of them the table's
     for finding in matrix.others[:room]:
         gain = percent(finding.evidence.validation_gain)
-        out.print(escape(f"{line(finding)}; gain {gain}"), highlight=False)
+        said = f"{line(finding)}; gain {gain}, confidence {finding.confidence:.2f}"
+        out.print(escape(said), highlight=False)
     if len(matrix.others) > room:
         out.print(f"... and {len(matrix.others) - room} more findings", highlight=False)
+    if diagnosis.suspected:
+        out.print(escape(suspected_words(diagnosis)), highlight=False)
     if decided:
         out.print(escape(f"What would decide: {decided}"), highlight=False)
 

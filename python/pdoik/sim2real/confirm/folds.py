@@ -19,6 +19,7 @@ from ..regression.refine import refined
 from ..regression.trial import Search, without
 from ..select.gates import sharpened
 from ..study.recording import FloatArray
+from .confidence import confidence_of
 
 
 def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
@@ -130,8 +131,9 @@ def _stands(state: Search, term: Term) -> bool:
     """Whether folds bear a term out; of what acts in one only, whether that is very clear."""
     if term.key in state.confirmed:
         return True
-    least, support = state.balances.thresholds.support, state.support[term.key]
+    thresholds, support = state.balances.thresholds, state.support[term.key]
     if support.folds:
-        return support.t >= least.least_t
+        return confidence_of(thresholds, support) >= thresholds.confidence.suspected
     trial = without(state, term)
+    least = thresholds.support
     return trial.t >= least.alone_t and trial.size >= least.alone_size

@@ -154,6 +154,10 @@ class Effect(ABC):
         """`prior` at a place, where it depends on what is there."""
         return self.prior(width)
 
+    def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
+        """What a body's ten parameters are added to, (10,); None of what is no body."""
+        return None
+
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether nothing in the recordings contradicts it outright."""
         return True

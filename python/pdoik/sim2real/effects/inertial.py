@@ -76,6 +76,12 @@ class LinkInertials(Effect):
             return self.prior(width)
         return np.asarray(1.0 / motion.body.inertial_scale(place.link) ** 2)
 
+    def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
+        """The model's link."""
+        if motion.body is None or place.link is None:
+            return None
+        return np.asarray(motion.body.inertial_parameters()[place.link])
+
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
         ten = [site.get(each.name) for each in self.parameters]
@@ -119,6 +125,10 @@ class Payload(LinkInertials):
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
         """A load may be of any size."""
         return self.prior(width)
+
+    def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
+        """Nothing: a load is a body by itself."""
+        return np.zeros(10)
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:

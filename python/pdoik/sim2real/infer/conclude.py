@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..channels.check_channels import ChannelCheck
+from ..confirm.confidence import confidence_of
 from ..effects import CATALOGUE
 from ..effects.inertial import Payload
 from ..findings import Diagnosis, Equivalent, Evidence, Finding
@@ -20,7 +21,6 @@ from ..regression.naming import Found, channel_of, finding_of, link_of, merged
 from ..regression.prediction import Prediction
 from ..regression.trial import Search
 from ..select.rivals import equivalents_of
-from .confidence import confidence_of
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
@@ -120,7 +120,11 @@ def _found(
     finding = finding_of(prepared, term, values, rivals, evidence, support)
     weight = evidence.validation_gain if support is None else support.weight
     return replace(
-        finding, weight=weight, confidence=confidence_of(prepared.study.thresholds, support)
+        finding,
+        weight=weight,
+        confidence=confidence_of(
+            prepared.study.thresholds, None if term.key in state.confirmed else support
+        ),
     ), (term,)
 
 

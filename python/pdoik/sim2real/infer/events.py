@@ -1,6 +1,7 @@
 """Events: pushes and limits, which happen once and can only be judged where they happened.
 
-What an event explains is learnt on one half of its rows and scored on the other, in turn.
+What an event explains is learnt on one half of its rows, every other quarter, and scored on the
+other half, in turn.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ LEAST_CONTACT = 0.01
 """Share of the first residual within its window that a contact must explain."""
 
 _MOST = 3  # contacts of held-out recordings
+_FELT = 0.05  # of the most that is felt
+_SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
 
 
 def without_needless_contacts(state: Search) -> Search:
@@ -97,14 +100,15 @@ def share_of_halves(others: Fit, term: Term, began: Mapping[Key, FloatArray]) ->
         term: the event.
         began: residual without any finding on the rows that count, in sigmas.
     """
-    at = {
-        key: np.flatnonzero(np.any(column[others.rows[key]] != 0.0, axis=1))
-        for key, column in term.columns.items()
-    }
-    middle = np.median(np.concatenate([others.rows[key][where] for key, where in at.items()]))
+    at = {key: _acting(column[others.rows[key]]) for key, column in term.columns.items()}
+    rows = np.concatenate([others.rows[key][where] for key, where in at.items()])
+    ends = np.quantile(rows, (0.25, 0.5, 0.75))
     gained = first = 0.0
-    for late in (False, True):
-        half = {key: where[(others.rows[key][where] > middle) == late] for key, where in at.items()}
+    for odd in (0, 1):  # the first and third quarter, then the others
+        half = {
+            key: where[np.searchsorted(ends, others.rows[key][where]) % 2 == odd]
+            for key, where in at.items()
+        }
         rest = {key: np.setdiff1d(where, half[key]) for key, where in at.items()}
         force = _force(others, term, rest)
         for key, where in half.items():
@@ -115,6 +119,12 @@ def share_of_halves(others: Fit, term: Term, began: Mapping[Key, FloatArray]) ->
     return float(np.clip(gained / max(first, 1e-12), 0.0, 1.0))
 
 
+def _acting(column: FloatArray) -> Index:
+    """Rows in which more than a filter's ringing is felt."""
+    size = np.abs(column).max(axis=1, initial=0.0)
+    return np.flatnonzero(size > _FELT * size.max(initial=0.0))
+
+
 def _force(others: Fit, term: Term, at: Mapping[Key, Index]) -> FloatArray:
     """Coefficients of an event on some of its rows."""
     gram, moment = np.diag(term.prior + 1e-9), np.zeros(term.width)
@@ -122,4 +132,4 @@ def _force(others: Fit, term: Term, at: Mapping[Key, Index]) -> FloatArray:
         part = term.columns[key][others.rows[key][where]] / others.balances.sigma[key]
         gram += part.T @ part
         moment += part.T @ others.residual(key)[where]
-    return np.asarray(np.linalg.lstsq(gram, moment, rcond=1e-12)[0])
+    return np.asarray(np.linalg.lstsq(gram, moment, rcond=_SEEN)[0])

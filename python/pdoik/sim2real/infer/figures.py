@@ -5,7 +5,7 @@ Only recordings to learn from are looked at here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -74,6 +74,7 @@ def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
         kept.append((term, figures))
     if lost:
         state = state.without(*lost)
+    state = replace(state, fit=state.fit.constrained())
     return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..effects import CATALOGUE, Effect
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
 from ..study.recording import FloatArray
+from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry
 
@@ -29,6 +31,7 @@ class Term:
     shape: Shape
     columns: dict[Key, FloatArray]
     prior: FloatArray  # (k,) inverse variances of the coefficients
+    beneath: FloatArray | None = None  # (10,) what a body's coefficients are added to
 
     @property
     def key(self) -> TermKey:
@@ -53,7 +56,14 @@ def term_of(balances: Balances, effect: Effect, place: Place, shape: Shape) -> T
         return None
     width = next(iter(columns.values())).shape[1]
     prior = effect.prior_at(balances.motions[0], place, width)
-    return Term(effect=effect.id, place=place, shape=shape, columns=columns, prior=prior)
+    return Term(
+        effect=effect.id,
+        place=place,
+        shape=shape,
+        columns=columns,
+        prior=prior,
+        beneath=effect.beneath(balances.motions[0], place),
+    )
 
 
 Index = NDArray[np.intp]
@@ -157,7 +167,7 @@ class Fit:
         return gram + np.diag(self.prior + ridge)
 
     def bounded(self) -> FloatArray:
-        """Coefficients within every effect's bounds (SciPy's bounded least squares)."""
+        """Coefficients within every effect's bounds, bodies real ones (SciPy's least squares)."""
         if not self.size:
             return np.zeros(0)
         lower, upper = np.full(self.size, -np.inf), np.full(self.size, np.inf)
@@ -166,11 +176,23 @@ class Fit:
                 span = slice(offset, offset + term.width)
                 low, high = CATALOGUE[term.effect].bounds
                 lower[span], upper[span] = low[: term.width], high[: term.width]
-        if (self.beta >= lower).all() and (self.beta <= upper).all():
-            return self.beta
-        factor = linalg.cholesky(self.regular(self.gram))
-        right = linalg.solve_triangular(factor, self.moment, trans="T")
-        return np.asarray(optimize.lsq_linear(factor, right, (lower, upper)).x)
+        regular, beta = self.regular(self.gram), self.beta
+        if (beta < lower).any() or (beta > upper).any():
+            factor = linalg.cholesky(regular)
+            right = linalg.solve_triangular(factor, self.moment, trans="T")
+            beta = np.asarray(optimize.lsq_linear(factor, right, (lower, upper)).x)
+        bodies = [
+            (slice(int(offset), int(offset) + term.width), term.beneath)
+            for term, offset in zip(self.terms, self.offsets, strict=False)
+            if term.beneath is not None
+        ]
+        return with_real_bodies(beta, regular, bodies) if bodies else beta
+
+    def constrained(self) -> Fit:
+        """The same with its coefficients bounded: what is claimed, and judged."""
+        other = copy(self)
+        other.beta = self.bounded()
+        return other
 
     def residual(self, key: Key, beta: FloatArray | None = None) -> FloatArray:
         """What is left on the rows that count, in sigmas."""

@@ -36,5 +36,14 @@ def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
         if columns:
             prior = 1.0 / scale**2
             place = Place(link=link)
-            terms.append(Term(effect=TRUST, place=place, shape=(), columns=columns, prior=prior))
+            terms.append(
+                Term(
+                    effect=TRUST,
+                    place=place,
+                    shape=(),
+                    columns=columns,
+                    prior=prior,
+                    beneath=_BODY.beneath(balances.motions[0], place),
+                )
+            )
     return tuple(terms)

@@ -9,6 +9,7 @@ from pdoik.sim2real.findings import Diagnosis, Finding
 
 from .words import effect_name, estimate_numbers, number, place
 
+_SURE = 0.95  # a confidence that a table need not tell
 _SHARED = 2  # joints with an effect, from which it is a column
 
 
@@ -56,14 +57,15 @@ def heading(effect: str) -> str:
 
 
 def cell(finding: Finding | None) -> str:
-    """Size and half its 95 % interval."""
+    """Size, half its 95 % interval, and its confidence where that is below 0.95."""
     if finding is None:
         return ""
     estimate = next(iter(finding.parameters.values()))
     half = (estimate.interval95[1] - estimate.interval95[0]) / 2.0
-    if not half > 0.0:
-        return number(estimate.value)
-    return f"{number(estimate.value)}\N{PLUS-MINUS SIGN}{number(half, 2)}"
+    size = number(estimate.value)
+    if half > 0.0:
+        size += f"\N{PLUS-MINUS SIGN}{number(half, 2)}"
+    return size if finding.confidence >= _SURE else f"{size} ({finding.confidence:.2f})"
 
 
 def line(finding: Finding) -> str:

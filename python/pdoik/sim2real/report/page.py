@@ -13,7 +13,7 @@ from pdoik.sim2real.findings import Diagnosis, Estimate, Finding
 
 from . import words
 from .data import Hypothesis, ReportData
-from .matrix import cell, heading, matrix_of
+from .matrix import cell, heading, line, matrix_of
 from .style import Picture
 
 
@@ -68,6 +68,7 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
             )
             for effect, found in matrix.by_effect().items()
         ],
+        suspected=[(finding, line(finding).partition(": ")[2]) for finding in diagnosis.suspected],
         effects=[heading(effect) for effect in matrix.effects],
         joints=[
             (
@@ -92,6 +93,7 @@ def _card(finding: Finding, number: int) -> dict[str, object]:
     return {
         "finding": finding,
         "number": number,
+        "confidence": f"{finding.confidence:.2f}",
         "gain": words.percent(evidence.validation_gain),
         "low": words.percent(evidence.interval95[0]),
         "high": words.percent(evidence.interval95[1]),

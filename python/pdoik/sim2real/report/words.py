@@ -122,6 +122,15 @@ def residue_words(fit: JointFit) -> str:
     return f"left, {percent(of.share)} by {of.of}" if of.of else "left"
 
 
+def suspected_words(diagnosis: Diagnosis) -> str:
+    """What is suspected and not claimed, in one line; "" for nothing."""
+    if not diagnosis.suspected:
+        return ""
+    said = [f"{effect_name(f.effect)} at {place(f)}" for f in diagnosis.suspected[:3]]
+    more = f" and {len(diagnosis.suspected) - 3} more" if len(diagnosis.suspected) > 3 else ""
+    return f"Suspected only, too little speaks for it: {'; '.join(said)}{more}."
+
+
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict's reasons, a sentence each."""
     lines = [VERDICTS[diagnosis.verdict][1]]
@@ -131,6 +140,8 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         named = "; ".join(f"{effect_name(each.effect)} at {place(each)}" for each in findings[:4])
         more = f"; and {len(findings) - 4} more" if len(findings) > 4 else ""
         lines.append(f"{count} found: {named}{more}.")
+    if diagnosis.suspected:
+        lines.append(suspected_words(diagnosis))
     still = [name for name, fit in diagnosis.joints.items() if not fit.excited]
     if still:
         lines.append(f"Nothing can be said of {', '.join(still)}: too little motion.")

@@ -30,7 +30,7 @@ class Inertial:
         return cls(mass=mass, first_moment=mass * com, inertia=inertia + mass * _steiner(com))
 
     @classmethod
-    def from_ten(cls, ten: Sequence[float]) -> Inertial:
+    def from_ten(cls, ten: Sequence[float] | FloatArray) -> Inertial:
         """From mass, first moments x y z, inertias xx xy yy xz yz zz about the origin."""
         mass, x, y, z, xx, xy, yy, xz, yz, zz = (float(each) for each in ten)
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -11,9 +11,6 @@ from .threshold import Group, threshold
 class SupportThresholds(Group):
     """Of accepted terms, each learnt anew without one fold after the other."""
 
-    least_t: float = threshold(
-        2.0, "gain on left-out folds over its standard error, by blocks", "s.e.", "one in 40"
-    )
     least_elsewhere: float = threshold(
         0.02, "share of a term's squared column that a fold, and the rest of them, must hold"
     )

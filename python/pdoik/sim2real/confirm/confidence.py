@@ -1,0 +1,34 @@
+"""The probability that a finding is there, from what speaks for it where it was not learnt."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..findings import Support
+from ..thresholds import Thresholds
+
+_LEAST_SHARE = 1e-3
+
+
+def features(support: Support) -> dict[str, float]:
+    """What the log odds are linear in, by the names of their weights."""
+    return {
+        "base": 1.0,
+        "gain": _log_odds(support.gain),
+        "rivals": float(support.rivals > 0),
+    }
+
+
+def confidence_of(thresholds: Thresholds, support: Support | None) -> float:
+    """By a logistic model of its support; one figure for what no fold can be left out for."""
+    weights = thresholds.confidence
+    if support is None or not support.folds:
+        return weights.unsupported
+    odds = sum(getattr(weights, name) * value for name, value in features(support).items())
+    return float(1.0 / (1.0 + np.exp(-odds)))
+
+
+def _log_odds(share: float) -> float:
+    """Of a share, kept within what can be told from none and all."""
+    kept = float(np.clip(share, _LEAST_SHARE, 1.0 - _LEAST_SHARE))
+    return float(np.log(kept / (1.0 - kept)))
