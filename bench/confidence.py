@@ -1,6 +1,7 @@
 """How sure findings are: weights of the confidence, and whether it means what it says.
 
     python bench/confidence.py RUN... --fit        weights, from runs on development seeds
+    python bench/confidence.py RUN... --rules      other ways to choose among what was accepted
     python bench/confidence.py RUN... --out FILE   reliability diagram of runs on other seeds
 
 A run is a folder of bench.proof or bench/soiled.py with studies.parquet. A finding is true where
@@ -11,6 +12,7 @@ name in the catalogue, where it is at the hidden joint, of the latter without a 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -23,13 +25,14 @@ import typer
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
-from scipy import optimize
+from scipy import optimize, stats
 
 from diagnosis_score import last_link, same
 from intervals import wilson
-from pdoik.sim2real.confirm.confidence import features
+from pdoik.sim2real.confirm.confidence import confidence_of, features
 from pdoik.sim2real.effects.unknown import Unknown
 from pdoik.sim2real.findings import Support
+from pdoik.sim2real.thresholds import Thresholds
 from pdoik.sim2real.thresholds.confidence import ConfidenceThresholds
 from whole_files import write_whole
 
@@ -110,6 +113,41 @@ def reliability(known: list[Claim]) -> list[tuple[str, int, float, float, tuple[
     return rows
 
 
+RULES: dict[str, Callable[[Support], bool]] = {
+    "none": lambda s: True,
+    "t at least 2": lambda s: s.t >= 2.0,
+    "t at least 3.5": lambda s: s.t >= 3.5,
+    "t, Bonferroni for 100 candidates": lambda s: _chance(s) < 0.05 / 100,
+    "t, Bonferroni for 400 candidates": lambda s: _chance(s) < 0.05 / 400,
+    "every fold agrees": lambda s: s.agree == s.folds,
+    "gain at least 0.12": lambda s: s.gain >= 0.12,
+    "gain at least 0.3": lambda s: s.gain >= 0.3,
+    "gain at least 0.5": lambda s: s.gain >= 0.5,
+    "t at least 2, gain at least 0.3": lambda s: s.t >= 2.0 and s.gain >= 0.3,
+    "confidence at least 0.75": lambda s: confidence_of(Thresholds(), s) >= 0.75,
+    "confidence at least 0.9": lambda s: confidence_of(Thresholds(), s) >= 0.9,
+}
+"""Ways to choose among what was accepted, by its support on left-out folds."""
+
+
+def _chance(support: Support) -> float:
+    """Probability of so large a t by chance, of so many blocks."""
+    return float(stats.t.sf(support.t, max(support.blocks - 1, 1)))
+
+
+def compared(known: list[Claim], title: str) -> Table:
+    """What each rule keeps: false findings, precision, and the share of the true ones."""
+    supported = [(c.support, c.true) for c in known if c.support is not None and c.support.folds]
+    table = Table("rule", "kept", "false", "precision", "of the true ones", title=title)
+    for name, keeps in RULES.items():
+        kept = [true for support, true in supported if keeps(support)]
+        right = sum(kept)
+        share = right / max(sum(true for _, true in supported), 1)
+        row = (str(len(kept)), str(len(kept) - right), f"{right / max(len(kept), 1):.3f}")
+        table.add_row(name, *row, f"{share:.3f}")
+    return table
+
+
 def drawn(known: dict[str, list[Claim]], path: Path) -> None:
     """The reliability diagram, one line per kind of world."""
     figure, axes = plt.subplots(figsize=(5.5, 5.0), layout="constrained")
@@ -131,6 +169,7 @@ def drawn(known: dict[str, list[Claim]], path: Path) -> None:
 def main(
     runs: Annotated[list[Path], typer.Argument(help="Folders of bench.proof, scored.")],
     fit: Annotated[bool, typer.Option("--fit", help="Print weights fitted to these.")] = False,
+    rules: Annotated[bool, typer.Option("--rules", help="Compare ways to choose.")] = False,
     out: Annotated[Path | None, typer.Option(help="Picture of the reliability.")] = None,
 ) -> None:
     """Fit the weights, or show whether stated confidences hold."""
@@ -147,6 +186,8 @@ def main(
                 said, str(count), f"{mean:.3f}", f"{share:.3f}", f"{low:.3f} to {high:.3f}"
             )
         console.print(table)
+        if rules:
+            console.print(compared(some, name))
     if out is not None:
         drawn(known, out)
 
