@@ -83,7 +83,7 @@ def _is_true(finding: dict[str, Any], hidden: list[dict[str, Any]], last: str, g
 
 def fitted(known: list[Claim]) -> dict[str, float]:
     """Weights of the largest penalised likelihood, one per feature."""
-    supported = [c for c in known if c.support is not None and c.support.folds]
+    supported = [c for c in known if c.support is not None and c.support.sessions]
     names = list(features(cast("Support", supported[0].support)))
     A = np.array([list(features(cast("Support", c.support)).values()) for c in supported])
     true = np.array([c.true for c in supported])
@@ -119,7 +119,7 @@ RULES: dict[str, Callable[[Support], bool]] = {
     "t at least 3.5": lambda s: s.t >= 3.5,
     "t, Bonferroni for 100 candidates": lambda s: _chance(s) < 0.05 / 100,
     "t, Bonferroni for 400 candidates": lambda s: _chance(s) < 0.05 / 400,
-    "every fold agrees": lambda s: s.agree == s.folds,
+    "every session agrees": lambda s: s.agree == s.sessions,
     "gain at least 0.12": lambda s: s.gain >= 0.12,
     "gain at least 0.3": lambda s: s.gain >= 0.3,
     "gain at least 0.5": lambda s: s.gain >= 0.5,
@@ -127,7 +127,7 @@ RULES: dict[str, Callable[[Support], bool]] = {
     "confidence at least 0.75": lambda s: confidence_of(Thresholds(), s) >= 0.75,
     "confidence at least 0.9": lambda s: confidence_of(Thresholds(), s) >= 0.9,
 }
-"""Ways to choose among what was accepted, by its support on left-out folds."""
+"""Ways to choose among what was accepted, by its support on left-out sessions."""
 
 
 def _chance(support: Support) -> float:
@@ -137,7 +137,7 @@ def _chance(support: Support) -> float:
 
 def compared(known: list[Claim], title: str) -> Table:
     """What each rule keeps: false findings, precision, and the share of the true ones."""
-    supported = [(c.support, c.true) for c in known if c.support is not None and c.support.folds]
+    supported = [(c.support, c.true) for c in known if c.support is not None and c.support.sessions]
     table = Table("rule", "kept", "false", "precision", "of the true ones", title=title)
     for name, keeps in RULES.items():
         kept = [true for support, true in supported if keeps(support)]
@@ -177,7 +177,7 @@ def main(
     everything = [c for some in known.values() for c in some]
     if fit:
         console.print(fitted(everything))
-        bare = [c for c in everything if c.support is None or not c.support.folds]
+        bare = [c for c in everything if c.support is None or not c.support.sessions]
         console.print(f"without support: {sum(c.true for c in bare)} true of {len(bare)}")
     for name, some in [*known.items(), ("all", everything)]:
         table = Table("stated", "findings", "mean stated", "true", "95 % interval", title=name)

@@ -15,7 +15,7 @@ from bench.concealed.build import make_study
 from bench.concealed.spec import WorldSpec
 
 from pdoik.sim2real import Diagnosis, Evidence, Finding, Study, diagnose, load_study
-from pdoik.sim2real.confirm.folds import borne_out, support_of
+from pdoik.sim2real.confirm.sessions import borne_out, support_of
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
 from pdoik.sim2real.infer.events import share_of_halves
@@ -128,7 +128,7 @@ def test_what_is_there_is_borne_out_and_what_noise_suggested_is_not(tmp_path: Pa
     assert base.extended(lucky).cost() < base.cost()  # it does gain where it was learnt
     state = searched(b, friction, lucky)
     real, chance = support_of(state, friction), support_of(state, lucky)
-    assert real.folds == real.agree == 4
+    assert real.sessions == real.agree == 4
     assert real.t > 8.0
     assert real.gain > 0.9
     assert chance.gain < 0.02

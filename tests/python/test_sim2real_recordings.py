@@ -60,8 +60,8 @@ def check_findings(diagnosis: Diagnosis) -> None:
             low, high = estimate.interval95
             assert low <= estimate.value <= high
             assert np.isfinite([low, high, estimate.std]).all()
-    gains = [finding.evidence.validation_gain for finding in diagnosis.findings]
-    assert gains == sorted(gains, reverse=True)
+    weights = [finding.weight for finding in diagnosis.findings]
+    assert weights == sorted(weights, reverse=True)
 
 
 # UR10

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from .channels.check_channels import check_channels
 from .confirm.confirm_by_simulation import confirmed_by_simulation
-from .confirm.folds import borne_out
 from .confirm.rollouts import why_not
+from .confirm.sessions import borne_out
 from .findings import Diagnosis
 from .infer.conclude import Examination, conclude
 from .infer.events import without_needless_contacts
@@ -80,7 +80,7 @@ def examine(
     say("name", "looking for what else would explain the same", 0.75)
     state = with_shared_causes(without_needless_contacts(swapped(state)))
     state = confirmed_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.78))
-    say("confirm", "each finding learnt anew without one part of the data after the other", 0.8)
+    say("confirm", "each finding learnt anew without one recording after the other", 0.8)
     state, doubtful = borne_out(state)
     say("estimate", "intervals by the block bootstrap", 0.82)
     if state.accepted and not why_not(study):

@@ -39,14 +39,17 @@ class Equivalent:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Support:
-    """What a finding gains where neither its figures nor its shape were learnt, fold by fold."""
+    """What a finding gains in sessions from which neither its figures nor its shape were learnt.
+
+    Sessions are the recordings to fit, or parts of one that is alone.
+    """
 
     weight: float  # share of the mean square mismatch that its balances began with
     gain: float  # share of what the other findings leave where it acts
     t: float  # the gain over its standard error, by blocks
     size: float  # root mean square where it acts, over the noise
-    agree: int  # folds in which it gains
-    folds: int  # folds that say anything of it
+    agree: int  # sessions in which it gains
+    sessions: int  # that say anything of it
     blocks: int  # in which it acts
     left: float  # root mean square that nothing explains at its balances, over the noise
     rivals: int  # other names that do as well

@@ -20,9 +20,9 @@ def features(support: Support) -> dict[str, float]:
 
 
 def confidence_of(thresholds: Thresholds, support: Support | None) -> float:
-    """By a logistic model of its support; one figure for what no fold can be left out for."""
+    """By a logistic model of its support; one figure for what no session can be left out for."""
     weights = thresholds.confidence
-    if support is None or not support.folds:
+    if support is None or not support.sessions:
         return weights.unsupported
     odds = sum(getattr(weights, name) * value for name, value in features(support).items())
     return float(1.0 / (1.0 + np.exp(-odds)))

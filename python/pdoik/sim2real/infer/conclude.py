@@ -27,6 +27,8 @@ from .held_out_limits import held_out_limits
 from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
+_NEVER = 1e-9  # share of the held-out residual that is none
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Examination:
@@ -83,6 +85,7 @@ def conclude(
             *notes_of(prepared, state, joints),
             *(check.notes if check else ()),
             *figures.notes,
+            *_as_judged(findings),
         ),
         suspected=suspected,
         thresholds=study.thresholds.values(),
@@ -126,6 +129,26 @@ def _found(
             prepared.study.thresholds, None if term.key in state.confirmed else support
         ),
     ), (term,)
+
+
+def _as_judged(findings: Sequence[Finding]) -> list[str]:
+    """What held-out recordings say nothing of, or contradict, in words: it stays all the same."""
+    notes = []
+    for each in findings:
+        low, high = each.evidence.interval95
+        where = ", ".join(each.links or each.joints) or "the base"
+        said = f"{CATALOGUE[each.effect].words} at {where}"
+        if high < 0.0:
+            notes.append(
+                f"{said}: contradicted by the held-out recordings, which only judge; something"
+                " differs between them and the recordings to fit."
+            )
+        elif max(abs(low), abs(high)) < _NEVER:
+            notes.append(
+                f"{said}: never acts in the held-out recordings, and rests on the fit recordings"
+                " alone."
+            )
+    return notes
 
 
 def _suspected(

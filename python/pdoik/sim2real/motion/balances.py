@@ -53,6 +53,8 @@ class Balances:
         self.recording = np.repeat(np.arange(len(motions)), counts)
         self.block = self._blocks()
         self.fold = self._folds()
+        # What is chosen must hold in another recording; of one alone, in another part of it.
+        self.session = self.recording if len(self.motions) > 1 else self.fold
         self.excited = np.array([_excited(motions, j, self.thresholds) for j in range(self.n)])
         self.residual: dict[Key, FloatArray] = {}
         self.mask: dict[Key, NDArray[np.bool_]] = {}
@@ -109,10 +111,10 @@ class Balances:
         other._columns = kept
         return other
 
-    def without_fold(self, fold: int) -> Balances:
-        """The same, where rows of one fold of the cross-validation do not count, nor near it."""
+    def without_session(self, session: int) -> Balances:
+        """The same, where rows of one session do not count, nor near others of its recording."""
         other = copy(self)
-        kept = (self.fold != fold) & ~self._near_borders()
+        kept = (self.session != session) & ~self._near_borders()
         other.mask = {key: mask & kept for key, mask in self.mask.items()}
         return other
 
@@ -211,11 +213,11 @@ class Balances:
         return folds if len(self.motions) * parts <= 2 * wanted else folds % wanted
 
     def _near_borders(self) -> NDArray[np.bool_]:
-        """Rows so near to another fold of their recording that filters let them resemble it."""
+        """Rows so near to another session of their recording that filters let them resemble it."""
         near = np.zeros(self.count, dtype=np.bool_)
         for i, motion in enumerate(self.motions):
             span = slice(int(self.starts[i]), int(self.starts[i + 1]))
-            change = np.flatnonzero(np.diff(self.fold[span])) + 1
+            change = np.flatnonzero(np.diff(self.session[span])) + 1
             time = self.time[span]
             for at in change:
                 near[span] |= np.abs(time - time[at]) < 1.0 / motion.cutoff

@@ -73,7 +73,7 @@ class Search:
     level: Mapping[TermKey, tuple[Trial, ...]] = field(default_factory=dict)  # rivals of accepted
     simulated: Mapping[TermKey, dict[str, float]] = field(default_factory=dict)  # figures
     confirmed: frozenset[TermKey] = frozenset()  # by simulations
-    support: Mapping[TermKey, Support] = field(default_factory=dict)  # by left-out folds
+    support: Mapping[TermKey, Support] = field(default_factory=dict)  # by left-out sessions
 
     @property
     def accepted(self) -> tuple[Term, ...]:

@@ -1,9 +1,9 @@
-"""Every accepted term learnt anew without one fold after the other, and held against that fold.
+"""Every accepted term learnt anew without one session after the other, and held against that.
 
-The search tunes nonlinear parameters and gates on all rows and only its coefficients by folds, and
-it looks at hundreds of candidates. Here shapes and gates are tuned inside the folds too: what is
-gained is gained on stretches that the whole of the term never saw (nested cross-validation; Varma
-and Simon, BMC Bioinformatics 7:91, 2006).
+Sessions are recordings, or parts of one that is alone. The search tunes nonlinear parameters and
+gates on all rows and only its coefficients by folds, and it looks at hundreds of candidates. Here
+shapes and gates are tuned without the session too: what is gained is gained where the whole of the
+term was never seen (nested cross-validation; Varma and Simon, BMC Bioinformatics 7:91, 2006).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .confidence import confidence_of
 
 
 def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
-    """The search without terms that left-out folds do not bear out, and these.
+    """The search without terms that left-out sessions do not bear out, and these.
 
     Contacts are events, of which nothing can repeat; what simulations confirmed stays.
     """
@@ -47,13 +47,13 @@ def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
 
 
 def support_of(state: Search, term: Term) -> Support:
-    """What a term gains on folds that it was not learnt from, beside the others."""
+    """What a term gains in sessions that it was not learnt from, beside the others."""
     b = state.balances
     others = state.without(term).fit
     gained, began = np.zeros(int(b.block.max()) + 1), 0.0
     agree = used = rows = 0
-    for fold in _usable(others, term):
-        gain, left, count = _left_out(others, term, fold)
+    for session in _usable(others, term):
+        gain, left, count = _left_out(others, term, session)
         agree += bool(gain.sum() > 0.0)
         used += 1
         gained += gain
@@ -72,7 +72,7 @@ def support_of(state: Search, term: Term) -> Support:
         t=total / max(error, 1e-12),
         size=float(np.sign(total) * np.sqrt(abs(total) / max(rows, 1))),
         agree=agree,
-        folds=used,
+        sessions=used,
         blocks=len(acting),
         left=_left(state.fit, term),
         rivals=len(state.level.get(term.key, ())),
@@ -86,21 +86,22 @@ def _left(fit: Fit, term: Term) -> float:
 
 
 def _usable(fit: Fit, term: Term) -> list[int]:
-    """Folds in which a term acts, and without which enough of it is left to be learnt."""
-    energy = np.zeros(fit.folds)
+    """Sessions in which a term acts, and without which enough of it is left to be learnt."""
+    count = int(fit.balances.session.max()) + 1
+    energy = np.zeros(count)
     for key, column in term.columns.items():
         rows = fit.rows[key]
         scaled = np.sum((column[rows] / fit.balances.sigma[key]) ** 2, axis=1)
-        energy += np.bincount(fit.balances.fold[rows], scaled, minlength=fit.folds)
+        energy += np.bincount(fit.balances.session[rows], scaled, minlength=count)
     share = energy / max(float(energy.sum()), 1e-300)
     least = fit.balances.thresholds.support.least_elsewhere
-    return [f for f in range(fit.folds) if share[f] >= least and 1.0 - share[f] >= least]
+    return [k for k in range(count) if share[k] >= least and 1.0 - share[k] >= least]
 
 
-def _left_out(others: Fit, term: Term, fold: int) -> tuple[FloatArray, float, int]:
-    """Gain of each block of a fold, what was left there before, and on how many rows."""
+def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float, int]:
+    """Gain of each block of a session, what was left there before, and on how many rows."""
     b = others.balances
-    base = Fit(b.without_fold(fold), others.terms)
+    base = Fit(b.without_session(session), others.terms)
     learnt = relearnt(base, term)
     beta = base.extended(learnt).beta
     wider = others.extended(learnt)
@@ -109,7 +110,7 @@ def _left_out(others: Fit, term: Term, fold: int) -> tuple[FloatArray, float, in
         rows = others.rows[key]
         part = column[rows]
         acts = np.sum(part**2, axis=1) if len(part) else np.zeros(0)
-        at = (b.fold[rows] == fold) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
+        at = (b.session[rows] == session) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
         before = others.residual(key, base.beta)[at] ** 2
         after = wider.residual(key, beta)[at] ** 2
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
@@ -128,11 +129,11 @@ def relearnt(base: Fit, term: Term) -> Term:
 
 
 def _stands(state: Search, term: Term) -> bool:
-    """Whether folds bear a term out; of what acts in one only, whether that is very clear."""
+    """Whether sessions bear a term out; of what acts in one only, whether that is very clear."""
     if term.key in state.confirmed:
         return True
     thresholds, support = state.balances.thresholds, state.support[term.key]
-    if support.folds:
+    if support.sessions:
         return confidence_of(thresholds, support) >= thresholds.confidence.suspected
     trial = without(state, term)
     least = thresholds.support
