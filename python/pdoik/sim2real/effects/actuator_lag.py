@@ -20,7 +20,7 @@ from .command_delay import (
     late_torque,
     too_short,
 )
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -35,6 +35,7 @@ class ActuatorLag(Effect):
     confused_with = ("command_delay", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "first-order lag of a current loop"
+    example = Example(values={"time_constant": 0.02}, shape=(1.0, 0.02), nothing={"time_constant": 0.0})
     fixed = True
     simulated_rivals = ("command_delay",)
     complexity = 2

@@ -134,11 +134,12 @@ def _mjcf_has_words(part: Part) -> bool:
         return not callable(part.level)
     if isinstance(part, DriveChange):
         late = part.delay or part.command_lag or part.torque_delay
-        return not late and part.command_gain == 1.0 and part.command_offset == 0.0
+        falls = np.isfinite(part.no_load_speed)
+        return not (late or falls or part.command_offset) and part.command_gain == 1.0
     if isinstance(part, SensorChange):
         return _is_zero_of_encoder(part)
     if isinstance(part, GearPlay):
-        return part.gap == 0.0 or np.isinf(part.stiffness)
+        return not part.waves and (part.gap == 0.0 or np.isinf(part.stiffness))
     return isinstance(part, DofChange | LinkChange | GravityTilt | Placement)
 
 

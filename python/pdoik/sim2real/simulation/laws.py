@@ -123,6 +123,15 @@ def of_load(coefficient: float) -> Law:
     return law
 
 
+def of_driven_load(driving: float, driven: float) -> Law:
+    """Level by |load|: one share where the motor moves the load, another where that moves it."""
+
+    def law(t: float, q: float, dq: float, load: float) -> float:
+        return (driving if load * dq > 0.0 else driven) * abs(load)
+
+    return law
+
+
 def drift(extra: float, time_constant: float) -> Law:
     """Level extra exp(-t / time_constant)."""
     time_constant = max(time_constant, 1e-9)
