@@ -45,7 +45,9 @@ class Arm:
         )
         self._seconds = seconds
 
-    def run(self, parts: Iterable[Part] = (), *, name: str = RECORDING, late: float = 0.0) -> Recording:
+    def run(
+        self, parts: Iterable[Part] = (), *, name: str = RECORDING, late: float = 0.0
+    ) -> Recording:
         """What a simulation with parts logs: every channel, and the tip's poses.
 
         Args:
@@ -56,9 +58,7 @@ class Arm:
         Raises:
             SimulationError: the arm ran away.
         """
-        simulator = Simulator(
-            self.robot, JOINTS, self.controller, _ROTORS, tuple(parts), tip=TIP
-        )
+        simulator = Simulator(self.robot, JOINTS, self.controller, _ROTORS, tuple(parts), tip=TIP)
         commands = _commands(self._seconds, name, late)
         return replace(simulator.replay(commands, drive="controller", tip=True), notes=())
 
@@ -107,7 +107,7 @@ def noisy(recording: Recording, role: Role, seed: int) -> Recording:
 
 
 def _commands(seconds: float, name: str, late: float) -> Recording:
-    time = _PERIOD * np.arange(round(seconds / _PERIOD) + 1)
+    time = _PERIOD * np.arange(round(seconds / _PERIOD) + 1, dtype=np.float64)
     return Recording(
         name=name,
         role="fit",
@@ -123,7 +123,7 @@ def _commands(seconds: float, name: str, late: float) -> Recording:
     )
 
 
-def _wave(time: FloatArray, order: int = 0) -> FloatArray:
+def _wave(time, order: int = 0) -> FloatArray:
     """Desired positions, or their derivatives of an order, (T, 3)."""
     result = np.full((len(time), len(JOINTS)), 0.3 if order == 0 else 0.0)
     for k in range(len(JOINTS)):
@@ -146,6 +146,9 @@ def _urdf() -> str:
             <mass value="{2.5 - k / 2}"/>
             <inertia ixx="0.02" iyy="0.03" izz="0.025" ixy="0.002" ixz="-0.001" iyz="0.003"/>
           </inertial></link>"""
-    return text + f"""
+    return (
+        text
+        + f"""
       <link name="{TIP}"/><joint name="flange" type="fixed"><parent link="l{len(JOINTS)}"/>
         <child link="{TIP}"/><origin xyz="0.2 0.03 -0.05" rpy="0.1 0.2 0.3"/></joint></robot>"""
+    )

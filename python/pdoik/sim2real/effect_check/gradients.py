@@ -62,9 +62,7 @@ def _slope(b: Balances, trial: Trial, place: Place, i: int, step: float) -> Floa
     """Central difference of columns times coefficients over the i-th entry of the shape."""
 
     def at(change: float) -> FloatArray:
-        shape: Shape = tuple(
-            value + change * (k == i) for k, value in enumerate(trial.shape)
-        )
+        shape: Shape = tuple(value + change * (k == i) for k, value in enumerate(trial.shape))
         columns = b.compute(trial.effect, place, shape)
         return np.concatenate([columns[key] @ trial.beta for key in sorted(columns)])
 

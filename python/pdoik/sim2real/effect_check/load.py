@@ -88,7 +88,9 @@ def _loaded(path: Path) -> ModuleType:
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        lines = [each for each in traceback.extract_tb(error.__traceback__) if each.filename == str(path)]
+        lines = [
+            each for each in traceback.extract_tb(error.__traceback__) if each.filename == str(path)
+        ]
         where = f", line {lines[-1].lineno}" if lines else ""
         raise LoadError(
             f"{path}: it does not load{where}: {type(error).__name__}: {error}"
@@ -110,7 +112,8 @@ def _is_own_class(each: object, module: ModuleType) -> bool:
 
 def _is_unfinished(each: object, module: ModuleType) -> bool:
     return (
-        inspect.isabstract(each)
+        isinstance(each, type)
+        and inspect.isabstract(each)
         and issubclass(each, Effect)
         and each.__module__ == module.__name__
         and hasattr(each, "id")

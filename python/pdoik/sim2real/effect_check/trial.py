@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 from ..effects import Effect, Example, parts_of_finding
+from ..effects.catalogue import known
 from ..findings import Estimate, Finding
 from ..motion.balances import Balances
 from ..motion.motion import Motion
@@ -23,16 +24,23 @@ class Trial:
     def __init__(self, effect: Effect, example: Example, arm: Arm) -> None:
         self.effect, self.example, self.arm = effect, example, arm
         self.shape, self.beta = effect.coefficients(example.values, example.shape)
+        others = [(known(name), values) for name, values in example.beside.items()]
+        self.beside = [(other, *other.coefficients(values)) for other, values in others]
+
+    @cached_property
+    def plain_run(self) -> Recording:
+        """What the arm logs without the effect, with what the example has beside it."""
+        return self.arm.run(self.beside_parts) if self.beside else self.arm.plain_run
 
     @cached_property
     def plain(self) -> Balances:
-        """Of the arm as its model has it."""
-        return self.arm.plain
+        """Of that."""
+        return self.arm.balances(self.plain_run) if self.beside else self.arm.plain
 
     @property
     def motion(self) -> Motion:
         """The arm's without the effect."""
-        return self.plain.motions[0]
+        return self.arm.plain.motions[0]
 
     @cached_property
     def place(self) -> Place | None:
@@ -44,6 +52,14 @@ class Trial:
         return next(iter(here or places), None)
 
     @cached_property
+    def beside_parts(self) -> tuple[Part, ...]:
+        """Of what the example has beside the effect."""
+        return tuple(part for each, shape, _ in self.beside for part in self._parts_of(each, shape))
+
+    def _parts_of(self, other: Effect, shape: Shape) -> tuple[Part, ...]:
+        return parts_of_finding(self.finding(self.example.beside[other.id], shape, other))
+
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         """What the simulation is given."""
         return self.parts_at(self.example.values, self.shape)
@@ -52,15 +68,18 @@ class Trial:
         """What the simulation is given for other figures."""
         return parts_of_finding(self.finding(values, shape))
 
-    def finding(self, values: Mapping[str, float], shape: Shape) -> Finding:
-        """As a diagnosis would give it."""
+    def finding(
+        self, values: Mapping[str, float], shape: Shape, effect: Effect | None = None
+    ) -> Finding:
+        """As a diagnosis would give it, of the effect or another at its place."""
+        effect = effect or self.effect
         place = self.place
         assert place is not None
         body = self.motion.body
         assert body is not None
-        units = {each.name: each.unit for each in self.effect.parameters}
+        units = {each.name: each.unit for each in effect.parameters}
         link = place.link
-        if self.effect.on == "link" and place.joints:
+        if effect.on == "link" and place.joints:
             link = place.joints[0]
         gate = place.gate
         window = place.window
@@ -68,7 +87,7 @@ class Trial:
             window = (gate.low, gate.high)
         at = gate is not None and gate.of == "position"
         return Finding(
-            effect=self.effect.id,
+            effect=effect.id,
             joints=tuple(JOINTS[j] for j in place.joints),
             links=() if link is None else (body.links[link],),
             recordings=() if place.recording is None else (place.recording,),
@@ -79,7 +98,7 @@ class Trial:
                 name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units.get(name, "-"))
                 for name, v in values.items()
             },
-            variant=self.effect.variant(shape),
+            variant=effect.variant(shape),
             shape=shape,
         )
 
@@ -95,7 +114,7 @@ class Trial:
     def log(self, arm: Arm, *, name: str = RECORDING, late: float = 0.0) -> Recording:
         """`logged` of another motion."""
         assert self.place is not None
-        run = arm.run(self.parts, name=name, late=late)
+        run = arm.run((*self.beside_parts, *self.parts), name=name, late=late)
         return self.effect.logged(run, self.place, self.example.values)
 
     @cached_property

@@ -35,6 +35,5 @@ def units_and_words(trial: Trial) -> Outcome:
     if not regime:
         wrong.append("it does not say when it shows")
     for what in ("equation", "source", "decided_by"):
-        if not getattr(effect, what, ""):
-            wrong.append(f"it has no {what}")
+        wrong += [] if getattr(effect, what, "") else [f"it has no {what}"]
     return none_of(UNITS, wrong, "units are SI, the statement says where")

@@ -29,7 +29,10 @@ class AsymmetricFriction(Effect):
     confused_with = ("torque_offset", "link_inertial_error", "gravity_direction")
     decided_by = "rests between motions in both directions: an offset stays at rest, friction not"
     source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
-    example = Example(values={"level_difference": 0.8, "viscous_difference": 0.5})
+    example = Example(
+        values={"level_difference": 0.8, "viscous_difference": 0.5},
+        beside={"coulomb_friction": {"level": 1.5}},
+    )
     complexity = 3
     of_joint_torque = True
     depends_on = ("speed",)

@@ -122,7 +122,7 @@ class CommandDelay(Effect):
     confused_with = ("actuator_lag", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "transport delay"
-    example = Example(values={"delay": 0.02}, shape=(1.0, 0.02), nothing={"delay": 0.0})
+    example = Example(values={"delay": 0.03}, shape=(OF_POSITION, 0.03), nothing={"delay": 0.0})
     fixed = True
     simulated_rivals = ("actuator_lag",)
     complexity = 2

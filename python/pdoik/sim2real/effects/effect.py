@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -46,6 +46,8 @@ class Example:
     values: Mapping[str, float]
     shape: Shape = ()  # that it would be found with; () for that of the values
     place: Place | None = None
+    beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Figures of effects that are there as well, by their id, at the same place."""
     nothing: Mapping[str, float] | None = None  # figures at which it does nothing, if not at 0
 
 

@@ -34,7 +34,7 @@ class ExternalContact(Effect):
     source = "Haddadin, De Luca and Albu-Schaeffer, IEEE T-RO 33(6), 2017"
     example = Example(
         values={"force_x": 6.0, "force_y": -8.0, "force_z": 5.0},
-        place=Place(link=2, recording="example", window=(3.0, 6.0)),
+        place=Place(link=1, recording="example", window=(3.0, 6.0)),
     )
     complexity = 4
     per_joint_moving = False

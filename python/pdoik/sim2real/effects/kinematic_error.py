@@ -30,7 +30,7 @@ class KinematicError(Effect):
     decided_by = "the tip's pose measured in thirty spread poses"
     source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
     example = Example(
-        values={"dx": 2e-3, "dy": -3e-3, "dz": 1e-3, "rx": 4e-3, "ry": -3e-3, "rz": 5e-3},
+        values={"dx": 0.01, "dy": -0.01, "dz": 5e-3, "rx": 0.02, "ry": -0.01, "rz": 0.02},
     )
     complexity = 6
     per_joint_moving = False

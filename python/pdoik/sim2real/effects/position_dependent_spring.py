@@ -31,9 +31,7 @@ class PositionDependentSpring(Effect):
     confused_with = ("link_inertial_error", "torque_offset", "joint_offset", "torque_ripple")
     decided_by = "slow motion through the whole range with the cable taken off"
     source = "a linear spring"
-    example = Example(
-        values={"stiffness": 12.0, "onset": 0.4, "side": 1.0}, shape=(1.0, 0.4)
-    )
+    example = Example(values={"stiffness": 12.0, "onset": 0.4, "side": 1.0}, shape=(1.0, 0.4))
     complexity = 3
     against = "q"
     of_joint_torque = True

@@ -35,9 +35,7 @@ class SensorGain(Effect):
     confused_with = ("torque_gain", "kinematic_error", "joint_offset")
     decided_by = "the channel beside a second instrument"
     source = "sensor calibration"
-    example = Example(
-        values={"gain": 1.03}, shape=(OF_LOGGED_SPEED,), nothing={"gain": 1.0}
-    )
+    example = Example(values={"gain": 1.03}, shape=(OF_LOGGED_SPEED,), nothing={"gain": 1.0})
     complexity = 2
     makes_up_for_misfit = True
 

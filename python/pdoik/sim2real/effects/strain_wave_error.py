@@ -35,9 +35,11 @@ class StrainWaveError(Effect):
         Parameter("harmonic", "cycles per turn", lower=0.0, upper=_MOST, chosen=True),
     )
     confused_with = ("torque_ripple", "joint_elasticity")
-    decided_by = "the same motion at half the speed: a ripple stays, a position error's torque falls"
+    decided_by = (
+        "the same motion at half the speed: a ripple stays, a position error's torque falls"
+    )
     source = "Tuttle and Seering, IEEE T-RA 12(3), 1996 (kinematic error of harmonic drives)"
-    example = Example(values={"amplitude": 8e-4, "phase": 0.7, "harmonic": 60.0})
+    example = Example(values={"amplitude": 2e-3, "phase": 0.7, "harmonic": 100.0})
     complexity = 4.5
     against = "q"
     sought = "harmonics"
@@ -84,9 +86,7 @@ class StrainWaveError(Effect):
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
-        wave = Wave(
-            amplitude=site["amplitude"], harmonic=site["harmonic"], phase=site.get("phase")
-        )
+        wave = Wave(amplitude=site["amplitude"], harmonic=site["harmonic"], phase=site.get("phase"))
         return site.each(lambda j: GearPlay(joint=j, waves=(wave,)))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:

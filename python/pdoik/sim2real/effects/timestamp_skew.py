@@ -33,7 +33,7 @@ class TimestampSkew(Effect):
     confused_with = ("command_delay", "actuator_lag", "viscous_friction")
     decided_by = "a knock on the arm at rest: which channel sees it first"
     source = "clocks of separate buses"
-    example = Example(values={"skew": 0.012}, nothing={"skew": 0.0})
+    example = Example(values={"skew": 0.012}, shape=(OF_TORQUE, 0.012), nothing={"skew": 0.0})
     fixed = True
     complexity = 2
     blurred_by_sampling = True

@@ -38,8 +38,8 @@ class TorqueSpeedLimit(Effect):
     decided_by = "full torque asked for at two speeds, one twice the other, beside its command"
     source = "Hughes and Drury, Electric Motors and Drives, 2013, Sec. 3.4 (torque-speed curves)"
     example = Example(
-        values={"stall_torque": 14.0, "no_load_speed": 3.0},
-        shape=(OF_COMMAND, 14.0, 3.0),
+        values={"stall_torque": 16.0, "no_load_speed": 4.0},
+        shape=(OF_COMMAND, 16.0, 4.0),
         nothing={"stall_torque": 1e9, "no_load_speed": 1e9},
     )
     fixed = True
@@ -53,7 +53,7 @@ class TorqueSpeedLimit(Effect):
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """The line that torques keep to where more is asked for."""
         (j,) = place.joints
-        tops = [(kind, top_of(motions, j, kind)) for kind in kinds(motions[0], j)]
+        tops = [(kind, falling_top_of(motions, j, kind)) for kind in kinds(motions[0], j)]
         return [
             (kind, top.stall_torque, top.no_load_speed) for kind, top in tops if top is not None
         ]
@@ -89,7 +89,7 @@ class TorqueSpeedLimit(Effect):
 
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether what is given keeps to such a line."""
-        top = top_of(motions, place.joints[0], shape[0])
+        top = falling_top_of(motions, place.joints[0], shape[0])
         if top is None:
             return False
         near = (shape[1] / top.stall_torque, shape[2] / top.no_load_speed)
@@ -113,7 +113,7 @@ class TorqueSpeedLimit(Effect):
         return f"high torque along fast motion of {where}"
 
 
-def top_of(motions: Sequence[Motion], j: int, kind: float) -> FallingTop | None:
+def falling_top_of(motions: Sequence[Motion], j: int, kind: float) -> FallingTop | None:
     """The line that joint j's torque keeps to where a command or the law asks for more."""
     pairs = [(given_of(m, j, kind), asked_of(m, j, kind), m.valid, m.period) for m in motions]
     if not all(np.isfinite(given).all() and np.isfinite(asked).all() for given, asked, *_ in pairs):

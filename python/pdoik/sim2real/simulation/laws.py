@@ -20,7 +20,7 @@ class Dahl(StatefulLaw):
 
     def __init__(self, level: float, displacement: float) -> None:
         self.level, self.displacement = level, max(displacement, 1e-9)
-        self.stiffness = level / self.displacement
+        self.stiffness = 2.0 * level / self.displacement  # just after a reversal
         self.z = 0.0
 
     def fresh(self) -> Self:
