@@ -123,7 +123,7 @@ def _commands(seconds: float, name: str, late: float) -> Recording:
     )
 
 
-def _wave(time, order: int = 0) -> FloatArray:
+def _wave(time: FloatArray, order: int = 0) -> FloatArray:
     """Desired positions, or their derivatives of an order, (T, 3)."""
     result = np.full((len(time), len(JOINTS)), 0.3 if order == 0 else 0.0)
     for k in range(len(JOINTS)):
