@@ -14,7 +14,7 @@ from ..study.recording import FloatArray
 from .outcome import Outcome, at_most, not_applicable
 from .trial import Trial
 
-CHECK = "columns against simulation"
+COLUMNS = "columns against simulation"
 LIMIT = 0.1  # of the columns' rms; a wrong sign leaves 2, a factor of two 0.5 or 1
 LIMIT_SHOWN_POORLY = 0.8  # of effects that say so themselves: the sign and the size are theirs
 _SETTLED = 0.7  # [s]
@@ -29,19 +29,19 @@ def against_simulation(trial: Trial) -> Outcome:
     """
     effect, place = trial.effect, trial.place
     if place is None:
-        return not_applicable(CHECK, "it has no place on the arm: give its example one")
+        return not_applicable(COLUMNS, "it has no place on the arm: give its example one")
     columns = trial.plain.compute(effect, place, trial.shape)
     if not trial.parts:
         why = "it has no part in a simulation"
         if not columns:
             why = "it acts in a log only, and adds to no balance: it is told before anything is fit"
-        return not_applicable(CHECK, why)
+        return not_applicable(COLUMNS, why)
     if not columns:
-        return not_applicable(CHECK, "it has no columns for the arm's channels")
+        return not_applicable(COLUMNS, "it has no columns for the arm's channels")
     try:
         with_effect = trial.balances
     except (PdoikError, ValueError) as error:
-        return at_most(CHECK, np.inf, LIMIT, f"it cannot be simulated: {error}")
+        return at_most(COLUMNS, np.inf, LIMIT, f"it cannot be simulated: {error}")
     said = {
         key: column @ trial.beta
         for key, column in with_effect.compute(effect, place, trial.shape).items()
@@ -59,12 +59,12 @@ def against_simulation(trial: Trial) -> Outcome:
     limit = LIMIT_SHOWN_POORLY if effect.shown_poorly else LIMIT
     if size < _LEAST * floor:
         return at_most(
-            CHECK, np.inf, limit, "the example's figures are too small to show: make them larger"
+            COLUMNS, np.inf, limit, "the example's figures are too small to show: make them larger"
         )
     words = f"left of {', '.join(_words(key) for key in islice(said, 3))}"
     if effect.shown_poorly:
         words += "; its columns show it poorly by its own word, so only sign and size are asked"
-    return at_most(CHECK, left / size, limit, words)
+    return at_most(COLUMNS, left / size, limit, words)
 
 
 def _without_beside(trial: Trial, b: Balances) -> dict[Key, FloatArray]:

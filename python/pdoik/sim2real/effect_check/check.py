@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ..effects import Effect
-from .against_simulation import against_simulation
-from .algebra import bounds, nothing, there_and_back
+from .against_simulation import COLUMNS, against_simulation
+from .algebra import BOUNDS, NOTHING, THERE_AND_BACK, bounds, nothing, there_and_back
 from .arm import Arm
 from .found import found
-from .gradients import gradients, stiffness
+from .gradients import GRADIENTS, STIFFNESS, gradients, stiffness
 from .load import tried
 from .outcome import Outcome
 from .trial import Trial
-from .words import units_and_words
+from .words import UNITS, units_and_words
 
 _LONGER = 24.0  # recordings that are diagnosed [s]
-_CHECKS = (
-    against_simulation,
-    there_and_back,
-    bounds,
-    nothing,
-    gradients,
-    stiffness,
-    units_and_words,
-)
+_CHECKS: dict[str, Callable[[Trial], Outcome]] = {
+    COLUMNS: against_simulation,
+    THERE_AND_BACK: there_and_back,
+    BOUNDS: bounds,
+    NOTHING: nothing,
+    GRADIENTS: gradients,
+    STIFFNESS: stiffness,
+    UNITS: units_and_words,
+}
 
 
 def check_effect(
@@ -49,11 +50,11 @@ def check_effect(
         except Exception as error:  # whatever an effect of somebody else's does
             return (_raised("example", error),)
         outcomes = []
-        for check in _CHECKS:
+        for name, check in _CHECKS.items():
             try:
                 outcomes.append(check(trial))
             except Exception as error:
-                outcomes.append(_raised(check.__name__.replace("_", " "), error))
+                outcomes.append(_raised(name, error))
         if diagnose:
             longer = Path(folder) / "longer"
             longer.mkdir()

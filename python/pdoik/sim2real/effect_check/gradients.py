@@ -38,9 +38,9 @@ def gradients(trial: Trial) -> Outcome:
         step = min(step, here - low, high - here) if low < here < high else step
         tried += 1
         coarse, fine = (_slope(trial.plain, trial, place, i, h) for h in (step, 0.5 * step))
-        size = float(np.sqrt(np.mean(fine**2)))
+        size = float(np.sqrt(max(np.mean(coarse**2), np.mean(fine**2))))
         change = float(np.sqrt(np.mean((coarse - fine) ** 2)))
-        worst = max(worst, change / size if size > 0.0 else 0.0)
+        worst = max(worst, change / size if size > 0.0 else np.inf)  # nothing to search by
     if not tried:
         return not_applicable(GRADIENTS, "its shape is what it is: nothing is searched")
     return at_most(GRADIENTS, worst, SMOOTH, f"{tried} nonlinear figure{'s' * (tried > 1)}")
