@@ -39,8 +39,8 @@ class Parameter:
 class Example:
     """Figures of an effect that somebody may find, by which `pdoik effects check` tries it.
 
-    The check's arm has three joints; without a place it sits at the first that `places` gives it
-    at the second joint.
+    The check's arm has three joints and one recording, "example"; without a place it sits at the
+    first that `places` gives it at the second joint.
     """
 
     values: Mapping[str, float]

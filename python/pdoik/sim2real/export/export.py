@@ -162,7 +162,7 @@ def _parted(model: Model, has_words: Callable[[Part], bool]) -> tuple[list[Part]
     kept: list[Part] = []
     left_out: list[str] = []
     gears = [part for f in model.findings for part in parts_of_finding(f) if _is_gear(part)]
-    sprung = {part.joint for part in gears if not part.gap}
+    sprung = {part.joint for part in gears if not part.gap and np.isfinite(part.stiffness)}
     for finding in model.findings:
         parts = parts_of_finding(finding)
         # Play and a spring in series in one joint are a law that no format has.

@@ -15,6 +15,7 @@ from .signals import noise_density
 _MISSING = 0.02  # of the highest torque, by which less is given than asked for
 _NOISE = 4.0  # standard deviations
 _LEAST_ROWS = 30
+_LEAST_SPAN = 1e-2  # of speeds [rad/s]
 _ON_LINE = 0.02  # of the stall torque, within which a top is straight whatever the noise
 _FLATTER = 0.3  # than what is asked for beyond it
 _FALLS = 0.08  # of the stall torque, over the speeds at which the top was reached
@@ -56,7 +57,7 @@ def falling_top(torques: Sequence[Torques], speeds: Sequence[FloatArray]) -> Fal
     keep = np.ones(len(top), dtype=np.bool_)
     stall = slope = 0.0
     for _ in range(_ROUNDS):
-        if np.count_nonzero(keep) < _LEAST_ROWS:
+        if np.count_nonzero(keep) < _LEAST_ROWS or np.ptp(speed[keep]) < _LEAST_SPAN:
             return None
         slope, stall = np.polyfit(speed[keep], top[keep], 1)
         off = np.abs(top - stall - slope * speed)
