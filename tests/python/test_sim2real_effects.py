@@ -25,6 +25,7 @@ VARIANTS = {
     "torque_gain": (0.0, 1.0, 2.0),
     "torque_offset": (0.0, 1.0, 2.0),
     "torque_saturation": (0.0, 1.0, 2.0),
+    "torque_speed_limit": (1.0, 2.0),
 }
 ONE_ENTRY = {"sensor_gain", "torque_gain", "torque_offset"}
 SHAPES = {
@@ -34,6 +35,7 @@ SHAPES = {
     "joint_elasticity": 1,
     "joint_offset": 1,
     "presliding_hysteresis": 1,
+    "strain_wave_error": 1,
     "stribeck_friction": 1,
     "torque_ripple": 1,
 }
@@ -49,6 +51,7 @@ def found(draw: st.DrawFn) -> tuple[str, tuple[float, ...], np.ndarray]:
     if name in VARIANTS:
         shape = (draw(st.sampled_from(VARIANTS[name])),)
         shape += () if name in ONE_ENTRY else (draw(positive),)
+        shape += (draw(positive),) if name == "torque_speed_limit" else ()
     if name == "position_dependent_spring":
         side = draw(st.sampled_from((-1.0, 0.0, 1.0)))
         shape = (side, draw(st.floats(-1.0, 1.0)) if side else 0.0)

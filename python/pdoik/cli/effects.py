@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,10 +11,11 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from .messages import fail, out
+from .messages import NOT_SOLVED, fail, misuse_fails, out
 from .sim2real_extra import extra_needed
 
 if TYPE_CHECKING:
+    from pdoik.sim2real.effect_check import Outcome
     from pdoik.sim2real.effects import Effect
 
 app = typer.Typer(name="effects", no_args_is_help=True, rich_markup_mode="rich")
@@ -52,6 +55,46 @@ def show(effect: Annotated[str, typer.Argument(help="Its id, as `list` has it.")
         fail(f"no effect {effect!r}{nearest(effect, CATALOGUE)}")
     for line in _facts(CATALOGUE[effect]):
         out.print(escape(line), highlight=False)
+
+
+@app.command("check")
+def check(
+    effect: Annotated[str, typer.Argument(help="A Python file with effects, or an id.")],
+    diagnose: Annotated[
+        bool, typer.Option("--diagnose", help="Also simulate recordings and diagnose them.")
+    ] = False,
+) -> None:
+    """Is an effect what it says of itself? Ends with status 1 where a check fails.
+
+    Its columns are held against its own simulation, its figures against its bounds, and so on.
+
+    [bold]Example[/]: pdoik effects check my_effect.py
+    """
+    with extra_needed("effects"):
+        from pdoik.sim2real.effect_check import check_effect, load_effects
+    with misuse_fails():
+        effects = load_effects(effect)
+    good = True
+    for each in effects:
+        outcomes = check_effect(each, diagnose=diagnose)
+        good = good and all(outcome.status != "fail" for outcome in outcomes)
+        for line in _lines(each.id, outcomes):
+            out.print(line, highlight=False)
+    if not good:
+        raise typer.Exit(NOT_SOLVED)
+
+
+_COLOUR = {"pass": "green", "fail": "bold red", "not applicable": "dim"}
+
+
+def _lines(title: str, outcomes: Iterable[Outcome]) -> Iterator[str]:
+    """A table whose last column may be as long as it likes."""
+    yield f"[bold]{escape(title)}[/]"
+    yield f"  {'check':<28}{'result':<16}{'measured':>9}{'limit':>8}"
+    for each in outcomes:
+        figures = ["" if math.isnan(f) else f"{f:.3g}" for f in (each.measured, each.limit)]
+        result = f"[{_COLOUR[each.status]}]{each.status:<16}[/]"
+        yield f"  {each.check:<28}{result}{figures[0]:>9}{figures[1]:>8}  {escape(each.words)}"
 
 
 def _facts(effect: Effect) -> list[str]:

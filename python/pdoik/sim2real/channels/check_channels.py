@@ -8,6 +8,7 @@ import numpy as np
 
 from ..effects.sensor_gain import SensorGain
 from ..effects.torque_saturation import kinds, top_of
+from ..effects.torque_speed_limit import falling_top_of
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.motion import Motion
@@ -121,7 +122,10 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
 
 def _limited(b: Balances, j: int) -> bool:
     """Whether joint j's torque is cut off, which makes it less than it should be."""
-    return any(top_of(b.motions, j, kind) for kind in kinds(b.motions[0], j))
+    return any(
+        top_of(b.motions, j, kind) or falling_top_of(b.motions, j, kind)
+        for kind in kinds(b.motions[0], j)
+    )
 
 
 def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:

@@ -6,13 +6,14 @@ file like these, registered by `register` or an entry point of the group `pdoik.
 """
 
 from .catalogue import CATALOGUE, register
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .simulated import not_simulated, parts_of, parts_of_finding
 from .site import Site
 
 __all__ = [
     "CATALOGUE",
     "Effect",
+    "Example",
     "Parameter",
     "Site",
     "not_simulated",

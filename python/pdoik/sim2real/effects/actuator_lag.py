@@ -13,6 +13,7 @@ from ..simulation.parts import DriveChange, Part
 from ..study.recording import FloatArray
 from .command_delay import (
     OF_POSITION,
+    OF_TORQUE,
     TIMES,
     drive_shapes,
     drive_variant,
@@ -20,7 +21,7 @@ from .command_delay import (
     late_torque,
     too_short,
 )
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -35,6 +36,11 @@ class ActuatorLag(Effect):
     confused_with = ("command_delay", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "first-order lag of a current loop"
+    example = Example(
+        values={"time_constant": 0.02},
+        shape=(OF_TORQUE, 0.02),
+        nothing={"time_constant": 0.0},
+    )
     fixed = True
     simulated_rivals = ("command_delay",)
     complexity = 2

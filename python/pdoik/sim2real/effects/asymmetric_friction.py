@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import level_asymmetry, viscous_asymmetry
 from ..simulation.parts import HardFriction, JointTorque, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -29,6 +29,10 @@ class AsymmetricFriction(Effect):
     confused_with = ("torque_offset", "link_inertial_error", "gravity_direction")
     decided_by = "rests between motions in both directions: an offset stays at rest, friction not"
     source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
+    example = Example(
+        values={"level_difference": 0.8, "viscous_difference": 0.5},
+        beside={"coulomb_friction": {"level": 1.5}},
+    )
     complexity = 3
     of_joint_torque = True
     depends_on = ("speed",)

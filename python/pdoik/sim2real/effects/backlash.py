@@ -11,7 +11,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import GearPlay, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .joint_elasticity import deflected
 from .site import Site
 
@@ -65,6 +65,7 @@ class Backlash(Effect):
     confused_with = ("joint_elasticity", "presliding_hysteresis", "coulomb_friction")
     decided_by = "slow motion through the pose where the joint's load changes its sign"
     source = "Nordin and Gutman, Automatica 38(10), 2002"
+    example = Example(values={"gap": 0.01}, nothing={"gap": 0.0})
     instead = ("joint_elasticity",)
     simplified = 0.05  # flanks' stiffness and grease are not fitted
     shown_poorly = True

@@ -12,6 +12,7 @@ from .coulomb_friction import CoulombFriction
 from .effect import Effect
 from .external_contact import ExternalContact
 from .friction_drift import FrictionDrift
+from .gear_efficiency import GearEfficiency
 from .gravity_direction import GravityDirection
 from .inertial import LinkInertials, Payload
 from .joint_coupling import JointCoupling
@@ -24,12 +25,14 @@ from .presliding_hysteresis import PreslidingHysteresis
 from .rotor_inertia import RotorInertia
 from .sensor_gain import SensorGain
 from .sensor_noise import SensorNoise
+from .strain_wave_error import StrainWaveError
 from .stribeck_friction import StribeckFriction
 from .timestamp_skew import TimestampSkew
 from .torque_gain import TorqueGain
 from .torque_offset import TorqueOffset
 from .torque_ripple import TorqueRipple
 from .torque_saturation import TorqueSaturation
+from .torque_speed_limit import TorqueSpeedLimit
 from .unknown import Unknown
 from .viscous_friction import ViscousFriction
 
@@ -76,6 +79,7 @@ for _effect in (
     StribeckFriction(),
     AsymmetricFriction(),
     LoadDependentFriction(),
+    GearEfficiency(),
     PreslidingHysteresis(),
     FrictionDrift(),
     RotorInertia(),
@@ -85,6 +89,7 @@ for _effect in (
     TorqueGain(),
     TorqueOffset(),
     TorqueSaturation(),
+    TorqueSpeedLimit(),
     TorqueRipple(),
     PositionDependentSpring(),
     CommandDelay(),
@@ -93,6 +98,7 @@ for _effect in (
     JointElasticity(),
     JointOffset(),
     KinematicError(),
+    StrainWaveError(),
     JointCoupling(),
     TimestampSkew(),
     SensorGain(),

@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..motion.signals import lagged, shifted
 from ..simulation.parts import DriveChange, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 OF_POSITION, OF_TORQUE = 0.0, 1.0
@@ -122,6 +122,7 @@ class CommandDelay(Effect):
     confused_with = ("actuator_lag", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "transport delay"
+    example = Example(values={"delay": 0.03}, shape=(OF_POSITION, 0.03), nothing={"delay": 0.0})
     fixed = True
     simulated_rivals = ("actuator_lag",)
     complexity = 2

@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -26,6 +26,7 @@ class CoulombFriction(Effect):
     confused_with = ("presliding_hysteresis", "load_dependent_friction", "stribeck_friction")
     decided_by = "slow motion back and forth at two speeds, with reversals of a few degrees"
     source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
+    example = Example(values={"level": 1.5}, shape=(0.02,))
     gated = True
     of_joint_torque = True
     depends_on = ("speed",)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Part
-from ..study.recording import FloatArray
+from ..study.recording import FloatArray, Recording
 from .site import Site
 
 Axis = Literal["speed", "q", "load"]
@@ -35,6 +35,22 @@ class Parameter:
     chosen: bool = False  # among a few values: nothing between them has a meaning
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Example:
+    """Figures of an effect that somebody may find, by which `pdoik effects check` tries it.
+
+    The check's arm has three joints and one recording, "example"; without a place it sits at the
+    first that `places` gives it at the second joint.
+    """
+
+    values: Mapping[str, float]
+    shape: Shape = ()  # that it would be found with; () for that of the values
+    place: Place | None = None
+    beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Figures of effects that are there as well, by their id, at the same place."""
+    nothing: Mapping[str, float] | None = None  # figures at which it does nothing, if not at 0
+
+
 class Effect(ABC):
     """One kind of physics a model may have left out.
 
@@ -53,6 +69,7 @@ class Effect(ABC):
     parameters: ClassVar[tuple[Parameter, ...]]
     source: ClassVar[str] = ""
     against: ClassVar[Axis] = "speed"  # what its curve is drawn over
+    example: ClassVar[Example | None] = None  # figures to try it with
 
     # What else looks like it, and what tells them apart.
     confused_with: ClassVar[tuple[str, ...]] = ()
@@ -195,6 +212,10 @@ class Effect(ABC):
             ValueError: the site is none of its own.
         """
         return ()
+
+    def logged(self, recording: Recording, place: Place, values: Mapping[str, float]) -> Recording:
+        """A log with what acts in it only and is no part of a simulation; unchanged elsewhere."""
+        return recording
 
     def not_simulated(self, values: Mapping[str, float]) -> str:
         """Why `parts` is not what was found, in words; "" where it is."""

@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import ExternalForce, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 ORIGIN: Shape = (1.0,)
@@ -32,6 +32,10 @@ class ExternalContact(Effect):
     confused_with = ("payload", "torque_offset")
     decided_by = "the same motion once more with nothing near the robot"
     source = "Haddadin, De Luca and Albu-Schaeffer, IEEE T-RO 33(6), 2017"
+    example = Example(
+        values={"force_x": 6.0, "force_y": -8.0, "force_z": 5.0},
+        place=Place(link=1, recording="example", window=(3.0, 6.0)),
+    )
     complexity = 4
     per_joint_moving = False
     against = "q"

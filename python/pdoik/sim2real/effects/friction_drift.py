@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import drift
 from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -29,6 +29,7 @@ class FrictionDrift(Effect):
     confused_with = ("coulomb_friction", "viscous_friction")
     decided_by = "the same motion repeated for half an hour from cold"
     source = "Simoni et al., IROS 2015 (friction of robot joints and temperature)"
+    example = Example(values={"extra": 1.5, "time_constant": 4.0})
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
     of_joint_torque = True

@@ -12,7 +12,7 @@ from ..motion.place import Columns, Place, Shape
 from ..motion.rigid_body import STANDARD_GRAVITY
 from ..simulation.parts import GravityTilt, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -31,6 +31,7 @@ class GravityDirection(Effect):
     confused_with = ("link_inertial_error", "joint_offset", "torque_offset")
     decided_by = "slow motion of the first joint with the arm stretched out, or a level on the base"
     source = "a rotation of the base; torques are linear in gravity's components"
+    example = Example(values={"tilt_x": 0.03, "tilt_y": -0.05})
     complexity = 2
     against = "q"
 

@@ -12,7 +12,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.inertial import Inertial
 from ..simulation.parts import LinkChange, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 INERTIAS = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")
@@ -41,6 +41,12 @@ class LinkInertials(Effect):
     )
     decided_by = "slow and quick motion of all joints after this link, over the whole range"
     source = "Atkeson, An and Hollerbach, IJRR 5(3), 1986; Wensing et al., RA-L 3(1), 2018"
+    example = Example(
+        values={"d_mass": 0.4, "d_first_moment_x": 0.06, "d_first_moment_y": 0.02}
+        | {"d_first_moment_z": 0.03, "d_ixx": 0.006, "d_ixy": 0.0, "d_iyy": 0.012}
+        | {"d_ixz": 0.0, "d_iyz": 0.0, "d_izz": 0.01},
+        place=Place(link=1),
+    )
     complexity = 5
     corrected = 0.5  # torques are linear in it: a regression shows it as well as a simulation
     per_joint_moving = False
@@ -114,6 +120,10 @@ class Payload(LinkInertials):
     )
     confused_with = ("link_inertial_error", "torque_gain", "gravity_direction")
     decided_by = "the same motion with a known weight in the hand and without"
+    example = Example(
+        values={"mass": 0.7, "com_x": 0.08, "com_y": 0.03, "com_z": 0.05}
+        | {"ixx": 2e-3, "ixy": 0.0, "iyy": 3e-3, "ixz": 0.0, "iyz": 0.0, "izz": 2e-3},
+    )
     complexity = 4
     corrected = 0.5
 

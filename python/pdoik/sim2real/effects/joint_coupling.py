@@ -8,7 +8,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Coupling, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
+from .effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from .site import Site
 
 
@@ -23,6 +23,7 @@ class JointCoupling(Effect):
     confused_with = ("kinematic_error", "joint_offset", "link_inertial_error")
     decided_by = "motion of joint j alone while the tip's pose is measured"
     source = "virtual work of a coupled transmission"
+    example = Example(values={"ratio": 0.05}, place=Place(joints=(2, 1)))
     complexity = 3
     depends_on = ("other load",)
     together = True

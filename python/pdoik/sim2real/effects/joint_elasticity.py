@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..motion.signals import lagged
 from ..simulation.parts import GearPlay, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
+from .effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from .site import Site
 
 
@@ -35,6 +35,10 @@ class JointElasticity(Effect):
     confused_with = ("backlash", "rotor_inertia", "presliding_hysteresis")
     decided_by = "a quick stop, sampled at 500 Hz or more: the ring's frequency is sqrt(k / I)"
     source = "Spong, ASME J. Dyn. Sys. 109(4), 1987"
+    example = Example(
+        values={"stiffness": 400.0, "damping": 2.0},
+        nothing={"stiffness": 1e12, "damping": 0.0},
+    )
     instead = ("backlash",)
     shown_poorly = True
     simplified = 0.01  # one stiffness and one damping, and the rotor where it is believed

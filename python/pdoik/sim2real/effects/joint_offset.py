@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Part, SensorChange
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter, on_torque_and_tip
+from .effect import Effect, Example, Parameter, on_torque_and_tip
 from .site import Site
 
 _SMALL = 2e-3  # below it the derivative is as good [rad]
@@ -27,6 +27,7 @@ class JointOffset(Effect):
     confused_with = ("link_inertial_error", "gravity_direction", "kinematic_error")
     decided_by = "the tip's pose measured in ten spread poses"
     source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
+    example = Example(values={"offset": 0.05}, shape=(0.05,))
     complexity = 1.9
     per_joint_moving = False
     against = "q"

@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..motion.rigid_body import RigidBody
 from ..simulation.parts import Part, Placement
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -29,6 +29,9 @@ class KinematicError(Effect):
     confused_with = ("joint_offset", "joint_elasticity")
     decided_by = "the tip's pose measured in thirty spread poses"
     source = "Hollerbach et al., Springer Handbook of Robotics, Model Identification"
+    example = Example(
+        values={"dx": 0.01, "dy": -0.01, "dz": 5e-3, "rx": 0.02, "ry": -0.01, "rz": 0.02},
+    )
     complexity = 6
     per_joint_moving = False
     refined = False

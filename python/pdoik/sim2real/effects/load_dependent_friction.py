@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import of_load
 from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -24,9 +24,10 @@ class LoadDependentFriction(Effect):
     on = "joint"
     equation = "tau = c |tau_load| sign(dq)"
     parameters = (Parameter("coefficient", "-", lower=0.0, upper=1.0),)
-    confused_with = ("coulomb_friction", "torque_gain")
+    confused_with = ("coulomb_friction", "torque_gain", "gear_efficiency")
     decided_by = "the same slow motion back and forth with the arm stretched out and folded"
     source = "Hamon et al., ICRA 2010 (load-dependent friction in robot dynamics)"
+    example = Example(values={"coefficient": 0.15})
     complexity = 2
     against = "load"
     gated = True

@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import spring
 from ..simulation.parts import DofChange, JointTorque, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -26,11 +26,12 @@ class PositionDependentSpring(Effect):
     parameters = (
         Parameter("stiffness", "N m/rad", lower=0.0),
         Parameter("onset", "rad"),
-        Parameter("side", "-", chosen=True),
+        Parameter("side", "-", lower=-1.0, upper=1.0, chosen=True),
     )
     confused_with = ("link_inertial_error", "torque_offset", "joint_offset", "torque_ripple")
     decided_by = "slow motion through the whole range with the cable taken off"
     source = "a linear spring"
+    example = Example(values={"stiffness": 12.0, "onset": 0.4, "side": 1.0}, shape=(1.0, 0.4))
     complexity = 3
     against = "q"
     of_joint_torque = True

@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import Dahl
 from ..simulation.parts import JointTorque, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -42,6 +42,7 @@ class PreslidingHysteresis(Effect):
     confused_with = ("coulomb_friction", "backlash", "joint_elasticity")
     decided_by = "reversals of less than a degree at rest, several sizes"
     source = "Dahl, Aerospace Corp. TOR-158, 1968; Canudas de Wit et al., IEEE TAC 40(3), 1995"
+    example = Example(values={"level": 2.0, "displacement": 0.02})
     complexity = 2
     gated = True
     of_joint_torque = True

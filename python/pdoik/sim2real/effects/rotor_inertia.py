@@ -8,7 +8,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import DofChange, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -25,6 +25,7 @@ class RotorInertia(Effect):
         "quick motion of this joint with the arm in different poses and of the joint before"
     )
     source = "Featherstone, Rigid Body Dynamics Algorithms, 2008, Sec. 9.6"
+    example = Example(values={"inertia": 0.2})
     of_joint_torque = True
     size_first = True
 

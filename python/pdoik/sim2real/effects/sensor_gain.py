@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Part, SensedChannel, SensorChange
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter, on_torque_and_tip, tip_turned
+from .effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from .site import Site
 
 OF_LOGGED_SPEED, OF_POSITION, OF_LOGGED_POSITION, OF_SPEED = 0.0, 1.0, 2.0, 3.0
@@ -35,6 +35,7 @@ class SensorGain(Effect):
     confused_with = ("torque_gain", "kinematic_error", "joint_offset")
     decided_by = "the channel beside a second instrument"
     source = "sensor calibration"
+    example = Example(values={"gain": 1.03}, shape=(OF_LOGGED_SPEED,), nothing={"gain": 1.0})
     complexity = 2
     makes_up_for_misfit = True
 

@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import stribeck
 from ..simulation.parts import HardFriction, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 _SHARP = 0.4  # of a hump's speed, within which dry friction must turn for the hump to count
@@ -29,6 +29,7 @@ class StribeckFriction(Effect):
     confused_with = ("coulomb_friction", "presliding_hysteresis", "asymmetric_friction")
     decided_by = "constant slow speeds, in steps from a hundredth to a third of the rated speed"
     source = "Bo and Pavelescu, Wear 82(3), 1982"
+    example = Example(values={"extra": 1.5, "speed": 0.3})
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
     of_joint_torque = True

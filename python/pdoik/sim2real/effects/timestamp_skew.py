@@ -11,7 +11,7 @@ from ..motion.place import Columns, Key, Place, Shape
 from ..motion.signals import shifted
 from ..simulation.parts import Part, SensorChange
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .sensor_gain import channel_of, through_law
 from .site import Site
 
@@ -33,6 +33,7 @@ class TimestampSkew(Effect):
     confused_with = ("command_delay", "actuator_lag", "viscous_friction")
     decided_by = "a knock on the arm at rest: which channel sees it first"
     source = "clocks of separate buses"
+    example = Example(values={"skew": 0.012}, shape=(OF_TORQUE, 0.012), nothing={"skew": 0.0})
     fixed = True
     complexity = 2
     blurred_by_sampling = True

@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..motion.place import Shape
 from ..simulation.parts import DriveChange, Part, SensorChange
 from ..study.recording import FloatArray
-from .effect import Parameter
+from .effect import Example, Parameter
 from .site import Site
 from .torque_channel import OF_BOTH, TorqueChannel
 
@@ -26,6 +26,7 @@ class TorqueGain(TorqueChannel):
     confused_with = ("payload", "link_inertial_error", "load_dependent_friction")
     decided_by = "the same motion with a known weight in the hand and without"
     source = "Gautier and Briot, ICRA 2011 (global identification of drive gains)"
+    example = Example(values={"gain": 1.1}, nothing={"gain": 1.0})
     complexity = 2
     per_joint_moving = False
     against = "load"

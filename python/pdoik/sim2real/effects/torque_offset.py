@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..motion.place import Shape
 from ..simulation.parts import DriveChange, Part, SensorChange
 from ..study.recording import FloatArray
-from .effect import Parameter
+from .effect import Example, Parameter
 from .site import Site
 from .torque_channel import OF_BOTH, TorqueChannel
 
@@ -26,6 +26,7 @@ class TorqueOffset(TorqueChannel):
     confused_with = ("link_inertial_error", "gravity_direction", "asymmetric_friction")
     decided_by = "a rest in a pose where gravity does not load the joint"
     source = "drive calibration"
+    example = Example(values={"offset": 0.8})
     per_joint_moving = False
     against = "q"
     gated = True

@@ -11,7 +11,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import ripple
 from ..simulation.parts import JointTorque, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -25,11 +25,12 @@ class TorqueRipple(Effect):
     parameters = (
         Parameter("amplitude", "N m", lower=0.0),
         Parameter("phase", "rad"),
-        Parameter("harmonic", "cycles per turn", lower=0.0, chosen=True),
+        Parameter("harmonic", "cycles per turn", lower=0.0, upper=1000.0, chosen=True),
     )
-    confused_with = ("position_dependent_spring", "kinematic_error")
+    confused_with = ("position_dependent_spring", "strain_wave_error")
     decided_by = "slow constant speed over a whole turn: ripple repeats with the angle"
     source = "Tjahjowidodo et al. 2013; Zhang et al., ICRA 2015 (harmonic drive torque ripple)"
+    example = Example(values={"amplitude": 0.6, "phase": 0.7, "harmonic": 24.0})
     complexity = 4
     against = "q"
     sought = "harmonics"

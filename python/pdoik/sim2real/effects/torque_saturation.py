@@ -12,7 +12,7 @@ from ..motion.place import Columns, Place, Shape
 from ..motion.signals import zero_phase
 from ..simulation.parts import DriveChange, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 _LEAST_REACHED = 12  # samples
@@ -29,9 +29,10 @@ class TorqueSaturation(Effect):
     on = "joint"
     equation = "tau = clip(tau_cmd, -L, L)"
     parameters = (Parameter("level", "N m", lower=0.0),)
-    confused_with = ("torque_gain", "actuator_lag")
+    confused_with = ("torque_gain", "actuator_lag", "torque_speed_limit")
     decided_by = "one motion that asks for more torque than this, recorded beside its command"
     source = "drive data sheet"
+    example = Example(values={"level": 9.5}, nothing={"level": 1e9})
     fixed = True
     least_of_rest = 0.5
     complexity = 2
@@ -49,7 +50,7 @@ class TorqueSaturation(Effect):
             top = top_of(motions, j, kind)
             shapes += [(kind, top.level)] if top is not None else []
         if motions[0].source:
-            asked = np.concatenate([np.abs(_asked(m, j, OF_REPORTED)) for m in motions])
+            asked = np.concatenate([np.abs(asked_of(m, j, OF_REPORTED)) for m in motions])
             if np.isfinite(asked).all():
                 levels = np.quantile(asked, (0.7, 0.85, 0.93, 0.97, 0.985, 0.993, 0.997, 0.999))
                 shapes += [(OF_REPORTED, float(level)) for level in levels if level > 0.0]
@@ -59,7 +60,7 @@ class TorqueSaturation(Effect):
         """What is missing beyond the level."""
         (j,) = place.joints
         kind, level = shape
-        asked = _asked(motion, j, kind)
+        asked = asked_of(motion, j, kind)
         beyond = asked - np.clip(asked, -level, level)
         if kind == OF_COMMAND:
             return {("drive", j): -beyond[:, None]}
@@ -95,7 +96,7 @@ class TorqueSaturation(Effect):
             top = top_of(motions, j, kind)
             return top is not None and abs(level - top.level) < 1.5 * _AT_TOP * top.level
         highest = max(_needed(m, j) for m in motions)
-        asked = np.concatenate([np.abs(_asked(m, j, kind)) for m in motions])
+        asked = np.concatenate([np.abs(asked_of(m, j, kind)) for m in motions])
         reached = int(np.count_nonzero(asked > level))
         # A joint that never needed as much: what is cut off is not torque.
         return 0.8 * level <= highest < 1.06 * level and reached >= _LEAST_REACHED
@@ -121,20 +122,20 @@ def kinds(motion: Motion, j: int) -> list[float]:
 
 def top_of(motions: Sequence[Motion], j: int, kind: float) -> FlatTop | None:
     """The flat top of what is given to joint j where a command or the law asks for more."""
-    pairs = [(_given(m, j, kind), _asked(m, j, kind), m.valid, m.period) for m in motions]
+    pairs = [(given_of(m, j, kind), asked_of(m, j, kind), m.valid, m.period) for m in motions]
     if not all(np.isfinite(given).all() and np.isfinite(asked).all() for given, asked, *_ in pairs):
         return None
     return flat_top(pairs)
 
 
-def _asked(motion: Motion, j: int, kind: float) -> FloatArray:
+def asked_of(motion: Motion, j: int, kind: float) -> FloatArray:
     """The torque that is clipped, (T,)."""
     asked = {OF_REPORTED: motion.torque, OF_COMMAND: motion.command, OF_LAW: motion.law}[kind]
     assert asked is not None
     return np.ascontiguousarray(asked[:, j])
 
 
-def _given(motion: Motion, j: int, kind: float) -> FloatArray:
+def given_of(motion: Motion, j: int, kind: float) -> FloatArray:
     """What came of it, (T,)."""
     if kind == OF_COMMAND and motion.torque is not None:
         return np.ascontiguousarray(motion.torque[:, j])

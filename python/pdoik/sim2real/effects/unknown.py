@@ -12,7 +12,7 @@ from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import Variable, curve, cycle, of_speed, smooth_sign
 from ..simulation.parts import HardFriction, JointTorque, Law, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 VARIABLES = (
@@ -49,6 +49,10 @@ class Unknown(Effect):
     parameters = (Parameter("knots", "-"),)
     decided_by = "motion that varies what it depends on and keeps everything else still"
     source = "penalised regression splines (Eilers and Marx, Statistical Science 11(2), 1996)"
+    example = Example(
+        values={"variable": 0.0, "lowest": -1.2, "highest": 1.5}
+        | {f"value_{k}": 0.3 * (k % 3) for k in range(_KNOTS)},
+    )
     complexity = 9
     sought = "last"
     of_joint_torque = True

@@ -8,7 +8,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import DofChange, Part
 from ..study.recording import FloatArray
-from .effect import Effect, Parameter
+from .effect import Effect, Example, Parameter
 from .site import Site
 
 
@@ -23,6 +23,7 @@ class ViscousFriction(Effect):
     confused_with = ("stribeck_friction", "asymmetric_friction", "torque_gain")
     decided_by = "both directions at five or more constant speeds over the whole range"
     source = "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, Sec. 7.1"
+    example = Example(values={"coefficient": 1.2})
     gated = True
     of_joint_torque = True
     depends_on = ("speed",)

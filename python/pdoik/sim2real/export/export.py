@@ -134,11 +134,12 @@ def _mjcf_has_words(part: Part) -> bool:
         return not callable(part.level)
     if isinstance(part, DriveChange):
         late = part.delay or part.command_lag or part.torque_delay
-        return not late and part.command_gain == 1.0 and part.command_offset == 0.0
+        falls = np.isfinite(part.no_load_speed)
+        return not (late or falls or part.command_offset) and part.command_gain == 1.0
     if isinstance(part, SensorChange):
         return _is_zero_of_encoder(part)
     if isinstance(part, GearPlay):
-        return part.gap == 0.0 or np.isinf(part.stiffness)
+        return not part.waves and (part.gap == 0.0 or np.isinf(part.stiffness))
     return isinstance(part, DofChange | LinkChange | GravityTilt | Placement)
 
 
@@ -161,7 +162,7 @@ def _parted(model: Model, has_words: Callable[[Part], bool]) -> tuple[list[Part]
     kept: list[Part] = []
     left_out: list[str] = []
     gears = [part for f in model.findings for part in parts_of_finding(f) if _is_gear(part)]
-    sprung = {part.joint for part in gears if not part.gap}
+    sprung = {part.joint for part in gears if not part.gap and np.isfinite(part.stiffness)}
     for finding in model.findings:
         parts = parts_of_finding(finding)
         # Play and a spring in series in one joint are a law that no format has.

@@ -49,7 +49,9 @@ def gears_of(parts: tuple[Part, ...], joints: tuple[str, ...]) -> dict[int, Gear
     """
     gears: dict[int, GearPlay] = {}
     for part in parts:
-        if isinstance(part, GearPlay) and (part.gap > 1e-9 or np.isfinite(part.stiffness)):
+        if not isinstance(part, GearPlay):
+            continue
+        if part.gap > 1e-9 or np.isfinite(part.stiffness) or part.waves:
             if not part.stiffness > 0.0:
                 raise ValueError(f"stiffness of {part.joint} is {part.stiffness}, expected more")
             k = joints.index(nearest(part.joint, joints, "joint"))
@@ -60,6 +62,7 @@ def gears_of(parts: tuple[Part, ...], joints: tuple[str, ...]) -> dict[int, Gear
                 gap=part.gap + other.gap,
                 stiffness=1.0 / compliance if compliance else float("inf"),
                 damping=part.damping + other.damping,
+                waves=part.waves + other.waves,
             )
     return gears
 
@@ -69,9 +72,13 @@ def play_name(joint: str) -> str:
     return f"{joint}.play"
 
 
-def add_play(joint: Any, gear: GearPlay) -> None:
+def add_play(spec: Any, joint: Any, gear: GearPlay) -> None:
     """A second joint along the first in the same body: the link's place seen from the motor."""
-    stop = np.isinf(gear.stiffness)
+    stop = np.isinf(gear.stiffness) and not gear.is_rigid
+    if gear.is_rigid:
+        tie = spec.add_equality(name=play_name(joint.name), type=mujoco.mjtEq.mjEQ_JOINT)
+        tie.objtype = mujoco.mjtObj.mjOBJ_JOINT
+        tie.name1, tie.name2 = play_name(joint.name), joint.name
     joint.parent.add_joint(
         name=play_name(joint.name),
         type=joint.type,

@@ -21,6 +21,8 @@ def combine(changes: Iterable[DriveChange], joint: str) -> DriveChange:
                 command_lag=whole.command_lag + change.command_lag,
                 torque_delay=whole.torque_delay + change.torque_delay,
                 limit=min(whole.limit, change.limit),
+                stall_torque=min(whole.stall_torque, change.stall_torque),
+                no_load_speed=min(whole.no_load_speed, change.no_load_speed),
                 time_constant=whole.time_constant + change.time_constant,
                 gain=whole.gain * change.gain,
                 offset=whole.offset + change.offset,
@@ -35,11 +37,13 @@ class Drive:
 
     __slots__ = (
         *("_change", "_command_gain", "_command_offset", "_decay", "_gain", "_limit", "_mean"),
-        *("_offset", "_state"),
+        *("_offset", "_slope", "_stall", "_state"),
     )
 
     def __init__(self, change: DriveChange, dt: float) -> None:
         self._change, self._limit = change, change.limit
+        self._stall = change.stall_torque if math.isfinite(change.no_load_speed) else math.inf
+        self._slope = self._stall / change.no_load_speed if math.isfinite(self._stall) else 0.0
         self._gain, self._offset = 1.0 / change.gain, change.offset
         self._command_gain, self._command_offset = change.command_gain, change.command_offset
         share = dt / max(change.time_constant, 1e-12)
@@ -47,11 +51,20 @@ class Drive:
         self._mean = -math.expm1(-share) / share  # of that distance on average within the step
         self._state: float | None = None  # None until the first command, which finds it settled
 
-    def __call__(self, command: float) -> tuple[float, float]:
-        """Reported at the step's start, and exerted on average over the step [N m]."""
+    def __call__(self, command: float, speed: float = 0.0) -> tuple[float, float]:
+        """Reported at the step's start, and exerted on average over the step [N m].
+
+        Args:
+            command: [N m].
+            speed: of the joint [rad/s].
+        """
         limit = self._limit
         command = command * self._command_gain + self._command_offset
         command = -limit if command < -limit else limit if command > limit else command
+        if self._slope:
+            most = max(self._stall - self._slope * speed, 0.0)
+            least = min(-self._stall - self._slope * speed, 0.0)
+            command = least if command < least else most if command > most else command
         state = self._state
         if state is None or not self._change.time_constant:
             self._state = state = command

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from ..study.recording import FloatArray
+from .assemble import play_name
 from .description import nearest
-from .parts import HardFriction, JointTorque, Law, Part, StatefulLaw
-from .plant import Plant
+from .parts import GearPlay, HardFriction, JointTorque, Law, Part, StatefulLaw
+from .plant import SOLVED_IN, Plant
 
 
 class JointLaws:
@@ -49,9 +51,11 @@ class JointLaws:
         self._springs = [
             (play, gear)
             for k, gear in plant.gears.items()
+            if not gear.waves
             if (play := plant.play[k]) is not None and gear.gap and np.isfinite(gear.stiffness)
         ]
-        self.none = not (self._torques or self._levels or self._springs or loaded)
+        self._waves = [(k, gear) for k, gear in plant.gears.items() if gear.waves]
+        self.none = not (self._torques or self._levels or self._springs or self._waves or loaded)
 
     def _place(self, joint: str) -> int:
         return self._plant.joints.index(nearest(joint, self._plant.joints, "joint"))
@@ -94,6 +98,30 @@ class JointLaws:
             half, twist = gear.gap / 2, q[play]
             beyond = twist - half if twist > half else twist + half if twist < -half else 0.0
             applied[play] -= gear.stiffness * beyond
+        for k, gear in self._waves:
+            self._put_further(k, gear, q, v, applied)
+
+    def _put_further(
+        self, k: int, gear: GearPlay, q: list[float], v: list[float], applied: list[float]
+    ) -> None:
+        """Let a link be where its gear's waves put it, and the motor feel the slope."""
+        model, dof, play = self._model, self._plant.dof[k], self._plant.play[k]
+        assert play is not None
+        value, slope, curvature = gear.error(q[dof])
+        half = gear.gap / 2
+        if gear.is_rigid:
+            # MuJoCo leaves the curvature out of what the constraint asks of accelerations: the
+            # place asked for is ahead by what its spring makes up for that.
+            ahead = curvature * v[dof] ** 2 * (SOLVED_IN * float(model.opt.timestep)) ** 2
+            tie = model.equality(play_name(gear.joint)).id
+            model.eq_data[tie, :2] = value - slope * q[dof] + ahead, slope
+        elif math.isinf(gear.stiffness):
+            model.jnt_range[play] = value - half, value + half
+        else:
+            twist = q[play] - value
+            beyond = twist - half if twist > half else twist + half if twist < -half else 0.0
+            applied[play] -= gear.stiffness * (beyond if half else -value)
+            applied[dof] += gear.stiffness * beyond * slope
 
     def feel_load(
         self, applied: list[float], v: list[float], friction: list[float], ddq: list[float]

@@ -20,7 +20,7 @@ class Dahl(StatefulLaw):
 
     def __init__(self, level: float, displacement: float) -> None:
         self.level, self.displacement = level, max(displacement, 1e-9)
-        self.stiffness = level / self.displacement
+        self.stiffness = 2.0 * level / self.displacement  # just after a reversal
         self.z = 0.0
 
     def fresh(self) -> Self:
@@ -119,6 +119,15 @@ def of_load(coefficient: float) -> Law:
 
     def law(t: float, q: float, dq: float, load: float) -> float:
         return coefficient * abs(load)
+
+    return law
+
+
+def of_driven_load(driving: float, driven: float) -> Law:
+    """Level by |load|: one share where the motor moves the load, another where that moves it."""
+
+    def law(t: float, q: float, dq: float, load: float) -> float:
+        return (driving if load * dq > 0.0 else driven) * abs(load)
 
     return law
 

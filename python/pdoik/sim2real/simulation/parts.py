@@ -6,6 +6,7 @@ positive for positive speed; on the joint it acts with the other sign.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -98,8 +99,25 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Wave:
+    """A sin(h q + phase)."""
+
+    amplitude: float  # [rad]
+    harmonic: float  # cycles per turn
+    phase: float = 0.0  # [rad]
+
+    def __call__(self, q: float) -> tuple[float, float, float]:
+        """Value, slope and curvature at q."""
+        angle = self.harmonic * q + self.phase
+        value, slope = self.amplitude * math.sin(angle), self.amplitude * math.cos(angle)
+        return value, self.harmonic * slope, -(self.harmonic**2) * value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GearPlay:
     """Between motor and link: play, a spring with a damper, or both in series.
+
+    The link is where they let it be, and `waves` of the motor's position further.
 
     Encoder, friction and rotor inertia stay at the motor.
     """
@@ -108,6 +126,17 @@ class GearPlay:
     gap: float = 0.0  # whole play [rad]
     stiffness: float = float("inf")  # [N m/rad]
     damping: float = 0.0  # [N m s/rad]
+    waves: tuple[Wave, ...] = ()
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the link's place follows from the motor's."""
+        return math.isinf(self.stiffness) and not self.gap
+
+    def error(self, q: float) -> tuple[float, float, float]:
+        """How far the waves put the link with the motor at q, with slope and curvature."""
+        each = [wave(q) for wave in self.waves]
+        return sum(e[0] for e in each), sum(e[1] for e in each), sum(e[2] for e in each)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,6 +153,8 @@ class DriveChange:
     command_lag: float = 0.0  # time constant by which desired positions lag [s]
     torque_delay: float = 0.0  # of commanded torques, within the loop [s]
     limit: float = float("inf")  # [N m]
+    stall_torque: float = float("inf")  # the most at rest, less the faster the joint turns [N m]
+    no_load_speed: float = float("inf")  # at which nothing is left of that [rad/s]
     time_constant: float = 0.0  # [s]
     gain: float = 1.0
     offset: float = 0.0  # [N m]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +27,14 @@ from .parts import (
 )
 
 STANDARD_GRAVITY: Vector = (0.0, 0.0, -9.81)
+HEAVY = 1e9  # [kg m^2]
 NO_INERTIA = 1e-9  # a joint that moves less cannot be simulated [kg m^2]
 LONELY_INERTIA = 1e-3  # of a joint that moves none where none moves any [kg m^2]
+RIGID_ROTOR_SHARE = 0.01  # the same where the gear is rigid: it counts as the link's
 ROTOR_SHARE = 0.1  # of a joint's inertia, for a motor behind play whose rotor nobody knows
 FINEST_STEP = 1e-4  # [s]
 DAMPING_OF_STIFFEST = 0.3  # of a spring too stiff for any step, as a share of critical
+SOLVED_IN = 2.0  # steps, by which hard constraints are met
 STEP_PER_PERIOD = 0.5  # the longest step times the fastest angular frequency
 
 
@@ -61,16 +64,22 @@ class Plant:
         """Step length [s]; hard friction and end stops are as stiff as it allows."""
         model = self.model
         model.opt.timestep = dt
-        model.dof_solref[:] = model.jnt_solref[:] = (2.0 * dt, 1.0)
+        model.dof_solref[:] = model.jnt_solref[:] = (SOLVED_IN * dt, 1.0)
+        model.eq_solref[:] = (SOLVED_IN * dt, 1.0)
 
     def inverse_inertia(self, q: FloatArray) -> FloatArray:
         """What torques accelerate the joints by with the links at q, (n, n) [1/(kg m^2)]."""
         data = mujoco.MjData(self.model)
         data.qpos[list(self.dof)] = q
+        armature = self.model.dof_armature.copy()
+        for k, gear in self.gears.items():
+            if gear.is_rigid:  # so heavy against the motor that it stays where it is
+                self.model.dof_armature[self.play[k]] = HEAVY
         mujoco.mj_forward(self.model, data)
         unit = np.eye(self.model.nv)
         result = np.empty_like(unit)
         mujoco.mj_solveM(self.model, data, result, unit)
+        self.model.dof_armature[:] = armature
         return result[np.ix_(self.dof, self.dof)]
 
     def set_armature(self, armature: FloatArray) -> None:
@@ -107,7 +116,7 @@ def build_plant(
             move(bodies[nearest(part.joint, joints, "joint")], part)
     gears = gears_of(parts, joints)
     for k, gear in gears.items():
-        add_play(spec.joint(joints[k]), gear)
+        add_play(spec, spec.joint(joints[k]), gear)
     forces = [part for part in parts if isinstance(part, ExternalForce)]
     pushed = [add_point(spec, part.link or links[-1]) for part in forces]
     tip = nearest(tip or links[-1], described.links, "link")
@@ -227,6 +236,7 @@ def _set_dofs(plant: Plant, parts: tuple[Part, ...]) -> None:
     model.jnt_stiffnesspoly[:] = 0.0
     model.dof_solimp[:] = (0.9999, 0.9999, 1e-3, 0.5, 2.0)
     model.jnt_solimp[:] = (0.99, 0.999, 1e-4, 0.5, 2.0)
+    model.eq_solimp[:] = (0.9999, 0.9999, 1e-3, 0.5, 2.0)
     springs: dict[int, tuple[float, float]] = {}
     for part in parts:
         if isinstance(part, DofChange | HardFriction):
@@ -263,9 +273,10 @@ def _check_inertia(plant: Plant) -> None:
                 f" {least:.3g} kg m^2",
             )
         if plant.play[k] is not None and model.dof_armature[dof] <= 0.0:
-            model.dof_armature[dof] = ROTOR_SHARE * locked[k]
+            share = RIGID_ROTOR_SHARE if plant.gears[k].is_rigid else ROTOR_SHARE
+            model.dof_armature[dof] = share * locked[k]
             plant.notes += (
-                f"{joint}: no rotor inertia is known; its motor is given {ROTOR_SHARE:.0%} of the "
+                f"{joint}: no rotor inertia is known; its motor is given {share:.0%} of the "
                 f"link's, {model.dof_armature[dof]:.3g} kg m^2",
             )
 
@@ -289,6 +300,8 @@ def _set_gears(plant: Plant) -> None:
         dof, play = plant.dof[k], plant.play[k]
         assert play is not None
         model.dof_damping[play] = gear.damping
+        if gear.is_rigid:
+            continue
         if np.isinf(gear.stiffness):
             model.jnt_limited[play] = 1
             model.jnt_range[play] = (-gear.gap / 2, gear.gap / 2)
@@ -299,9 +312,7 @@ def _set_gears(plant: Plant) -> None:
         if stiffness < gear.stiffness:  # or sampled control shakes what no spring shakes
             enough = 2.0 * DAMPING_OF_STIFFEST * np.sqrt(stiffness / inverse)
             model.dof_damping[play] = max(gear.damping, float(enough))
-        plant.gears[k] = GearPlay(
-            joint=gear.joint, gap=gear.gap, stiffness=stiffness, damping=gear.damping
-        )
+        plant.gears[k] = replace(gear, stiffness=stiffness)
         if not gear.gap:
             model.jnt_stiffness[play] = stiffness
         plant.fastest = max(plant.fastest, float(np.sqrt(stiffness * inverse)))

@@ -144,6 +144,8 @@ class Stepper:
             if np.isfinite(gear.stiffness):
                 data.qpos[play] = -bias[play] / gear.stiffness
             data.qpos[play] -= np.sign(bias[play]) * gear.gap / 2
+            if not gear.is_rigid:
+                data.qpos[play] += gear.error(float(data.qpos[self._dof[k]]))[0]
         mujoco.mj_forward(self.model, data)
 
     def place(self, q: FloatArray, dq: FloatArray) -> None:
@@ -153,6 +155,11 @@ class Stepper:
         self.data.qvel[:] = 0.0
         self.data.qvel[dof] = self.sensors.true("dq", np.asarray(dq, dtype=float))
         self.data.qpos[dof] += 0.5 * self._dt * self.data.qvel[dof]
+        for k, gear in self.plant.gears.items():
+            if gear.is_rigid:
+                value, slope, _ = gear.error(float(self.data.qpos[dof[k]]))
+                self.data.qpos[self.plant.play[k]] = value
+                self.data.qvel[self.plant.play[k]] = slope * self.data.qvel[dof[k]]
 
     @property
     def q(self) -> FloatArray:
@@ -257,7 +264,7 @@ class Stepper:
         if self._drives:
             reported, exerted = command[:], command[:]
             for k, drive in self._drives:
-                reported[k], exerted[k] = drive(command[k])
+                reported[k], exerted[k] = drive(command[k], v[self._dof[k]])
         return self._finish(reported, exerted, q, v)
 
     def advance_exerted(self, reported: list[float], q: list[float], v: list[float]) -> list[float]:

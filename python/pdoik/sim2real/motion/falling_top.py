@@ -1,0 +1,107 @@
+"""A torque's top that falls with speed: the voltage of a drive is spent on the motor's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..study.recording import FloatArray
+from .flat_top import Torques
+from .signals import noise_density
+
+_MISSING = 0.02  # of the highest torque, by which less is given than asked for
+_NOISE = 4.0  # standard deviations
+_LEAST_ROWS = 30
+_LEAST_SPAN = 1e-2  # of speeds [rad/s]
+_ON_LINE = 0.02  # of the stall torque, within which a top is straight whatever the noise
+_FLATTER = 0.3  # than what is asked for beyond it
+_FALLS = 0.08  # of the stall torque, over the speeds at which the top was reached
+_CLEARLY = 3.0  # times the spread about the line
+_ROUNDS = 6
+_FASTEST = 50.0  # times the highest speed seen: slower, or it is no fall
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FallingTop:
+    """The line that a torque keeps to while more is asked for."""
+
+    stall_torque: float  # [N m]
+    no_load_speed: float  # [rad/s]
+    rows: int
+
+
+def falling_top(torques: Sequence[Torques], speeds: Sequence[FloatArray]) -> FallingTop | None:
+    """The line S (1 - v / w) that torques stay at while more is asked for; None without one.
+
+    v is the speed along the torque: negative where the drive brakes. Samples of which less is given
+    than asked for, and of their neighbours too, lie on the line within noise, the line falls
+    clearly over their speeds, and nothing that was given lies beyond it.
+
+    Args:
+        torques: of each recording, as `flat_top` has them.
+        speeds: of the joint, (T,) each [rad/s].
+    """
+    noise = float(np.sqrt(np.mean([_variance(given, period) for given, _, _, period in torques])))
+    highest = max(float(np.max(np.abs(given))) for given, *_ in torques)
+    if not np.isfinite(noise) or not highest > 0.0:
+        return None
+    missing = max(_NOISE * noise, _MISSING * highest)
+    at = [_short(each, missing) for each in torques]
+    sides = [np.sign(asked) for _, asked, *_ in torques]
+    top = _picked([s * t[0] for s, t in zip(sides, torques, strict=True)], at)
+    asked = _picked([np.abs(t[1]) for t in torques], at)
+    speed = _picked([s * v for s, v in zip(sides, speeds, strict=True)], at)
+    keep = np.ones(len(top), dtype=np.bool_)
+    stall = slope = 0.0
+    for _ in range(_ROUNDS):
+        if np.count_nonzero(keep) < _LEAST_ROWS or np.ptp(speed[keep]) < _LEAST_SPAN:
+            return None
+        slope, stall = np.polyfit(speed[keep], top[keep], 1)
+        off = np.abs(top - stall - slope * speed)
+        keep = off < max(_NOISE * noise, _ON_LINE * stall, 3.0 * float(np.median(off)))
+    if np.count_nonzero(keep) < 0.8 * len(top) or not (slope < 0.0 < stall):
+        return None
+    spread = float(np.sqrt(np.mean((top - stall - slope * speed)[keep] ** 2)))
+    more = float(np.sqrt(np.mean((asked - stall - slope * speed)[keep] ** 2)))
+    fall = -slope * float(np.ptp(np.quantile(speed[keep], (0.05, 0.95))))
+    if spread > max(1.5 * noise, _ON_LINE * stall) or spread > _FLATTER * more:
+        return None
+    if fall < max(_FALLS * stall, _CLEARLY * spread):
+        return None
+    beyond = 0
+    for (given, _, good, _), v in zip(torques, speeds, strict=True):
+        most = np.maximum(stall + slope * np.sign(given) * v, 0.0)
+        beyond += int(np.sum(good & (np.abs(given) > most + max(_NOISE * noise, 0.04 * stall))))
+    if beyond > 0.1 * np.count_nonzero(keep):
+        return None
+    fastest = max(float(np.max(np.abs(v))) for v in speeds)
+    no_load = -stall / slope
+    if no_load > _FASTEST * fastest:
+        return None
+    return FallingTop(
+        stall_torque=float(stall), no_load_speed=float(no_load), rows=int(np.count_nonzero(keep))
+    )
+
+
+def _variance(given: FloatArray, period: float) -> float:
+    """Of white noise, at the recording's rate."""
+    density = float(noise_density(given[:, None], period, 0.25 / period)[0])
+    return density * 0.5 / period
+
+
+def _short(torques: Torques, missing: float) -> NDArray[np.bool_]:
+    """Samples, with both neighbours, of which less is given than asked for, same sign; (T,)."""
+    given, asked, good, _ = torques
+    side = np.where(good, np.sign(asked), 0.0)
+    less = side * (asked - given) > missing
+    inner = np.zeros(len(side), dtype=np.bool_)
+    same = (side[1:-1] == side[:-2]) & (side[1:-1] == side[2:])
+    inner[1:-1] = less[1:-1] & less[:-2] & less[2:] & same
+    return inner
+
+
+def _picked(values: Sequence[FloatArray], at: Sequence[NDArray[np.bool_]]) -> FloatArray:
+    return np.concatenate([v[a] for v, a in zip(values, at, strict=True)])
