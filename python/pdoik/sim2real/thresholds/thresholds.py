@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 
 from .confidence import ConfidenceThresholds
+from .contacts import ContactThresholds
+from .gates import GateThresholds
 from .noise import NoiseThresholds
 from .search import SearchThresholds
 from .support import SupportThresholds
@@ -31,6 +33,8 @@ class Thresholds:
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
     support: SupportThresholds = field(default_factory=SupportThresholds)
+    gates: GateThresholds = field(default_factory=GateThresholds)
+    contacts: ContactThresholds = field(default_factory=ContactThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
