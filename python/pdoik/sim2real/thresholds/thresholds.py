@@ -12,6 +12,7 @@ from .noise import NoiseThresholds
 from .search import SearchThresholds
 from .support import SupportThresholds
 from .threshold import numbers_of
+from .unnamed import UnnamedThresholds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +36,7 @@ class Thresholds:
     support: SupportThresholds = field(default_factory=SupportThresholds)
     gates: GateThresholds = field(default_factory=GateThresholds)
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
+    unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
