@@ -10,6 +10,7 @@ from .contacts import ContactThresholds
 from .gates import GateThresholds
 from .noise import NoiseThresholds
 from .search import SearchThresholds
+from .selection import SelectionThresholds
 from .support import SupportThresholds
 from .threshold import numbers_of
 from .unnamed import UnnamedThresholds
@@ -37,6 +38,7 @@ class Thresholds:
     gates: GateThresholds = field(default_factory=GateThresholds)
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
     unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
+    selection: SelectionThresholds = field(default_factory=SelectionThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
