@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 
+from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
 from .gates import GateThresholds
@@ -39,6 +40,7 @@ class Thresholds:
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
     unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
     selection: SelectionThresholds = field(default_factory=SelectionThresholds)
+    channels: ChannelThresholds = field(default_factory=ChannelThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
