@@ -12,6 +12,7 @@ from .gates import GateThresholds
 from .noise import NoiseThresholds
 from .search import SearchThresholds
 from .selection import SelectionThresholds
+from .simulation import SimulationThresholds
 from .support import SupportThresholds
 from .threshold import numbers_of
 from .unnamed import UnnamedThresholds
@@ -41,6 +42,7 @@ class Thresholds:
     unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
     selection: SelectionThresholds = field(default_factory=SelectionThresholds)
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)
+    simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
