@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
+from .figures import FigureThresholds
 from .gates import GateThresholds
 from .noise import NoiseThresholds
 from .search import SearchThresholds
@@ -43,6 +44,7 @@ class Thresholds:
     selection: SelectionThresholds = field(default_factory=SelectionThresholds)
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)
     simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
+    figures: FigureThresholds = field(default_factory=FigureThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
