@@ -17,6 +17,7 @@ from .simulation import SimulationThresholds
 from .support import SupportThresholds
 from .threshold import numbers_of
 from .unnamed import UnnamedThresholds
+from .verdict import VerdictThresholds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +46,7 @@ class Thresholds:
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)
     simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
     figures: FigureThresholds = field(default_factory=FigureThresholds)
+    verdict: VerdictThresholds = field(default_factory=VerdictThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
