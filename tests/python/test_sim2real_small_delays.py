@@ -91,16 +91,16 @@ def test_where_the_controllers_period_is_not_known_the_logs_stands_for_it(tmp_pa
             assert not effect.negligible(known.balances.motions, shape)
             assert effect.negligible(unknown.balances.motions, shape)
             assert effect.negligible(known.balances.motions, (shape[0], 0.1 * TICK))
-            wide = [blur(each.balances.motions, shape) for each in (known, unknown)]
+            wide = [blur(each.balances, shape) for each in (known, unknown)]
             assert wide[0] < 0.3 * wide[1]
 
 
 def test_what_sampling_leaves_open_is_part_of_the_error(tmp_path: Path) -> None:
     fit = late_by(tmp_path, (0.0, 0.01, 0.0))
-    term, motions = late_term(fit, 1, 0.01), fit.balances.motions
+    term = late_term(fit, 1, 0.01)
     exact = Estimate(value=0.01, std=1e-7, interval95=(0.01 - 1e-7, 0.01 + 1e-7), unit="s")
-    estimate = widened(motions, term, {"delay": exact})["delay"]
-    assert estimate.std == pytest.approx(blur(motions, term.shape), rel=1e-3)
+    estimate = widened(fit.balances, term, {"delay": exact})["delay"]
+    assert estimate.std == pytest.approx(blur(fit.balances, term.shape), rel=1e-3)
     assert estimate.interval95[1] - 0.01 == pytest.approx(1.96 * estimate.std, rel=1e-3)
 
 
@@ -116,7 +116,7 @@ def test_a_simulated_machine_without_delay_shows_none(tmp_path: Path) -> None:
     fit = Fit(prepare(load_study(study)).fit, ())
     for what, sharp in ((OF_POSITION, 4), (OF_TORQUE, 2)):
         found = [lateness(fit, j, what) for j in range(4)]
-        by = blur(fit.balances.motions, (what, 0.0))
+        by = blur(fit.balances, (what, 0.0))
         assert all(abs(value) < 3.5 * np.hypot(error, by) for value, error in found)
         assert sum(error < 2e-4 for _, error in found) >= sharp  # half a tick is 5e-4
 

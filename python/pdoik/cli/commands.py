@@ -18,6 +18,7 @@ from .occupancy import occupancy
 from .predict import predict
 from .replay import replay
 from .solve import solve
+from .thresholds import thresholds
 from .view import view
 
 __all__ = ["app"]
@@ -39,6 +40,7 @@ app.command()(diagnose)
 app.command()(predict)
 app.command()(replay)
 app.add_typer(effects)
+app.command()(thresholds)
 
 
 def _print_version(wanted: bool) -> None:

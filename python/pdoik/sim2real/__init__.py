@@ -26,6 +26,7 @@ from .simulation import SimulationError, Simulator, Stepper
 from .study.read_study import load_study
 from .study.recording import Recording
 from .study.study import Controller, Study, Trust
+from .thresholds import Thresholds
 
 __all__ = [
     "CATALOGUE",
@@ -46,6 +47,7 @@ __all__ = [
     "Simulator",
     "Stepper",
     "Study",
+    "Thresholds",
     "Trust",
     "conclude",
     "diagnose",

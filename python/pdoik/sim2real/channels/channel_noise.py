@@ -12,6 +12,7 @@ from ..motion.motion import thinned
 from ..motion.signals import derivative, zero_phase
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller
+from ..thresholds.channels import ChannelThresholds
 
 ComplexArray = NDArray[np.complex128]
 
@@ -20,12 +21,8 @@ _LOW, _HIGH = 0.5, 0.95  # of Nyquist's frequency, where motion is over
 _HIGH_THINNED = 0.7  # above, the filter before thinning has taken its part
 _UNEVEN = 1e-3  # jitter over period from which rows were interpolated to the grid
 _MOTION = 10.0  # [Hz], below which a robot moves
-_SLOWEST = 0.02  # standard deviation of a speed that says how it is scaled [rad/s]
-_SMALLEST = 0.01  # the same of a position [rad]
 _LEAST_GAIN = 0.01
 _SHORTEST = 32  # samples of which a spectrum can be made
-_LATE = 1 / 3  # of a period, by which a drive may follow its law later than the others
-_GAIN = np.log(3.0)  # within which a torque is its law's, whatever the drive's gain
 _OVERLAP = 1.3  # by which errors grow as segments overlap by half
 
 
@@ -49,11 +46,13 @@ class ChannelNoise:
         recordings: Sequence[Recording],
         controller: Controller | None,
         laws: Sequence[FloatArray | None],
+        limits: ChannelThresholds,
     ) -> None:
         """Recordings are of one study, as they were read; laws are the controller's, thinned."""
         self.count = len(recordings)
         self._controller = controller
         self._laws = laws
+        self._limits = limits
         self._thin = [thinned(r) for r in recordings]
         self._more = [t.period / r.period for t, r in zip(self._thin, recordings, strict=True)]
         self._uneven = any(r.jitter > _UNEVEN * r.raw_period for r in recordings)
@@ -164,11 +163,11 @@ class ChannelNoise:
         speeds = [t.dq for t in self._thin if t.dq is not None]
         if len(asked) == self.count:
             came = [_about_mean(t.q) for t in self._thin]
-            gains["q"] = _slope(np.vstack(came), np.vstack(asked), _SMALLEST)
+            gains["q"] = _slope(np.vstack(came), np.vstack(asked), self._limits.smallest)
         if len(speeds) == self.count:
             rates = [derivative(zero_phase(t.q, _MOTION, t.period), t.period) for t in self._thin]
             rate = np.vstack(rates) / gains.get("q", 1.0)
-            gains["dq"] = _slope(np.vstack(speeds), rate, _SLOWEST)
+            gains["dq"] = _slope(np.vstack(speeds), rate, self._limits.slowest)
         return gains
 
     def _followed(self) -> FloatArray:
@@ -197,7 +196,8 @@ class ChannelNoise:
         if np.isnan(late).all():
             return gain
         after = np.abs(late - np.nanmedian(late)) + 2.0 * unsure
-        sound = (after < _LATE * self._thin[0].period) & (np.abs(np.log(np.abs(gain))) < _GAIN)
+        in_time = after < self._limits.late * self._thin[0].period
+        sound = in_time & (np.abs(np.log(np.abs(gain))) < np.log(self._limits.drive_gain))
         return np.where(sound, gain, np.nan)
 
 

@@ -19,11 +19,6 @@ from ..study.recording import FloatArray, Recording
 from ..study.study import Study
 from .noisy_channels import noisy_channels
 
-_WITHIN = (0.4, 2.5)  # a torque's factor outside these is no drive's gain but a lie of the channel
-_LEAST_CORRELATION = 0.7
-_TINY = 0.15
-_COPY = 1.5  # times the noise, within which a torque copies the model's for the commanded motion
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ChannelCheck:
@@ -102,7 +97,7 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
     the law is worked out with positions and speeds that may lie themselves. Else of the model's,
     beside friction and a payload, which may outweigh what a wrist carries by itself.
     """
-    result = {}
+    result, limits = {}, b.thresholds.channels
     for j in range(b.n):
         if ("torque", j) not in b.residual or not b.excited[j]:
             continue
@@ -111,13 +106,19 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
         elif all(m.has_law(j) for m in b.motions):
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
             beside = _factor(b, j, [_with_rotor(m, j) for m in b.motions])
-            if found is not None and (beside is None or not 0.5 < beside[0] / found[0] < 2.0):
+            if found is not None and (beside is None or not _agree(b, beside[0] / found[0])):
                 found = None
         else:
             found = _factor(b, j, [_by_model(m, j) for m in b.motions])
-        if found is not None and (found[0] < _TINY or not _limited(b, j)):
+        if found is not None and (found[0] < limits.tiny or not _limited(b, j)):
             result[j] = found
     return result
+
+
+def _agree(b: Balances, ratio: float) -> bool:
+    """Whether two factors with this ratio say the same."""
+    within = b.thresholds.channels.law_agrees
+    return 1.0 / within < ratio < within
 
 
 def _limited(b: Balances, j: int) -> bool:
@@ -130,7 +131,7 @@ def _limited(b: Balances, j: int) -> bool:
 
 def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:
     """Joint j's torque over the first column, beside the others; None where that is near one."""
-    torque, A = _rows(b, j, columns)
+    limits, (torque, A) = b.thresholds.channels, _rows(b, j, columns)
     if len(torque) < 30 or not np.any(A[:, 0]):
         return None
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-12
@@ -140,11 +141,11 @@ def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, floa
     error = 3.0 * float(np.std(left) * np.sqrt(inverse[0, 0]) / scale[0])
     part = A[:, 0] * beta[0]
     explained = float(np.std(part) / max(np.std(part + left), 1e-12))
-    outside = not _WITHIN[0] < beta[0] < _WITHIN[1]
+    outside = not limits.least_factor < beta[0] < limits.most_factor
     # A torque far below what it should be drowns in its noise: its smallness is what is sure.
-    tiny = abs(beta[0]) < _TINY and error < 0.2 * _TINY
-    clear = abs(beta[0] - 1.0) > 4.0 * error
-    sure = outside and clear and (explained > _LEAST_CORRELATION or tiny)
+    tiny = abs(beta[0]) < limits.tiny and error < limits.tiny_error * limits.tiny
+    clear = abs(beta[0] - 1.0) > limits.factor_t * error
+    sure = outside and clear and (explained > limits.least_correlation or tiny)
     return (float(beta[0]), error) if sure else None
 
 
@@ -179,7 +180,7 @@ def _by_model(m: Motion, j: int) -> FloatArray:
 
 def _copies_model(b: Balances, body: RigidBody) -> bool:
     """Whether most joints' torques are the model's for the commands, not for the motion."""
-    copies = judged = 0
+    copies, judged, limits = 0, 0, b.thresholds.channels
     for m in b.motions:
         if m.q_des is None or m.torque is None:
             return False
@@ -194,8 +195,9 @@ def _copies_model(b: Balances, body: RigidBody) -> bool:
             by_motion = np.std(torque - zero_phase(m.tau[:, j], m.cutoff, m.period)[good])
             judged += 1
             floor = b.floor["torque", j]
-            copies += bool(by_plan < 0.7 * by_motion and by_plan < _COPY * floor)
-    return judged > 0 and copies > 0.6 * judged
+            near = by_plan < limits.copy_floor * floor
+            copies += bool(by_plan < limits.copy_nearer * by_motion and near)
+    return judged > 0 and copies > limits.copied_joints * judged
 
 
 def _planned(m: Motion, body: RigidBody) -> FloatArray:

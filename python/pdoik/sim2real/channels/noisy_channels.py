@@ -16,19 +16,9 @@ from ..motion.signals import shifted
 from ..study.recording import FloatArray
 from ..study.robot_facts import robot_facts
 from ..study.study import Study
+from ..thresholds.channels import ChannelThresholds
 from .channel_noise import ChannelNoise
 
-_USUAL_SPREAD, _WEIGHT = np.log(1.5), 10.0
-"""Spread of sound joints' noise on a log scale as machines have it, and the joints it counts as."""
-
-_FALSE_ALARM = 0.01  # of a channel, at worst
-_UNHEARD = 0.5  # share of a channel's noise below which most of it never reached the controller
-_CLEAR = 4.0  # errors
-_LEAST_HEARD = 0.05
-_SCATTER = 0.1  # of sound joints' shares, at least
-_LEAST_ERROR = 0.03  # of a standard deviation
-_LEAST_GAIN = 0.5  # share of the noise's power beyond what is sound, in either half
-_BLUR = 0.3  # part of that per jitter over period, as rows are interpolated to even times
 _CHANNELS = ("q", "dq", "tau")
 
 
@@ -50,10 +40,11 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         prepared: the study before channels were mended.
         study: after that.
     """
-    fit = ChannelNoise(study.fit, study.controller, _laws(prepared.fit))
+    limits = study.thresholds.channels
+    fit = ChannelNoise(study.fit, study.controller, _laws(prepared.fit), limits)
     held_out = None
     if prepared.validate is not None:
-        held_out = ChannelNoise(study.validate, study.controller, _laws(prepared.validate))
+        held_out = ChannelNoise(study.validate, study.controller, _laws(prepared.validate), limits)
     found = []
     for channel in _CHANNELS:
         levels = fit.levels(channel)
@@ -62,17 +53,19 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         std = np.sqrt(np.median(levels, axis=0))
         if channel == "tau":
             std = np.where(_as_recorded(prepared.study, study), std, np.nan)
-        noisy = _unheard(fit, channel, std) or _outlier(study, fit, channel, std)
+        noisy = _unheard(limits, fit, channel, std) or _outlier(study, fit, channel, std)
         if noisy is not None:
             halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
-            if min(_beyond_sound(levels, half, noisy) for half in halves) > _LEAST_GAIN:
+            if min(_beyond_sound(levels, half, noisy) for half in halves) > limits.noise_gain:
                 again = levels if held_out is None else held_out.levels(channel)
                 gain = 0.0 if again is None else _beyond_sound(levels, again, noisy)
                 found.append(_finding(prepared, study, noisy, levels, gain))
     return tuple(found)
 
 
-def _unheard(noise: ChannelNoise, channel: str, std: FloatArray) -> _Noisy | None:
+def _unheard(
+    limits: ChannelThresholds, noise: ChannelNoise, channel: str, std: FloatArray
+) -> _Noisy | None:
     """A joint most of whose noise the controller has not read, other than the others'.
 
     A sensor's own noise is fed back: kp and kd times it are in the torque. Noise of which nothing
@@ -83,22 +76,24 @@ def _unheard(noise: ChannelNoise, channel: str, std: FloatArray) -> _Noisy | Non
         return None
     known = np.isfinite(heard.share) & (std > 0.0)
     worst, best, share = -1, 0.0, 0.0
+    scattered, clearly = limits.heard_scatter, limits.unheard_t
     for j in np.flatnonzero(known):
         others = known & (np.arange(len(std)) != j)
         if not others.any():
             continue
-        weight = 1.0 / (heard.error[others] ** 2 + (_SCATTER * _LEAST_HEARD) ** 2)
+        weight = 1.0 / (heard.error[others] ** 2 + (scattered * limits.least_heard) ** 2)
         usual = float(np.average(heard.share[others], weights=weight))
         squares = (heard.share[others] - usual) ** 2 - heard.error[others] ** 2
-        scatter = max(float(np.average(squares, weights=weight)), (_SCATTER * usual) ** 2) ** 0.5
-        if usual < max(_LEAST_HEARD, _CLEAR * scatter, _CLEAR / np.sqrt(np.sum(weight))):
+        scatter = max(float(np.average(squares, weights=weight)), (scattered * usual) ** 2) ** 0.5
+        sure = max(clearly * scatter, clearly / np.sqrt(np.sum(weight)))
+        if usual < max(limits.least_heard, sure):
             continue
-        error = float(np.hypot(heard.error[j], _UNHEARD * scatter))
-        clear = (_UNHEARD * usual - heard.share[j]) / error
-        wrong_way = heard.share[j] < -_CLEAR * heard.error[j]
+        error = float(np.hypot(heard.error[j], limits.unheard * scatter))
+        clear = (limits.unheard * usual - heard.share[j]) / error
+        wrong_way = heard.share[j] < -clearly * heard.error[j]
         added = 1.0 - float(np.clip(heard.share[j] / usual, 0.0, 1.0))
         loud = np.sqrt(added) * std[j] > np.min(std[others])
-        if clear > _CLEAR and not wrong_way and loud and clear > best:
+        if clear > clearly and not wrong_way and loud and clear > best:
             worst, best, share = int(j), clear, added
     if worst < 0:
         return None
@@ -137,23 +132,24 @@ def _outlier(study: Study, noise: ChannelNoise, channel: str, std: FloatArray) -
     others = known & (np.arange(len(std)) != worst)
     for scale in _scales(noise, channel, effort, std, others):
         ratio = std / scale
-        if ratio[worst] < _beyond(ratio[others], int(known.sum())):
+        if ratio[worst] < _beyond(study.thresholds.channels, ratio[others], int(known.sum())):
             return None
         times = min(times, float(ratio[worst] / np.median(ratio[others])))
     return _Noisy(channel=channel, joint=worst, times=times, added=1.0, heard=False)
 
 
-def _beyond(others: FloatArray, candidates: int) -> float:
+def _beyond(limits: ChannelThresholds, others: FloatArray, candidates: int) -> float:
     """Noise that no sound joint has, from that of the others: Student's t on a log scale.
 
     A few joints tell their spread badly, so it is shrunk to what is usual.
     """
     logs = np.log(others)
     middle = float(np.mean(logs))
-    freedom = _WEIGHT + len(others) - 1.0
-    squares = _WEIGHT * _USUAL_SPREAD**2 + float(np.sum((logs - middle) ** 2))
+    weight, usual = limits.spread_weight, np.log(limits.usual_spread)
+    freedom = weight + len(others) - 1.0
+    squares = weight * usual**2 + float(np.sum((logs - middle) ** 2))
     spread = np.sqrt(squares / freedom * (1.0 + 1.0 / len(others)))
-    return float(np.exp(middle + stats.t.isf(_FALSE_ALARM / candidates, freedom) * spread))
+    return float(np.exp(middle + stats.t.isf(limits.false_alarm / candidates, freedom) * spread))
 
 
 def _scales(
@@ -209,8 +205,9 @@ def _finding(
     scatter = (
         np.std(np.log(np.maximum(levels[:, j], 1e-300))) / 2.0 * np.sqrt(1.57 * 1.5 / len(levels))
     )
-    blur = _BLUR * float(np.mean([r.jitter / r.raw_period for r in study.fit]))
-    error = value * float(np.hypot(np.hypot(scatter, _LEAST_ERROR), blur))
+    limits = study.thresholds.channels
+    blur = limits.noise_blur * float(np.mean([r.jitter / r.raw_period for r in study.fit]))
+    error = value * float(np.hypot(np.hypot(scatter, limits.noise_error), blur))
     said = f"{channel}.{name} has {value:.2g} {unit} of white noise"
     if noisy.heard:
         said += " that is not in what its controller commanded: it came into the recording only."

@@ -21,8 +21,6 @@ from ..select.candidates import candidates
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, huber, why_not
 
-_CLEARLY = 2.5  # standard errors, over blocks, by which one simulation is nearer than another
-_MUCH = 0.02  # of the mean loss
 _ROUNDS = 2  # of refinement, before names are compared
 _SKETCH = 12_000  # steps of a rollout that looks for a shape
 _CLOSER = (1.2, 1.1)  # factors by which shapes are tried around the best
@@ -39,6 +37,7 @@ def confirmed_by_simulation(prepared: Prepared, state: Search, seed: int, say: T
         return state
     arm = Arm(prepared, state.fit)
     sketch = Arm(prepared, state.fit, steps=_SKETCH)
+    clearly = prepared.study.thresholds.simulation.nearer_t
     for term in doubtful:
         if term not in state.accepted:
             continue
@@ -52,10 +51,10 @@ def confirmed_by_simulation(prepared: Prepared, state: Search, seed: int, say: T
                 continue
             keys = {*term.columns, *rival.columns}
             by = np.inf if own is None else nearer(arm, tried, own, keys)
-            if by >= _CLEARLY:
+            if by >= clearly:
                 say(f"{described(prepared, rival)} in the place of {described(prepared, term)}")
                 term, own, bare = rival, tried, other
-            elif by > -_CLEARLY:
+            elif by > -clearly:
                 bare = _listed(bare, term, rival)
             else:
                 bare = _forgotten(bare, term, rival)
@@ -65,7 +64,7 @@ def confirmed_by_simulation(prepared: Prepared, state: Search, seed: int, say: T
             wider = _with(bare, [*bare.accepted, each])
             tried, wider = _simulated(arm, sketch, wider, seed)
             keys = {*term.columns, *each.columns}
-            if tried is not None and nearer(arm, tried, own, keys) >= _CLEARLY:
+            if tried is not None and nearer(arm, tried, own, keys) >= clearly:
                 own, bare = tried, wider
         state = bare
     return replace(state, confirmed=_confirmed(arm, state))
@@ -109,7 +108,7 @@ def _confirmed(arm: Arm, state: Search) -> frozenset[TermKey]:
             term.key
             for term in doubtful
             if nearer(arm, whole, run_without(arm, terms, values, term), {*term.columns})
-            >= _CLEARLY
+            >= arm.prepared.study.thresholds.simulation.nearer_t
         )
     except (PdoikError, ValueError):
         return frozenset()
@@ -182,7 +181,7 @@ def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
         difference = huber(other.left[key]) - huber(one.left[key])
         blocks += np.bincount(arm.data.block[arm.rows[key]], difference, minlength=len(blocks))
         total += float(huber(other.left[key]).sum() + huber(one.left[key]).sum()) / 2
-    if abs(blocks.sum()) < _MUCH * total:
+    if abs(blocks.sum()) < arm.prepared.study.thresholds.simulation.nearer_share * total:
         return 0.0
     error = float(np.std(blocks) * np.sqrt(len(blocks)))
     return float(blocks.sum()) / max(error, 1e-12)

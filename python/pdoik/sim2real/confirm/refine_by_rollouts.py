@@ -20,8 +20,6 @@ from ..study.recording import FloatArray
 from .rollouts import FAR, Arm, Rollout, Values
 
 _ROUNDS = 4
-_CLEAR = 0.3  # standard errors that a figure must move to be worth another run
-_LEAST = 0.05  # of its value that a figure which cannot be negative keeps
 _FARTHEST = 0.5  # of its value that a figure may move in one step
 
 
@@ -50,13 +48,14 @@ def refine_by_rollouts(
         return first, best
     scale = np.array([each.scale for each in figures])
     A = _stacked(arm, figures, first.touched) * scale
+    least = arm.prepared.study.thresholds.simulation.least_move
     for _ in range(rounds):
         y = best.flat
         weighted = A * np.minimum(1.0, FAR / np.maximum(np.abs(y), FAR))[:, None]
         move = np.linalg.solve(weighted.T @ A + np.eye(len(scale)), weighted.T @ y)
         most = np.array([each.most for each in figures]) / scale
         move = np.clip(move, -most, most)
-        if np.all(np.abs(move * scale) < [_CLEAR * each.error for each in figures]):
+        if np.all(np.abs(move * scale) < [least * each.error for each in figures]):
             break
         values = [dict(each) for each in best.values]
         for each, step in zip(figures, move * scale, strict=True):
@@ -89,7 +88,7 @@ class _Figure:
 def _figures(
     arm: Arm, terms: Sequence[Term], at: Rollout, errors: Sequence[Values]
 ) -> list[_Figure]:
-    result = []
+    result, kept = [], arm.prepared.study.thresholds.simulation.least_kept
     for i, term in enumerate(terms):
         if not CATALOGUE[term.effect].refined:
             continue
@@ -101,7 +100,7 @@ def _figures(
             lower = known[name].lower if name in known else -np.inf
             upper = known[name].upper if name in known else np.inf
             if lower == 0.0 < value:
-                lower = _LEAST * value  # no sprung joint has a spring of nothing
+                lower = kept * value  # no sprung joint has a spring of nothing
             room = [0.5 * abs(value - bound) for bound in (lower, upper) if value != bound]
             h = min([max(0.02 * abs(value), 0.3 * error), *room])
             slope = _slope(arm, term, at.values[i], name, h)

@@ -32,7 +32,6 @@ from ..study.study import Study
 
 STEPS = 60_000  # of the simulation, of all recordings together
 _STEP = 1e-3  # [s]
-_SETTLING = 0.7  # at the beginning of each run [s]
 FAR = 4.0  # sigmas, beyond which what is left counts linearly
 
 Values = dict[str, float]
@@ -88,7 +87,7 @@ class Arm:
         whole = all(a is b for a, b in zip(self.recordings, recordings, strict=True))
         data = prepared.validate if held_out else prepared.fit
         self.data = data if whole and data is not None else self._balances(self.recordings)
-        settled = self.data.time > _SETTLING
+        settled = self.data.time > study.thresholds.simulation.settling
         rows = {key: np.flatnonzero(mask & settled) for key, mask in self.data.mask.items()}
         self.rows: dict[Key, NDArray[np.intp]] = {k: at for k, at in rows.items() if len(at)}
 

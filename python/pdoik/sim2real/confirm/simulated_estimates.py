@@ -15,9 +15,6 @@ from ..regression.trial import Search
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, why_not
 
-_STRAYS = 3.0  # times the loss of the regression, beyond which a simulation teaches nothing
-_OWN_ERROR = 0.25  # of a correction
-
 
 def simulated_estimates(
     prepared: Prepared,
@@ -42,13 +39,14 @@ def simulated_estimates(
     if reason:
         return estimates, f"The figures were not refined by simulating the arm: {reason}."
     values, errors = values_and_errors(estimates)
+    least = prepared.study.thresholds.simulation
     start = [state.simulated.get(t.key, v) for t, v in zip(terms, values, strict=True)]
     try:
         arm = Arm(prepared, state.fit)
         first, best = refine_by_rollouts(arm, terms, start, errors)
     except (PdoikError, ValueError) as error:
         return estimates, f"The figures were not refined by simulating the arm: {error}."
-    if best.cost > _STRAYS * max(_regression_loss(state.fit, first), 1.0):
+    if best.cost > least.strays * max(_regression_loss(state.fit, first), 1.0):
         return estimates, (
             "The figures were not refined by simulating the arm: for its commands it strays"
             f" from its recordings by {np.sqrt(best.cost):.2g} times the noise."
@@ -59,7 +57,7 @@ def simulated_estimates(
         f" loss went from {first.cost:.3g} to {best.cost:.3g} squared noise floors."
     )
     moved = {
-        i: _moved(estimates[i], best.values[i], CATALOGUE[term.effect])
+        i: _moved(estimates[i], best.values[i], CATALOGUE[term.effect], least.own_error)
         for i, term in enumerate(terms)
     }
     return moved, said
@@ -70,14 +68,16 @@ def _regression_loss(fit: Fit, rollout: Rollout) -> float:
     return float(np.mean(squares**2))
 
 
-def _moved(before: dict[str, Estimate], values: Values, effect: Effect) -> dict[str, Estimate]:
-    return {name: _estimate(each, values[name], effect) for name, each in before.items()}
+def _moved(
+    before: dict[str, Estimate], values: Values, effect: Effect, own_error: float
+) -> dict[str, Estimate]:
+    return {name: _estimate(each, values[name], effect, own_error) for name, each in before.items()}
 
 
-def _estimate(before: Estimate, simulated: float, effect: Effect) -> Estimate:
+def _estimate(before: Estimate, simulated: float, effect: Effect, own_error: float) -> Estimate:
     away = simulated - before.value
     value = before.value + effect.corrected * away
-    more = np.hypot(max(_OWN_ERROR, 1.0 - effect.corrected) * away, effect.simplified * value)
+    more = np.hypot(max(own_error, 1.0 - effect.corrected) * away, effect.simplified * value)
     std = float(np.hypot(before.std, more))
     half = (before.interval95[1] - before.interval95[0]) / 2
     half = float(np.hypot(half, 1.96 * more))

@@ -11,8 +11,6 @@ from ..regression.estimate import estimates
 from ..regression.fit import Term
 from ..regression.trial import Search
 
-_CLEAR = 2.0  # standard errors that a body's mass must be above zero
-
 Estimates = dict[int, dict[str, Estimate]]
 
 
@@ -26,9 +24,9 @@ def by_moments(
     Returns:
         The search with them, the terms, their estimates, and where a payload was put so.
     """
-    shapeless = [
-        i for i, t in enumerate(terms) if t.effect == Payload.id and not _is_body(values[i])
-    ]
+    least = state.balances.thresholds.figures.mass_t
+    loads = [i for i, t in enumerate(terms) if t.effect == Payload.id]
+    shapeless = [i for i in loads if not _is_body(values[i], least)]
     if not shapeless:
         return state, terms, values, frozenset()
     kept = list(terms)
@@ -48,6 +46,6 @@ def by_moments(
     return state, tuple(kept), estimates(state.fit, tuple(kept), seed), places
 
 
-def _is_body(values: dict[str, Estimate]) -> bool:
+def _is_body(values: dict[str, Estimate], least: float) -> bool:
     mass = values["mass"]
-    return mass.value > _CLEAR * mass.std
+    return mass.value > least * mass.std

@@ -78,7 +78,12 @@ def conclude(
     joints = joint_fits(prepared, state, prediction, simulated.left)
     findings = tuple(finding for finding, _ in found)
     diagnosis = Diagnosis(
-        verdict=verdict_of(findings, joints, fitted_joints(prepared, state, simulated.left)),
+        verdict=verdict_of(
+            findings,
+            joints,
+            fitted_joints(prepared, state, simulated.left),
+            study.thresholds.verdict,
+        ),
         findings=findings,
         joints=joints,
         notes=(

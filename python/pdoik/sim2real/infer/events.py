@@ -23,20 +23,16 @@ from ..regression.trusted_bodies import effect_of
 from ..select.contacts import contact_term, stands
 from ..study.recording import FloatArray
 
-LEAST_CONTACT = 0.01
-"""Share of the first residual within its window that a contact must explain."""
-
-_MOST = 3  # contacts of held-out recordings
-_FELT = 0.05  # of the most that is felt
 _SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
 
 
 def without_needless_contacts(state: Search) -> Search:
     """Without contacts that later findings have made needless."""
+    least = state.balances.thresholds.contacts.least_weight
     for term in state.contacts:
         others = state.without(term)
         share = within(state, term, ()).validation_gain
-        if share < LEAST_CONTACT or not stands(others.fit.extended(term), term):
+        if share < least or not stands(others.fit.extended(term), term):
             state = others
     kept = tuple(term for term in state.contacts if term in state.fit.terms)
     return replace(state, contacts=kept)
@@ -61,17 +57,17 @@ def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> l
     if b is None or any(effect_of(term).sought == "last" for term in fit.terms):
         return found
     left = prediction.residual(fit)
-    rest = Fit(b, ())
+    least, rest = b.thresholds.contacts, Fit(b, ())
     for key in rest.target:
         rest.target[key] = left[key][rest.rows[key]] / b.sigma[key]
-    for _ in range(_MOST):
+    for _ in range(least.most_held_out):
         term = contact_term(rest)
         if term is None:
             break
         began = {key: b.residual[key][rest.rows[key]] / b.sigma[key] for key in term.columns}
         share = share_of_halves(rest, term, began)
         rest = rest.extended(term)
-        if share < LEAST_CONTACT:
+        if share < least.least_weight:
             break
         prediction.events.append((term, rest.beta[-term.width :].copy()))
         evidence = Evidence(
@@ -100,7 +96,8 @@ def share_of_halves(others: Fit, term: Term, began: Mapping[Key, FloatArray]) ->
         term: the event.
         began: residual without any finding on the rows that count, in sigmas.
     """
-    at = {key: _acting(column[others.rows[key]]) for key, column in term.columns.items()}
+    felt = others.balances.thresholds.contacts.felt
+    at = {key: _acting(column[others.rows[key]], felt) for key, column in term.columns.items()}
     rows = np.concatenate([others.rows[key][where] for key, where in at.items()])
     ends = np.quantile(rows, (0.25, 0.5, 0.75))
     gained = first = 0.0
@@ -119,10 +116,10 @@ def share_of_halves(others: Fit, term: Term, began: Mapping[Key, FloatArray]) ->
     return float(np.clip(gained / max(first, 1e-12), 0.0, 1.0))
 
 
-def _acting(column: FloatArray) -> Index:
+def _acting(column: FloatArray, felt: float) -> Index:
     """Rows in which more than a filter's ringing is felt."""
     size = np.abs(column).max(axis=1, initial=0.0)
-    return np.flatnonzero(size > _FELT * size.max(initial=0.0))
+    return np.flatnonzero(size > felt * size.max(initial=0.0))
 
 
 def _force(others: Fit, term: Term, at: Mapping[Key, Index]) -> FloatArray:

@@ -22,11 +22,6 @@ from ..regression.trial import Search
 from .bodies import by_moments
 from .sampling import widened, without_sampling
 
-_CLEAR_TOGETHER = 100.0
-"""Wald statistic of all figures of a body, above which they are not nothing together."""
-
-_ON_IT = 1e-3  # relative: how near to a bound a figure lies on it
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Figures:
@@ -56,7 +51,7 @@ def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
     kept: list[tuple[Term, dict[str, Estimate]]] = []
     lost: list[Term] = []
     for number, term in enumerate(accepted):
-        figures = widened(motions, term, values[number])
+        figures = widened(prepared.fit, term, values[number])
         plain = {name: each.value for name, each in figures.items()}
         if CATALOGUE[term.effect].trifling(plain):
             continue
@@ -91,11 +86,12 @@ def _is_lost_in_its_error(state: Search, term: Term, values: dict[str, Estimate]
         sizes = sizes[:1]
     elif not body:
         return False
-    if any(abs(each.value) >= 2.0 * each.std for each in sizes):
+    least = state.balances.thresholds.figures
+    if any(abs(each.value) >= least.least_t * each.std for each in sizes):
         return False
     if not body:
         return True
-    return state.without(term).fit.extended(term).wald(term)[0] < _CLEAR_TOGETHER
+    return state.without(term).fit.extended(term).wald(term)[0] < least.together_t
 
 
 def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
@@ -103,19 +99,19 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
 
     A figure that would go on beyond what it may be is pulled by something else.
     """
-    effect = CATALOGUE[term.effect]
+    effect, near = CATALOGUE[term.effect], fit.balances.thresholds.figures.on_bound
     for each in effect.parameters:
         if each.name not in values or each.chosen:
             continue
         value = values[each.name].value
         for bound, beyond in ((each.lower, each.lower - value), (each.upper, value - each.upper)):
-            if bound and np.isfinite(bound) and beyond >= -_ON_IT * abs(bound):
+            if bound and np.isfinite(bound) and beyond >= -near * abs(bound):
                 return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
     if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are told by simulations
         return ""
     beta = fit.bounded()[int(fit.offsets[fit.terms.index(term)])]
     for bound in (float(limit[0]) for limit in effect.bounds):
-        if bound and np.isfinite(bound) and abs(beta - bound) <= _ON_IT * abs(bound):
+        if bound and np.isfinite(bound) and abs(beta - bound) <= near * abs(bound):
             figures = ", ".join(f"{name} {each.value:.3g}" for name, each in values.items())
             return f"it lies on a bound of what it may be ({figures})"
     return ""

@@ -21,7 +21,6 @@ from ..study.recording import FloatArray
 from .events import only_held_out
 
 _LIMIT = TorqueSaturation.id
-_OF_THE_LEVEL = 0.002  # its error at least
 
 
 def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
@@ -34,6 +33,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
     b = prepared.validate
     if b is None:
         return found
+    of_level = b.thresholds.verdict.level_error
     limited = {t.place.joints for t in fit.terms if t.effect == _LIMIT}
     for j in range(b.n):
         if (j,) in limited:
@@ -55,7 +55,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
             channels = ("tau_cmd" if kind == OF_COMMAND else "q_des",)
             evidence = Evidence(validation_gain=share, interval95=(share, share), channels=channels)
             finding = finding_of(
-                prepared, term, {"level": _estimate(term.shape[1], top)}, (), evidence
+                prepared, term, {"level": _estimate(term.shape[1], top, of_level)}, (), evidence
             )
             found.append((_where(finding, b, top, share), (term,)))
             break
@@ -81,8 +81,8 @@ def _rest(b: Balances, left: dict[Key, FloatArray]) -> Fit:
     return rest
 
 
-def _estimate(level: float, top: FlatTop) -> Estimate:
-    std = float(np.hypot(top.std, _OF_THE_LEVEL * level))
+def _estimate(level: float, top: FlatTop, of_level: float) -> Estimate:
+    std = float(np.hypot(top.std, of_level * level))
     interval = (level - 1.96 * std, level + 1.96 * std)
     return Estimate(value=level, std=std, interval95=interval, unit="N m")
 

@@ -10,7 +10,6 @@ from ..motion.place import Key
 from ..study.recording import FloatArray
 
 _BINS = 12
-_LEAST = 0.1  # share of the residue that a variable must hold to be named
 
 
 def residue_of(b: Balances, key: Key, left: FloatArray) -> Residue:
@@ -34,7 +33,8 @@ def residue_of(b: Balances, key: Key, left: FloatArray) -> Residue:
     }
     shares = {name: _between(x[rows], left[rows]) for name, x in variables.items()}
     best = max(shares, key=lambda name: shares[name])
-    return Residue(of=best, share=shares[best]) if shares[best] > _LEAST else Residue()
+    least = b.thresholds.verdict.least_residue
+    return Residue(of=best, share=shares[best]) if shares[best] > least else Residue()
 
 
 def _between(x: FloatArray, y: FloatArray) -> float:

@@ -9,7 +9,6 @@ tick before it acts, or its torque a tick after: then all joints seem late by up
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay, period_of
 from ..findings import Estimate
-from ..motion.motion import Motion
+from ..motion.balances import Balances
 from ..motion.place import Key, Place
 from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term
@@ -25,35 +24,24 @@ from ..regression.naming import described
 from ..regression.trusted_bodies import effect_of
 from ..study.recording import FloatArray
 
-_POSITION, _TORQUE, _UNKNOWN = 0.03, 0.15, 0.3
-"""Standard deviation of a delay by sampling, in periods; of any where the period is not known.
-
-A position's is what clean studies show; a torque's, twice that, since machines (and simulations)
-differ in when within a tick a torque is said to act.
-"""
-
-_OF_LOG = 0.01  # the same of the log's period, for interpolation
 _SMALL = 0.2  # of a period: the step of a derivative by the delay
-_CLEARLY = 3.0  # standard deviations of sampling
-_TELLS = 1.0 / 3.0  # of a delay, below which another joint's error says whether it is late too
 
 
-def blur(motions: Sequence[Motion], shape: tuple[float, ...]) -> float:
+def blur(b: Balances, shape: tuple[float, ...]) -> float:
     """Standard deviation that sampling gives a delay or a lag [s]."""
-    first = motions[0]
+    first, by = b.motions[0], b.thresholds.figures
     period, known = period_of(first)
-    share = (_POSITION if shape[0] == OF_POSITION else _TORQUE) if known else _UNKNOWN
-    return float(np.hypot(share * period, _OF_LOG * first.recording.raw_period))
+    of_kind = by.position_delay if shape[0] == OF_POSITION else by.torque_delay
+    share = of_kind if known else by.unknown_delay
+    return float(np.hypot(share * period, by.log_delay * first.recording.raw_period))
 
 
-def widened(
-    motions: Sequence[Motion], term: Term, values: dict[str, Estimate]
-) -> dict[str, Estimate]:
+def widened(b: Balances, term: Term, values: dict[str, Estimate]) -> dict[str, Estimate]:
     """A delay's, lag's or skew's estimates with the error that sampling adds."""
     effect = CATALOGUE[term.effect]
-    if not effect.blurred_by_sampling or motions[0].source == "":
+    if not effect.blurred_by_sampling or b.motions[0].source == "":
         return values
-    by = blur(motions, term.shape if effect.is_delay else (OF_TORQUE,))
+    by = blur(b, term.shape if effect.is_delay else (OF_TORQUE,))
     return {name: _wider(each, by) for name, each in values.items()}
 
 
@@ -82,11 +70,11 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
 
     Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
     """
-    motions = fit.balances.motions
+    motions, limits = fit.balances.motions, fit.balances.thresholds.figures
     if not effect_of(term).is_delay or motions[0].source == "":
         return False
     delay = abs(term.shape[1])
-    if delay > period_of(motions[0])[0] + _CLEARLY * blur(motions, term.shape):
+    if delay > period_of(motions[0])[0] + limits.delay_t * blur(fit.balances, term.shape):
         return False
     others = [t for t in fit.terms if not (effect_of(t).is_delay and t.shape[0] == term.shape[0])]
     bare = Fit(fit.balances, others)
@@ -95,9 +83,9 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
         if (j,) == term.place.joints or not fit.balances.excited[j]:
             continue
         value, error = lateness(bare, j, term.shape[0])
-        if error < _TELLS * delay:
+        if error < limits.delay_told * delay:
             seen.append(value)
-    return not seen or float(np.median(seen)) > 0.5 * delay
+    return not seen or float(np.median(seen)) > limits.delay_shared * delay
 
 
 def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:

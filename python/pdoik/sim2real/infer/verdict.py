@@ -13,11 +13,8 @@ from ..motion.prepare import Prepared, simulated
 from ..regression.prediction import Prediction
 from ..regression.trial import Search
 from ..study.recording import FloatArray
+from ..thresholds.verdict import VerdictThresholds
 from .residue import residue_of
-
-_OF_THE_MODEL = 0.03  # of a torque's size, to which a simulator follows inverse dynamics
-_NEAR_FLOOR, _LITTLE = 1.6, 0.05
-"""A residual within these factors of the noise floor, or of what it was, counts as explained."""
 
 
 def joint_fits(
@@ -51,7 +48,7 @@ def joint_fits(
             data=names,
             excited=excited,
         )
-        if excited and not _is_quiet(fit):
+        if excited and not _is_quiet(fit, prepared.study.thresholds.verdict):
             fit = replace(fit, residue=residue_of(b, key, left[key]))
         result[name] = fit
     return result
@@ -89,6 +86,7 @@ def verdict_of(
     findings: tuple[Finding, ...],
     joints: dict[str, JointFit],
     fitted: dict[str, JointFit] | None = None,
+    thresholds: VerdictThresholds | None = None,
 ) -> Verdict:
     """The verdict in one word.
 
@@ -96,13 +94,15 @@ def verdict_of(
         findings: of the diagnosis.
         joints: as they are judged.
         fitted: the same on the recordings to fit: what happened in these alone counts too.
+        thresholds: what counts as explained; the defaults if none are given.
     """
+    limits = VerdictThresholds() if thresholds is None else thresholds
     judged = [each for each in joints.values() if each.excited]
     also = [each for each in (fitted or {}).values() if each.excited]
     if not judged:
         return "cannot_tell"
-    near = all(map(_is_explained, judged))
-    quiet = all(map(_is_quiet, (*judged, *also)))
+    near = all(_is_explained(each, limits) for each in judged)
+    quiet = all(_is_quiet(each, limits) for each in (*judged, *also))
     named = [f for f in findings if f.effect != Unknown.id]
     if not findings and near and quiet and len(judged) < len(joints):
         return "cannot_tell"  # of a joint that did not move
@@ -114,14 +114,14 @@ def verdict_of(
     return "mismatch_explained" if explained else "mismatch_partly_explained"
 
 
-def _is_explained(joint: JointFit) -> bool:
+def _is_explained(joint: JointFit, limits: VerdictThresholds) -> bool:
     floor = max(joint.noise_floor, 1e-12)
-    return joint.after <= _NEAR_FLOOR * floor or joint.after <= _LITTLE * joint.before
+    return joint.after <= limits.near_floor * floor or joint.after <= limits.little * joint.before
 
 
-def _is_quiet(joint: JointFit) -> bool:
+def _is_quiet(joint: JointFit, limits: VerdictThresholds) -> bool:
     """Whether it is explained, or so near its floor that a factor of two is worth no name."""
-    return _is_explained(joint) or joint.after <= 2.0 * joint.noise_floor
+    return _is_explained(joint, limits) or joint.after <= limits.quiet * joint.noise_floor
 
 
 def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:
@@ -157,12 +157,13 @@ def simulation_notes(prepared: Prepared) -> list[str]:
     b = simulated(prepared)
     if b is None:
         return []
-    apart = []
+    apart, limits = [], prepared.study.thresholds.verdict
     for j, name in enumerate(prepared.study.joints):
         key: Key = ("torque", j)
         if key in b.residual and b.mask[key].any():
             left, size = b.rms(key), _rms(np.concatenate([m.tau[:, j] for m in b.motions]))
-            if left > _OF_THE_MODEL * size and left > 0.2 * prepared.fit.rms(key):
+            rest = limits.of_the_rest * prepared.fit.rms(key)
+            if left > limits.of_the_model * size and left > rest:
                 apart.append(f"{name} by {left:.3g} N m")
     if not apart:
         return ["The given simulation obeys the given model: what differs is the machine."]

@@ -14,11 +14,10 @@ from ..effects import CATALOGUE
 from ..findings import Estimate
 from ..motion.balances import Balances
 from ..study.recording import FloatArray
+from ..thresholds.figures import FigureThresholds
 from .fit import Fit, Term
 
 DRAWS = 200
-_FEWEST_SESSIONS = 3  # recordings from which their differences tell something
-_DISCRETISATION = 0.0015  # share of a value that differentiation and sampling may take
 
 
 def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[str, Estimate]]:
@@ -69,6 +68,7 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
         units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
         result[number] = {
             name: _estimate(
+                fit.balances.thresholds.figures,
                 value,
                 np.array([each[name] for each in by_blocks]),
                 np.array([each[name] for each in by_recordings]),
@@ -111,15 +111,21 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
 
 
 def _estimate(
-    value: float, by_blocks: FloatArray, by_recordings: FloatArray, unit: str
+    least: FigureThresholds,
+    value: float,
+    by_blocks: FloatArray,
+    by_recordings: FloatArray,
+    unit: str,
 ) -> Estimate:
     if unit == "rad":  # a phase may wrap
         by_blocks, by_recordings = _near(value, by_blocks), _near(value, by_recordings)
-    std = float(np.hypot(np.std(by_blocks), _DISCRETISATION * abs(value)))
+    std = float(np.hypot(np.std(by_blocks), least.discretisation * abs(value)))
     low, high = np.quantile(by_blocks, (0.025, 0.975))
     # Centred on the value: the bootstrap's own bias is not the estimate's.
     half = max(float(high - low) / 2, 1.96 * std)
-    between, freedom = _between_sessions(by_recordings, std)
+    between, freedom = 0.0, 1
+    if len(by_recordings) >= least.fewest_sessions:
+        between, freedom = _between_sessions(by_recordings, std)
     half = float(np.hypot(half, stats.t.ppf(0.975, freedom) * between))
     std = float(np.hypot(std, between))
     return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=unit)
@@ -132,8 +138,6 @@ def _near(value: float, angles: FloatArray) -> FloatArray:
 def _between_sessions(by_recordings: FloatArray, std: float) -> tuple[float, int]:
     """Standard error by differences between recordings beyond `std`, and degrees of freedom."""
     count = len(by_recordings)
-    if count < _FEWEST_SESSIONS:
-        return 0.0, 1
     squares = (count - 1) / count * float(np.sum((by_recordings - by_recordings.mean()) ** 2))
     return float(np.sqrt(max(squares - std**2, 0.0))), count - 1
 

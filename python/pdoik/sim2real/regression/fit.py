@@ -326,13 +326,9 @@ def _freed(term: Term) -> Term:
     )
 
 
-_LEAST_CLUSTERS = 12
-_SHORTEST = 0.25  # of a cluster [s]
-
-
 def _clusters(fit: Fit, term: Term) -> tuple[Index, int]:
     """Cluster of every row: the blocks, or parts of them where the term acts in few."""
-    b = fit.balances
+    b, least = fit.balances, fit.balances.thresholds.figures
     parts = 1
     while True:
         length = max(1, int(np.median(np.bincount(b.block)) / parts))
@@ -346,6 +342,6 @@ def _clusters(fit: Fit, term: Term) -> tuple[Index, int]:
             if len(energy):
                 active |= set(number[rows[energy > 0.02 * energy.max()]].tolist())
         step = 1.0 / (3.0 * b.motions[0].cutoff)
-        if len(active) >= _LEAST_CLUSTERS or length * step <= _SHORTEST:
+        if len(active) >= least.least_clusters or length * step <= least.shortest_cluster:
             return number.astype(np.intp), int(number.max()) + 1
         parts *= 2

@@ -21,7 +21,6 @@ from .search import search
 Tell = Callable[[str, str, float], None]
 
 _LEANINGS = 6  # searches at most, each with the tilt that the last found
-_LEANS = 0.02  # radians between two of them that matter to what bodies weigh
 
 
 def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
@@ -31,10 +30,11 @@ def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
         The study with its bodies pulled as the base leans, and the search of that.
     """
     leaning = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+    matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
     state = _searched(prepared, say)
     for turn in range(_LEANINGS):
         gravity = leaning_gravity(state)
-        if gravity is None or np.linalg.norm(gravity - leaning) < _LEANS * STANDARD_GRAVITY:
+        if gravity is None or np.linalg.norm(gravity - leaning) < matters:
             break
         say("name", "once more, with the base as it leans", 0.6)
         if turn > 0:  # what one weighs too much the other leans too little: half way

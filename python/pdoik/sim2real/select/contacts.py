@@ -13,16 +13,9 @@ from ..effects.external_contact import ORIGIN, ExternalContact
 from ..motion.place import Place, Shape
 from ..regression.fit import Fit, Term, term_of
 from ..study.recording import FloatArray
+from ..thresholds.contacts import ContactThresholds
 
 _LENGTHS = (0.4, 0.8, 1.6, 3.2, 6.4)  # of the windows tried [s]
-_LEAST_GAIN = 80.0  # squared sigmas
-_LEAST_SIZE = 1.0  # root mean square in sigmas of every joint inside the window
-_LEAST_EXPLAINED = 0.5  # share of the squared residual inside
-_ABOVE_OTHERS = 3.0  # gain over that of the third best window apart from it: contacts are rare
-_ABOVE_USUAL = 3.0  # mean square over what the others leave at other times
-_HARM = 0.002  # of the gain, by which a joint may be worse: a push is not quite constant
-_SHORTEST = 0.2  # [s]
-_LEAST_T = 6.0  # of the force over its error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +47,7 @@ def contact_term(fit: Fit) -> Term | None:
         window=(best.begin, best.end),
     )
     term = term_of(b, CATALOGUE[ExternalContact.id], place, best.shape)
-    if term is None or best.end - best.begin < _SHORTEST:
+    if term is None or best.end - best.begin < b.thresholds.contacts.shortest:
         return None
     return term if stands(fit.extended(term), term) else None
 
@@ -72,6 +65,7 @@ def clearest(windows: Sequence[Window]) -> Window | None:
 
 def stands(fit: Fit, term: Term) -> bool:
     """Whether a contact, the fit's last term, is clear beside all the others."""
+    least = fit.balances.thresholds.contacts
     gain, rows, elsewhere, harm = 0.0, 0, 0.0, 0.0
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
@@ -85,12 +79,13 @@ def stands(fit: Fit, term: Term) -> bool:
         gain += float(part @ part)
         rows += int(at.sum())
         elsewhere += float(np.sum(fit.residual(key)[~at] ** 2)) / max(int((~at).sum()), 1)
-    if harm > _HARM * gain:
+    if harm > least.harm * gain:
         return False  # it would make a joint worse
     usual = elsewhere / max(len(term.columns), 1)
-    if gain < _ABOVE_USUAL * usual * rows:
+    if gain < least.above_usual * usual * rows:
         return False  # no larger than what is left at other times
-    return gain > _LEAST_GAIN and gain > _LEAST_SIZE**2 * rows and fit.wald(term)[0] > _LEAST_T
+    large = gain > least.least_gain and gain > least.least_size**2 * rows
+    return large and fit.wald(term)[0] > least.least_t
 
 
 def _new(fit: Fit, window: Window) -> bool:
@@ -117,7 +112,7 @@ def _points(fit: Fit) -> list[tuple[int, Shape]]:
 
 def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
     """The best window of each recording, if it is clear enough."""
-    b = fit.balances
+    b, least = fit.balances, fit.balances.thresholds.contacts
     body = b.motions[0].body
     assert body is not None
     left, column, counts = _rows(fit, link, shape)
@@ -138,10 +133,10 @@ def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
             if not gains:
                 continue
             top = int(np.argmax(gains))
-            clear = gains[top] > _ABOVE_OTHERS * _third(gains)
+            clear = gains[top] > least.above_others * _third(gains)
             if (
                 clear
-                and _explains(sums, firsts[top], firsts[top] + rows)
+                and _explains(least, sums, firsts[top], firsts[top] + rows)
                 and (best is None or gains[top] > best.gain)
             ):
                 best = Window(
@@ -153,7 +148,7 @@ def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
                     gain=gains[top],
                 )
         if best is not None:
-            found.append(_sharpened(best, sums, time))
+            found.append(_sharpened(least, best, sums, time))
     return found
 
 
@@ -175,19 +170,21 @@ def _gain(sums: list[FloatArray], first: int, last: int) -> float:
     return float(beta @ moment)
 
 
-def _explains(sums: list[FloatArray], first: int, last: int) -> bool:
+def _explains(least: ContactThresholds, sums: list[FloatArray], first: int, last: int) -> bool:
     """Whether a constant force explains most of what is there, and that is not little."""
     square, count = (s[last] - s[first] for s in sums[2:])
     gain = _gain(sums, first, last)
     return bool(
         count >= 6
-        and gain > _LEAST_GAIN
-        and gain > _LEAST_EXPLAINED * square
-        and gain > _LEAST_SIZE**2 * count
+        and gain > least.least_gain
+        and gain > least.least_explained * square
+        and gain > least.least_size**2 * count
     )
 
 
-def _sharpened(window: Window, sums: list[FloatArray], time: FloatArray) -> Window:
+def _sharpened(
+    least: ContactThresholds, window: Window, sums: list[FloatArray], time: FloatArray
+) -> Window:
     """Both ends moved row by row to where the gain, less what a row costs, is highest."""
     first, last = (int(np.searchsorted(time, t)) for t in (window.begin, window.end))
     cost = 2.0
@@ -195,7 +192,7 @@ def _sharpened(window: Window, sums: list[FloatArray], time: FloatArray) -> Wind
     def value(a: int, z: int) -> float:
         if a < 0 or z >= len(time) or z - a < 4:
             return -np.inf
-        return _gain(sums, a, z) - cost * (z - a) if _explains(sums, a, z) else -np.inf
+        return _gain(sums, a, z) - cost * (z - a) if _explains(least, sums, a, z) else -np.inf
 
     best, improved = value(first, last), True
     while improved:

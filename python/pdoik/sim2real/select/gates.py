@@ -25,13 +25,6 @@ _SLOW = (4.0, 5.0, 6.0, 7.0, 8.0)
 
 _GRID = 25  # quantiles between which a gate's ends are looked for first
 _TRIED = 5  # gated terms of a joint that are cross-validated
-_LEAST_LEFT = 1.2  # root mean square in sigmas of what the joint shows without such effects
-_EXPLAINS = 0.75  # share that a gated effect must explain of what the joint shows above the noise
-_PROMISING = 0.4  # share of the same that its column alone must explain to be looked at closely
-_BETTER = 0.05  # share of the same by which it must be better than what it replaces
-_INSIDE = 0.85  # of an effect's squared column: a gate that holds more is none
-_LEAST_INSIDE = 0.02
-_LEAST_BETTER = 2.0  # standard errors, by blocks, of which a gate may hold few
 _EDGES = (0.0, 0.02, 0.05, 0.1, 0.2)  # tried [s], [rad], [m]
 
 
@@ -43,7 +36,7 @@ def gated_term(state: Search) -> Term | None:
 
 def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
     """The joint's best, and what it gains on held-out rows beyond what it would replace."""
-    b = state.balances
+    b, least = state.balances, state.balances.thresholds.gates
     if not b.excited[j] or any(t.place.gate and t.place.joints == (j,) for t in state.accepted):
         return None
     instead = [
@@ -55,10 +48,10 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
     key: Key = ("torque", j)
     if key not in base.design or not len(base.rows[key]):
         return None
-    if np.sqrt(np.mean(base.residual(key) ** 2)) < _LEAST_LEFT:
+    if np.sqrt(np.mean(base.residual(key) ** 2)) < least.least_left:
         return None
     above = _above_noise(base, key)
-    if _above_noise(state.fit, key) < _BETTER * above:
+    if _above_noise(state.fit, key) < least.better * above:
         return None  # what was accepted leaves no gate anything to be better by
     options: dict[tuple[str, str], tuple[float, Term, Gate]] = {}
     for term in _plain(base, j):
@@ -66,7 +59,7 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
             kind = term.effect, gate.of
             if kind not in options or gain > options[kind][0]:
                 options[kind] = gain, term, gate
-    likely = [each for each in options.values() if each[0] > _PROMISING * above]
+    likely = [each for each in options.values() if each[0] > least.promising * above]
     likely.sort(key=lambda each: -each[0])
     held = held_out_squares(base)
     now = base.by_block(_difference(held, held_out_squares(state.fit)))
@@ -194,15 +187,16 @@ def _stands(base: Fit, trial: Trial, now: FloatArray) -> bool:
     """Whether the gate is a part of the data, in several recordings, and clearly better."""
     if not trial.significant or not _is_part(base, trial.term):
         return False
+    least = base.balances.thresholds.gates
     keys = [key for key in trial.term.columns if key[0] == "torque"] or list(trial.term.columns)
     above = sum(_above_noise(base, key) for key in keys)
     better = trial.blocks - now
     used = better[(trial.blocks != 0.0) | (now != 0.0)]
     error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf
     return (
-        trial.gain > _EXPLAINS * above
-        and float(better.sum()) > _BETTER * above
-        and float(better.sum()) > _LEAST_BETTER * error
+        trial.gain > least.explains * above
+        and float(better.sum()) > least.better * above
+        and float(better.sum()) > least.better_t * error
     )
 
 
@@ -218,5 +212,5 @@ def _is_part(base: Fit, term: Term) -> bool:
         whole += float(np.sum(plain[key][rows] ** 2))
         acting = np.any(column[rows] != 0.0, axis=1)
         seen |= set(np.unique(b.recording[rows[acting]]).tolist())
-    share = inside / max(whole, 1e-300)
-    return _LEAST_INSIDE < share < _INSIDE and len(seen) >= min(2, len(b.motions))
+    share, of = inside / max(whole, 1e-300), b.thresholds.gates
+    return of.least_inside < share < of.most_inside and len(seen) >= min(2, len(b.motions))

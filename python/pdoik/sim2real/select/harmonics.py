@@ -17,7 +17,7 @@ _TRIED = 2  # harmonics per joint that are worked out
 
 def harmonic_terms(fit: Fit) -> list[Term]:
     """Effects of the strongest harmonics in what is left, for each joint that moves."""
-    b = fit.balances
+    b, least = fit.balances, fit.balances.thresholds.selection
     effects = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     terms = []
     harmonics = np.arange(_LOWEST, _HIGHEST + 1)
@@ -26,12 +26,13 @@ def harmonic_terms(fit: Fit) -> list[Term]:
         if key not in fit.design or not b.excited[j]:
             continue
         rows = fit.rows[key]
-        if len(rows) < 50:
+        if len(rows) < least.harmonic_rows:
             continue
         waves, count = _waves(b, j)
-        power = 2.0 * np.abs(fit.residual(key) @ waves[rows]) ** 2 / np.maximum(count, 50.0)
+        count = np.maximum(count, float(least.harmonic_rows))
+        power = 2.0 * np.abs(fit.residual(key) @ waves[rows]) ** 2 / count
         for i in np.argsort(power)[::-1][:_TRIED]:
-            if power[i] > 20.0:
+            if power[i] > least.harmonic_power:
                 shape = (float(harmonics[i]),)
                 found = [term_of(b, each, Place(joints=(j,)), shape) for each in effects]
                 terms += [term for term in found if term is not None]

@@ -30,9 +30,9 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     ]
     taken = {t.key for t in others.terms}
     pool = [t for t in pool if has_company(t, taken)]
-    rivals = []
+    rivals, least = [], state.balances.thresholds.selection
     for rival, training_gain in screen(others, pool)[:_TRIED]:
-        if training_gain < 0.8 * own.gain:
+        if training_gain < least.rival_gain * own.gain:
             break
         better = refined(others, rival)
         trial = cross_validated(state, better, held, others)

@@ -12,10 +12,6 @@ from ..motion.place import Key, Place
 from ..regression.fit import Fit, Term, term_of
 from ..regression.trial import Search, Trial, cross_validated, held_out_squares, screen
 
-_LEAST_SHARE = 0.08  # of the mean square residual the joint began with
-_NAMES_EXPLAIN = 0.96  # of what the unnamed function does; less, and the names are not right
-_FAR, _NEAR = 2.2, 1.5  # sigmas between which a function must bring what names leave, if little
-_LEAST_LEFT = 1.35  # root mean square in sigmas below which nothing is left to explain
 _NAMELESS = CATALOGUE[Unknown.id]
 
 
@@ -32,14 +28,14 @@ def with_unknown(state: Search) -> Search:
 
 def _best(state: Search) -> Trial | None:
     b, effect = state.balances, _NAMELESS
-    held = held_out_squares(state.fit)
+    least, held = b.thresholds.unnamed, held_out_squares(state.fit)
     taken = {t.place.joints[0] for t in state.accepted if t.effect == effect.id}
     trials = []
     for j in range(b.n):
         key = ("torque", j)
         if key not in state.fit.design or not b.excited[j] or j in taken:
             continue
-        if not len(held[key]) or np.sqrt(np.mean(held[key])) < _LEAST_LEFT:
+        if not len(held[key]) or np.sqrt(np.mean(held[key])) < least.least_left:
             continue
         places = [Place(joints=(j,))]
         places += [Place(joints=(j, i)) for i in range(b.n) if i != j and b.excited[i]]
@@ -58,19 +54,20 @@ def _best(state: Search) -> Trial | None:
     good = [
         t
         for t in trials
-        if t.significant and (t.share >= _LEAST_SHARE or _completes(state.fit, t.term))
+        if t.significant and (t.share >= least.least_share or _completes(state.fit, t.term))
     ]
     plain = [t for t in good if not _is_wide(t.term)]
     best = max(good, key=lambda t: t.gain, default=None)
     simple = max(plain, key=lambda t: t.gain, default=None)
-    if best is not None and simple is not None and simple.gain > 0.85 * best.gain:
+    if best is not None and simple is not None and simple.gain > least.simple * best.gain:
         return simple
     return best
 
 
 def _completes(fit: Fit, term: Term) -> bool:
     """Whether a joint that names leave far from its floor reaches it with the function."""
-    return _rms(fit, term) > _FAR and _rms(fit.extended(term), term) < _NEAR
+    least = fit.balances.thresholds.unnamed
+    return _rms(fit, term) > least.far and _rms(fit.extended(term), term) < least.near
 
 
 def _rms(fit: Fit, term: Term) -> float:
@@ -122,10 +119,10 @@ def _names_given_up(state: Search, named: Fit, unknown: Term) -> Search:
         _left(fit, j) for fit in (state.start, named, alone, state.fit)
     )
     explained = (start - by_names) / max(start - by_unknown, 1e-12)
-    enough = by_unknown < 1.3 * both + 0.002 * start
-    if enough and (
-        explained < _NAMES_EXPLAIN or _rms(named, unknown) > _FAR > _NEAR > _rms(alone, unknown)
-    ):
+    least = state.balances.thresholds.unnamed
+    enough = by_unknown < least.alone * both + least.alone_share * start
+    before, after = _rms(named, unknown), _rms(alone, unknown)
+    if enough and (explained < least.names_explain or before > least.far > least.near > after):
         return without
     return state
 

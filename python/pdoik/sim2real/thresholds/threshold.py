@@ -13,7 +13,8 @@ def threshold(value: float, meaning: str, unit: str = "", source: str = "chosen"
     Args:
         value: its default.
         meaning: what it bounds, in words.
-        unit: SI, `sigma` (the noise of a balance), `s.e.` (standard errors) or "" for a share.
+        unit: SI, `sigma` (the noise of a balance), `s.e.` (standard errors), or "" for a share, a
+            factor or a count.
         source: a reference, or how it was chosen.
     """
     return field(default=value, metadata={"meaning": meaning, "unit": unit, "source": source})

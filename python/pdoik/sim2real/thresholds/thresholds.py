@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 
+from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
+from .contacts import ContactThresholds
+from .figures import FigureThresholds
+from .gates import GateThresholds
 from .noise import NoiseThresholds
 from .search import SearchThresholds
+from .selection import SelectionThresholds
+from .simulation import SimulationThresholds
 from .support import SupportThresholds
 from .threshold import numbers_of
+from .unnamed import UnnamedThresholds
+from .verdict import VerdictThresholds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +39,14 @@ class Thresholds:
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
     support: SupportThresholds = field(default_factory=SupportThresholds)
+    gates: GateThresholds = field(default_factory=GateThresholds)
+    contacts: ContactThresholds = field(default_factory=ContactThresholds)
+    unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
+    selection: SelectionThresholds = field(default_factory=SelectionThresholds)
+    channels: ChannelThresholds = field(default_factory=ChannelThresholds)
+    simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
+    figures: FigureThresholds = field(default_factory=FigureThresholds)
+    verdict: VerdictThresholds = field(default_factory=VerdictThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:

@@ -1,0 +1,54 @@
+"""How sure figures are, and which of them are nothing after all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigureThresholds(Group):
+    """Of values, their errors, and what sampling leaves open of them."""
+
+    least_t: float = threshold(
+        2.0, "errors below which the size of what was found may as well be zero", "s.e."
+    )
+    together_t: float = threshold(
+        100.0, "Wald statistic of all figures of a body, above which together they are not nothing"
+    )
+    mass_t: float = threshold(2.0, "errors that a body's mass must be above zero", "s.e.")
+    on_bound: float = threshold(1e-3, "share of a bound within which a figure lies on it")
+    discretisation: float = threshold(
+        0.0015, "share of a value that differentiation and sampling may take"
+    )
+    fewest_sessions: int = threshold(
+        3, "recordings from which their differences tell something", "recordings"
+    )
+    least_clusters: int = threshold(
+        12, "clusters of rows in which a term acts, from which its error is told", "clusters"
+    )
+    shortest_cluster: float = threshold(0.25, "length below which clusters are not parted", "s")
+    position_delay: float = threshold(
+        0.03,
+        "standard deviation of a position's delay by sampling, in periods",
+        "",
+        "forty studies with nothing wrong: 0.013 root mean square, 0.06 at most",
+    )
+    torque_delay: float = threshold(
+        0.15,
+        "the same of a torque's",
+        "",
+        "twice the 0.08 of such studies: machines differ in when within a tick a torque acts",
+    )
+    unknown_delay: float = threshold(0.3, "the same of any where the period is not known")
+    log_delay: float = threshold(0.01, "part of the same by interpolation, in the log's periods")
+    delay_t: float = threshold(
+        3.0, "standard deviations of sampling by which a delay is above a period", "s.e."
+    )
+    delay_told: float = threshold(
+        1 / 3, "share of a delay, below which another joint's error says whether it is late too"
+    )
+    delay_shared: float = threshold(
+        0.5, "share of a delay that other joints must show for it to be all joints'"
+    )

@@ -1,0 +1,30 @@
+"""What counts as explained."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VerdictThresholds(Group):
+    """Of what is left of the joints, and what is said of it."""
+
+    near_floor: float = threshold(
+        1.6, "times the noise floor, within which what is left counts as explained"
+    )
+    little: float = threshold(0.05, "share of what it was, within which it counts as explained too")
+    quiet: float = threshold(2.0, "times the noise floor, within which what is left needs no name")
+    of_the_model: float = threshold(
+        0.03, "share of a torque's size, to which a simulator follows inverse dynamics"
+    )
+    of_the_rest: float = threshold(
+        0.2, "share of a mismatch, below which the given simulation's own is not spoken of"
+    )
+    least_residue: float = threshold(
+        0.1, "share of the residue that a variable must hold to be named"
+    )
+    level_error: float = threshold(
+        0.002, "least error of a limit that only held-out recordings reach, as a share of it"
+    )
