@@ -57,7 +57,7 @@ def test_the_command_line_says_it_in_25_lines(capsys: pytest.CaptureFixture[str]
     assert "[s]" in head
     (row,) = (line for line in lines if line.lstrip().startswith("joint9 "))
     assert "0.300±0.020" in row
-    assert row.rstrip().endswith("left, 50 % by load")
+    assert row.rstrip().endswith("unexplained, 50 % by load")
     assert any(line.startswith("torque ripple at joint4: figure 0.200 N m") for line in lines)
     assert "... and" in lines[-2]
     assert lines[-1] == "What would decide: slow constant speed"

@@ -149,7 +149,7 @@ def test_of_positions_alone_no_torque_is_claimed_and_it_is_said(so101: Diagnosis
     assert not {f.effect for f in so101.findings} & (FRICTION | {"payload", "link_inertial_error"})
     said = " ".join(so101.notes)
     assert "no robot" in said
-    assert "cannot be told apart" in said
+    assert "cannot be distinguished" in said
     assert {fit.unit for fit in so101.joints.values()} == {"rad"}
 
 

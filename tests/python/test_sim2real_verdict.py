@@ -79,5 +79,5 @@ def test_a_residue_survives_the_diagnosis_file() -> None:
     left = replace(joint(2.0, 1.5), residue=Residue(of="speed", share=0.6))
     found = Diagnosis(verdict="mismatch_unexplained", findings=(), joints={"a": left})
     assert Diagnosis.from_json(found.to_json()) == found
-    assert residue_words(left) == "left, 60 % by speed"
+    assert residue_words(left) == "unexplained, 60 % by speed"
     assert residue_words(joint(2.0, 0.1)) == ""

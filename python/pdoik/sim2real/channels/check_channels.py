@@ -84,7 +84,7 @@ def _torque_of_current(prepared: Prepared) -> tuple[Study, list[str]]:
     ]
     note = (
         "Torques are currents times constants that were fitted to the model [N m/A]: "
-        f"{', '.join(known)}. Masses and torque gains can then not be told apart."
+        f"{', '.join(known)}. Masses and torque gains can then not be distinguished."
     )
     changed = replace(study, recordings=tuple(turned(r) for r in study.recordings))
     return changed, [note]

@@ -48,8 +48,8 @@ def simulated_estimates(
         return estimates, f"The figures were not refined by simulating the arm: {error}."
     if best.cost > least.strays * max(_regression_loss(state.fit, first), 1.0):
         return estimates, (
-            "The figures were not refined by simulating the arm: for its commands it strays"
-            f" from its recordings by {np.sqrt(best.cost):.2g} times the noise."
+            "The figures were not refined by simulating the arm: the simulation of its commands"
+            f" departs from its recordings by {np.sqrt(best.cost):.2g} times the noise."
         )
     seconds = sum(float(r.time[-1]) for r in arm.recordings)
     said = (

@@ -114,7 +114,7 @@ def _reason(alone: Trial, trial: Trial, tiny: bool, rival: str | None) -> str:
         return f"data cannot tell it from {rival}; listed as its equivalent"
     if alone.significant and not trial.significant:
         share = f"{100 * min(alone.share, 1.0):.2g} %"
-        return f"would have gained {share} at first; beside what was found nothing is left to gain"
+        return f"would have gained {share} at first; beside what was found it gains nothing"
     if trial.t == 0.0:
         return "the data want another multiple of it: it is something else"
     if trial.gain <= 0.0:

@@ -59,7 +59,8 @@ def without_sampling(
     shared = [term for term in terms if shared_by_all(fit, term)]
     notes = [
         f"{described(prepared, term)}: {1e3 * term.shape[1]:.2g} ms, not more than a period and not"
-        " told from what all joints show; sampling and ticks explain it, so it is not claimed."
+        " different from what all joints show; sampling and the controller's period explain it, so"
+        " it is not claimed."
         for term in shared
     ]
     return tuple(term for term in terms if term not in shared), notes

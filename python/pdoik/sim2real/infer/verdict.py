@@ -137,8 +137,8 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
     )
     if prepared.fit.motions[0].source == "":
         notes.append(
-            "Without torques, or gains of the controller, friction, play, loads and inertias cannot"
-            " be told apart: only how positions follow their commands."
+            "Without torques, or gains of the controller, friction, backlash, loads and inertias"
+            " cannot be distinguished: only how positions follow their commands."
         )
     notes += simulation_notes(prepared)
     still = [name for name, each in joints.items() if not each.excited]

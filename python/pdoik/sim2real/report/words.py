@@ -12,7 +12,7 @@ MINUS, DASH = "\N{MINUS SIGN}", "\N{EN DASH}"
 VERDICTS: dict[Verdict, tuple[str, str]] = {
     "no_mismatch": (
         "Model and machine agree",
-        "What is left of the residual is no more than the recordings' own noise.",
+        "The residual is no larger than the recordings' own noise.",
     ),
     "mismatch_explained": (
         "Model and machine differ, and what was found explains it",
@@ -20,12 +20,11 @@ VERDICTS: dict[Verdict, tuple[str, str]] = {
     ),
     "mismatch_partly_explained": (
         "Model and machine differ, and what was found explains a part of it",
-        "The findings below hold on recordings they were not fitted to, but something is left that"
-        " no known effect accounts for.",
+        "The findings below explain a part of the residual; the rest of it has no known cause.",
     ),
     "mismatch_unexplained": (
         "Model and machine differ, and no known effect explains it",
-        "Every effect that was tried failed on recordings it was not fitted to. Where the mismatch"
+        "Every effect that was tried failed on data it was not fitted to. Where the mismatch"
         " sits is known, what causes it is not.",
     ),
     "cannot_tell": (
@@ -115,11 +114,11 @@ def joint_state(fit: JointFit) -> str:
 
 
 def residue_words(fit: JointFit) -> str:
-    """By which variable that sits which nothing explains; "" where a joint is explained."""
+    """By which variable the unexplained residual is seen most; "" where a joint is explained."""
     if fit.residue is None:
         return ""
     of = fit.residue
-    return f"left, {percent(of.share)} by {of.of}" if of.of else "left"
+    return f"unexplained, {percent(of.share)} by {of.of}" if of.of else "unexplained"
 
 
 def suspected_words(diagnosis: Diagnosis) -> str:

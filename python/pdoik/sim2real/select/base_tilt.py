@@ -36,7 +36,7 @@ def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
         gravity = leaning_gravity(state)
         if gravity is None or np.linalg.norm(gravity - leaning) < matters:
             break
-        say("name", "once more, with the base as it leans", 0.6)
+        say("name", "once more, with the base tilted as found", 0.6)
         if turn > 0:  # what one weighs too much the other leans too little: half way
             gravity = (gravity + leaning) / 2.0
         tilted = _pulled_by(prepared, gravity)
