@@ -100,6 +100,11 @@ class AtAnotherJoint(Drag):
         return {("torque", 0): own}
 
 
+class WithoutColumns(Drag):
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        return {}
+
+
 class TooSmall(Drag):
     example = Example(values={"coefficient": 1e-5})
 
@@ -197,6 +202,7 @@ class ColumnsRaise(Drag):
         (SignFlipped, COLUMNS),
         (TwiceAsLarge, COLUMNS),
         (AtAnotherJoint, COLUMNS),
+        (WithoutColumns, COLUMNS),
         (TooSmall, COLUMNS),
         (ReadWrongly, BACK),
         (TurnedRoundWrongly, BACK),

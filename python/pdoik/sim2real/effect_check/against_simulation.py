@@ -30,22 +30,20 @@ def against_simulation(trial: Trial) -> Outcome:
     effect, place = trial.effect, trial.place
     if place is None:
         return not_applicable(COLUMNS, "it has no place on the arm: give its example one")
-    columns = trial.plain.compute(effect, place, trial.shape)
     if not trial.parts:
         why = "it has no part in a simulation"
-        if not columns:
+        if not trial.plain.compute(effect, place, trial.shape):
             why = "it acts in a log only, and adds to no balance: it is told before anything is fit"
         return not_applicable(COLUMNS, why)
-    if not columns:
-        return not_applicable(COLUMNS, "it has no columns for the arm's channels")
     try:
         with_effect = trial.balances
     except (PdoikError, ValueError) as error:
         return at_most(COLUMNS, np.inf, LIMIT, f"it cannot be simulated: {error}")
-    said = {
-        key: column @ trial.beta
-        for key, column in with_effect.compute(effect, place, trial.shape).items()
-    }
+    columns = with_effect.compute(effect, place, trial.shape)
+    if not columns:
+        why = "it has a part in the simulation, and columns that are zero along the arm's motion"
+        return at_most(COLUMNS, np.inf, LIMIT, why)
+    said = {key: column @ trial.beta for key, column in columns.items()}
     scales = {key: _scale(with_effect, key) for key in with_effect.keys}
     size = _rms(with_effect, said, scales)
     plain = _without_beside(trial, trial.plain)

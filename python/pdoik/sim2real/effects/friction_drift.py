@@ -29,7 +29,10 @@ class FrictionDrift(Effect):
     confused_with = ("coulomb_friction", "viscous_friction")
     decided_by = "the same motion repeated for half an hour from cold"
     source = "Simoni et al., IROS 2015 (friction of robot joints and temperature)"
-    example = Example(values={"extra": 1.5, "time_constant": 4.0})
+    example = Example(
+        values={"extra": 1.5, "time_constant": 4.0},
+        beside={"coulomb_friction": {"level": 1.0}},
+    )
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
     of_joint_torque = True

@@ -32,7 +32,7 @@ class TorqueSaturation(Effect):
     confused_with = ("torque_gain", "actuator_lag", "torque_speed_limit")
     decided_by = "one motion that asks for more torque than this, recorded beside its command"
     source = "drive data sheet"
-    example = Example(values={"level": 9.5}, nothing={"level": 1e9})
+    example = Example(values={"level": 9.0}, place=Place(joints=(0,)), nothing={"level": 1e9})
     fixed = True
     least_of_rest = 0.5
     complexity = 2
