@@ -53,6 +53,7 @@ class Support:
     blocks: int  # in which it acts
     left: float  # root mean square that nothing explains at its balances, over the noise
     rivals: int  # other names that do as well
+    event: bool = False  # learnt and scored on halves of its own rows: it cannot repeat
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

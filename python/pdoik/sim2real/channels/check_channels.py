@@ -228,12 +228,7 @@ def _scaled(study: Study, factors: dict[int, float]) -> Study:
 def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
     name = prepared.study.joints[j]
     what = "has the wrong sign" if factor < 0 else "is not at the joint, or in another unit"
-    b = prepared.validate or prepared.fit
-    rows = b.mask["torque", j]
-    before = b.residual["torque", j][rows]
-    measured = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[rows]
-    after = before - measured * (1.0 - 1.0 / factor)
-    share = 1.0 - float(np.mean(after**2)) / max(float(np.mean(before**2)), 1e-12)
+    share = _mended(prepared.validate or prepared.fit, j, factor)
     return Finding(
         effect=SensorGain.id,
         joints=(name,),
@@ -248,13 +243,23 @@ def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
                 unit="-",
             )
         },
+        weight=_mended(prepared.fit, j, factor),
         decided_by="the channel beside a second instrument, or the drive's manual",
         evidence=Evidence(
-            validation_gain=max(share, 0.0),
-            interval95=(max(share, 0.0), max(share, 0.0)),
+            validation_gain=share,
+            interval95=(share, share),
             channels=("tau",),
         ),
     )
+
+
+def _mended(b: Balances, j: int, factor: float) -> float:
+    """Share of joint j's mean square residual that goes with a torque's factor; 0 at least."""
+    rows = b.mask["torque", j]
+    before = b.residual["torque", j][rows]
+    measured = np.concatenate([b.thin(i, _torque(m, j)) for i, m in enumerate(b.motions)])[rows]
+    after = before - measured * (1.0 - 1.0 / factor)
+    return max(1.0 - float(np.mean(after**2)) / max(float(np.mean(before**2)), 1e-12), 0.0)
 
 
 def _torque(m: Motion, j: int) -> FloatArray:

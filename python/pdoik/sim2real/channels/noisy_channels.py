@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,10 +56,12 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         noisy = _unheard(limits, fit, channel, std) or _outlier(study, fit, channel, std)
         if noisy is not None:
             halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
-            if min(_beyond_sound(levels, half, noisy) for half in halves) > limits.noise_gain:
+            weight = min(_beyond_sound(levels, half, noisy) for half in halves)
+            if weight > limits.noise_gain:
                 again = levels if held_out is None else held_out.levels(channel)
                 gain = 0.0 if again is None else _beyond_sound(levels, again, noisy)
-                found.append(_finding(prepared, study, noisy, levels, gain))
+                finding = _finding(prepared, study, noisy, levels, gain)
+                found.append(replace(finding, weight=weight))
     return tuple(found)
 
 

@@ -15,14 +15,14 @@ def features(support: Support) -> dict[str, float]:
     return {
         "base": 1.0,
         "gain": _log_odds(support.gain),
-        "rivals": float(support.rivals > 0),
+        "event": float(support.event),
     }
 
 
 def confidence_of(thresholds: Thresholds, support: Support | None) -> float:
-    """By a logistic model of its support; one figure for what no session can be left out for."""
+    """By a logistic model of its support; one figure for channels, which have none."""
     weights = thresholds.confidence
-    if support is None or not support.sessions:
+    if support is None:
         return weights.unsupported
     odds = sum(getattr(weights, name) * value for name, value in features(support).items())
     return float(1.0 / (1.0 + np.exp(-odds)))

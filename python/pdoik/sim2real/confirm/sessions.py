@@ -16,20 +16,21 @@ from ..effects import CATALOGUE
 from ..findings import Support
 from ..regression.fit import Fit, Term
 from ..regression.refine import refined
-from ..regression.trial import Search, without
+from ..regression.trial import Search
 from ..select.gates import sharpened
 from ..study.recording import FloatArray
 from .confidence import confidence_of
+from .event_support import event_support
 
 
 def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
     """The search without terms that left-out sessions do not bear out, and these.
 
-    Contacts are events, of which nothing can repeat; what simulations confirmed stays.
+    What simulations confirmed stays.
     """
     doubtful: list[Term] = []
     while True:
-        judged = [t for t in state.accepted if t not in state.contacts]
+        judged = state.accepted
         new = {t.key: support_of(state, t) for t in judged if t.key not in state.support}
         state = replace(state, support={**state.support, **new})
         failing = [t for t in judged if not _stands(state, t)]
@@ -43,19 +44,25 @@ def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
             if t is not worst and not worst.columns.keys().isdisjoint(t.columns)
         }
         kept = {key: each for key, each in state.support.items() if key not in beside}
-        state = replace(state.without(worst), support=kept)
+        contacts = tuple(t for t in state.contacts if t is not worst)
+        state = replace(state.without(worst), support=kept, contacts=contacts)
 
 
 def support_of(state: Search, term: Term) -> Support:
-    """What a term gains in sessions that it was not learnt from, beside the others."""
+    """What a term gains in sessions that it was not learnt from, beside the others.
+
+    Of an event, or of what acts in one session only, what it gains on halves of its own rows.
+    """
     b = state.balances
     others = state.without(term).fit
+    sessions = [] if term in state.contacts else _usable(others, term)
+    if not sessions:
+        return event_support(others, term, {key: state.start.residual(key) for key in term.columns})
     gained, began = np.zeros(int(b.block.max()) + 1), 0.0
-    agree = used = rows = 0
-    for session in _usable(others, term):
+    agree = rows = 0
+    for session in sessions:
         gain, left, count = _left_out(others, term, session)
         agree += bool(gain.sum() > 0.0)
-        used += 1
         gained += gain
         began += left
         rows += count
@@ -72,7 +79,7 @@ def support_of(state: Search, term: Term) -> Support:
         t=total / max(error, 1e-12),
         size=float(np.sign(total) * np.sqrt(abs(total) / max(rows, 1))),
         agree=agree,
-        sessions=used,
+        sessions=len(sessions),
         blocks=len(acting),
         left=_left(state.fit, term),
         rivals=len(state.level.get(term.key, ())),
@@ -129,12 +136,8 @@ def relearnt(base: Fit, term: Term) -> Term:
 
 
 def _stands(state: Search, term: Term) -> bool:
-    """Whether sessions bear a term out; of what acts in one only, whether that is very clear."""
+    """Whether a term is sure enough to be claimed."""
     if term.key in state.confirmed:
         return True
-    thresholds, support = state.balances.thresholds, state.support[term.key]
-    if support.sessions:
-        return confidence_of(thresholds, support) >= thresholds.confidence.suspected
-    trial = without(state, term)
-    least = thresholds.support
-    return trial.t >= least.alone_t and trial.size >= least.alone_size
+    thresholds = state.balances.thresholds
+    return confidence_of(thresholds, state.support[term.key]) >= thresholds.confidence.suspected

@@ -72,9 +72,13 @@ def conclude(
         found += held_out_limits(prepared, state.fit, prediction)
         found += held_out_contacts(prepared, state.fit, prediction)
     if check is not None:
-        found += [(finding, ()) for finding in check.findings]
+        unsure = study.thresholds.confidence.unsupported
+        found += [(replace(finding, confidence=unsure), ()) for finding in check.findings]
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].weight)
+    least = study.thresholds.confidence.suspected
+    suspected += tuple(finding for finding, _ in found if finding.confidence < least)
+    found = [each for each in found if each[0].confidence >= least]
     joints = joint_fits(prepared, state, prediction, simulated.left)
     findings = tuple(finding for finding, _ in found)
     diagnosis = Diagnosis(

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..confirm.event_support import event_support
 from ..effects import CATALOGUE
 from ..effects.torque_saturation import OF_COMMAND, TorqueSaturation, kinds, top_of
 from ..findings import Estimate, Evidence, Finding
@@ -47,17 +48,21 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
             if term is None:
                 continue
             left = prediction.residual(fit)
-            term = refined(_rest(b, left), term)
+            rest = _rest(b, left)
+            term = refined(rest, term)
             share = _share(b, left, term)
             if share < CATALOGUE[_LIMIT].least_of_rest:
                 continue
-            prediction.events.append((term, np.ones(1)))
             channels = ("tau_cmd" if kind == OF_COMMAND else "q_des",)
             evidence = Evidence(validation_gain=share, interval95=(share, share), channels=channels)
-            finding = finding_of(
-                prepared, term, {"level": _estimate(term.shape[1], top, of_level)}, (), evidence
-            )
-            found.append((_where(finding, b, top, share), (term,)))
+            first = {key: b.residual[key][rest.rows[key]] / b.sigma[key] for key in term.columns}
+            figures = {"level": _estimate(term.shape[1], top, of_level)}
+            support = event_support(rest, term, first)
+            finding = finding_of(prepared, term, figures, (), evidence, support)
+            finding = _where(finding, b, top)
+            found.append((finding, (term,)))
+            if finding.confidence >= b.thresholds.confidence.suspected:
+                prediction.events.append((term, np.ones(1)))
             break
     return found
 
@@ -87,7 +92,7 @@ def _estimate(level: float, top: FlatTop, of_level: float) -> Estimate:
     return Estimate(value=level, std=std, interval95=interval, unit="N m")
 
 
-def _where(finding: Finding, b: Balances, top: FlatTop, share: float) -> Finding:
+def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:
     """With the recordings in which it happened, and that nothing else speaks for it."""
     names = tuple(m.recording.name for m, rows in zip(b.motions, top.rows, strict=True) if rows)
-    return only_held_out(replace(finding, recordings=names), share)
+    return only_held_out(replace(finding, recordings=names), b.thresholds)

@@ -1,4 +1,4 @@
-"""What a finding must bring where neither its figures nor its shape were learnt."""
+"""What lets a session say something of a term."""
 
 from __future__ import annotations
 
@@ -14,7 +14,3 @@ class SupportThresholds(Group):
     least_elsewhere: float = threshold(
         0.02, "share of a term's squared column that a session, and the rest of them, must hold"
     )
-    alone_t: float = threshold(
-        8.0, "Wald statistic of what acts in one session only, and rests on that", "s.e."
-    )
-    alone_size: float = threshold(3.0, "root mean square of the same where it acts", "sigma")
