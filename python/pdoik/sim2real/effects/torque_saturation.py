@@ -125,7 +125,7 @@ def top_of(motions: Sequence[Motion], j: int, kind: float) -> FlatTop | None:
     pairs = [(given_of(m, j, kind), asked_of(m, j, kind), m.valid, m.period) for m in motions]
     if not all(np.isfinite(given).all() and np.isfinite(asked).all() for given, asked, *_ in pairs):
         return None
-    return flat_top(pairs)
+    return flat_top(pairs, motions[0].thresholds.limits)
 
 
 def asked_of(motion: Motion, j: int, kind: float) -> FloatArray:

@@ -118,4 +118,5 @@ def falling_top_of(motions: Sequence[Motion], j: int, kind: float) -> FallingTop
     pairs = [(given_of(m, j, kind), asked_of(m, j, kind), m.valid, m.period) for m in motions]
     if not all(np.isfinite(given).all() and np.isfinite(asked).all() for given, asked, *_ in pairs):
         return None
-    return falling_top(pairs, [m.dq[:, j] for m in motions])
+    speeds = [m.dq[:, j] for m in motions]
+    return falling_top(pairs, speeds, motions[0].thresholds.limits)

@@ -7,16 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..study.recording import FloatArray, Recording
+from ..thresholds.noise import NoiseThresholds
 from .balances import position_noise
 from .rigid_body import RigidBody
 from .signals import noise_density
 
-_LOWEST, _HIGHEST = 5.0, 20.0  # [Hz]
-_OF_RATE = 0.11  # highest share of the sampling rate
+_DEFAULT = NoiseThresholds()
 
 
 def chosen_cutoff(
-    recordings: Sequence[Recording], body: RigidBody | None, noise: FloatArray
+    recordings: Sequence[Recording],
+    body: RigidBody | None,
+    noise: FloatArray,
+    limits: NoiseThresholds = _DEFAULT,
 ) -> float:
     """Cut-off of the balances [Hz].
 
@@ -24,7 +27,7 @@ def chosen_cutoff(
     inertia times this is the torque's own noise, a wider filter lets in more noise than signal.
     """
     rate = 1.0 / max(r.period for r in recordings)
-    highest = min(_HIGHEST, _OF_RATE * rate)
+    highest = min(limits.highest_cutoff, limits.cutoff_of_rate * rate)
     if body is None:
         return highest
     found = []
@@ -40,7 +43,7 @@ def chosen_cutoff(
         found.extend(np.sqrt(ratio[np.isfinite(ratio)]) / (2 * np.pi))
     if not found:
         return float(min(highest, 10.0))
-    return float(np.clip(np.median(found), min(_LOWEST, highest), highest))
+    return float(np.clip(np.median(found), min(limits.lowest_cutoff, highest), highest))
 
 
 def noise_of(recordings: Sequence[Recording]) -> FloatArray:

@@ -9,19 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..study.recording import FloatArray
-from .flat_top import Torques
+from ..thresholds.limits import LimitThresholds
+from .flat_top import DEFAULT_LIMITS, Torques
 from .signals import noise_density
 
-_MISSING = 0.02  # of the highest torque, by which less is given than asked for
-_NOISE = 4.0  # standard deviations
-_LEAST_ROWS = 30
-_LEAST_SPAN = 1e-2  # of speeds [rad/s]
-_ON_LINE = 0.02  # of the stall torque, within which a top is straight whatever the noise
-_FLATTER = 0.3  # than what is asked for beyond it
-_FALLS = 0.08  # of the stall torque, over the speeds at which the top was reached
-_CLEARLY = 3.0  # times the spread about the line
 _ROUNDS = 6
-_FASTEST = 50.0  # times the highest speed seen: slower, or it is no fall
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +25,11 @@ class FallingTop:
     rows: int
 
 
-def falling_top(torques: Sequence[Torques], speeds: Sequence[FloatArray]) -> FallingTop | None:
+def falling_top(
+    torques: Sequence[Torques],
+    speeds: Sequence[FloatArray],
+    limits: LimitThresholds = DEFAULT_LIMITS,
+) -> FallingTop | None:
     """The line S (1 - v / w) that torques stay at while more is asked for; None without one.
 
     v is the speed along the torque: negative where the drive brakes. Samples of which less is given
@@ -43,12 +39,13 @@ def falling_top(torques: Sequence[Torques], speeds: Sequence[FloatArray]) -> Fal
     Args:
         torques: of each recording, as `flat_top` has them.
         speeds: of the joint, (T,) each [rad/s].
+        limits: when a torque is taken to be cut off.
     """
     noise = float(np.sqrt(np.mean([_variance(given, period) for given, _, _, period in torques])))
     highest = max(float(np.max(np.abs(given))) for given, *_ in torques)
     if not np.isfinite(noise) or not highest > 0.0:
         return None
-    missing = max(_NOISE * noise, _MISSING * highest)
+    missing = max(limits.noise * noise, limits.missing * highest)
     at = [_short(each, missing) for each in torques]
     sides = [np.sign(asked) for _, asked, *_ in torques]
     top = _picked([s * t[0] for s, t in zip(sides, torques, strict=True)], at)
@@ -57,29 +54,34 @@ def falling_top(torques: Sequence[Torques], speeds: Sequence[FloatArray]) -> Fal
     keep = np.ones(len(top), dtype=np.bool_)
     stall = slope = 0.0
     for _ in range(_ROUNDS):
-        if np.count_nonzero(keep) < _LEAST_ROWS or np.ptp(speed[keep]) < _LEAST_SPAN:
+        if (
+            np.count_nonzero(keep) < limits.least_rows_of_line
+            or np.ptp(speed[keep]) < limits.least_span
+        ):
             return None
         slope, stall = np.polyfit(speed[keep], top[keep], 1)
         off = np.abs(top - stall - slope * speed)
-        keep = off < max(_NOISE * noise, _ON_LINE * stall, 3.0 * float(np.median(off)))
+        keep = off < max(limits.noise * noise, limits.on_line * stall, 3.0 * float(np.median(off)))
     if np.count_nonzero(keep) < 0.8 * len(top) or not (slope < 0.0 < stall):
         return None
     spread = float(np.sqrt(np.mean((top - stall - slope * speed)[keep] ** 2)))
     more = float(np.sqrt(np.mean((asked - stall - slope * speed)[keep] ** 2)))
     fall = -slope * float(np.ptp(np.quantile(speed[keep], (0.05, 0.95))))
-    if spread > max(1.5 * noise, _ON_LINE * stall) or spread > _FLATTER * more:
+    if spread > max(1.5 * noise, limits.on_line * stall) or spread > limits.flatter * more:
         return None
-    if fall < max(_FALLS * stall, _CLEARLY * spread):
+    if fall < max(limits.falls * stall, limits.falls_clearly * spread):
         return None
     beyond = 0
     for (given, _, good, _), v in zip(torques, speeds, strict=True):
         most = np.maximum(stall + slope * np.sign(given) * v, 0.0)
-        beyond += int(np.sum(good & (np.abs(given) > most + max(_NOISE * noise, 0.04 * stall))))
+        beyond += int(
+            np.sum(good & (np.abs(given) > most + max(limits.noise * noise, 0.04 * stall)))
+        )
     if beyond > 0.1 * np.count_nonzero(keep):
         return None
     fastest = max(float(np.max(np.abs(v))) for v in speeds)
     no_load = -stall / slope
-    if no_load > _FASTEST * fastest:
+    if no_load > limits.fastest * fastest:
         return None
     return FallingTop(
         stall_torque=float(stall), no_load_speed=float(no_load), rows=int(np.count_nonzero(keep))

@@ -9,19 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..study.recording import FloatArray
+from ..thresholds.limits import LimitThresholds
 from .signals import noise_density
 
 Torques = tuple[FloatArray, FloatArray, NDArray[np.bool_], float]
 """Given (T,), asked for (T,), which samples are data, and the period [s], of one recording."""
 
-_FLAT = 0.02  # of the level, within which a top is flat whatever the noise
-_FLATTER = 0.3  # than what is asked for beyond it
-_FLATTER_ONCE = 0.1  # the same where it was reached on one occasion only
-_NOISE = 4.0  # standard deviations
-_LEAST_ROWS = 6  # with their neighbours beyond the level too
-_LEAST_ROWS_ONCE = 15
-_APART = 0.2  # between two occasions [s]
 _ROUNDS = 6
+DEFAULT_LIMITS = LimitThresholds()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +29,9 @@ class FlatTop:
     occasions: int
 
 
-def flat_top(torques: Sequence[Torques]) -> FlatTop | None:
+def flat_top(
+    torques: Sequence[Torques], limits: LimitThresholds = DEFAULT_LIMITS
+) -> FlatTop | None:
     """The highest torque's level if its top is flat; None where it is not.
 
     Where more is asked for than the level, and before and after that sample too, what is given
@@ -51,7 +48,7 @@ def flat_top(torques: Sequence[Torques]) -> FlatTop | None:
     for _ in range(_ROUNDS):
         at = [_beyond(each, level, noise) for each in torques]
         tops = [np.sign(t[1][a]) * t[0][a] for t, a in zip(torques, at, strict=True)]
-        if sum(map(len, tops)) < _LEAST_ROWS:
+        if sum(map(len, tops)) < limits.least_rows:
             return None
         before, level = level, float(np.median(np.concatenate(tops)))
         if level <= 0.0:
@@ -62,15 +59,18 @@ def flat_top(torques: Sequence[Torques]) -> FlatTop | None:
     more = np.concatenate([np.abs(t[1][a]) for t, a in zip(torques, at, strict=True)]) - level
     spread = float(np.sqrt(np.mean((top - level) ** 2)))
     over = sum(
-        int(np.sum(each > level + max(_NOISE * noise, 2 * _FLAT * level))) for each in highest
+        int(np.sum(each > level + max(limits.noise * noise, 2 * limits.flat * level)))
+        for each in highest
     )
-    occasions = sum(_occasions(a, t[3]) for t, a in zip(torques, at, strict=True))
+    occasions = sum(_occasions(a, t[3], limits.apart) for t, a in zip(torques, at, strict=True))
     once = occasions < 2
-    if spread > max(1.5 * noise, _FLAT * level) or over > 0.1 * len(top):
+    if spread > max(1.5 * noise, limits.flat * level) or over > 0.1 * len(top):
         return None
-    if spread > (_FLATTER_ONCE if once else _FLATTER) * float(np.sqrt(np.mean(more**2))):
+    if spread > (limits.flatter_once if once else limits.flatter) * float(
+        np.sqrt(np.mean(more**2))
+    ):
         return None
-    if once and len(top) < _LEAST_ROWS_ONCE:
+    if once and len(top) < limits.least_rows_once:
         return None
     std = max(spread, noise) / np.sqrt(len(top))
     return FlatTop(level=level, std=float(std), rows=tuple(map(len, tops)), occasions=occasions)
@@ -92,7 +92,7 @@ def _beyond(torques: Torques, level: float, noise: float) -> NDArray[np.bool_]:
     return inner
 
 
-def _occasions(at: NDArray[np.bool_], period: float) -> int:
-    """How often, gaps shorter than `_APART` not counted."""
+def _occasions(at: NDArray[np.bool_], period: float, apart: float) -> int:
+    """How often, gaps shorter than `apart` [s] not counted."""
     index = np.flatnonzero(at)
-    return int(np.sum(np.diff(index) * period > _APART)) + 1 if len(index) else 0
+    return int(np.sum(np.diff(index) * period > apart)) + 1 if len(index) else 0

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller
+from ..thresholds import Thresholds
 from .rigid_body import RigidBody
 from .signals import derivative, dilated, shifted, zero_phase
 
@@ -18,7 +19,6 @@ Source = Literal["tau", "current", "tau_cmd", "law", ""]
 
 _WORKING_RATE = 200.0  # recordings faster than twice this are thinned to at least this [Hz]
 _WIDER = 2.5  # the motion is filtered this much wider than the balances are
-_SLOWEST = 2e-3  # below this speed a joint is still, whatever its noise [rad/s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,6 +54,7 @@ class Motion:
     tip_error: FloatArray | None  # (T, 6) measured tip less the model's: translation, rotation
     tip_jacobian: FloatArray | None  # (T, 6, n)
     cache: dict[str, FloatArray] = field(default_factory=dict, repr=False)
+    thresholds: Thresholds = field(default_factory=Thresholds, repr=False)
 
     @property
     def n(self) -> int:
@@ -208,6 +209,7 @@ def motion_of(
     position_noise: FloatArray,
     tip: str | None = None,
     since: float = 0.0,
+    thresholds: Thresholds | None = None,
 ) -> Motion:
     """Smooth the motion and evaluate the model along it.
 
@@ -219,9 +221,11 @@ def motion_of(
         position_noise: (n,) density of white noise in q [rad^2/Hz].
         tip: link whose pose the channel `tip` is.
         since: time from the file's start to the recording's first sample [s].
+        thresholds: the defaults if none are given.
     """
     period, count = recording.period, len(recording.time)
     n = recording.q.shape[1]
+    believed = Thresholds() if thresholds is None else thresholds
     wide = _WIDER * cutoff
     q = zero_phase(recording.q, wide, period)
     dq = derivative(q, period)
@@ -229,7 +233,7 @@ def motion_of(
     # White noise of density S in q gives the speed a variance of S (2 pi)^2 f^3 / 3 below f.
     band = min(wide, 0.5 / period)
     speed_noise = np.sqrt(position_noise * (2 * np.pi) ** 2 * band**3 / 3)
-    floor = np.maximum(4.0 * speed_noise, _SLOWEST)
+    floor = np.maximum(4.0 * speed_noise, believed.noise.still_speed)
     zeros = np.zeros((count, n))
     empty = np.zeros((count, n, n))
     tau, by_q, by_v, mass = zeros, empty, empty, empty
@@ -277,6 +281,7 @@ def motion_of(
         tip_error=tip_error,
         tip_jacobian=tip_jacobian,
         cache=cache,
+        thresholds=believed,
     )
 
 

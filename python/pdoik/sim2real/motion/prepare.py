@@ -44,7 +44,7 @@ def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = 
     fit = [thinned(r) for r in study.fit]
     noise = noise_of(fit)
     if cutoff is None:
-        cutoff = chosen_cutoff(fit, body, noise)
+        cutoff = chosen_cutoff(fit, body, noise, study.thresholds.noise)
     held_out = [thinned(r) for r in study.validate]
     return Prepared(
         study=study,
@@ -81,7 +81,16 @@ def motions_of(
         name = _file(each)
         begins[name] = min(begins.get(name, np.inf), each.start)
     return [
-        motion_of(r, body, study.controller, cutoff, noise, study.tip, r.start - begins[_file(r)])
+        motion_of(
+            r,
+            body,
+            study.controller,
+            cutoff,
+            noise,
+            study.tip,
+            r.start - begins[_file(r)],
+            study.thresholds,
+        )
         for r in recordings
     ]
 

@@ -21,5 +21,11 @@ class NoiseThresholds(Group):
         1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"
     )
     folds: int = threshold(4, "parts of cross-validation: recordings, or long stretches of few")
+    lowest_cutoff: float = threshold(5.0, "lowest cut-off of the balances that is chosen", "Hz")
+    highest_cutoff: float = threshold(20.0, "highest cut-off that is chosen", "Hz")
+    cutoff_of_rate: float = threshold(0.11, "highest cut-off as a share of the sampling rate")
+    still_speed: float = threshold(
+        2e-3, "speed below which a joint is still, whatever its noise", "rad/s"
+    )
     least_range: float = threshold(0.05, "range within which a joint has not moved", "rad or m")
     least_moving: float = threshold(0.1, "share of the time that a joint must move to be judged")

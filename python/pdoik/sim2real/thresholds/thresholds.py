@@ -10,6 +10,7 @@ from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
 from .figures import FigureThresholds
 from .gates import GateThresholds
+from .limits import LimitThresholds
 from .noise import NoiseThresholds
 from .search import SearchThresholds
 from .selection import SelectionThresholds
@@ -37,6 +38,7 @@ class Thresholds:
     """By stage. `Thresholds().changed({"search.least_t": 4.0})` is another set."""
 
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
+    limits: LimitThresholds = field(default_factory=LimitThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
     support: SupportThresholds = field(default_factory=SupportThresholds)
     gates: GateThresholds = field(default_factory=GateThresholds)

@@ -1,0 +1,33 @@
+"""When a torque is taken to be cut off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitThresholds(Group):
+    """Of a level, or a line falling with speed, that a torque keeps while more is asked for."""
+
+    flat: float = threshold(0.02, "share of the level within which a top is flat despite all noise")
+    flatter: float = threshold(0.3, "spread of a top over that of what is asked for beyond it")
+    flatter_once: float = threshold(0.1, "the same where it was reached on one occasion only")
+    noise: float = threshold(4.0, "what counts as beyond a level, over the noise", "sigma")
+    least_rows: int = threshold(6, "samples at a level, their neighbours beyond it too", "rows")
+    least_rows_once: int = threshold(15, "the same where it was reached on one occasion", "rows")
+    apart: float = threshold(0.2, "time between two occasions", "s")
+    missing: float = threshold(
+        0.02, "share of the highest torque by which less is given than asked for, of a line"
+    )
+    least_rows_of_line: int = threshold(30, "samples on a line", "rows")
+    least_span: float = threshold(0.01, "range of speeds that a line covers", "rad/s")
+    on_line: float = threshold(
+        0.02, "share of the stall torque within which a top is straight despite all noise"
+    )
+    falls: float = threshold(0.08, "share of the stall torque that a line falls by")
+    falls_clearly: float = threshold(3.0, "fall of a line over its spread")
+    fastest: float = threshold(
+        50.0, "no-load speed over the highest speed seen, beyond which a line does not fall"
+    )
