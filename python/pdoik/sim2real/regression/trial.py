@@ -176,6 +176,8 @@ def cross_validated(
         t = 0.0
     if not effect.plausible(base.balances.motions, term.place, term.shape):
         t = 0.0
+    if _inside(base, term) < least.least_inside:
+        t = 0.0  # it acts where rows do not count, and only rings into those that do
     if term.fixed and not least.fixed_from < coefficient < least.fixed_to:
         t = 0.0  # the data want another multiple of it: it is something else
     gain = float(blocks.sum())
@@ -201,6 +203,16 @@ def _own_penalty(fit: Fit, term: Term) -> float:
         return 0.0
     beta = fit.beta[-term.width :]
     return float(np.sum(term.prior * beta**2))
+
+
+def _inside(fit: Fit, term: Term) -> float:
+    """Share of a term's squared column on the rows that count."""
+    inside = whole = 0.0
+    for key, column in term.columns.items():
+        if len(fit.rows[key]):
+            inside += float(np.sum(column[fit.rows[key]] ** 2)) / fit.balances.sigma[key] ** 2
+            whole += float(np.sum(column**2)) / fit.balances.sigma[key] ** 2
+    return inside / max(whole, 1e-300)
 
 
 def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:

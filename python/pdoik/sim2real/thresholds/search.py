@@ -45,6 +45,9 @@ class SearchThresholds(Group):
         0.6, "lowest coefficient, set free, of a term whose coefficient is 1 by its meaning"
     )
     fixed_to: float = threshold(1.6, "highest of the same")
+    least_inside: float = threshold(
+        0.02, "share of a term's squared column on the rows that count; less is a filter's ringing"
+    )
     still_needed: float = threshold(
         0.7, "share of least_t and least_size that an accepted term must keep beside later ones"
     )
