@@ -120,7 +120,7 @@ class Run:
         self._write(studies, sealed)
 
     def _write(self, studies: pd.DataFrame, sealed: Mapping[str, Any]) -> None:
-        studies.to_parquet(self.out / ".studies.parquet", index=False)
+        studies.to_parquet(self.out / ".studies.parquet", index=False, compression="zstd")
         (self.out / ".studies.parquet").replace(self.out / "studies.parquet")
         confusion.draw(studies, self.out / "confusion.png")
         count = failures.write_pages(studies, self.out / "failures")
