@@ -1,5 +1,6 @@
-"""What was selected, held against simulations of the whole arm from its commands.
+"""What was selected, confirmed: by simulations of the whole arm, and by sessions left out in turn.
 
-Comes in: `Search`. Goes out: the same with names that a regression confuses told apart, and figures
-moved to where simulation and recordings agree. Next: infer.
+Comes in: `Search`. Goes out: another, in which names that a regression confuses are distinguished
+by simulation, and what does not hold where it was not learnt is no more accepted; and the terms
+that are only suspected. Next: infer.
 """
