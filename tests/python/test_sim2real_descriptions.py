@@ -82,7 +82,7 @@ def test_parts_of_one_file_follow_one_another(tmp_path: Path) -> None:
     assert last.since == pytest.approx(0.7 * float(np.ptp(log()["time"])), rel=0.02)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(10))
 def test_whatever_is_broken_in_a_description_nothing_is_lost(tmp_path: Path, seed: int) -> None:
     rng = np.random.default_rng(seed)
     plain = study(tmp_path, (0.0, 0.1, 0.0), (1.0, 1.0, 1.0))

@@ -67,15 +67,9 @@ def test_stepping_by_hand_is_what_a_replay_does() -> None:
 
 
 def test_every_effect_of_the_table_has_its_parts() -> None:
-    values = {
-        "coefficient": 0.1, "level": 1.0, "extra": 0.1, "speed": 0.1, "displacement": 0.01,
-        "time_constant": 0.01, "inertia": 0.1, "mass": 0.1, "gain": 1.1, "offset": 0.01,
-        "amplitude": 0.1, "harmonic": 4.0, "stiffness": 100.0, "delay": 0.01, "gap": 0.01,
-        "ratio": 0.1, "skew": 0.01, "std": 0.1, "variable": 1.0,
-        "lowest": -1.0, "highest": 1.0, "value_0": 1.0, "value_1": 0.5,
-    }  # fmt: skip
     run = commands(0.1, n=2, q_des=0.0)
-    for effect in CATALOGUE:
+    for effect, known in CATALOGUE.items():
+        values = known.example.values
         added = parts_of(effect, ["joint1", "joint2"], values=values)
         assert added or effect == "sensor_noise"
         simulator = Simulator(arm_urdf(2), ["joint1", "joint2"], pd(100.0, 10.0, 2), parts=added)

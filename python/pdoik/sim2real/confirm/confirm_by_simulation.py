@@ -1,4 +1,4 @@
-"""Names that a regression confuses, told apart by simulating the arm with either."""
+"""Names that a regression confuses, distinguished by simulating the arm with either."""
 
 from __future__ import annotations
 

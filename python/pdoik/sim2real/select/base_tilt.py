@@ -1,4 +1,4 @@
-"""The first search, and again where a base is found to lean: a load is then pulled another way."""
+"""The first search, and again where the base is found tilted: gravity then acts another way."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ _LEANINGS = 6  # searches at most, each with the tilt that the last found
 
 
 def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
-    """Accept effects; again where a base leans so far that unknown bodies pull another way.
+    """Accept effects; again where the base is tilted so far that it matters to unknown bodies.
 
     Returns:
-        The study with its bodies pulled as the base leans, and the search of that.
+        The study with its bodies under gravity as the tilted base has it, and the search of that.
     """
-    leaning = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+    assumed = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
     state = _searched(prepared, say)
     for turn in range(_LEANINGS):
-        gravity = leaning_gravity(state)
-        if gravity is None or np.linalg.norm(gravity - leaning) < matters:
+        gravity = tilted_gravity(state)
+        if gravity is None or np.linalg.norm(gravity - assumed) < matters:
             break
         say("name", "once more, with the base tilted as found", 0.6)
-        if turn > 0:  # what one weighs too much the other leans too little: half way
-            gravity = (gravity + leaning) / 2.0
+        if turn > 0:  # too heavy a body goes with too small a tilt: half way
+            gravity = (gravity + assumed) / 2.0
         tilted = _pulled_by(prepared, gravity)
         same = [_anew(tilted.fit, term) for term in state.accepted]
         again = _searched(tilted, say, tuple(term for term in same if term is not None))
         if _missed(again) > _missed(state):
             break
-        prepared, state, leaning = tilted, again, gravity
+        prepared, state, assumed = tilted, again, gravity
     return prepared, state
 
 
@@ -75,7 +75,7 @@ def _missed(state: Search) -> float:
     return sum(float(np.sum(left)) for left in held_out_squares(state.fit).values())
 
 
-def leaning_gravity(state: Search) -> FloatArray | None:
+def tilted_gravity(state: Search) -> FloatArray | None:
     """Gravity in the frame of the base, if that was found to be tilted, (3,) [m/s^2]."""
     for term, offset in zip(state.fit.terms, state.fit.offsets, strict=False):
         effect = effect_of(term)

@@ -55,7 +55,7 @@ def contact_term(fit: Fit) -> Term | None:
 def clearest(windows: Sequence[Window]) -> Window | None:
     """The window that explains most, links from the tip to the base; None where none does.
 
-    Links whose origins meet cannot be told apart: the one nearest the base stands for them.
+    Links whose origins meet cannot be distinguished: the one nearest the base stands for them.
     """
     most = max((window.gain for window in windows), default=0.0)
     if most <= 0.0:

@@ -55,7 +55,7 @@ class RobotFacts:
 
 
 def robot_facts(path: Path) -> RobotFacts:
-    """Facts from a URDF or MJCF file, told apart by their root element.
+    """Facts from a URDF or MJCF file, distinguished by their root element.
 
     Raises:
         LoadError: no such file, no XML, or neither of the two.

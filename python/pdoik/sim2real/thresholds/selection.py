@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SelectionThresholds(Group):
-    """Of harmonics, rivals, leaning bases and causes that joints share."""
+    """Of harmonics, rivals, tilted bases and causes that joints share."""
 
     harmonic_power: float = threshold(
         20.0, "power of a harmonic in what is left, from which its effects are tried", "sigma^2"
