@@ -1,0 +1,176 @@
+"""The second generation of worlds: machines with friction, gears and sensors in every joint."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+pin = pytest.importorskip("pinocchio")
+
+from bench.concealed.arm import urdf  # noqa: E402
+from bench.concealed.robots import robot  # noqa: E402
+from bench.machines import build, kinds  # noqa: E402
+from bench.machines.background import in_background  # noqa: E402
+from bench.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  # noqa: E402
+from bench.machines.figures import Figures  # noqa: E402
+from bench.machines.physics import STATES, friction, rates  # noqa: E402
+from bench.machines.plan import spec_of  # noqa: E402
+from bench.machines.score import score  # noqa: E402
+from bench.machines.simulate import torque_of  # noqa: E402
+from bench.machines.spec import WorldSpec  # noqa: E402
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+
+
+@pytest.mark.parametrize("name", ["panda", "ur10", "random3"])
+def test_the_chains_dynamics_are_pinocchios(name: str) -> None:
+    arm = robot(name, np.random.default_rng(3))
+    model = pin.buildModelFromXML(urdf(arm))
+    data, chain, n = model.createData(), chain_of(arm), arm.n
+    for q, v, a in np.random.default_rng(0).normal(size=(5, 3, n)):
+        expected = pin.rnea(model, data, q, v, a)
+        assert np.allclose(torque_of(chain, q, v, a, GRAVITY), expected, atol=1e-6)
+        R, p, z = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3))
+        com, inertia, M = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((n, n))
+        poses(chain, q, R, p, z)
+        bodies_in_base(chain, R, p, com, inertia)
+        mass_matrix(chain, p, z, com, inertia, M)
+        upper = np.triu(pin.crba(model, data, q))
+        assert np.allclose(M, upper + np.triu(upper, 1).T, atol=1e-7)
+
+
+def test_stiff_gears_without_friction_move_like_a_rigid_arm() -> None:
+    """Rotors and links together obey the mass matrix with the rotors' inertia added."""
+    arm = robot("random3", np.random.default_rng(5))
+    chain, n = chain_of(arm), arm.n
+    figures = Figures.empty(n)
+    for j in range(n):
+        figures = figures.with_joint(j, rotor=0.2, stiffness=3e4, gear_damping=20.0)
+    model = pin.buildModelFromXML(urdf(arm))
+    data = model.createData()
+    q, v = np.random.default_rng(1).normal(size=(2, n)) * 0.5
+    torque = pin.rnea(model, data, q, np.zeros(n), np.zeros(n)) + 0.5
+    y, dy = np.zeros(STATES * n + 2), np.zeros(STATES * n + 2)
+    y[0::STATES][:n] = y[2::STATES][:n] = q
+    y[1::STATES][:n] = y[3::STATES][:n] = v
+    y[7::STATES][:n] = torque
+    none, push = np.zeros(n), np.zeros(3)
+    args = (torque, figures.joints, figures.whole, chain, none, none, push)
+    step = 2e-5
+    for _ in range(5000):  # 0.1 s by the midpoint rule
+        rates(y, *args, dy)
+        rates(y + 0.5 * step * dy, *args, dy)
+        y += step * dy
+    rigid_q, rigid_v = q.copy(), v.copy()
+    for _ in range(5000):
+        M = pin.crba(model, data, rigid_q)
+        M = np.triu(M) + np.triu(M, 1).T + 0.2 * np.eye(n)
+        a = np.linalg.solve(M, torque - pin.nle(model, data, rigid_q, rigid_v))
+        rigid_v += step * a
+        rigid_q += step * rigid_v
+    assert np.allclose(y[2::STATES][:n], rigid_q, atol=2e-4)
+
+
+def test_friction_follows_its_figures() -> None:
+    figures = Figures.empty(1).with_joint(0, coulomb=4.0, stiction=2.0, viscous=1.5, bristle=1e-3)
+    for speed in (0.01, 0.3, 2.0, -2.0):
+        torque = friction(figures.joints[0], speed, np.sign(speed), 0.0, 0.0, 0.0, 0.0)[0]
+        level = 4.0 + 2.0 * np.exp(-abs(speed) / 0.1)
+        expected = np.sign(speed) * level + 1.5 * np.tanh(speed / 0.02) * abs(speed)
+        assert torque == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_spec_gives_the_same_study_again(tmp_path) -> None:
+    spec = WorldSpec(seed=5, faults=("coulomb_friction",), robot="random2")
+    for name in ("a", "b"):
+        build.make_study(tmp_path / name / "x", spec, tmp_path / name)
+    files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
+    assert len(files) >= 6
+    for file in files:
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+    study = (tmp_path / "a" / "x" / "study.yaml").read_text()
+    assert "trust" not in study
+    assert "controller" not in study
+
+
+def test_every_kind_of_fault_can_be_drawn_and_moves_something(tmp_path) -> None:
+    for kind in kinds.KINDS:
+        draft = build.draft_of(WorldSpec(seed=11, faults=(kind,), robot="random3"))
+        fault = draft.faults[0]
+        parts = (fault.figures, fault.arm, fault.push, fault.log)
+        assert any(part is not None for part in parts), kind
+        assert fault.effect == "outside" or fault.parameters or kind == "kinematic_error"
+    assert len(kinds.KINDS) >= 30
+    assert len(kinds.OUTSIDE) >= 8
+
+
+def test_the_plan_has_every_kind_and_worlds_without_fault() -> None:
+    specs = [spec_of(2_000_000 + k) for k in range(200)]
+    assert {kind for spec in specs for kind in spec.faults} == set(kinds.KINDS)
+    assert sum(not spec.faults for spec in specs) == 20
+    assert sum(len(spec.faults) == 2 for spec in specs) == 20
+
+
+def finding(effect: str, joints: list[str], **parameters: float) -> dict:
+    values = {
+        name: {"value": value, "interval95": [0.9 * value, 1.1 * value]}
+        for name, value in parameters.items()
+    }
+    return {
+        "effect": effect,
+        "joints": joints,
+        "links": [],
+        "window": None,
+        "positions": None,
+        "parameters": values,
+        "equivalents": [],
+        "confidence": 0.95,
+    }
+
+
+@pytest.fixture(scope="module")
+def truth(tmp_path_factory) -> dict:
+    folder = tmp_path_factory.mktemp("truth")
+    spec = WorldSpec(seed=7, faults=("backlash",), robot="random3")
+    return build.make_study(folder / "x", spec, None)
+
+
+def test_background_is_right_and_a_fault_that_is_not_there_is_false(truth) -> None:
+    truth = json.loads(json.dumps(truth))
+    own = truth["background"][0]
+    right = finding("coulomb_friction", ["joint1"], level=own["level"])
+    wrong = finding("coulomb_friction", ["joint1"], level=5.0 * own["level"])
+    assert in_background(right, truth) == (True, True)
+    assert in_background(wrong, truth) == (True, False)
+    assert in_background(finding("joint_offset", ["joint1"], offset=0.1), truth) == (False, False)
+
+
+def test_scores_count_the_fault_its_place_and_what_is_false(truth) -> None:
+    truth = json.loads(json.dumps(truth))
+    fault = truth["faults"][0]
+    gap = fault["parameters"]["gap"]
+    said = {
+        "seconds": 1.0,
+        "diagnosis": {
+            "verdict": "mismatch_explained",
+            "findings": [
+                finding("joint_offset", ["joint1"], offset=0.1),
+                finding("backlash", fault["joints"], gap=gap),
+            ],
+            "joints": {},
+            "notes": [],
+        },
+    }
+    row = score("x", truth, said)
+    (told,) = json.loads(row["faults"])
+    assert (told["named"], told["listed"], told["sized"]) == (2, 2, 2)
+    assert row["right"] == 1
+    assert row["findings"] == 2
+    assert row["alarm"]
+    nothing = {"seconds": 1.0, "diagnosis": {**said["diagnosis"], "findings": []}}
+    (told,) = json.loads(score("x", truth, nothing)["faults"])
+    assert not told["named"]
+    assert not told["listed"]
