@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,10 @@ from bench.machines.simulate import Day, Track, simulate
 from bench.machines.spec import WorldSpec
 from bench.machines.visibility import visibility
 
+_TURNS = 6  # of the gains
+_HUM = 0.01  # change of the torque from tick to tick, of the rated one
 _SEEN = 2.5  # times what is left without it: what moves a channel less is tried again
-_SEVERITIES = (1.0, 1.5, 2.2, 3.2)
+_SEVERITIES = (1.0, 1.8, 3.2)
 _MOVES = 0.03  # [rad/s]
 _EVERY = 20  # ticks between the rows that a fault is sized on
 
@@ -89,7 +91,7 @@ def _visible(spec: WorldSpec) -> tuple[Draft, tuple[list[Log], list[Track]], lis
 def draft_of(spec: WorldSpec, attempt: int = 0, severity: float = 1.0) -> Draft:
     """Draws it all; another attempt has other faults of the same kinds on the same machine."""
     arm = robot(spec.robot, spec.stream("robot"))
-    made = machine(arm, spec.stream("machine"))
+    made = commissioned(machine(arm, spec.stream("machine")), spec)
     rng = spec.stream("motions")
     roles = ("fit", "fit", "validate") if rng.random() < 0.6 else ("fit", "fit", "fit", "validate")
     styles = ["excitation", *rng.choice(STYLES, len(roles) - 1, p=[0.35, 0.25, 0.25, 0.15])]
@@ -129,6 +131,53 @@ def draft_of(spec: WorldSpec, attempt: int = 0, severity: float = 1.0) -> Draft:
         faults=faults,
         begins=begins,
     )
+
+
+def commissioned(made: Machine, spec: WorldSpec) -> Machine:
+    """Gains turned down until the machine no longer hums, as anybody would who stands beside it."""
+    rng = spec.stream("commissioning")
+    moved = motion(made.arm, rng, "excitation", 6.0, 0.6)
+    day = {"friction": np.ones(made.arm.n), "warmer": np.zeros(made.arm.n)}
+    for _ in range(_TURNS):
+        chain, believed = chain_of(made.arm), chain_of(made.believed)
+        plain = _plain_day(made, day, len(moved.q), rng)
+        try:
+            torque = simulate(chain, believed, made.control, plain, moved.q, moved.dq).torque
+        except RuntimeError:
+            torque = np.full((100, made.arm.n), 1e3) * (-1.0) ** np.arange(100)[:, None]
+        hums = np.sqrt(np.mean(np.diff(torque, axis=0) ** 2, axis=0)) > _HUM * made.rated
+        if not np.any(hums):
+            break
+        control = made.control
+        slower = {"kp": 0.6 if control.kind != "cascade" else 0.75, "kd": 0.7, "ki": 0.5}
+        gains = {
+            name: getattr(control, name) * np.where(hums, factor, 1.0)
+            for name, factor in slower.items()
+        }
+        made = replace(made, control=replace(control, **gains))
+    return made
+
+
+def _plain_day(made: Machine, day: dict[str, Any], ticks: int, rng: np.random.Generator) -> Day:
+    n = made.arm.n
+    step = _reading_step(made)
+    return Day(
+        figures=_on(made.figures, day["friction"]),
+        later=_on(made.figures, day["friction"]),
+        since=1e6,
+        warmer=day["warmer"],
+        heating=np.zeros(n),
+        cooling=900.0,
+        braked=np.zeros((ticks, n)),
+        push=np.zeros((ticks, 3)),
+        reading=rng.normal(0.0, 0.4, (ticks, n)) * step,
+        step=step,
+    )
+
+
+def _reading_step(made: Machine) -> Array:
+    """Of the encoders as the drives read them: on the motor, so finer than at the joint [rad]."""
+    return np.asarray(2.0 * np.pi / 2.0 ** (made.sensors.bits + 5.0))
 
 
 def _begin(fault: Fault, scene: Scene) -> tuple[int, float] | None:
@@ -191,7 +240,7 @@ def _figures_of_day(draft: Draft, faults: tuple[Fault, ...], arm: Arm, k: int, t
         else:
             since = begin[1]
     rng = draft.spec.stream(f"reading {k}")
-    step = 2.0 * np.pi / 2.0 ** (made.sensors.bits + 5.0)  # the drive reads its motor's turns
+    step = _reading_step(made)
     return Day(
         figures=_on(before, day["friction"]),
         later=_on(after, day["friction"]),
