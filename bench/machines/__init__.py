@@ -4,3 +4,8 @@ Made from what datasheets and the literature say of drives, gears, bearings and 
 the diagnosis's catalogue; integrated with a variable step by code of its own. What comes in is a
 seed, what goes out a study folder and, elsewhere, its truth.
 """
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # campaigns and tables stand beside it
