@@ -21,6 +21,7 @@ from .regression.trial import Search
 from .select.base_tilt import first_search
 from .select.contacts import contact_term
 from .select.gates import gated_term
+from .select.joint_sets import with_joint_sets
 from .select.rivals import swapped
 from .select.search import search
 from .select.shared_causes import with_shared_causes
@@ -76,7 +77,8 @@ def examine(
     if check.mended:
         prepared = prepare(check.study, prepared.body)
     prepared, state = run_search(prepared, say)
-    state = with_unknown(state)
+    say("name", "every joint's friction, offset and rotor, weighed as a set", 0.72)
+    state = with_unknown(with_joint_sets(state))
     say("name", "looking for what else would explain the same", 0.75)
     state = with_shared_causes(without_needless_contacts(swapped(state)))
     state = confirmed_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.78))

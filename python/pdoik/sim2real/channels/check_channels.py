@@ -17,6 +17,7 @@ from ..motion.rigid_body import RigidBody
 from ..motion.signals import derivative, zero_phase
 from ..study.recording import FloatArray, Recording
 from ..study.study import Study
+from .factors_by_model import factors_by_model
 from .noisy_channels import noisy_channels
 
 
@@ -95,9 +96,10 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
 
     Of the command where it was recorded. Of the controller's law only where the model agrees, since
     the law is worked out with positions and speeds that may lie themselves. Else of the model's,
-    beside friction and a payload, which may outweigh what a wrist carries by itself.
+    beside all that an ordinary machine has.
     """
     result, limits = {}, b.thresholds.channels
+    by_model = factors_by_model(b)
     for j in range(b.n):
         if ("torque", j) not in b.residual or not b.excited[j]:
             continue
@@ -109,7 +111,7 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
             if found is not None and (beside is None or not _agree(b, beside[0] / found[0])):
                 found = None
         else:
-            found = _factor(b, j, [_by_model(m, j) for m in b.motions])
+            found = by_model.get(j)
         if found is not None and (found[0] < limits.tiny or not _limited(b, j)):
             result[j] = found
     return result
@@ -170,12 +172,6 @@ def _own(m: Motion, j: int) -> FloatArray:
 def _with_rotor(m: Motion, j: int) -> FloatArray:
     """`_own` and the column of a rotor that nobody told of; (T, 5)."""
     return np.hstack([_own(m, j), m.ddq[:, j, None]])
-
-
-def _by_model(m: Motion, j: int) -> FloatArray:
-    """`_with_rotor` and a payload's ten columns; (T, 15)."""
-    assert m.body is not None
-    return np.hstack([_with_rotor(m, j), m.regressor()[:, j, m.body.last]])
 
 
 def _copies_model(b: Balances, body: RigidBody) -> bool:

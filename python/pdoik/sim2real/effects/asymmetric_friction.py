@@ -35,6 +35,7 @@ class AsymmetricFriction(Effect):
     )
     complexity = 3
     of_joint_torque = True
+    ordinary = True
     depends_on = ("speed",)
     likelier_beside = ("coulomb_friction",)
     jumps = True

@@ -29,6 +29,8 @@ class CoulombFriction(Effect):
     example = Example(values={"level": 1.5}, shape=(0.02,))
     gated = True
     of_joint_torque = True
+    ordinary = True
+    one_of = "dry"
     depends_on = ("speed",)
     size_first = True
     jumps = True

@@ -76,6 +76,7 @@ class Effect(ABC):
     decided_by: ClassVar[str] = ""
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
+    one_of: ClassVar[str] = ""  # kind of law of which a joint has one
     likelier_beside: ClassVar[tuple[str, ...]] = ()  # one cause with these, where data cannot tell
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
 
@@ -86,6 +87,7 @@ class Effect(ABC):
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
     gated: ClassVar[bool] = False  # may act in a part of the time or of the positions only
     of_joint_torque: ClassVar[bool] = False  # may stand in for another torque of its joint
+    ordinary: ClassVar[bool] = False  # every machine's joints may have some: weighed as a set
     depends_on: ClassVar[tuple[str, ...]] = ()  # variables by which a joint's torque shows it
     together: ClassVar[bool] = False  # its joints are one place, not one each
 

@@ -40,6 +40,8 @@ class GearEfficiency(Effect):
     complexity = 3
     against = "load"
     of_joint_torque = True
+    ordinary = True
+    one_of = "by load"
     depends_on = ("load", "position and speed")
     jumps = True
 

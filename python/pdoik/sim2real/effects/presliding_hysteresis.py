@@ -46,6 +46,8 @@ class PreslidingHysteresis(Effect):
     complexity = 2
     gated = True
     of_joint_torque = True
+    ordinary = True
+    one_of = "dry"
     depends_on = ("speed",)
     size_first = True
     makes_up_for_misfit = True

@@ -33,6 +33,7 @@ class StribeckFriction(Effect):
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
     of_joint_torque = True
+    ordinary = True
     depends_on = ("speed",)
     size_first = True
     jumps = True

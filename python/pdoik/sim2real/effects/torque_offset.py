@@ -31,6 +31,7 @@ class TorqueOffset(TorqueChannel):
     against = "q"
     gated = True
     of_joint_torque = True
+    ordinary = True
     depends_on = ("position", "time", "other load")
     size_first = True
 

@@ -95,9 +95,10 @@ class TorqueSaturation(Effect):
         if kind != OF_REPORTED:
             top = top_of(motions, j, kind)
             return top is not None and abs(level - top.level) < 1.5 * _AT_TOP * top.level
-        highest = max(_needed(m, j) for m in motions)
-        asked = np.concatenate([np.abs(asked_of(m, j, kind)) for m in motions])
-        reached = int(np.count_nonzero(asked > level))
+        asked = np.concatenate([asked_of(m, j, kind) for m in motions])
+        needed = _needed(motions, j, asked, level)
+        highest = float(np.quantile(np.abs(needed), 0.9995))
+        reached = int(np.count_nonzero(np.abs(asked) > level))
         # A joint that never needed as much: what is cut off is not torque.
         return 0.8 * level <= highest < 1.06 * level and reached >= _LEAST_REACHED
 
@@ -142,7 +143,18 @@ def given_of(motion: Motion, j: int, kind: float) -> FloatArray:
     return motion.given(j)
 
 
-def _needed(motion: Motion, j: int) -> float:
-    """The highest torque that the motion needed by the model, noise apart [N m]."""
-    smooth = np.abs(zero_phase(motion.tau[:, j], motion.cutoff, motion.period))
-    return float(np.quantile(smooth, 0.9995))
+def _needed(motions: Sequence[Motion], j: int, asked: FloatArray, level: float) -> FloatArray:
+    """What the motion needed by the model, with friction, rotor and scale of what was below, (N,).
+
+    Fitted where less than the level was asked, noise apart.
+    """
+    parts = [
+        np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], m.ddq[:, j], np.ones(len(m.time))], axis=1)
+        for m in motions
+    ]
+    smooth = [zero_phase(part, m.cutoff, m.period) for part, m in zip(parts, motions, strict=True)]
+    A = np.concatenate(smooth)
+    below = np.abs(asked) <= level
+    scale = np.sqrt(np.mean(A[below] ** 2, axis=0)) + 1e-12
+    beta = np.linalg.lstsq(A[below] / scale, asked[below], rcond=1e-6)[0]
+    return np.asarray(A / scale @ beta)

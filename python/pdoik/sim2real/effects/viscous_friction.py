@@ -26,6 +26,7 @@ class ViscousFriction(Effect):
     example = Example(values={"coefficient": 1.2})
     gated = True
     of_joint_torque = True
+    ordinary = True
     depends_on = ("speed",)
     size_first = True
 

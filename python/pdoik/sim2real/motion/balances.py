@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Protocol
 
@@ -109,6 +109,12 @@ class Balances:
         other.motions = tuple(motion.pulled_by(gravity) for motion in self.motions)
         kept = {name: each for name, each in self._columns.items() if name[1].link is None}
         other._columns = kept
+        return other
+
+    def with_noise(self, sigma: Mapping[Key, float]) -> Balances:
+        """The same with other standard deviations of some balances."""
+        other = copy(self)
+        other.sigma = {**self.sigma, **sigma}
         return other
 
     def without_session(self, session: int) -> Balances:

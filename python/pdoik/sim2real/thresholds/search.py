@@ -51,6 +51,9 @@ class SearchThresholds(Group):
     still_needed: float = threshold(
         0.7, "share of least_t and least_size that an accepted term must keep beside later ones"
     )
+    better_set: float = threshold(
+        4.0, "criterion by which a joint's other set of ordinary effects must be better"
+    )
     screened: int = threshold(12, "candidates of the highest training gain that are tried a round")
     hopeless: int = threshold(60, "trials without a significant one after which a round gives up")
     most_terms: int = threshold(40, "terms at most")

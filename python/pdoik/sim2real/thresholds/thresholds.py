@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 
+from .background import BackgroundThresholds
 from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
@@ -39,6 +40,7 @@ class Thresholds:
 
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     limits: LimitThresholds = field(default_factory=LimitThresholds)
+    background: BackgroundThresholds = field(default_factory=BackgroundThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
     support: SupportThresholds = field(default_factory=SupportThresholds)
     gates: GateThresholds = field(default_factory=GateThresholds)

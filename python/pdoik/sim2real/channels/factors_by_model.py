@@ -1,0 +1,98 @@
+"""By which factor a torque is not the model's, beside all that an ordinary machine has.
+
+Friction, rotors, drawings that are a tenth wrong and a payload are fitted with it, so that none of
+them is taken for a factor. Where the factor itself cannot be known, friction tells the sign: it
+takes power, and a joint whose friction drives it has its torque the wrong way round.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..motion.balances import Balances
+from ..motion.place import Key
+from ..regression.background import background, is_friction, is_scale
+from ..regression.fit import Fit, Term
+from ..regression.trusted_bodies import TRUST
+from ..study.recording import FloatArray
+
+_ANY = 1e4  # times the usual error: a scale may have any value
+_LOADED = 30.0  # times the usual error: a load may be some times the last link
+
+
+def factors_by_model(balances: Balances) -> dict[int, tuple[float, float]]:
+    """Joints whose torque is not what it should be, with factor and error."""
+    first = balances.motions[0]
+    if first.body is None or first.torque is None:
+        return {}
+    b, ordinary = background(balances)
+    terms = [_loaded(t, first.body.last) for t in ordinary]
+    found: dict[int, tuple[float, float]] = {}
+    while True:
+        base = Fit(b, terms)
+        tried = [each for t in terms if (each := _judged(base, t, found)) is not None]
+        if not tried:
+            return found
+        _, j, factor, error, terms = max(tried, key=lambda each: each[0])
+        found[j] = factor, error
+
+
+def _loaded(term: Term, last: int) -> Term:
+    """Without what usually holds the last link's body near the model's."""
+    body = term.effect == TRUST and term.place.link == last
+    return replace(term, prior=term.prior / _LOADED**2) if body else term
+
+
+def _judged(
+    base: Fit, scale: Term, found: dict[int, tuple[float, float]]
+) -> tuple[float, int, float, float, list[Term]] | None:
+    """What is gained by one joint's scale set free, which joint, factor, error, all terms."""
+    if not is_scale(scale) or scale.place.joints[0] in found:
+        return None
+    b, j = base.balances, scale.place.joints[0]
+    limits = b.thresholds.channels
+    key: Key = ("torque", j)
+    own = replace(scale, prior=scale.prior / _ANY**2)
+    fit = Fit(b, [*(t for t in base.terms if t is not scale), own])
+    factor = 1.0 + float(fit.beta[-1])
+    error = float(np.sqrt(fit.robust(own)[0, 0]))
+    part = factor * own.columns[key][fit.rows[key]][:, 0]
+    left = fit.residual(key) * b.sigma[key]
+    explained = float(np.std(part)) / max(float(np.std(part + left)), 1e-12)
+    # A torque far below what it should be drowns in its noise: its smallness is what is sure.
+    tiny = abs(factor) < limits.tiny and error < limits.tiny_error * limits.tiny
+    outside = not limits.least_factor < factor < limits.most_factor
+    clear = abs(factor - 1.0) > limits.factor_t * error
+    power = _power(fit, j)
+    gained, terms = base.cost() - fit.cost(), list(fit.terms)
+    if outside and clear and (explained > limits.least_correlation or tiny):
+        # Friction may say that the sign is right after all.
+        return None if factor < 0.0 < power - limits.factor_t else (gained, j, factor, error, terms)
+    drives = power < -limits.factor_t and factor - error < 0.0
+    return (gained, j, -1.0, error, terms) if drives else None
+
+
+def _power(fit: Fit, j: int) -> float:
+    """Power that friction takes, by its error over blocks; negative where it drives the joint."""
+    b = fit.balances
+    key: Key = ("torque", j)
+    for term, offset in zip(fit.terms, fit.offsets, strict=False):
+        if is_friction(term) and term.place.joints == (j,):
+            rows = fit.rows[key]
+            beta = fit.beta[offset : offset + term.width].copy()
+            beta[-2:] = 0.0  # rest and rotor take none
+            speed = b.sampled([m.dq[:, j] for m in b.motions])[rows]
+            return _by_blocks(term.columns[key][rows] @ beta * speed, b.block[rows])
+    return 0.0
+
+
+def _by_blocks(values: FloatArray, block: NDArray[np.intp]) -> float:
+    sums = np.bincount(block, values)
+    sums = sums[sums != 0.0]
+    if len(sums) < 3:
+        return 0.0
+    error = float(np.std(sums) * np.sqrt(len(sums)))
+    return float(sums.sum()) / max(error, 1e-300)

@@ -1,0 +1,137 @@
+"""What every machine has, fitted beside the search for what is peculiar and never named by it.
+
+Bearings rub, rotors turn with the joints, drawings are a tenth wrong, torque sensors are a little
+off. Where all of that is left to be found one by one, a fault drowns in it: a first search holds
+each hypothesis against a machine that has all of it in every joint, and a second one then names
+what is ordinary too. What even that leaves is the discrepancy of the model: it counts as noise,
+and with as few independent samples as it has.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..motion.balances import Balances
+from ..motion.motion import Motion
+from ..motion.place import Columns, Key, Place, Shape
+from ..study.recording import FloatArray
+from .fit import Fit, Term
+from .trusted_bodies import trusted
+
+BACKGROUND = "background"
+"""Effect id of the terms; none of the catalogue."""
+
+_SOFT = (0.02, 0.06, 0.2, 0.6)  # speeds over which friction turns [rad/s]
+_ROUNDS = 3  # of fit and noise in turn
+
+
+class Friction:
+    """A smooth curve of the speed, for each direction its own, and the rotor."""
+
+    id = BACKGROUND
+    width = 2 * len(_SOFT) + 4
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Steps of several widths, viscosity, rest and rotor."""
+        (j,) = place.joints
+        v = motion.dq[:, j]
+        steps = [motion.sign(j, s) for s in _SOFT]
+        fading = [np.abs(step) for step in steps]
+        parts = [*steps, *fading, v, np.abs(v), np.ones_like(v), motion.ddq[:, j]]
+        return {("torque", j): np.column_stack(parts)}
+
+
+class Scale:
+    """The torque's own scale."""
+
+    id = BACKGROUND
+    width = 1
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """The model's torque."""
+        (j,) = place.joints
+        return {("torque", j): motion.tau[:, j : j + 1]}
+
+
+def is_friction(term: Term) -> bool:
+    """Whether a term is a joint's friction and rotor."""
+    return term.effect == BACKGROUND and term.width == Friction.width
+
+
+def is_scale(term: Term) -> bool:
+    """Whether a term is a torque's scale."""
+    return term.effect == BACKGROUND and term.width == Scale.width
+
+
+def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
+    """The balances with the discrepancy as their noise, and the terms of all that is ordinary."""
+    terms = _terms(balances)
+    if not terms:
+        return balances, ()
+    least = balances.sigma
+    for _ in range(_ROUNDS):
+        fit = Fit(balances, terms)
+        left = {key: fit.residual(key) * balances.sigma[key] for key in fit.design}
+        sigma = {
+            key: max(least[key], float(np.sqrt(np.mean(each**2))))
+            for key, each in left.items()
+            if len(each)
+        }
+        same = {key: repeats(balances, key, fit.rows[key], each) for key, each in left.items()}
+        balances = balances.with_noise(sigma)
+        usual = float(np.median(list(same.values())))
+        terms = tuple(
+            replace(t, prior=t.prior * same.get(_own(t), usual)) for t in _terms(balances)
+        )
+    return balances, terms
+
+
+def _own(term: Term) -> Key:
+    """The one balance of a joint's term; of a body's none."""
+    return ("torque", term.place.joints[0] if term.place.joints else -1)
+
+
+def repeats(balances: Balances, key: Key, rows: NDArray[np.intp], left: FloatArray) -> float:
+    """Rows that say the same: one and twice the sum of the residual's autocorrelation."""
+    series = np.zeros(balances.count)
+    series[rows] = left
+    total, power = np.zeros(0), 0.0
+    for i in range(len(balances.motions)):
+        part = series[balances.starts[i] : balances.starts[i + 1]]
+        spectrum = np.abs(np.fft.rfft(part, 2 * len(part))) ** 2
+        own = np.fft.irfft(spectrum)[: len(part)]
+        total = own if not len(total) else total[: len(own)] + own[: len(total)]
+        power += float(own[0])
+    if power <= 0.0:
+        return 1.0
+    correlation = total / power
+    below = np.flatnonzero(correlation < 0.0)
+    last = int(below[0]) if len(below) else len(correlation)
+    return float(1.0 + 2.0 * np.sum(correlation[1:last]))
+
+
+def _terms(balances: Balances) -> tuple[Term, ...]:
+    """Of every joint that can be judged, and of the bodies."""
+    believed = balances.thresholds.background
+    terms: list[Term] = []
+    for j in range(balances.n):
+        if ("torque", j) not in balances.residual or not balances.excited[j]:
+            continue
+        place = Place(joints=(j,))
+        size = believed.friction * _usual(balances, j)
+        for cause, scale in ((Friction(), size), (Scale(), believed.torque)):
+            columns = balances.compute(cause, place, ())
+            if columns:
+                prior = np.full(cause.width, 1.0 / max(scale, 1e-9) ** 2)
+                term = Term(effect=BACKGROUND, place=place, shape=(), columns=columns, prior=prior)
+                terms.append(term)
+    return (*terms, *trusted(balances, believed.bodies))
+
+
+def _usual(balances: Balances, j: int) -> float:
+    """What joint j's torque usually is, the model's and what differs from it [N m]."""
+    tau = np.concatenate([m.tau[:, j] for m in balances.motions])
+    return float(np.hypot(np.sqrt(np.mean(tau**2)), balances.rms(("torque", j))))

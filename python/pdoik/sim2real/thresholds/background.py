@@ -1,0 +1,22 @@
+"""What every machine has, whatever its model says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BackgroundThresholds(Group):
+    """Standard deviations of what is fitted beside the search for what is peculiar."""
+
+    friction: float = threshold(
+        1.0, "of each part of a joint's friction, as a share of its usual torque"
+    )
+    torque: float = threshold(
+        0.05, "of a torque's scale", "", "current sensors and torque constants: 3 to 5 %"
+    )
+    bodies: float = threshold(
+        0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
+    )
