@@ -21,6 +21,7 @@ from .regression.trial import Search
 from .select.base_tilt import first_search
 from .select.contacts import contact_term
 from .select.gates import gated_term
+from .select.level_sessions import with_level_sessions
 from .select.rivals import swapped
 from .select.search import search
 from .select.shared_causes import with_shared_causes
@@ -76,6 +77,10 @@ def examine(
     if check.mended:
         prepared = prepare(check.study, prepared.body)
     prepared, state = run_search(prepared, say)
+    level = with_level_sessions(prepared, state)
+    if level is not prepared:
+        say("sessions", "once more, with friction as it is on average over sessions", 0.65)
+        prepared, state = run_search(level, say)
     state = with_unknown(state)
     say("name", "looking for what else would explain the same", 0.75)
     state = with_shared_causes(without_needless_contacts(swapped(state)))

@@ -24,8 +24,10 @@ class Estimate:
 
     value: float
     std: float
-    interval95: tuple[float, float]
+    interval95: tuple[float, float]  # of the mean over sessions, where the study tells of some
     unit: str
+    spread: float | None = None  # standard deviation from session to session; None: none are told
+    spread_p: float | None = None  # probability of such differences if all sessions were alike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,6 +125,7 @@ class JointFit:
     unit: str
     data: str  # the recordings it was measured on
     excited: bool  # whether the joint moved enough to be judged
+    spread: float = 0.0  # root mean square that changes between sessions may leave in any one
     residue: Residue | None = None  # None where the joint is explained, or was not judged
 
 
@@ -205,5 +208,10 @@ def _finding(content: dict[str, Any]) -> Finding:
 def _estimate(content: dict[str, Any]) -> Estimate:
     low, high = content["interval95"]
     return Estimate(
-        value=content["value"], std=content["std"], interval95=(low, high), unit=content["unit"]
+        value=content["value"],
+        std=content["std"],
+        interval95=(low, high),
+        unit=content["unit"],
+        spread=content.get("spread"),
+        spread_p=content.get("spread_p"),
     )

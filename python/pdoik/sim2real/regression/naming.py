@@ -180,6 +180,8 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
         std=std,
         interval95=(value - 1.96 * std, value + 1.96 * std),
         unit=inside[0].parameters[name].unit,
+        spread=best[0].parameters[name].spread,
+        spread_p=best[0].parameters[name].spread_p,
     )
     names = tuple(j for j in joints if any(j in f.joints for f in inside))
     effect = CATALOGUE[best[0].effect]

@@ -1,0 +1,52 @@
+"""What of accepted terms changes from session to session, as far as that is one cause's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .by_session import by_session
+from .fit import Fit, Term
+from .random_effects import Spread, spread_between
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SessionChange:
+    """A term's coefficients between sessions, one that does not change as zeros."""
+
+    term: Term
+    of_another: FloatArray  # (width,) standard deviation of a session that is not among these
+    changes: FloatArray  # (S, width) of each session from the mean, as far as its data tell
+
+
+def session_changes(fit: Fit) -> tuple[SessionChange, ...]:
+    """Of the terms that change between sessions by more than their errors.
+
+    A term that changes by more than a share of itself may be several causes: it is left as it is.
+    """
+    sessions = by_session(fit)
+    freedom = sum(len(each.without) - 1 for each in sessions)
+    found = []
+    for term, offset in zip(fit.terms, fit.offsets, strict=False):
+        if term.fixed or not sessions:
+            continue
+        another, changes = np.zeros(term.width), np.zeros((len(sessions), term.width))
+        for k in range(term.width):
+            each = [session.coefficient(int(offset) + k) for session in sessions]
+            values, variances = np.array(each).T
+            spread = spread_between(values, variances, freedom)
+            if _is_one_cause(fit, spread):
+                another[k] = spread.of_another
+                told = spread.std**2 / (spread.std**2 + variances)
+                changes[:, k] = told * (values - spread.mean)
+        if another.any():
+            found.append(SessionChange(term=term, of_another=another, changes=changes))
+    return tuple(found)
+
+
+def _is_one_cause(fit: Fit, spread: Spread) -> bool:
+    least = fit.balances.thresholds.figures
+    usual = 0.0 < spread.std <= least.usual_spread * abs(spread.mean)
+    return usual and spread.p <= least.spread_p
