@@ -34,6 +34,7 @@ class Run:
     kp: tuple[float, ...] = KP
     coulomb: tuple[float, ...] = (0.0, 0.0, 0.0)
     viscous: tuple[float, ...] = (0.0, 0.0, 0.0)
+    warm: tuple[float, ...] = (0.0, 0.0, 0.0)  # more dry friction at the start, gone in 5 s
     role: str = "fit"
     told: dict[str, Any] = field(default_factory=dict)
 
@@ -83,7 +84,8 @@ def _columns(robot: Path, run: Run, k: int, seconds: float, noise: float) -> dic
     time = PERIOD * np.arange(round(seconds / PERIOD))
     q, dq, ddq = (_motion(time + 37.0 * k, order) for order in range(3))
     tau = torque(robot, q, dq, ddq, run.mass) + ROTORS * ddq
-    tau += np.array(run.coulomb) * np.tanh(dq / 0.01) + np.array(run.viscous) * dq
+    dry = np.array(run.coulomb) + np.array(run.warm) * np.exp(-time / 5.0)[:, None]
+    tau += dry * np.tanh(dq / 0.01) + np.array(run.viscous) * dq
     still = np.zeros_like(q)
     g = torque(robot, q, still, still, run.compensated)
     rng = np.random.default_rng(k)
