@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
@@ -364,6 +365,17 @@ def test_friction_that_warms_up_in_every_recording_is_found_beside_days(tmp_path
     drifts = [each for each in found.findings if each.effect == "friction_drift"]
     assert [each.joints for each in drifts] == [("j2",)]
     assert {each.effect for each in found.findings} == FRICTION | {"friction_drift"}
+
+
+def test_sessions_are_told_of_without_a_robot_too(tmp_path: Path) -> None:
+    runs = [rubbing(1.0, 1.0, name) for name in ("a", "b", "c")]
+    path = write_days(tmp_path, [*runs, rubbing(1.0, 1.0, "d", "validate")], seconds=8.0)
+    content = yaml.safe_load(path.read_text())
+    del content["robot"], content["tip"]
+    path.write_text(yaml.safe_dump(content))
+    found = diagnose(path)
+    assert found.findings == ()
+    assert any("a: run0.csv; b: run1.csv; c: run2.csv" in note for note in found.notes)
 
 
 def test_intervals_over_sessions_end_at_what_a_figure_may_be() -> None:

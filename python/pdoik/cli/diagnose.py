@@ -37,6 +37,9 @@ def diagnose(
 ) -> None:
     """Say where recordings and model disagree, what physics was left out, and how sure that is.
 
+    A recording's entry may say what was held (payload), other gains (controller), the day
+    (session): what changes from day to day is given as a spread.
+
     Writes diagnosis.json as soon as it is known, then model.json, the improved model, the figures
     and report.html; what of these cannot be made is said in the diagnosis's notes. No file is ever
     half written.

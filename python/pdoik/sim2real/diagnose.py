@@ -44,6 +44,9 @@ def diagnose(
 ) -> Diagnosis:
     """Where and why recordings and model disagree.
 
+    Each recording is held against the model as it was then: with its payload, robot and gains.
+    Where the study tells of sessions, figures are means over these, and their spread is given.
+
     Args:
         study: a study, or its YAML file.
         seed: of the bootstrap.

@@ -43,7 +43,8 @@ class Equivalent:
 class Support:
     """What a finding gains in sessions from which neither its figures nor its shape were learnt.
 
-    Sessions are the recordings to fit, or parts of one that is alone.
+    Sessions are those of three or more that the study tells of, else the recordings to fit, or
+    parts of one that is alone.
     """
 
     weight: float  # share of the mean square mismatch that its balances began with
