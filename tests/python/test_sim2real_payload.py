@@ -24,14 +24,16 @@ from pdoik.sim2real import (
     prepare,
 )
 from pdoik.sim2real.confirm.rollouts import Arm
+from pdoik.sim2real.effects.sensor_gain import law_of_position
 from pdoik.sim2real.evidence.replays import replays_of
 from pdoik.sim2real.model.of_recording import simulator_in
+from pdoik.sim2real.motion.motion import motion_of
 from pdoik.sim2real.motion.rigid_body import RigidBody
 from pdoik.sim2real.simulation.inertial import Inertial
 from pdoik.sim2real.study.payload import Payload
 from pdoik.sim2real.study.study import Setup
 from sim2real_days import COM, JOINTS, KP, LINK, ROTORS, Run, torque, write_days
-from sim2real_motions import write_arm
+from sim2real_motions import CUTOFF, pd, recording, write_arm
 
 HALF = tuple(0.5 * each for each in KP)
 
@@ -197,3 +199,20 @@ def test_moments_of_a_known_body_are_about_its_own_centre(tmp_path: Path) -> Non
     inertial = Inertial.from_ten(ten)
     assert inertial.com == pytest.approx([0.1, 0.0, 0.2])
     assert np.allclose(inertial.inertia_about_com, payload.inertia_matrix)
+
+
+def test_a_wrong_position_reaches_gravity_as_the_controller_knows_it(tmp_path: Path) -> None:
+    body = RigidBody(write_arm(tmp_path, 3), JOINTS, ROTORS)
+    held = body.holding(Payload(link=LINK, mass=2.0, com=COM))
+    run, change = recording(body, 3, 4.0), 0.01
+    columns = []
+    for believed in (body, held):
+        m = motion_of(run, held, pd(3), CUTOFF, np.full(3, 1e-14), believed=believed)
+        columns.append(law_of_position(m, 1, np.full(len(m.q), change)))
+    moved = m.q + np.array([0.0, change, 0.0])
+    by_known = [each.gravity(moved) - each.gravity(m.q) for each in (body, held)]
+    assert np.abs(by_known[1] - by_known[0]).max() > 0.05
+    for i in range(3):
+        own = columns[1]["law", i] - columns[0]["law", i]
+        expected = (by_known[1] - by_known[0])[:, i]
+        assert np.abs(np.abs(own[:, 0]) - np.abs(expected)).max() < 0.002

@@ -204,6 +204,11 @@ def test_a_session_that_does_not_show_a_term_says_nothing_of_it() -> None:
     found = learnt(b)
     assert found.spread == pytest.approx(0.1, rel=0.1)
     assert found.value == pytest.approx(1.0, abs=0.02)
+    for k in range(3):
+        b.mask["torque", 1][int(b.starts[k]) : int(b.starts[k + 1])] = k == 0
+    alone = learnt(b)
+    assert alone.spread is alone.spread_p is None
+    assert alone.value == pytest.approx(0.9, abs=0.02)
 
 
 def test_recordings_of_one_day_are_one() -> None:

@@ -161,6 +161,7 @@ FAULTS: dict[str, tuple[dict[str, Any], str]] = {
         {"controller": {"kpp": [1, 1]}},
         "b.csv: controller: unknown key 'kpp'; nearest: 'kp'",
     ),
+    "gains alone": ({"controller": [1, 1]}, r"b.csv: controller: expected 'key: value' lines, got"),
     "too few gains": ({"controller": {"kp": [1]}}, "b.csv: controller: kp has 1 entries"),
     "negative gains": ({"controller": {"kd": [1, -1]}}, "b.csv: controller: kd: .*-1 for elbow"),
     "compensated in words": (

@@ -26,7 +26,7 @@ class Estimate:
     std: float
     interval95: tuple[float, float]  # of the mean over sessions, where the study tells of some
     unit: str
-    spread: float | None = None  # standard deviation from session to session; None: none are told
+    spread: float | None = None  # standard deviation from session to session; None: not told
     spread_p: float | None = None  # probability of such differences if all sessions were alike
 
 

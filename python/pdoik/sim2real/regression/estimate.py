@@ -149,8 +149,8 @@ def _estimate(
             std=float(np.hypot(std, spread.error)),
             interval95=(value - half, value + half),
             unit=unit,
-            spread=spread.std,
-            spread_p=spread.p,
+            spread=spread.std if spread.sessions > 1 else None,
+            spread_p=spread.p if spread.sessions > 1 else None,
         )
     between, freedom = 0.0, 1
     if len(by_recordings) >= least.fewest_sessions:

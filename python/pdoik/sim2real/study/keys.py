@@ -35,7 +35,7 @@ KEYS = (
 _ENTRY = ("file", "role", "topic", "command_topic", "window", "every")
 TOLD = ("robot", "payload", "compensated", "controller", "session", "temperature", "surface")
 """What a recording's entry may say of how it was made."""
-CONTROLLER = ("type", "kp", "kd", "gravity_compensation", "torque_limit", "period")
+_CONTROLLER = ("type", "kp", "kd", "gravity_compensation", "torque_limit", "period")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,7 +133,7 @@ def controller_from(content: Any, joints: tuple[str, ...]) -> Controller | None:
     """
     if content is None:
         return None
-    mapping = checked(content, CONTROLLER, "controller")
+    mapping = checked(content, _CONTROLLER, "controller")
     if mapping.get("type", "pd") != "pd":
         raise LoadError(f"controller: type: expected pd, got {mapping['type']!r}")
     missing = [key for key in ("kp", "kd") if key not in mapping]

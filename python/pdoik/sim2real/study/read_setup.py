@@ -164,9 +164,10 @@ def _controller(content: Any, source: str, told: Told) -> Controller | None:
         return None
     if told.controller is None:
         raise LoadError(f"{source}: controller: expected one of the study first, 'controller:'")
+    if not isinstance(content, dict):
+        raise LoadError(f"{source}: controller: expected 'key: value' lines, got {content!r}")
     try:
-        own = keys.checked(content, keys.CONTROLLER, "controller")
-        return keys.controller_from({**told.controller, **own}, told.joints)
+        return keys.controller_from({**told.controller, **content}, told.joints)
     except LoadError as error:
         raise LoadError(f"{source}: {error}") from error
 
