@@ -26,14 +26,17 @@ from pdoik.sim2real import (
 from pdoik.sim2real.confirm.rollouts import Arm
 from pdoik.sim2real.effects.sensor_gain import law_of_position
 from pdoik.sim2real.evidence.replays import replays_of
-from pdoik.sim2real.model.of_recording import simulator_in
+from pdoik.sim2real.model.of_recording import held_part, simulator_in
 from pdoik.sim2real.motion.motion import motion_of
 from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.simulation.control import GravityModel
 from pdoik.sim2real.simulation.inertial import Inertial
+from pdoik.sim2real.simulation.plant import build_plant
 from pdoik.sim2real.study.payload import Payload
 from pdoik.sim2real.study.study import Setup
 from sim2real_days import COM, JOINTS, KP, LINK, ROTORS, Run, torque, write_days
 from sim2real_motions import CUTOFF, pd, recording, write_arm
+from studies import MJCF, URDF
 
 HALF = tuple(0.5 * each for each in KP)
 
@@ -216,3 +219,22 @@ def test_a_wrong_position_reaches_gravity_as_the_controller_knows_it(tmp_path: P
         own = columns[1]["law", i] - columns[0]["law", i]
         expected = (by_known[1] - by_known[0])[:, i]
         assert np.abs(np.abs(own[:, 0]) - np.abs(expected)).max() < 0.002
+
+
+@pytest.mark.parametrize("text", [MJCF, URDF])
+@pytest.mark.parametrize("link", ["upper", "fore"])
+def test_model_and_simulation_hold_the_same_body(tmp_path: Path, text: str, link: str) -> None:
+    path = tmp_path / ("arm.xml" if text is MJCF else "arm.urdf")
+    path.write_text(text.format(mass=1).replace('pos="0.4 0 0"', 'pos="0.4 0 0" euler="20 0 40"'))
+    payload = Payload(
+        link=link, mass=1.5, com=(0.1, 0.03, 0.2), inertia=(0.01, 0, 0.01, 0, 0, 0.02)
+    )
+    joints = ("shoulder", "elbow")
+    body = RigidBody(path, joints, None).holding(payload)
+    simulated = GravityModel(path, joints, parts=[held_part(payload)])
+    for q in np.random.default_rng(1).uniform(-2.0, 2.0, (5, 2)):
+        assert body.gravity(q[None])[0] == pytest.approx(simulated(q.tolist()), abs=1e-9)
+        inverse = build_plant(
+            path, joints, [held_part(payload)], rotor_inertia=np.zeros(2)
+        ).inverse_inertia(q)
+        assert body.mass_diagonal(q) == pytest.approx(np.diag(np.linalg.inv(inverse)), rel=1e-6)
