@@ -246,6 +246,14 @@ def test_what_is_in_one_session_only_is_no_change_of_one_cause(
     assert session_changes(Fit(b, [viscous(b)])) == ()
 
 
+def test_only_friction_is_put_to_its_mean() -> None:
+    b = days([0.8, 1.0, 1.2])
+    term = viscous(b)
+    motors = replace(term, effect="rotor_inertia")  # whose columns are as if it were that
+    assert session_changes(Fit(b, [term])) != ()
+    assert session_changes(Fit(b, [motors])) == ()
+
+
 # Diagnoses
 
 COULOMB, VISCOUS = np.array([1.5, 2.0, 1.0]), np.array([0.8, 1.0, 0.5])

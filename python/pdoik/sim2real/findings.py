@@ -126,7 +126,7 @@ class JointFit:
     unit: str
     data: str  # the recordings it was measured on
     excited: bool  # whether the joint moved enough to be judged
-    spread: float = 0.0  # root mean square that changes between sessions may leave in any one
+    spread: float = 0.0  # root mean square that friction's changes may leave in a session
     residue: Residue | None = None  # None where the joint is explained, or was not judged
 
 

@@ -1,4 +1,8 @@
-"""What of accepted terms changes from session to session, as far as that is one cause's."""
+"""Friction that changes from session to session, as far as that is one cause's.
+
+Of other effects a change is told and no more: a load, an encoder's zero or a drive's gain that
+changes has a cause of its own, and so has what a law that is not quite right makes of other motion.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..effects import CATALOGUE
 from ..study.recording import FloatArray
 from .by_session import by_session
 from .fit import Fit, Term
@@ -22,15 +27,16 @@ class SessionChange:
 
 
 def session_changes(fit: Fit) -> tuple[SessionChange, ...]:
-    """Of the terms that change between sessions by more than their errors.
+    """Of the friction that changes between sessions by more than its errors.
 
-    A term that changes by more than a share of itself may be several causes: it is left as it is.
+    What changes by more than a share of itself may be several causes: it is left as it is.
     """
     sessions = by_session(fit)
     freedom = sum(len(each.without) - 1 for each in sessions)
     found = []
     for term, offset in zip(fit.terms, fit.offsets, strict=False):
-        if term.fixed or not sessions:
+        effect = CATALOGUE.get(term.effect)
+        if not sessions or term.fixed or effect is None or effect.family != "friction":
             continue
         another, changes = np.zeros(term.width), np.zeros((len(sessions), term.width))
         for k in range(term.width):

@@ -134,7 +134,10 @@ def suspected_words(diagnosis: Diagnosis) -> str:
 
 def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]:
     """By how much figures change from session to session, where that is clear."""
-    said = {}
+    said: dict[str, str] = {}
+    known = CATALOGUE.get(finding.effect)
+    if known is not None and known.sought == "last":
+        return said
     for name, estimate in finding.parameters.items():
         spread, p = estimate.spread, estimate.spread_p
         least = thresholds.get("least_spread", 0.02) * abs(estimate.value)

@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import CATALOGUE
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..regression.session_changes import session_changes
@@ -28,9 +27,6 @@ def with_level_sessions(prepared: Prepared, state: Search) -> Prepared:
     off: dict[Key, FloatArray] = {}
     session = told[prepared.fit.recording]
     for each in session_changes(state.fit):
-        effect = CATALOGUE.get(each.term.effect)
-        if effect is None or effect.family != "friction":
-            continue
         for key, column in each.term.columns.items():
             part = np.sum(column * each.changes[session], axis=1)
             off[key] = off.get(key, np.zeros(len(part))) + part
