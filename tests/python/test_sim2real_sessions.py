@@ -89,6 +89,8 @@ def test_one_session_that_tells_something_has_no_spread() -> None:
     assert (found.std, found.p, found.sessions, found.mean) == (0.0, 1.0, 1, 2.0)
     assert found.half_width(0.5) == pytest.approx(0.98)
     assert found.of_another == 0.0
+    nothing = spread_between(np.zeros(3), np.full(3, np.inf), 9)
+    assert (nothing.std, nothing.p, nothing.sessions) == (0.0, 1.0, 0)
 
 
 def test_intervals_of_few_sessions_are_wide() -> None:
@@ -211,6 +213,16 @@ def test_a_session_that_does_not_show_a_term_says_nothing_of_it() -> None:
     assert alone.value == pytest.approx(0.9, abs=0.02)
 
 
+def test_a_session_of_one_block_says_nothing() -> None:
+    b = days([0.9, 1.1, 1.0, 3.0])
+    last = slice(int(b.starts[3]), int(b.starts[4]))
+    b.block[last] = b.block[last.start]
+    found = learnt(b)
+    assert found.spread == pytest.approx(0.1, rel=0.1)
+    b.block[:] = b.recording
+    assert learnt(b).spread is None
+
+
 def test_recordings_of_one_day_are_one() -> None:
     by_two = learnt(days([0.9, 0.9, 1.1, 1.1], ["a", "a", "b", "b"]))
     assert by_two.spread == pytest.approx(np.sqrt(0.02), rel=0.05)
@@ -219,6 +231,20 @@ def test_recordings_of_one_day_are_one() -> None:
     two, four = (e.interval95[1] - e.interval95[0] for e in (by_two, by_four))
     assert two == pytest.approx(2 * stats.t.ppf(0.975, 1) * 0.1, rel=0.05)
     assert four == pytest.approx(2 * stats.t.ppf(0.975, 3) * 0.2 / np.sqrt(12), rel=0.05)
+
+
+def test_what_differs_within_a_day_is_no_change_of_days() -> None:
+    levels = [0.8, 1.2, 0.85, 1.15]  # of motions, or by chance, but not of days
+    within = learnt(days(levels, ["a", "a", "b", "b"]))
+    assert within.spread == 0.0
+    assert within.spread_p is not None
+    assert within.spread_p > 0.3
+    each = learnt(days(levels, ["a", "b", "c", "d"]))
+    assert each.spread == pytest.approx(np.std(levels, ddof=1), rel=0.05)
+    clear = learnt(days([0.99, 1.01, 1.99, 2.01], ["a", "a", "b", "b"]))
+    assert clear.spread == pytest.approx(np.sqrt(0.5), rel=0.05)
+    assert clear.spread_p is not None
+    assert clear.spread_p < 0.01
 
 
 def test_what_was_taken_off_still_counts_as_change() -> None:
@@ -233,7 +259,7 @@ def test_what_was_taken_off_still_counts_as_change() -> None:
     raw, even = Fit(b, [term]), Fit(level, [term])
     assert np.sum(even.residual(key) ** 2) < 0.1 * np.sum(raw.residual(key) ** 2)
     assert b.residual[key] is not level.residual[key]  # the first is as it was
-    found = [[each.coefficient(0)[0] for each in by_session(fit)] for fit in (raw, even)]
+    found = [[each.beta[0] for each in by_session(fit)] for fit in (raw, even)]
     assert found[0] == pytest.approx(found[1])
     assert found[0] == pytest.approx([0.8, 1.0, 1.2], abs=0.02)
 

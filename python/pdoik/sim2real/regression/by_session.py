@@ -1,23 +1,23 @@
-"""Coefficients learnt anew from each session alone, with errors by the jackknife over its blocks.
+"""Coefficients learnt anew from each session alone, with errors by the jackknife.
 
-What a session does not show is left to priors and ridge, which know nothing of it: there its error
-is as large as theirs.
+Over its blocks; and where sessions have several recordings, over these: a law that is not quite
+right fits each motion with figures of its own, which is no change from day to day. What a session
+does not show is left to priors and ridge, which know nothing of it: there its error is as large as
+theirs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..study.recording import FloatArray
 from .fit import Fit
 
 _MATTERS = 0.05  # of a coefficient's error
-
-Figures = Callable[[FloatArray], dict[str, float]]
-"""Figures by name from all coefficients of a fit."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -25,28 +25,18 @@ class SessionFit:
     """What one session alone says."""
 
     beta: FloatArray  # (k,) of the session
-    without: FloatArray  # (blocks, k) without one of its blocks after the other
+    without_block: FloatArray  # (blocks, k) without one of its blocks after the other
+    without_recording: FloatArray  # (recordings, k) the same of its recordings; (0, k) of one alone
     unseen: FloatArray  # (k,) standard deviation of what the session does not show
 
-    def coefficient(self, k: int) -> tuple[float, float]:
-        """A coefficient and the variance of its error."""
-        count = len(self.without)
-        return float(self.beta[k]), float((count - 1) * np.var(self.without[:, k])) + float(
-            self.unseen[k] ** 2
-        )
 
-    def figure(self, figures: Figures, name: str) -> tuple[float, float]:
-        """A figure and the variance of its error."""
-        value = figures(self.beta)[name]
-        parts = np.array([figures(beta)[name] for beta in self.without])
-        count = len(parts)
-        variance = (count - 1) / count * float(np.sum((parts - parts.mean()) ** 2))
-        errors = np.std(self.without, axis=0) * np.sqrt(count)
-        for k in np.flatnonzero(self.unseen > _MATTERS * errors):
-            moved = self.beta.copy()
-            moved[k] += self.unseen[k]
-            variance += (figures(moved)[name] - value) ** 2
-        return value, variance
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BySession:
+    """One figure as each session has it."""
+
+    values: FloatArray  # (S,)
+    variances: FloatArray  # (S,) of their errors
+    freedom: int  # degrees of freedom of the variances together
 
 
 def by_session(fit: Fit) -> tuple[SessionFit, ...]:
@@ -55,20 +45,75 @@ def by_session(fit: Fit) -> tuple[SessionFit, ...]:
     if b.told is None:
         return ()
     grams, moments = fit.block_sums(as_measured=True)
-    session = np.empty(len(grams), dtype=np.intp)
-    session[b.block] = b.told[b.recording]
+    recording = np.empty(len(grams), dtype=np.intp)
+    recording[b.block] = b.recording
+    session = b.told[recording]
     return tuple(
-        _alone(fit, grams[session == k], moments[session == k])
+        _alone(fit, grams[session == k], moments[session == k], recording[session == k])
         for k in range(int(b.told.max()) + 1)
     )
 
 
-def _alone(fit: Fit, grams: FloatArray, moments: FloatArray) -> SessionFit:
+def figure_by_session(
+    sessions: Sequence[SessionFit], figure: Callable[[FloatArray], float]
+) -> BySession:
+    """A figure of all coefficients, (k,), as each session has it.
+
+    Where recordings of one session differ by more than their blocks tell, all errors are larger
+    by as much.
+    """
+    values = np.array([figure(each.beta) for each in sessions])
+    own = np.array([_jackknife(each.without_block, figure) for each in sessions])
+    freedom = sum(len(each.without_block) - 1 for each in sessions)
+    several = [k for k, each in enumerate(sessions) if len(each.without_recording)]
+    if several:
+        apart = [_jackknife(sessions[k].without_recording, figure) for k in several]
+        larger = float(np.sum(apart)) / max(float(np.sum(own[several])), 1e-300)
+        if larger > 1.0:
+            own = own * larger
+            freedom = sum(len(sessions[k].without_recording) - 1 for k in several)
+    hidden = np.array([_hidden(each, figure) for each in sessions])
+    return BySession(values=values, variances=own + hidden, freedom=freedom)
+
+
+def _alone(
+    fit: Fit, grams: FloatArray, moments: FloatArray, recording: NDArray[np.intp]
+) -> SessionFit:
     gram, moment = grams.sum(axis=0), moments.sum(axis=0)
-    without = [fit.solve(gram - g, moment - m) for g, m in zip(grams, moments, strict=True)]
+
+    def without(groups: NDArray[np.intp]) -> FloatArray:
+        names = np.unique(groups)
+        if len(names) < 2:
+            return np.zeros((0, fit.size))
+        kept = [groups != name for name in names]
+        return np.stack([fit.solve(grams[k].sum(axis=0), moments[k].sum(axis=0)) for k in kept])
+
     return SessionFit(
-        beta=fit.solve(gram, moment), without=np.stack(without), unseen=_unseen(fit, gram)
+        beta=fit.solve(gram, moment),
+        without_block=without(np.arange(len(grams))),
+        without_recording=without(recording),
+        unseen=_unseen(fit, gram),
     )
+
+
+def _jackknife(without: FloatArray, figure: Callable[[FloatArray], float]) -> float:
+    """Variance of a figure, from what it is without one part after the other; of one: infinite."""
+    if not len(without):
+        return np.inf
+    return (len(without) - 1) * float(np.var([figure(beta) for beta in without]))
+
+
+def _hidden(session: SessionFit, figure: Callable[[FloatArray], float]) -> float:
+    """Variance of a figure by what the session does not show."""
+    value, variance = figure(session.beta), 0.0
+    if not len(session.without_block):
+        return np.inf
+    errors = np.std(session.without_block, axis=0) * np.sqrt(len(session.without_block))
+    for k in np.flatnonzero(session.unseen > _MATTERS * errors):
+        moved = session.beta.copy()
+        moved[k] += session.unseen[k]
+        variance += (figure(moved) - value) ** 2
+    return variance
 
 
 def _unseen(fit: Fit, gram: FloatArray) -> FloatArray:

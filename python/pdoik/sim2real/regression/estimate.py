@@ -17,7 +17,7 @@ from ..findings import Estimate
 from ..motion.balances import Balances
 from ..study.recording import FloatArray
 from ..thresholds.figures import FigureThresholds
-from .by_session import by_session
+from .by_session import BySession, by_session, figure_by_session
 from .fit import Fit, Term
 from .random_effects import Spread, spread_between
 
@@ -37,7 +37,6 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     draws = wider.bootstrap(rng, DRAWS)
     left_out = wider.without_each_recording()
     sessions = by_session(wider)
-    freedom = sum(len(each.without) - 1 for each in sessions)
     centre = wider.beta
     # Directions no motion shows do not move in the bootstrap: their prior's spread is added.
     unseen = _unseen(wider)
@@ -76,8 +75,7 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
             name: _spread(
                 fit.balances.thresholds.figures,
                 value,
-                np.array([each.figure(parameters, name) for each in sessions]),
-                freedom,
+                figure_by_session(sessions, lambda draw, name=name: parameters(draw)[name]),  # type: ignore[misc]
                 units.get(name, "-"),
             )
             for name, value in values.items()
@@ -160,14 +158,13 @@ def _estimate(
     return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=unit)
 
 
-def _spread(
-    least: FigureThresholds, value: float, by_sessions: FloatArray, freedom: int, unit: str
-) -> Spread:
-    """Between sessions, of values and variances (S, 2)."""
-    values, variances = by_sessions.T
+def _spread(least: FigureThresholds, value: float, by_sessions: BySession, unit: str) -> Spread:
+    """Between sessions."""
+    values = by_sessions.values
     if unit == "rad":
         values = _near(value, values)
-    return spread_between(values, variances + (least.discretisation * value) ** 2, freedom)
+    variances = by_sessions.variances + (least.discretisation * value) ** 2
+    return spread_between(values, variances, by_sessions.freedom)
 
 
 def _near(value: float, angles: FloatArray) -> FloatArray:

@@ -64,7 +64,8 @@ def spread_between(values: FloatArray, variances: FloatArray, freedom: int) -> S
     value, variance = values[tells], np.maximum(variances[tells], 1e-300)
     count = len(value)
     if count < 2:
-        return Spread(mean=float(value[0]), std=0.0, p=1.0, error=0.0, sessions=count)
+        mean = float(value[0]) if count else np.nan
+        return Spread(mean=mean, std=0.0, p=1.0, error=0.0, sessions=count)
     std = float(np.sqrt(_variance_between(value, variance)))
     Q, _ = _squares(value, variance)
     pooled = 1.0 / variance  # as least squares over all sessions weighs them

@@ -7,12 +7,13 @@ changes has a cause of its own, and so has what a law that is not quite right ma
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 
 from ..effects import CATALOGUE
 from ..study.recording import FloatArray
-from .by_session import by_session
+from .by_session import by_session, figure_by_session
 from .fit import Fit, Term
 from .random_effects import Spread, spread_between
 
@@ -32,7 +33,6 @@ def session_changes(fit: Fit) -> tuple[SessionChange, ...]:
     What changes by more than a share of itself may be several causes: it is left as it is.
     """
     sessions = by_session(fit)
-    freedom = sum(len(each.without) - 1 for each in sessions)
     found = []
     for term, offset in zip(fit.terms, fit.offsets, strict=False):
         effect = CATALOGUE.get(term.effect)
@@ -40,13 +40,12 @@ def session_changes(fit: Fit) -> tuple[SessionChange, ...]:
             continue
         another, changes = np.zeros(term.width), np.zeros((len(sessions), term.width))
         for k in range(term.width):
-            each = [session.coefficient(int(offset) + k) for session in sessions]
-            values, variances = np.array(each).T
-            spread = spread_between(values, variances, freedom)
+            each = figure_by_session(sessions, itemgetter(int(offset) + k))
+            spread = spread_between(each.values, each.variances, each.freedom)
             if _is_one_cause(fit, spread):
                 another[k] = spread.of_another
-                told = spread.std**2 / (spread.std**2 + variances)
-                changes[:, k] = told * (values - spread.mean)
+                told = spread.std**2 / (spread.std**2 + each.variances)
+                changes[:, k] = told * (each.values - spread.mean)
         if another.any():
             found.append(SessionChange(term=term, of_another=another, changes=changes))
     return tuple(found)
