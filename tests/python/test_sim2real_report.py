@@ -122,6 +122,20 @@ def test_the_page_loads_nothing_from_anywhere(folder: Path, page: Page) -> None:
     assert {"link", "iframe", "object", "img"}.isdisjoint(page.tags)
 
 
+def test_what_changes_from_session_to_session_is_said(
+    small_pictures: tuple[ReportData, Pictures],
+) -> None:
+    data, pictures = small_pictures
+    found = diagnosis(data)
+    rubs = next(each for each in found.findings if each.effect == "coulomb_friction")
+    level = replace(rubs.parameters["level"], spread=0.25, spread_p=1e-4)
+    for p, said in ((1e-4, True), (0.3, False)):
+        changed = replace(rubs, parameters={"level": replace(level, spread_p=p)})
+        text = Page(html(replace(found, findings=(changed,)), data, pictures)).text
+        assert ("Changes from session to session level by 12 %" in text) == said
+        assert ("Coulomb friction changes (level): elbow by 12 %." in text) == said
+
+
 def test_ids_are_unique_and_links_within_the_page_arrive(page: Page) -> None:
     assert len(set(page.ids)) == len(page.ids)
     assert {pointer[1:] for pointer in page.pointers if pointer.startswith("#")} <= set(page.ids)

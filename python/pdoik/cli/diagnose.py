@@ -37,6 +37,9 @@ def diagnose(
 ) -> None:
     """Say where recordings and model disagree, what physics was left out, and how sure that is.
 
+    A recording's entry may say what was held (payload), other gains (controller), the day
+    (session): what changes from day to day is given as a spread.
+
     Writes diagnosis.json as soon as it is known, then model.json, the improved model, the figures
     and report.html; what of these cannot be made is said in the diagnosis's notes. No file is ever
     half written.
@@ -91,14 +94,15 @@ _WIDTH = 118  # of tables where nobody looks at a terminal
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """The verdict, joints by what several of them have, what is peculiar, what would decide."""
     from pdoik.sim2real.report.matrix import line, matrix_of
-    from pdoik.sim2real.report.words import VERDICTS, percent, suspected_words
+    from pdoik.sim2real.report.words import VERDICTS, changes_words, percent, suspected_words
 
     matrix = matrix_of(diagnosis)
     out.print(f"[bold]{escape(VERDICTS[diagnosis.verdict][0])}[/]", highlight=False)
     wide = out if out.is_terminal else Console(file=out.file, width=_WIDTH)
     wide.print(_joints(diagnosis, matrix))
     decided = next((f.decided_by for f in diagnosis.findings if f.equivalents), "")
-    last = bool(decided) + bool(diagnosis.suspected)
+    changed = changes_words(diagnosis)
+    last = bool(decided) + bool(diagnosis.suspected) + len(changed)
     room = max(3, _LINES - len(diagnosis.joints) - 8 - last)  # 7 of them the table's
     for finding in matrix.others[:room]:
         gain = percent(finding.evidence.validation_gain)
@@ -106,6 +110,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         out.print(escape(said), highlight=False)
     if len(matrix.others) > room:
         out.print(f"... and {len(matrix.others) - room} more findings", highlight=False)
+    for line_of_changes in changed:
+        out.print(escape(line_of_changes), highlight=False)
     if diagnosis.suspected:
         out.print(escape(suspected_words(diagnosis)), highlight=False)
     if decided:

@@ -23,9 +23,10 @@ from .motion.prepare import Prepared, prepare
 from .regression.trial import Search
 from .select.search import search
 from .simulation import SimulationError, Simulator, Stepper
+from .study.payload import Payload
 from .study.read_study import load_study
 from .study.recording import Recording
-from .study.study import Controller, Study, Trust
+from .study.study import Controller, Setup, Study, Trust
 from .thresholds import Thresholds
 
 __all__ = [
@@ -39,10 +40,12 @@ __all__ = [
     "Finding",
     "JointFit",
     "Model",
+    "Payload",
     "Prepared",
     "Recording",
     "Residue",
     "Search",
+    "Setup",
     "SimulationError",
     "Simulator",
     "Stepper",

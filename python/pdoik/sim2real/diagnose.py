@@ -22,6 +22,7 @@ from .select.base_tilt import first_search
 from .select.contacts import contact_term
 from .select.gates import gated_term
 from .select.joint_sets import with_joint_sets
+from .select.level_sessions import with_level_sessions
 from .select.rivals import swapped
 from .select.search import search
 from .select.shared_causes import with_shared_causes
@@ -43,6 +44,9 @@ def diagnose(
     thresholds: Thresholds | None = None,
 ) -> Diagnosis:
     """Where and why recordings and model disagree.
+
+    Each recording is held against the model as it was then: with its payload, robot and gains.
+    Where the study tells of sessions, figures are means over these, and their spread is given.
 
     Args:
         study: a study, or its YAML file.
@@ -77,6 +81,10 @@ def examine(
     if check.mended:
         prepared = prepare(check.study, prepared.body)
     prepared, state = run_search(prepared, say)
+    level = with_level_sessions(prepared, state)
+    if level is not prepared:
+        say("sessions", "once more, with friction as it is on average over sessions", 0.65)
+        prepared, state = run_search(level, say)
     say("name", "every joint's friction, offset and rotor, weighed as a set", 0.72)
     state = with_unknown(with_joint_sets(state))
     say("name", "looking for what else would explain the same", 0.75)

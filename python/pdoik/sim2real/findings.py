@@ -24,8 +24,10 @@ class Estimate:
 
     value: float
     std: float
-    interval95: tuple[float, float]
+    interval95: tuple[float, float]  # of the mean over sessions, where the study tells of some
     unit: str
+    spread: float | None = None  # standard deviation from session to session; None: not told
+    spread_p: float | None = None  # probability of such differences if all sessions were alike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +43,8 @@ class Equivalent:
 class Support:
     """What a finding gains in sessions from which neither its figures nor its shape were learnt.
 
-    Sessions are the recordings to fit, or parts of one that is alone.
+    Sessions are those of three or more that the study tells of, else the recordings to fit, or
+    parts of one that is alone.
     """
 
     weight: float  # share of the mean square mismatch that its balances began with
@@ -123,6 +126,7 @@ class JointFit:
     unit: str
     data: str  # the recordings it was measured on
     excited: bool  # whether the joint moved enough to be judged
+    spread: float = 0.0  # root mean square that friction's changes may leave in a session
     residue: Residue | None = None  # None where the joint is explained, or was not judged
 
 
@@ -205,5 +209,10 @@ def _finding(content: dict[str, Any]) -> Finding:
 def _estimate(content: dict[str, Any]) -> Estimate:
     low, high = content["interval95"]
     return Estimate(
-        value=content["value"], std=content["std"], interval95=(low, high), unit=content["unit"]
+        value=content["value"],
+        std=content["std"],
+        interval95=(low, high),
+        unit=content["unit"],
+        spread=content.get("spread"),
+        spread_p=content.get("spread_p"),
     )

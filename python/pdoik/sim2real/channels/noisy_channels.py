@@ -41,10 +41,11 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         study: after that.
     """
     limits = study.thresholds.channels
-    fit = ChannelNoise(study.fit, study.controller, _laws(prepared.fit), limits)
+    controller = study.shared_controller
+    fit = ChannelNoise(study.fit, controller, _laws(prepared.fit), limits)
     held_out = None
     if prepared.validate is not None:
-        held_out = ChannelNoise(study.validate, study.controller, _laws(prepared.validate), limits)
+        held_out = ChannelNoise(study.validate, controller, _laws(prepared.validate), limits)
     found = []
     for channel in _CHANNELS:
         levels = fit.levels(channel)

@@ -8,7 +8,7 @@ filters and balances.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from ..effects import CATALOGUE
 from ..effects.simulated import not_simulated
 from ..findings import Estimate, Evidence
+from ..model.model import Model
+from ..model.of_recording import simulator_in
 from ..motion.balances import Balances
 from ..motion.cutoff import noise_of
 from ..motion.motion import thinned
@@ -110,8 +112,8 @@ class Arm:
         )
         for reason in filter(None, map(not_simulated, findings)):
             raise ValueError(reason)
-        simulator = improved_model(self.prepared, findings, self._fit).simulator()
-        logged = [_as_logged(simulator.replay(r, drive="controller"), r) for r in self.recordings]
+        model = improved_model(self.prepared, findings, self._fit)
+        logged = [_as_logged(each, r) for each, r in self._replayed(model)]
         sim = self._balances(logged)
         left = {
             key: (self.data.residual[key] - sim.residual[key])[at] / self.data.sigma[key]
@@ -121,6 +123,14 @@ class Arm:
             raise SimulationError("the simulation gave no numbers")
         touched = frozenset(key for term in terms for key in term.columns)
         return Rollout(values=tuple(dict(each) for each in values), left=left, touched=touched)
+
+    def _replayed(self, model: Model) -> Iterator[tuple[Recording, Recording]]:
+        """Every recording simulated from its commands as it was made, and itself."""
+        plain = model.simulator()
+        for recording in self.recordings:
+            setup = self.prepared.study.setup_of(recording)
+            simulator = plain if setup.is_plain else simulator_in(model, setup)
+            yield simulator.replay(recording, drive="controller"), recording
 
 
 def why_not(study: Study) -> str:

@@ -1,9 +1,10 @@
 """Every accepted term learnt anew without one session after the other, and held against that.
 
-Sessions are recordings, or parts of one that is alone. The search tunes nonlinear parameters and
-gates on all rows and only its coefficients by folds, and it looks at hundreds of candidates. Here
-shapes and gates are tuned without the session too: what is gained is gained where the whole of the
-term was never seen (nested cross-validation; Varma and Simon, BMC Bioinformatics 7:91, 2006).
+Sessions are those that the study tells of, where there are three or more; else recordings, or
+parts of one that is alone. The search tunes nonlinear parameters and gates on all rows and only its
+coefficients by folds, and it looks at hundreds of candidates. Here shapes and gates are tuned
+without the session too: what is gained is gained where the whole of the term was never seen (nested
+cross-validation; Varma and Simon, BMC Bioinformatics 7:91, 2006).
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pdoik.errors import PdoikError
@@ -81,4 +83,4 @@ def _estimate(before: Estimate, simulated: float, effect: Effect, own_error: flo
     std = float(np.hypot(before.std, more))
     half = (before.interval95[1] - before.interval95[0]) / 2
     half = float(np.hypot(half, 1.96 * more))
-    return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=before.unit)
+    return replace(before, value=value, std=std, interval95=(value - half, value + half))

@@ -9,12 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ..model.of_recording import held_part
 from ..motion.balances import Balances
 from ..motion.prepare import prepare
 from ..simulation import Simulator
 from ..simulation.parts import Part
+from ..study.payload import Payload
 from ..study.recording import FloatArray, Recording, Role
-from ..study.study import Controller, Study
+from ..study.study import Controller, Setup, Study
 
 JOINTS = ("j1", "j2", "j3")
 TIP = "tool"
@@ -29,12 +31,13 @@ _SINES = ((0.7, 0.21, 0.4), (0.25, 0.53, 1.1), (0.05, 1.3, 2.0))  # [rad], [Hz],
 class Arm:
     """Description, controller and motion, all the same for every effect."""
 
-    def __init__(self, folder: Path, seconds: float = SECONDS) -> None:
+    def __init__(self, folder: Path, seconds: float = SECONDS, held: Payload | None = None) -> None:
         """Write the description into a folder.
 
         Args:
             folder: that is there.
             seconds: of the motion [s].
+            held: a body that is known to be in its hand.
         """
         self.folder, self.robot = folder, folder / "arm.urdf"
         self.robot.write_text(_urdf(), encoding="utf-8")
@@ -44,6 +47,11 @@ class Arm:
             gravity_compensation=True,
         )
         self._seconds = seconds
+        self._held = held
+
+    def holding(self, payload: Payload) -> Arm:
+        """The same with a known body in its hand."""
+        return Arm(self.folder, self._seconds, payload)
 
     def run(
         self, parts: Iterable[Part] = (), *, name: str = RECORDING, late: float = 0.0
@@ -58,7 +66,9 @@ class Arm:
         Raises:
             SimulationError: the arm ran away.
         """
-        simulator = Simulator(self.robot, JOINTS, self.controller, _ROTORS, tuple(parts), tip=TIP)
+        held = () if self._held is None else (held_part(self._held),)
+        parts = (*parts, *held)
+        simulator = Simulator(self.robot, JOINTS, self.controller, _ROTORS, parts, tip=TIP)
         commands = _commands(self._seconds, name, late)
         return replace(simulator.replay(commands, drive="controller", tip=True), notes=())
 
@@ -83,6 +93,7 @@ class Arm:
             split=split,
             controller=self.controller,
             rotor_inertia=_ROTORS,
+            setups={r.name: Setup(payload=self._held) for r in recordings},
         )
 
     def balances(self, recording: Recording) -> Balances:

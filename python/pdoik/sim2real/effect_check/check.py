@@ -58,7 +58,7 @@ def check_effect(
         if diagnose:
             longer = Path(folder) / "longer"
             longer.mkdir()
-            outcomes.append(found(trial, Arm(longer, _LONGER)))
+            outcomes.append(found(trial, Arm(longer, _LONGER, example.held)))
     return tuple(outcomes)
 
 

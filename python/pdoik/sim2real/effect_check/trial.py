@@ -22,7 +22,8 @@ class Trial:
     """One effect at the example's figures."""
 
     def __init__(self, effect: Effect, example: Example, arm: Arm) -> None:
-        self.effect, self.example, self.arm = effect, example, arm
+        self.effect, self.example = effect, example
+        self.arm = arm if example.held is None else arm.holding(example.held)
         self.shape, self.beta = effect.coefficients(example.values, example.shape)
         others = [(known(name), values) for name, values in example.beside.items()]
         self.beside = [(other, *other.coefficients(values)) for other, values in others]
@@ -98,7 +99,7 @@ class Trial:
                 name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units.get(name, "-"))
                 for name, v in values.items()
             },
-            variant=effect.variant(shape),
+            variant=effect.variant(shape) if place.held is None else place.held.label,
             shape=shape,
         )
 

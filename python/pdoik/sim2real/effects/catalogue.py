@@ -20,6 +20,7 @@ from .joint_elasticity import JointElasticity
 from .joint_offset import JointOffset
 from .kinematic_error import KinematicError
 from .load_dependent_friction import LoadDependentFriction
+from .payload_error import PayloadError
 from .position_dependent_spring import PositionDependentSpring
 from .presliding_hysteresis import PreslidingHysteresis
 from .rotor_inertia import RotorInertia
@@ -84,6 +85,7 @@ for _effect in (
     FrictionDrift(),
     RotorInertia(),
     Payload(),
+    PayloadError(),
     LinkInertials(),
     GravityDirection(),
     TorqueGain(),

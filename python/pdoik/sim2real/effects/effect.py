@@ -12,6 +12,7 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Part
+from ..study.payload import Payload
 from ..study.recording import FloatArray, Recording
 from .site import Site
 
@@ -49,6 +50,7 @@ class Example:
     beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """Figures of effects that are there as well, by their id, at the same place."""
     nothing: Mapping[str, float] | None = None  # figures at which it does nothing, if not at 0
+    held: Payload | None = None  # a body that the arm is known to hold, at the link "tool"
 
 
 class Effect(ABC):

@@ -129,10 +129,11 @@ def law_of_position(motion: Motion, j: int, change: FloatArray) -> Columns:
         return {}
     torque = np.zeros_like(motion.q)
     torque[:, j] = -controller.kp[j] * change
-    if controller.gravity_compensation and motion.body is not None:
+    if controller.gravity_compensation and motion.believed is not None:
         moved = motion.q.copy()
         moved[:, j] += _STEP
-        slope = (motion.body.gravity(moved) - motion.body.gravity(motion.q)) / _STEP
+        believed = motion.believed
+        slope = (believed.gravity(moved) - believed.gravity(motion.q)) / _STEP
         torque += slope * change[:, None]
     columns: Columns = {}
     for i in np.flatnonzero(np.any(torque != 0.0, axis=0)):

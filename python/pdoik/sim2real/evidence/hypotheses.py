@@ -81,6 +81,8 @@ def place_words(examination: Examination, place: Place) -> str:
     words = ", ".join(prepared.study.joints[j] for j in place.joints) or "base"
     if place.link is not None and prepared.body is not None:
         words = prepared.body.links[place.link]
+    if place.held is not None:
+        words = place.held.label
     if place.window is not None:
         words += f", {place.window[0]:.1f} to {place.window[1]:.1f} s of {place.recording}"
     return words

@@ -9,9 +9,11 @@ import numpy as np
 from pdoik.errors import PdoikError
 
 from ..model.model import Model
+from ..model.of_recording import simulator_in
 from ..report.data import Replay
 from ..study.recording import Recording
 from ..study.split import part
+from ..study.study import Setup
 
 if TYPE_CHECKING:
     from ..infer.conclude import Examination
@@ -31,16 +33,17 @@ def replays_of(
     notes = [f"Not in the replay: {reason}." for reason in model.not_simulated]
     for recording in (study.validate or study.fit)[:MOST]:
         try:
-            replays.append(_replay(model, _shortened(recording), notes))
+            setup = study.setup_of(recording)
+            replays.append(_replay(model, setup, _shortened(recording), notes))
         except (PdoikError, ValueError) as error:
             notes.append(f"No replay of {recording.name}: {error}.")
     return tuple(replays), tuple(dict.fromkeys(notes))
 
 
-def _replay(model: Model, recording: Recording, notes: list[str]) -> Replay:
+def _replay(model: Model, setup: Setup, recording: Recording, notes: list[str]) -> Replay:
     runs = []
     for findings in (False, True):
-        simulator = model.simulator(findings=findings)
+        simulator = simulator_in(model, setup, findings=findings)
         drive = simulator.drive_for(recording)
         run = simulator.replay(recording, drive=drive, tip=False)
         notes += [

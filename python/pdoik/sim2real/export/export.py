@@ -140,7 +140,7 @@ def _mjcf_has_words(part: Part) -> bool:
         return _is_zero_of_encoder(part)
     if isinstance(part, GearPlay):
         return not part.waves and (part.gap == 0.0 or np.isinf(part.stiffness))
-    return isinstance(part, DofChange | LinkChange | GravityTilt | Placement)
+    return isinstance(part, DofChange | GravityTilt | Placement) or _is_of_robot(part)
 
 
 def _urdf_has_words(part: Part) -> bool:
@@ -150,7 +150,12 @@ def _urdf_has_words(part: Part) -> bool:
         return part.armature == 0.0 and part.stiffness == 0.0
     if isinstance(part, SensorChange):
         return _is_zero_of_encoder(part)
-    return isinstance(part, LinkChange | Placement)
+    return isinstance(part, Placement) or _is_of_robot(part)
+
+
+def _is_of_robot(part: Part) -> bool:
+    """Whether it changes a link, and not what a recording is known to hold."""
+    return isinstance(part, LinkChange) and not part.held
 
 
 def _is_zero_of_encoder(part: SensorChange) -> bool:

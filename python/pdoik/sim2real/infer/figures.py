@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..confirm.simulated_estimates import simulated_estimates
-from ..effects import CATALOGUE
+from ..effects import CATALOGUE, Effect
 from ..findings import Estimate
 from ..motion.place import Place
 from ..motion.prepare import Prepared
@@ -66,11 +66,23 @@ def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
             continue
         if term in state.contacts:
             figures = event_estimates(state.without(term).fit.extended(term), term)
-        kept.append((term, figures))
+        kept.append((term, within_bounds(CATALOGUE[term.effect], figures)))
     if lost:
         state = state.without(*lost)
     state = replace(state, fit=state.fit.constrained())
     return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes))
+
+
+def within_bounds(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Estimate]:
+    """Intervals over sessions no farther than figures may go: few sessions leave them wide."""
+    bounds = {each.name: (each.lower, each.upper) for each in effect.parameters}
+    result = {}
+    for name, each in figures.items():
+        (low, high), (least, most) = each.interval95, bounds.get(name, (-np.inf, np.inf))
+        if each.spread and least <= each.value <= most:
+            each = replace(each, interval95=(max(low, least), min(high, most)))
+        result[name] = each
+    return result
 
 
 def _is_lost_in_its_error(state: Search, term: Term, values: dict[str, Estimate]) -> bool:

@@ -11,6 +11,7 @@ from ..findings import Finding, JointFit, Verdict
 from ..motion.place import Key
 from ..motion.prepare import Prepared, simulated
 from ..regression.prediction import Prediction
+from ..regression.session_changes import session_changes
 from ..regression.trial import Search
 from ..study.recording import FloatArray
 from ..thresholds.verdict import VerdictThresholds
@@ -23,10 +24,12 @@ def joint_fits(
     """Residual of each joint before and after, on held-out recordings.
 
     What is left is the regression's, or where an effect was confirmed by simulations, the less of
-    what these leave and the regression does.
+    what these leave and the regression does. A session that nothing was learnt from is expected to
+    differ from the mean as those do that were.
     """
     b = prediction.balances
     left = prediction.residual(state.fit)
+    spread = prediction.spread(session_changes(state.fit))
     names = ", ".join(m.recording.name for m in b.motions)
     result = {}
     for j, name in enumerate(prepared.study.joints):
@@ -47,6 +50,7 @@ def joint_fits(
             unit="rad" if key[0] == "servo" else "N m",
             data=names,
             excited=excited,
+            spread=_rms(spread[key][rows]) if key in spread else 0.0,
         )
         if excited and not _is_quiet(fit, prepared.study.thresholds.verdict):
             fit = replace(fit, residue=residue_of(b, key, left[key]))
@@ -115,13 +119,14 @@ def verdict_of(
 
 
 def _is_explained(joint: JointFit, limits: VerdictThresholds) -> bool:
-    floor = max(joint.noise_floor, 1e-12)
+    floor = max(float(np.hypot(joint.noise_floor, joint.spread)), 1e-12)
     return joint.after <= limits.near_floor * floor or joint.after <= limits.little * joint.before
 
 
 def _is_quiet(joint: JointFit, limits: VerdictThresholds) -> bool:
     """Whether it is explained, or so near its floor that a factor of two is worth no name."""
-    return _is_explained(joint, limits) or joint.after <= limits.quiet * joint.noise_floor
+    floor = float(np.hypot(joint.noise_floor, joint.spread))
+    return _is_explained(joint, limits) or joint.after <= limits.quiet * floor
 
 
 def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:
@@ -144,12 +149,30 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
     still = [name for name, each in joints.items() if not each.excited]
     if still:
         notes.append(f"{', '.join(still)}: moved too little to be judged.")
+    if prepared.fit.told is not None:
+        notes.append(_sessions_in_words(prepared))
     if state.nuisance:
         notes.append(
             f"The model's masses, centres and inertias were adjusted within"
             f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
         )
     return tuple(dict.fromkeys(notes))
+
+
+def _sessions_in_words(prepared: Prepared) -> str:
+    """Which recordings to fit are of which session, and what was done about it."""
+    told = prepared.fit.told
+    assert told is not None
+    groups: dict[str, list[str]] = {}
+    for motion in prepared.fit.motions:
+        groups.setdefault(motion.setup.session or "not told", []).append(motion.recording.name)
+    said = "; ".join(f"{name}: {', '.join(files)}" for name, files in groups.items())
+    words = f"Sessions of the recordings to fit: {said}. Figures are means over sessions."
+    if prepared.fit.taken_off:
+        words += " Friction changes between them; the rest was found beside these changes."
+    if len(groups) < prepared.study.thresholds.support.fewest_told:
+        words += " Two sessions say next to nothing of others: three or more make intervals narrow."
+    return words
 
 
 def simulation_notes(prepared: Prepared) -> list[str]:

@@ -18,6 +18,7 @@ from ..simulation.inertial import Inertial
 from ..simulation.mjcf import flat_mjcf
 from ..simulation.parts import ExternalForce, LinkChange, Vector
 from ..simulation.plant import STANDARD_GRAVITY, link_carrying
+from ..study.payload import Payload
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller, Study
 from .content import array_of, controller_content, controller_of, findings_of, listed, required
@@ -91,8 +92,13 @@ class Model:
             corrected[link] = new[nearest(link, new, "link")].ten() + change
         return replace(self, robot=text, rigid_body=corrected)
 
-    def parts(self, *, findings: bool = True) -> tuple[Part, ...]:
-        """What the simulation adds to the robot's description."""
+    def parts(self, *, findings: bool = True, held: Payload | None = None) -> tuple[Part, ...]:
+        """What the simulation adds to the robot's description.
+
+        Args:
+            findings: whether to add them.
+            held: the known body in the robot's hand; what was found of others is left out.
+        """
         if not findings:
             return ()
         corrected = tuple(
@@ -100,9 +106,11 @@ class Model:
             for link, ten in self.rigid_body.items()
         )
         parts = sum((parts_of_finding(finding) for finding in self.findings), corrected)
+        label = "" if held is None else held.label
+        parts = tuple(part for part in parts if _acts_with(part, label))
         if self.tip is None or not any(isinstance(part, ExternalForce) for part in parts):
             return parts
-        carrier = link_carrying(self._robot(), self.joints, self.tip)
+        carrier = link_carrying(self.description, self.joints, self.tip)
         return tuple(_pushed_at_tip(part, carrier, self.tip) for part in parts)
 
     @property
@@ -118,7 +126,7 @@ class Model:
             ValueError: the study had no robot.
         """
         return Simulator(
-            self._robot(),
+            self.description,
             self.joints,
             self.controller,
             self.rotor_inertia,
@@ -135,7 +143,7 @@ class Model:
             ValueError: the study had no robot.
         """
         return Stepper(
-            self._robot(),
+            self.description,
             self.joints,
             self.parts(findings=findings),
             rotor_inertia=self.rotor_inertia,
@@ -144,7 +152,13 @@ class Model:
             timestep=timestep,
         )
 
-    def _robot(self) -> str:
+    @property
+    def description(self) -> str:
+        """Text of the robot's URDF or MJCF.
+
+        Raises:
+            ValueError: the study had no robot.
+        """
         if self.robot is None:
             raise ValueError("the study had no robot description, so nothing can be simulated")
         return self.robot
@@ -256,6 +270,11 @@ def robot_text(robot: Path) -> str:
         raise LoadError(f"{robot}: {error}") from None
     described = read_description(robot)
     return text if described.format == "urdf" else flat_mjcf(robot)
+
+
+def _acts_with(part: Part, held: str) -> bool:
+    """Whether a part acts while a known body of this label is held; "" for none."""
+    return not isinstance(part, LinkChange) or part.held in ("", held)
 
 
 def _pushed_at_tip(part: Part, carrier: str, tip: str) -> Part:

@@ -14,6 +14,7 @@ from ..thresholds import Thresholds
 from .motion import Motion
 from .place import Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
+from .told_sessions import told_sessions
 
 
 class Cause(Protocol):
@@ -53,13 +54,14 @@ class Balances:
         self.recording = np.repeat(np.arange(len(motions)), counts)
         self.block = self._blocks()
         self.fold = self._folds()
-        # What is chosen must hold in another recording; of one alone, in another part of it.
-        self.session = self.recording if len(self.motions) > 1 else self.fold
+        self.told = told_sessions([m.setup for m in motions])  # (motions,), None without any
+        self.session = self._sessions()
         self.excited = np.array([_excited(motions, j, self.thresholds) for j in range(self.n)])
         self.residual: dict[Key, FloatArray] = {}
         self.mask: dict[Key, NDArray[np.bool_]] = {}
         self.floor: dict[Key, float] = {}
         self.sigma: dict[Key, float] = {}
+        self.taken_off: dict[Key, FloatArray] = {}  # of the residuals, see `less`
         self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[tuple[str, Place, Shape], dict[Key, FloatArray]] = {}
         for key, values in self._raw().items():
@@ -122,6 +124,15 @@ class Balances:
         other = copy(self)
         kept = (self.session != session) & ~self._near_borders()
         other.mask = {key: mask & kept for key, mask in self.mask.items()}
+        return other
+
+    def less(self, off: Mapping[Key, FloatArray]) -> Balances:
+        """The same less what is known to be in some residuals, (N,) each."""
+        other = copy(self)
+        before = self.taken_off
+        other.taken_off = {**before, **{k: each + before.get(k, 0.0) for k, each in off.items()}}
+        other.residual = {k: each - off.get(k, 0.0) for k, each in self.residual.items()}
+        other.scratch = {}
         return other
 
     def rms(self, key: Key, values: FloatArray | None = None) -> float:
@@ -217,6 +228,17 @@ class Balances:
             place = np.arange(span.stop - span.start)
             folds[span] = i * parts + np.minimum(place * parts // len(place), parts - 1)
         return folds if len(self.motions) * parts <= 2 * wanted else folds % wanted
+
+    def _sessions(self) -> NDArray[np.intp]:
+        """What is left out in turn: what is chosen must hold in another one.
+
+        Sessions that the study tells of, where there are enough; else recordings; of one recording
+        alone its parts.
+        """
+        told = self.told
+        if told is not None and int(told.max()) + 1 >= self.thresholds.support.fewest_told:
+            return np.asarray(told[self.recording], dtype=np.intp)
+        return self.recording if len(self.motions) > 1 else self.fold
 
     def _near_borders(self) -> NDArray[np.bool_]:
         """Rows so near to another session of their recording that filters let them resemble it."""

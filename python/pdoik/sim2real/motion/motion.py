@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..study.recording import FloatArray, Recording
-from ..study.study import Controller
+from ..study.study import Controller, Setup
 from ..thresholds import Thresholds
 from .rigid_body import RigidBody
 from .signals import derivative, dilated, shifted, zero_phase
@@ -53,6 +53,8 @@ class Motion:
     dq_des: FloatArray | None
     tip_error: FloatArray | None  # (T, 6) measured tip less the model's: translation, rotation
     tip_jacobian: FloatArray | None  # (T, 6, n)
+    believed: RigidBody | None = None  # by the controller, whose gravity it compensates
+    setup: Setup = field(default_factory=Setup)
     cache: dict[str, FloatArray] = field(default_factory=dict, repr=False)
     thresholds: Thresholds = field(default_factory=Thresholds, repr=False)
 
@@ -210,6 +212,8 @@ def motion_of(
     tip: str | None = None,
     since: float = 0.0,
     thresholds: Thresholds | None = None,
+    believed: RigidBody | None = None,
+    setup: Setup | None = None,
 ) -> Motion:
     """Smooth the motion and evaluate the model along it.
 
@@ -222,10 +226,12 @@ def motion_of(
         tip: link whose pose the channel `tip` is.
         since: time from the file's start to the recording's first sample [s].
         thresholds: the defaults if none are given.
+        believed: whose gravity the controller compensates; `body` if None.
+        setup: of the recording; nothing special if None.
     """
     period, count = recording.period, len(recording.time)
     n = recording.q.shape[1]
-    believed = Thresholds() if thresholds is None else thresholds
+    limits = Thresholds() if thresholds is None else thresholds
     wide = _WIDER * cutoff
     q = zero_phase(recording.q, wide, period)
     dq = derivative(q, period)
@@ -233,7 +239,7 @@ def motion_of(
     # White noise of density S in q gives the speed a variance of S (2 pi)^2 f^3 / 3 below f.
     band = min(wide, 0.5 / period)
     speed_noise = np.sqrt(position_noise * (2 * np.pi) ** 2 * band**3 / 3)
-    floor = np.maximum(4.0 * speed_noise, believed.noise.still_speed)
+    floor = np.maximum(4.0 * speed_noise, limits.noise.still_speed)
     zeros = np.zeros((count, n))
     empty = np.zeros((count, n, n))
     tau, by_q, by_v, mass = zeros, empty, empty, empty
@@ -248,7 +254,8 @@ def motion_of(
             poses, tip_jacobian = body.poses_and_jacobians(q, body.frame(tip))
             tip_error = _pose_error(recording.tip, poses)
             cache["tip_position"] = np.ascontiguousarray(poses[:, :3, 3])
-    law = None if controller is None else control_law(recording, controller, body)
+    believed = body if believed is None else believed
+    law = None if controller is None else control_law(recording, controller, believed)
     torque, source = _torque(recording, law)
     command = recording.tau_cmd if source in ("tau", "current") else None
     return Motion(
@@ -280,8 +287,10 @@ def motion_of(
         dq_des=recording.dq_des,
         tip_error=tip_error,
         tip_jacobian=tip_jacobian,
+        believed=believed,
+        setup=Setup() if setup is None else setup,
         cache=cache,
-        thresholds=believed,
+        thresholds=limits,
     )
 
 

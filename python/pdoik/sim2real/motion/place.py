@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..study.payload import Payload
 from ..study.recording import FloatArray
 
 Balance = Literal["torque", "drive", "law", "velocity", "tip", "servo"]
@@ -47,3 +48,4 @@ class Place:
     recording: str | None = None
     window: tuple[float, float] | None = None
     gate: Gate | None = None
+    held: Payload | None = None  # the known body without which it does nothing

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..study.recording import FloatArray, Recording
-from ..study.study import Study
+from ..study.study import Setup, Study
 from .balances import Balances
 from .cutoff import chosen_cutoff, noise_of
 from .motion import Motion, motion_of, thinned
@@ -80,19 +80,38 @@ def motions_of(
     for each in (*study.recordings, *recordings):
         name = _file(each)
         begins[name] = min(begins.get(name, np.inf), each.start)
-    return [
-        motion_of(
-            r,
-            body,
-            study.controller,
-            cutoff,
-            noise,
-            study.tip,
-            r.start - begins[_file(r)],
-            study.thresholds,
+    motions = []
+    for r in recordings:
+        setup = study.setup_of(r)
+        moved = body_in(study, setup, body)
+        motions.append(
+            motion_of(
+                r,
+                moved,
+                setup.controller or study.controller,
+                cutoff,
+                noise,
+                study.tip,
+                r.start - begins[_file(r)],
+                study.thresholds,
+                moved if setup.compensated else body,
+                setup,
+            )
         )
-        for r in recordings
-    ]
+    return motions
+
+
+def body_in(study: Study, setup: Setup, body: RigidBody | None) -> RigidBody | None:
+    """The robot as it was in one recording: its own description, what it is known to hold.
+
+    Args:
+        study: of the recording.
+        setup: of the recording.
+        body: of the study's robot.
+    """
+    if body is not None and setup.robot is not None:
+        body = RigidBody(setup.robot, study.joints, study.rotor_inertia)
+    return body if body is None or setup.payload is None else body.holding(setup.payload)
 
 
 def _file(recording: Recording) -> str:

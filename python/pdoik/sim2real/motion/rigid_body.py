@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from ..study.payload import Payload
 from ..study.recording import FloatArray
 
 STANDARD_GRAVITY = 9.81
@@ -60,6 +61,7 @@ class RigidBody:
         self.damping = np.array(model.damping)[self._v]  # as the description has it
         self.friction = _dry_friction(model)[self._v]
         self.rotor = np.zeros(self.n) if rotor_inertia is None else rotor_inertia
+        self._own = np.stack([model.inertias[i].toDynamicParameters() for i in ids])
 
     def _position(self, q: FloatArray) -> FloatArray:
         """Pinocchio's configurations, (T, nq)."""
@@ -126,6 +128,36 @@ class RigidBody:
         other._data = other.model.createData()
         return other
 
+    def holding(self, payload: Payload) -> RigidBody:
+        """The same robot with a known body; `inertial_parameters` stay those of the robot alone.
+
+        Raises:
+            ValueError: no study joint moves its link.
+        """
+        joint, inertia = self._carried(payload)
+        other = copy.copy(self)
+        other.model = self.model.copy()
+        other.model.inertias[self._ids[joint]] = self.model.inertias[self._ids[joint]] + inertia
+        other._data = other.model.createData()
+        return other
+
+    def carrier(self, payload: Payload) -> tuple[int, FloatArray]:
+        """The study joint that carries a known body, and the body's ten parameters there, (10,).
+
+        Raises:
+            ValueError: no study joint moves its link.
+        """
+        joint, inertia = self._carried(payload)
+        return joint, np.asarray(inertia.toDynamicParameters(), dtype=np.float64)
+
+    def _carried(self, payload: Payload) -> tuple[int, Any]:
+        there = self.model.existFrame(payload.link)
+        frame = self.model.frames[self.frame(payload.link)] if there else None
+        if frame is None or frame.parentJoint not in self._ids:
+            raise ValueError(f"payload: link {payload.link!r} is moved by no joint of the study")
+        own = pin.Inertia(payload.mass, np.array(payload.com), payload.inertia_matrix)
+        return self._ids.index(frame.parentJoint), frame.placement.act(own)
+
     def placement_rotation(self, j: int) -> FloatArray:
         """Orientation of joint j's frame on its parent at its zero, (3, 3)."""
         return np.array(self.model.jointPlacements[self._ids[j]].rotation)
@@ -186,7 +218,7 @@ class RigidBody:
 
     def inertial_parameters(self) -> FloatArray:
         """The model's own ten parameters per link, (n, 10), as `regressor` orders them."""
-        return np.stack([self.model.inertias[i].toDynamicParameters() for i in self._ids])
+        return self._own.copy()
 
     def inertial_scale(self, link: int) -> FloatArray:
         """Size of a link's ten inertial parameters: mass, mass times reach, largest inertia.

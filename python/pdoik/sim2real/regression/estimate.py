@@ -1,8 +1,10 @@
-"""Values of what was found, with intervals from blocks and from recordings.
+"""Values of what was found, with intervals from blocks, and from recordings or sessions.
 
 The block bootstrap says how sure a figure is if all recordings are of one machine in one state.
-Machines change from session to session: the jackknife over recordings sees that, and what it sees
-beyond the bootstrap widens the interval (Bell and McCaffrey, Survey Methodology 28(2), 2002).
+Machines change from session to session. Where the study tells which recordings are of one session,
+each session's own figures say by how much: that spread is reported, and widens the interval. Where
+it does not, the jackknife over recordings sees such changes, and what it sees beyond the bootstrap
+widens the interval (Bell and McCaffrey, Survey Methodology 28(2), 2002).
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ from ..findings import Estimate
 from ..motion.balances import Balances
 from ..study.recording import FloatArray
 from ..thresholds.figures import FigureThresholds
+from .by_session import BySession, by_session, figure_by_session
 from .fit import Fit, Term
+from .random_effects import Spread, spread_between
 
 DRAWS = 200
 
@@ -32,6 +36,7 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     wider = fit.extended(*extra) if extra else fit
     draws = wider.bootstrap(rng, DRAWS)
     left_out = wider.without_each_recording()
+    sessions = by_session(wider)
     centre = wider.beta
     # Directions no motion shows do not move in the bootstrap: their prior's spread is added.
     unseen = _unseen(wider)
@@ -66,6 +71,16 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
         by_recordings = [parameters(draw) for draw in left_out]
         values = CATALOGUE[term.effect].values(term.shape, beta)
         units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
+        spreads = {
+            name: _spread(
+                fit.balances.thresholds.figures,
+                value,
+                figure_by_session(sessions, lambda draw, name=name: parameters(draw)[name]),  # type: ignore[misc]
+                units.get(name, "-"),
+            )
+            for name, value in values.items()
+            if sessions
+        }
         result[number] = {
             name: _estimate(
                 fit.balances.thresholds.figures,
@@ -73,6 +88,7 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
                 np.array([each[name] for each in by_blocks]),
                 np.array([each[name] for each in by_recordings]),
                 units.get(name, "-"),
+                spreads.get(name),
             )
             for name, value in values.items()
         }
@@ -116,6 +132,7 @@ def _estimate(
     by_blocks: FloatArray,
     by_recordings: FloatArray,
     unit: str,
+    spread: Spread | None,
 ) -> Estimate:
     if unit == "rad":  # a phase may wrap
         by_blocks, by_recordings = _near(value, by_blocks), _near(value, by_recordings)
@@ -123,12 +140,31 @@ def _estimate(
     low, high = np.quantile(by_blocks, (0.025, 0.975))
     # Centred on the value: the bootstrap's own bias is not the estimate's.
     half = max(float(high - low) / 2, 1.96 * std)
+    if spread is not None:
+        half = max(half, spread.half_width(half / 1.96))
+        return Estimate(
+            value=value,
+            std=float(np.hypot(std, spread.error)),
+            interval95=(value - half, value + half),
+            unit=unit,
+            spread=spread.std if spread.sessions > 1 else None,
+            spread_p=spread.p if spread.sessions > 1 else None,
+        )
     between, freedom = 0.0, 1
     if len(by_recordings) >= least.fewest_sessions:
         between, freedom = _between_sessions(by_recordings, std)
     half = float(np.hypot(half, stats.t.ppf(0.975, freedom) * between))
     std = float(np.hypot(std, between))
     return Estimate(value=value, std=std, interval95=(value - half, value + half), unit=unit)
+
+
+def _spread(least: FigureThresholds, value: float, by_sessions: BySession, unit: str) -> Spread:
+    """Between sessions."""
+    values = by_sessions.values
+    if unit == "rad":
+        values = _near(value, values)
+    variances = by_sessions.variances + (least.discretisation * value) ** 2
+    return spread_between(values, variances, by_sessions.freedom)
 
 
 def _near(value: float, angles: FloatArray) -> FloatArray:

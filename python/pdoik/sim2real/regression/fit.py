@@ -236,8 +236,12 @@ class Fit:
             total += np.bincount(b.block[self.rows[key]], values, minlength=len(total))
         return total
 
-    def block_sums(self) -> tuple[FloatArray, FloatArray]:
-        """Gram matrices (blocks, size, size) and moments (blocks, size) of every block."""
+    def block_sums(self, *, as_measured: bool = False) -> tuple[FloatArray, FloatArray]:
+        """Gram matrices (blocks, size, size) and moments (blocks, size) of every block.
+
+        Args:
+            as_measured: with what was taken off the balances, see `Balances.less`.
+        """
         b = self.balances
         blocks = int(b.block.max()) + 1
         grams = np.zeros((blocks, self.size, self.size))
@@ -246,12 +250,15 @@ class Fit:
             index = self.index[key]
             if not len(index):
                 continue
+            target = self.target[key]
+            if as_measured and key in b.taken_off:
+                target = target + b.taken_off[key][self.rows[key]] / b.sigma[key]
             block = b.block[self.rows[key]]
             for number in np.unique(block):
                 at = block == number
                 part = design[at]
                 grams[number][np.ix_(index, index)] += part.T @ part
-                moments[number][index] += part.T @ self.target[key][at]
+                moments[number][index] += part.T @ target[at]
         return grams, moments
 
     def bootstrap(self, rng: np.random.Generator, draws: int) -> FloatArray:

@@ -35,6 +35,9 @@ def finding_of(
     plain = {name: each.value for name, each in values.items()}
     where = _where(effect.on, joints, links)
     recordings = tuple(r.name for r in study.fit)
+    if place.held is not None:
+        where = f"The body known as {place.held.label}"
+        recordings = tuple(r.name for r in study.fit if study.setup_of(r).payload == place.held)
     if place.recording is not None:
         recordings = (place.recording,)
     window, positions = place.window, None
@@ -58,7 +61,7 @@ def finding_of(
         decided_by=decided,
         evidence=evidence,
         support=support,
-        variant=CATALOGUE[term.effect].variant(term.shape),
+        variant=effect.variant(term.shape) if place.held is None else place.held.label,
         shape=term.shape,
     )
 
@@ -89,6 +92,8 @@ def described(prepared: Prepared, term: Term) -> str:
     where = " and ".join(prepared.study.joints[j] for j in place.joints) or "the base"
     if place.link is not None and prepared.body is not None:
         where = prepared.body.links[place.link]
+    if place.held is not None:
+        where = place.held.label
     if place.window is not None:
         where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
     where += gate_in_words(place.gate, ", only ")
@@ -175,6 +180,8 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
         std=std,
         interval95=(value - 1.96 * std, value + 1.96 * std),
         unit=inside[0].parameters[name].unit,
+        spread=best[0].parameters[name].spread,
+        spread_p=best[0].parameters[name].spread_p,
     )
     names = tuple(j for j in joints if any(j in f.joints for f in inside))
     effect = CATALOGUE[best[0].effect]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..motion.balances import Balances
 from ..motion.place import Key
 from ..study.recording import FloatArray
 from .fit import Fit, Term
+from .session_changes import SessionChange
 from .trusted_bodies import effect_of
 
 _DRAWS = 300
@@ -43,6 +45,15 @@ class Prediction:
             for key, column in term.columns.items():
                 left[key] -= column @ beta
         return left
+
+    def spread(self, changes: Sequence[SessionChange]) -> dict[Key, FloatArray]:
+        """How far a session may be from the mean, as a standard deviation, (N,) per key."""
+        squares: dict[Key, FloatArray] = {}
+        for each in changes:
+            for key, column in self._columns(each.term).items():
+                part = np.sum((column * each.of_another) ** 2, axis=1)
+                squares[key] = squares.get(key, np.zeros(len(part))) + part
+        return {key: np.sqrt(square) for key, square in squares.items()}
 
     def share(self, fit: Fit, term: Term) -> float:
         """Share of an event, the fit's last term, of the mean square residual in its window."""

@@ -58,13 +58,11 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
         verdict=diagnosis.verdict,
         headline=words.VERDICTS[diagnosis.verdict][0],
         summary=words.summary(diagnosis),
-        findings=[
-            _card(finding, diagnosis.findings.index(finding) + 1) for finding in matrix.others
-        ],
+        findings=[_card(finding, diagnosis) for finding in matrix.others],
         shared=[
             (
                 words.sentence(f"{words.effect_name(effect)} in {len(found)} joints"),
-                [_card(finding, diagnosis.findings.index(finding) + 1) for finding in found],
+                [_card(finding, diagnosis) for finding in found],
             )
             for effect, found in matrix.by_effect().items()
         ],
@@ -88,11 +86,12 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
     )
 
 
-def _card(finding: Finding, number: int) -> dict[str, object]:
+def _card(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:
     evidence = finding.evidence
+    changed = words.changes(finding, diagnosis.thresholds.get("figures", {}))
     return {
         "finding": finding,
-        "number": number,
+        "number": diagnosis.findings.index(finding) + 1,
         "confidence": f"{finding.confidence:.2f}",
         "gain": words.percent(evidence.validation_gain),
         "low": words.percent(evidence.interval95[0]),
@@ -103,6 +102,7 @@ def _card(finding: Finding, number: int) -> dict[str, object]:
             for name, estimate in words.parameters_of(finding).items()
         ],
         "window": _window(finding),
+        "changes": ", ".join(f"{name.replace('_', ' ')} by {by}" for name, by in changed.items()),
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Finding, JointFit, Verdict
@@ -108,7 +109,8 @@ def joint_state(fit: JointFit) -> str:
         return "not moved enough to judge"
     if fit.before <= 1.3 * fit.noise_floor:
         return "agrees within noise"
-    if fit.after <= max(1.6 * fit.noise_floor, 0.05 * fit.before):  # as the verdict has it
+    floor = math.hypot(fit.noise_floor, fit.spread)
+    if fit.after <= max(1.6 * floor, 0.05 * fit.before):  # as the verdict has it
         return "explained"
     return "partly explained" if fit.after < 0.9 * fit.before else "not explained"
 
@@ -130,6 +132,38 @@ def suspected_words(diagnosis: Diagnosis) -> str:
     return f"Suspected only, too little speaks for it: {'; '.join(said)}{more}."
 
 
+def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]:
+    """By how much figures change from session to session, where that is clear."""
+    said: dict[str, str] = {}
+    known = CATALOGUE.get(finding.effect)
+    if known is not None and known.sought == "last":
+        return said
+    for name, estimate in finding.parameters.items():
+        spread, p = estimate.spread, estimate.spread_p
+        least = thresholds.get("least_spread", 0.02) * abs(estimate.value)
+        if spread is None or p is None or spread <= least:
+            continue
+        if p > thresholds.get("spread_p", 0.01):
+            continue
+        unit = "" if estimate.unit == "-" else f" {estimate.unit}"
+        share = spread / max(abs(estimate.value), 1e-300)
+        said[name] = percent(share) if share < 1.0 else f"{number(spread, 2)}{unit}"
+    return said
+
+
+def changes_words(diagnosis: Diagnosis) -> list[str]:
+    """What changes from session to session, a line for each effect and figure; [] for nothing."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for finding in diagnosis.findings:
+        for name, by in changes(finding, diagnosis.thresholds.get("figures", {})).items():
+            groups.setdefault((finding.effect, name), []).append(f"{place(finding)} by {by}")
+    return [
+        f"From session to session {effect_name(effect)} changes"
+        f" ({name.replace('_', ' ')}): {', '.join(where)}."
+        for (effect, name), where in groups.items()
+    ]
+
+
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict's reasons, a sentence each."""
     lines = [VERDICTS[diagnosis.verdict][1]]
@@ -139,6 +173,7 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         named = "; ".join(f"{effect_name(each.effect)} at {place(each)}" for each in findings[:4])
         more = f"; and {len(findings) - 4} more" if len(findings) > 4 else ""
         lines.append(f"{count} found: {named}{more}.")
+    lines += changes_words(diagnosis)
     if diagnosis.suspected:
         lines.append(suspected_words(diagnosis))
     still = [name for name, fit in diagnosis.joints.items() if not fit.excited]

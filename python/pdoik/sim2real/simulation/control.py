@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from ..study.recording import FloatArray
 from ..study.study import Controller
-from .parts import Vector
+from .parts import Part, Vector
 from .plant import STANDARD_GRAVITY, build_plant
 
 FINEST_CONTROL_STEP = 2.5e-4  # of a controller whose period is not known [s]
@@ -23,9 +23,14 @@ class GravityModel:
     """What the user's own model needs to stand still: controllers know no findings."""
 
     def __init__(
-        self, robot: str | Path, joints: tuple[str, ...], gravity: Vector = STANDARD_GRAVITY
+        self,
+        robot: str | Path,
+        joints: tuple[str, ...],
+        gravity: Vector = STANDARD_GRAVITY,
+        parts: Iterable[Part] = (),
     ) -> None:
-        plant = build_plant(robot, joints, rotor_inertia=np.zeros(len(joints)), gravity=gravity)
+        rotors = np.zeros(len(joints))
+        plant = build_plant(robot, joints, parts, rotor_inertia=rotors, gravity=gravity)
         self._model: Any = plant.model
         self._data: Any = mujoco.MjData(self._model)
         self._qpos = self._data.qpos

@@ -78,6 +78,7 @@ class LinkChange:
     link: str  # the last joint's for ""
     inertial: Inertial
     replace: bool = False
+    held: str = ""  # label of the known body with which alone it is there; always for ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -36,6 +36,8 @@ class Simulator:
         tip: str | None = None,
         gravity: Vector = STANDARD_GRAVITY,
         timestep: float = 1e-3,
+        believed: str | Path | None = None,
+        believed_parts: Iterable[Part] = (),
     ) -> None:
         """Build the model.
 
@@ -48,6 +50,8 @@ class Simulator:
             tip: Link whose pose is simulated; the last joint's otherwise.
             gravity: In the base frame [m/s^2].
             timestep: The longest step; stiff parts take shorter ones, down to 0.1 ms [s].
+            believed: The robot whose gravity the controller compensates; `robot` if None.
+            believed_parts: What the controller knows to be added to that.
 
         Raises:
             ValueError: a joint or link is missing, or a figure is no robot's.
@@ -64,8 +68,8 @@ class Simulator:
         self._control: Control | None = None
         if controller is not None:
             held = controller.gravity_compensation
-            model = GravityModel(robot, self.joints, gravity) if held else None
-            self._control = control_law(controller, model)
+            known = (believed or robot, self.joints, gravity, believed_parts)
+            self._control = control_law(controller, GravityModel(*known) if held else None)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -33,6 +33,8 @@ KEYS = (
 """What a study may say. The last three: units of columns, columns to pass over, rows per file."""
 
 _ENTRY = ("file", "role", "topic", "command_topic", "window", "every")
+TOLD = ("robot", "payload", "compensated", "controller", "session", "temperature", "surface")
+"""What a recording's entry may say of how it was made."""
 _CONTROLLER = ("type", "kp", "kd", "gravity_compensation", "torque_limit", "period")
 
 
@@ -46,6 +48,7 @@ class Entry:
     topic: str | None = None  # of a bag
     command_topic: str | None = None
     part: Part
+    told: Mapping[str, Any] = field(default_factory=dict)  # what it says of `TOLD`
 
 
 def read_keys(path: Path) -> dict[str, Any]:
@@ -97,7 +100,7 @@ def entries(content: Any, folder: Path, source: str, max_rows: Any = None) -> tu
 def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
     if isinstance(content, str):
         content = {"file": content}
-    mapping = checked(content, _ENTRY, source)
+    mapping = checked(content, (*_ENTRY, *TOLD), source)
     file = text(mapping.get("file"), f"{source}: file")
     if file is None:
         raise LoadError(f"{source}: expected 'file:'")
@@ -118,6 +121,7 @@ def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
         topic=text(mapping.get("topic"), f"{source}: topic"),
         command_topic=text(mapping.get("command_topic"), f"{source}: command_topic"),
         part=Part(every=int(every), window=window, max_rows=max_rows),
+        told={key: mapping[key] for key in TOLD if mapping.get(key) is not None},
     )
 
 

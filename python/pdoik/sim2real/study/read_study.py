@@ -11,11 +11,12 @@ from . import keys as study_keys
 from .check_recording import STILL, moves, to_recording
 from .columns import Table, channel_of, check_names, is_known, joints_of
 from .keys import Entry
+from .read_setup import Told, facts_of, setups_of
 from .read_table import read_table
 from .recording import FloatArray, Recording
 from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
 from .split import split
-from .study import Study
+from .study import Setup, Study
 from .suspect_units import check_units
 from .units import Units, units_from
 
@@ -57,14 +58,25 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
     controller = study_keys.controller_from(content.get("controller"), joints)
     rotor_inertia = _rotor_inertia(content.get("rotor_inertia"), joints, facts)
+    told = Told(
+        folder=folder,
+        joints=joints,
+        facts=facts,
+        tip=tip,
+        controller=content.get("controller"),
+    )
+    setups = setups_of(entries, simulations, told)
+
+    def recording(table: Table, entry: Entry) -> Recording:
+        return _recording(
+            table, entry, joints, units, facts_of(setups.get(entry.name, Setup()), facts)
+        )
 
     recordings = []
     for entry, table in zip(entries, tables, strict=True):
         check_names(table, joints, ignore)
-        recordings.append(_recording(table, entry, joints, units, facts))
-    simulation = [
-        _recording(_table(each, joints, units), each, joints, units, facts) for each in simulations
-    ]
+        recordings.append(recording(table, entry))
+    simulation = [recording(_table(each, joints, units), each) for each in simulations]
     _check_still(recordings, joints)
     parted, how = split(tuple(recordings))
     return check_study(
@@ -79,8 +91,10 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
             simulation=tuple(simulation),
             trust=study_keys.trust_from(content.get("trust")),
             rotor_inertia=rotor_inertia,
+            setups=setups,
             notes=(
                 *notes,
+                *(f"{name}: {note}" for name, setup in setups.items() for note in setup.notes),
                 *(f"{each.name}: {note}" for each in recordings for note in each.notes),
                 *((f"held-out data were parted {how}",) if how != "by the study" else ()),
             ),
@@ -109,6 +123,10 @@ def check_study(study: Study) -> Study:
     names = [recording.name for recording in study.recordings]
     if len(set(names)) != len(names):
         raise ValueError("recordings: two have the same name")
+    known = {each.file or each.name for each in (*study.recordings, *study.simulation)}
+    if not known.issuperset(study.setups):
+        unknown = min(set(study.setups) - known)
+        raise ValueError(f"setups: no recording {unknown!r}, expected one of {sorted(known)}")
     vectors: dict[str, FloatArray | None] = {"rotor_inertia": study.rotor_inertia}
     if study.controller is not None:
         vectors |= {
@@ -116,6 +134,11 @@ def check_study(study: Study) -> Study:
             "controller.kd": study.controller.kd,
             "controller.torque_limit": study.controller.torque_limit,
         }
+    for recording_name, setup in study.setups.items():
+        vectors[f"{recording_name}: temperature"] = setup.temperature
+        if setup.controller is not None:
+            vectors[f"{recording_name}: controller.kp"] = setup.controller.kp
+            vectors[f"{recording_name}: controller.kd"] = setup.controller.kd
     for name, values in vectors.items():
         if values is not None and values.shape != (n,):
             raise ValueError(f"{name} is {values.shape}, expected ({n},): one for each joint")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from ..thresholds import Thresholds
+from .payload import Payload
 from .recording import FloatArray, Recording
 
 
@@ -34,6 +36,45 @@ class Trust:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Setup:
+    """How one recording was made, as far as it differs from the study."""
+
+    robot: Path | None = None  # its description, of the study's joints and links
+    payload: Payload | None = None  # what it is known to hold
+    controller: Controller | None = None  # its gains instead of the study's
+    compensated: bool = False
+    """Whether the controller's gravity compensation knows this robot and payload; it knows the
+    study's robot with nothing held otherwise."""
+    session: str = ""  # the day, or whatever else was the same
+    temperature: FloatArray | None = None  # (n,) of the joints [deg C]
+    surface: str = ""  # what it stood on or moved along, in words
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether robot, load and gains are the study's."""
+        return self.robot is None and self.payload is None and self.controller is None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the diagnosis should know of it, in words."""
+        said = []
+        if self.robot is not None:
+            said.append(f"of the robot in {self.robot.name}")
+        if self.payload is not None:
+            said.append(f"holds {self.payload.label}")
+        if self.compensated:
+            said.append("its controller's gravity compensation knows that")
+        if self.controller is not None:
+            said.append("has a controller of its own")
+        if self.temperature is not None:
+            degrees = dict.fromkeys(f"{each:g}" for each in self.temperature.tolist())
+            said.append(f"at {', '.join(degrees)} deg C")
+        if self.surface:
+            said.append(f"surface {self.surface}")
+        return tuple(said)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Study:
     """What `diagnose` is given."""
 
@@ -49,6 +90,17 @@ class Study:
     rotor_inertia: FloatArray | None = None  # (n,) seen at the joint [kg m^2]
     notes: tuple[str, ...] = ()
     thresholds: Thresholds = field(default_factory=Thresholds)
+    setups: Mapping[str, Setup] = field(default_factory=dict)  # by recording, where they differ
+
+    def setup_of(self, recording: Recording) -> Setup:
+        """What is known of a recording, or of the one it is a part of."""
+        return self.setups.get(recording.file or recording.name, Setup())
+
+    @property
+    def shared_controller(self) -> Controller | None:
+        """The controller of all recordings; None where one has its own."""
+        own = any(each.controller is not None for each in self.setups.values())
+        return None if own else self.controller
 
     @property
     def fit(self) -> tuple[Recording, ...]:

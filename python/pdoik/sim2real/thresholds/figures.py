@@ -25,6 +25,18 @@ class FigureThresholds(Group):
     fewest_sessions: int = threshold(
         3, "recordings from which their differences tell something", "recordings"
     )
+    spread_p: float = threshold(
+        0.01, "probability of differences between sessions, below which they are said"
+    )
+    least_spread: float = threshold(
+        0.02, "share of a figure that it must change by between sessions for that to be said"
+    )
+    usual_spread: float = threshold(
+        0.5,
+        "share of friction by which sessions may differ and be of one cause",
+        "",
+        "chosen: from day to day it changes by 10 to 30 %",
+    )
     least_clusters: int = threshold(
         12, "clusters of rows in which a term acts, from which its error is told", "clusters"
     )

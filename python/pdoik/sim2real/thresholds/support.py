@@ -14,3 +14,6 @@ class SupportThresholds(Group):
     least_elsewhere: float = threshold(
         0.02, "share of a term's squared column that a session, and the rest of them, must hold"
     )
+    fewest_told: int = threshold(
+        3, "sessions that a study tells of, from which whole ones are left out", "sessions"
+    )

@@ -1,0 +1,214 @@
+"""What the entry of a recording says of how it was made: robot, payload, gains, day."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pdoik.errors import LoadError
+
+from . import keys
+from .columns import nearest
+from .keys import Entry
+from .payload import Payload
+from .recording import FloatArray
+from .robot_facts import RobotFacts, check_robot, robot_facts
+from .study import Controller, Setup
+
+_PAYLOAD = ("link", "mass", "com", "inertia")
+_MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
+_COLDEST = -273.15  # [deg C]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """What of the study its recordings' entries refer to."""
+
+    folder: Path
+    joints: tuple[str, ...]
+    facts: RobotFacts | None
+    tip: str | None
+    controller: Any  # the study's key, as it was written
+
+
+def setups_of(
+    recordings: Sequence[Entry], simulations: Sequence[Entry], told: Told
+) -> dict[str, Setup]:
+    """Setups by the recording's name, of those entries that say something.
+
+    Raises:
+        LoadError: something in them is not as expected, or does not fit the study's robot.
+    """
+    found: dict[str, Setup] = {}
+    for entry in (*recordings, *simulations):
+        if not entry.told:
+            continue
+        if entry.name in found:
+            raise LoadError(
+                f"simulation ({entry.name}): {next(iter(entry.told))}: is said of the recording of"
+                " this name, and holds for its simulation too"
+            )
+        found[entry.name] = _setup(entry, told)
+    return found
+
+
+def facts_of(setup: Setup, facts: RobotFacts | None) -> RobotFacts | None:
+    """Of the recording's robot, or else of the study's."""
+    return facts if setup.robot is None else robot_facts(setup.robot)
+
+
+def _setup(entry: Entry, told: Told) -> Setup:
+    source, content = entry.name, entry.told
+    robot = _robot(content.get("robot"), source, told)
+    facts = told.facts if robot is None else robot
+    payload = _payload(content.get("payload"), f"{source}: payload", told.joints, facts)
+    controller = _controller(content.get("controller"), source, told)
+    return Setup(
+        robot=None if robot is None else robot.path,
+        payload=payload,
+        controller=controller,
+        compensated=_compensated(content, source, controller, told),
+        session=_label(content.get("session"), f"{source}: session"),
+        temperature=_temperature(content.get("temperature"), source, told.joints),
+        surface=keys.text(content.get("surface"), f"{source}: surface") or "",
+    )
+
+
+def _robot(content: Any, source: str, told: Told) -> RobotFacts | None:
+    """Of a description with the same joints, which move the same links."""
+    name = keys.text(content, f"{source}: robot")
+    if name is None:
+        return None
+    if told.facts is None:
+        raise LoadError(f"{source}: robot: expected one of the study first, 'robot:'")
+    try:
+        facts = robot_facts(told.folder / Path(name).expanduser())
+        check_robot(facts, told.joints, told.tip)
+    except LoadError as error:
+        raise LoadError(f"{source}: {error}") from error
+    for joint in told.joints:
+        own, expected = facts.joints[joint], told.facts.joints[joint]
+        if own.link != expected.link:
+            raise LoadError(
+                f"{source}: robot: joint {joint!r} moves link {own.link!r}, expected"
+                f" {expected.link!r} as in {told.facts.path.name}"
+            )
+        if (own.type == "prismatic") != (expected.type == "prismatic"):
+            raise LoadError(
+                f"{source}: robot: joint {joint!r} is {own.type}, expected {expected.type} as in"
+                f" {told.facts.path.name}"
+            )
+    return facts
+
+
+def _payload(
+    content: Any, source: str, joints: tuple[str, ...], facts: RobotFacts | None
+) -> Payload | None:
+    if content is None:
+        return None
+    mapping = keys.checked(content, _PAYLOAD, source)
+    if facts is None:
+        raise LoadError(f"{source}: expected a robot that holds it, 'robot:'")
+    for key in ("link", "mass", "com"):
+        if mapping.get(key) is None:
+            raise LoadError(f"{source}: expected '{key}:'")
+    link = keys.text(mapping["link"], f"{source}: link") or ""
+    if link not in facts.masses:
+        raise LoadError(
+            f"{source}: link: {facts.path.name} has no link {link!r}{nearest(link, facts.masses)}"
+        )
+    moved = {facts.joints[joint].link for joint in joints}
+    if moved.isdisjoint(facts.chain(link)):
+        raise LoadError(
+            f"{source}: link: {link!r} is moved by no joint of the study, expected one of those"
+            f" after {', '.join(sorted(moved))}"
+        )
+    x, y, z = keys.vector(mapping["com"], f"{source}: com", 3).tolist()
+    payload = Payload(
+        link=link,
+        mass=keys.number(mapping["mass"], f"{source}: mass", least=_MORE_THAN_NOTHING),
+        com=(x, y, z),
+        inertia=_inertia(mapping.get("inertia"), f"{source}: inertia"),
+    )
+    if not payload.is_body:
+        raise LoadError(
+            f"{source}: inertia: no body has {mapping['inertia']!r}; expected moments about its own"
+            " centre, none negative and none more than the other two together"
+        )
+    return payload
+
+
+def _inertia(content: Any, source: str) -> tuple[float, float, float, float, float, float]:
+    """Of three moments, or of xx xy yy xz yz zz; zeros for a point."""
+    if content is None:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if isinstance(content, list) and len(content) == 3:
+        xx, yy, zz = keys.vector(content, source, 3).tolist()
+        return (xx, 0.0, yy, 0.0, 0.0, zz)
+    if not isinstance(content, list) or len(content) != 6:
+        raise LoadError(
+            f"{source}: expected a list of 3 moments, or of 6: xx xy yy xz yz zz, got {content!r}"
+        )
+    xx, xy, yy, xz, yz, zz = keys.vector(content, source, 6).tolist()
+    return (xx, xy, yy, xz, yz, zz)
+
+
+def _controller(content: Any, source: str, told: Told) -> Controller | None:
+    """The study's, with what the entry says otherwise."""
+    if content is None:
+        return None
+    if told.controller is None:
+        raise LoadError(f"{source}: controller: expected one of the study first, 'controller:'")
+    if not isinstance(content, dict):
+        raise LoadError(f"{source}: controller: expected 'key: value' lines, got {content!r}")
+    try:
+        return keys.controller_from({**told.controller, **content}, told.joints)
+    except LoadError as error:
+        raise LoadError(f"{source}: {error}") from error
+
+
+def _compensated(
+    content: Mapping[str, Any], source: str, own: Controller | None, told: Told
+) -> bool:
+    value = content.get("compensated", False)
+    if not isinstance(value, bool):
+        raise LoadError(f"{source}: compensated: expected true or false, got {value!r}")
+    if value and "robot" not in content and "payload" not in content:
+        raise LoadError(f"{source}: compensated: expected 'payload:' or 'robot:' beside it")
+    known = own or keys.controller_from(told.controller, told.joints)
+    if value and not (known is not None and known.gravity_compensation):
+        raise LoadError(
+            f"{source}: compensated: expected a controller with 'gravity_compensation: true'"
+        )
+    return value
+
+
+def _label(content: Any, source: str) -> str:
+    """Text, a number, or a day."""
+    if isinstance(content, bool) or not isinstance(content, str | int | float | date | None):
+        raise LoadError(f"{source}: expected text or a number, got {content!r}")
+    return "" if content is None else str(content)
+
+
+def _temperature(content: Any, source: str, joints: tuple[str, ...]) -> FloatArray | None:
+    """Of every joint, (n,) [deg C]."""
+    if content is None:
+        return None
+    source = f"{source}: temperature"
+    if isinstance(content, dict):
+        keys.checked(content, joints, source)
+        missing = [joint for joint in joints if joint not in content]
+        if missing:
+            raise LoadError(f"{source}: nothing for joint {missing[0]!r}")
+        content = [content[joint] for joint in joints]
+    if not isinstance(content, list):
+        content = [keys.number(content, source)] * len(joints)
+    values = keys.vector(content, source, len(joints), "joints")
+    if (values < _COLDEST).any():
+        raise LoadError(f"{source}: expected degrees Celsius, got {values.min():g}")
+    return values
