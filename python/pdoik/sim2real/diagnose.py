@@ -23,6 +23,7 @@ from .select.contacts import contact_term
 from .select.gates import gated_term
 from .select.joint_sets import with_joint_sets
 from .select.level_sessions import with_level_sessions
+from .select.onsets import with_onsets
 from .select.rivals import swapped
 from .select.search import search
 from .select.shared_causes import with_shared_causes
@@ -86,7 +87,8 @@ def examine(
         say("sessions", "once more, with friction as it is on average over sessions", 0.65)
         prepared, state = run_search(level, say)
     say("name", "every joint's friction, offset and rotor, weighed as a set", 0.72)
-    state = with_unknown(with_joint_sets(state))
+    state = with_joint_sets(with_onsets(with_joint_sets(state)))
+    state = with_unknown(state)
     say("name", "looking for what else would explain the same", 0.75)
     state = with_shared_causes(without_needless_contacts(swapped(state)))
     state = confirmed_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.78))

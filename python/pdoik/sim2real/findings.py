@@ -77,6 +77,7 @@ class Finding:
     links: tuple[str, ...] = ()
     recordings: tuple[str, ...] = ()
     window: tuple[float, float] | None = None  # of the recordings' time in which it acts [s]
+    begins: tuple[str, float] | None = None  # recording and time [s] since when it acts
     positions: tuple[float, float] | None = None  # of the joint between which it acts [rad], [m]
     edge: float = 0.0  # of window or positions, over which it comes and goes [s], [rad], [m]
     regime: str = ""

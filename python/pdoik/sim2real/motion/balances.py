@@ -33,9 +33,16 @@ def columns_of(cause: Cause, motion: Motion, place: Place, shape: Shape) -> Colu
     columns, gate = cause.columns(motion, place, shape), place.gate
     if gate is None:
         return columns
-    x = motion.time if gate.of == "time" else motion.q[:, place.joints[0]]
+    x = axis_of(motion, gate.of, place.joints[0])
     weight = gate.weight(x)[:, None]
     return {key: column * weight for key, column in columns.items()}
+
+
+def axis_of(motion: Motion, of: str, j: int) -> FloatArray:
+    """What a gate is a part of, (T,): times, the study's clock, or joint j's positions."""
+    if of == "time":
+        return motion.time
+    return motion.clock + motion.time if of == "clock" else motion.q[:, j]
 
 
 class Balances:

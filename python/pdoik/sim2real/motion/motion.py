@@ -30,6 +30,7 @@ class Motion:
     period: float
     time: FloatArray  # (T,) from the recording's start [s]
     since: float  # of the first sample since the file's start: blocks of a file follow one another
+    clock: float = 0.0  # recorded time of the study before this recording, in its order [s]
     cutoff: float  # of the balances [Hz]
     q: FloatArray
     dq: FloatArray

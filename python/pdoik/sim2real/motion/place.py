@@ -18,13 +18,14 @@ Shape = tuple[float, ...]  # the parameters that enter nonlinearly
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gate:
-    """A part of all recordings' time, or of the first joint's positions, outside which is nothing.
+    """A part of time, or of the first joint's positions, outside which is nothing.
 
-    An end at which the recordings stop is open.
+    Time is every recording's own, or the clock of the whole study, which runs on from recording to
+    recording. An end at which the recordings stop is open.
     """
 
-    of: Literal["time", "position"]
-    low: float = -np.inf  # [s] since a recording's begin; [rad], [m] for prismatic joints
+    of: Literal["time", "position", "clock"]
+    low: float = -np.inf  # [s]; [rad], [m] for prismatic joints
     high: float = np.inf
     edge: float = 0.0  # over which it comes and goes, half of it outside
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -80,24 +80,27 @@ def motions_of(
     for each in (*study.recordings, *recordings):
         name = _file(each)
         begins[name] = min(begins.get(name, np.inf), each.start)
+    clocks, passed = {}, 0.0
+    for each in study.recordings:
+        clocks[each.name] = passed
+        passed += float(each.time[-1] - each.time[0])
     motions = []
     for r in recordings:
         setup = study.setup_of(r)
         moved = body_in(study, setup, body)
-        motions.append(
-            motion_of(
-                r,
-                moved,
-                setup.controller or study.controller,
-                cutoff,
-                noise,
-                study.tip,
-                r.start - begins[_file(r)],
-                study.thresholds,
-                moved if setup.compensated else body,
-                setup,
-            )
+        made = motion_of(
+            r,
+            moved,
+            setup.controller or study.controller,
+            cutoff,
+            noise,
+            study.tip,
+            r.start - begins[_file(r)],
+            study.thresholds,
+            moved if setup.compensated else body,
+            setup,
         )
+        motions.append(replace(made, clock=clocks.get(r.name, 0.0)))
     return motions
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..effects import CATALOGUE
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
+from ..motion.motion import Motion
 from ..motion.place import Gate, Key
 from ..motion.prepare import Prepared
 from ..study.recording import FloatArray
@@ -40,9 +42,12 @@ def finding_of(
         recordings = tuple(r.name for r in study.fit if study.setup_of(r).payload == place.held)
     if place.recording is not None:
         recordings = (place.recording,)
-    window, positions = place.window, None
+    window, positions, begins = place.window, None, None
     if place.gate is not None and place.gate.of == "time":
         window = ends_of(place.gate, [r.time - r.time[0] for r in study.fit])
+    elif place.gate is not None and place.gate.of == "clock":
+        begins = begin_of(place.gate, prepared.fit.motions)
+        recordings = recordings[recordings.index(begins[0]) :]
     elif place.gate is not None:
         positions = ends_of(place.gate, [r.q[:, place.joints[0]] for r in study.fit])
     decided = effect.decided_by if equivalents or effect.confused_with else ""
@@ -52,10 +57,12 @@ def finding_of(
         links=links,
         recordings=recordings,
         window=window,
+        begins=begins,
         positions=positions,
         edge=place.gate.edge if place.gate else 0.0,
-        regime=effect.regime(_inside(where)) + gate_in_words(place.gate, ", only "),
-        statement=_sentence(effect.statement(where, plain)) + gate_in_words(place.gate, " Only "),
+        regime=effect.regime(_inside(where)) + gate_in_words(place.gate, ", only ", begins),
+        statement=_sentence(effect.statement(where, plain))
+        + gate_in_words(place.gate, " Only ", begins),
         parameters=values,
         equivalents=equivalents,
         decided_by=decided,
@@ -96,14 +103,30 @@ def described(prepared: Prepared, term: Term) -> str:
         where = place.held.label
     if place.window is not None:
         where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
-    where += gate_in_words(place.gate, ", only ")
+    where += gate_in_words(place.gate, ", only ", _begins(prepared, place.gate))
     return f"{CATALOGUE[term.effect].words} at {where}"
 
 
-def gate_in_words(gate: Gate | None, start: str) -> str:
+def _begins(prepared: Prepared, gate: Gate | None) -> tuple[str, float] | None:
+    if gate is None or gate.of != "clock":
+        return None
+    return begin_of(gate, prepared.fit.motions)
+
+
+def begin_of(gate: Gate, motions: Sequence[Motion]) -> tuple[str, float]:
+    """The recording in which a gate of the study's clock opens, and when in it [s]."""
+    within = [m for m in motions if m.clock <= gate.low] or motions[:1]
+    last = max(within, key=lambda m: m.clock)
+    return last.recording.name, float(max(gate.low - last.clock, 0.0))
+
+
+def gate_in_words(gate: Gate | None, start: str, begins: tuple[str, float] | None = None) -> str:
     """When or where something acts, after `start`; "" where it always does."""
     if gate is None:
         return ""
+    if begins is not None:
+        words = f"since {begins[1]:.3g} s of {begins[0]}"
+        return f"{start}{words}{'.' if start.startswith(' ') else ''}"
     unit = "s" if gate.of == "time" else "rad"
     if np.isinf(gate.low):
         words = f"until {gate.high:.3g} s" if unit == "s" else f"below {gate.high:.3g} rad"

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE
+from ..motion.balances import axis_of
 from ..motion.place import Gate, Key, Place
 from ..regression.fit import Fit, Term, term_of
 from ..regression.refine import refined
@@ -174,7 +175,7 @@ def _moved(term: Term, step: float) -> Iterator[Gate]:
 def _axis(base: Fit, of: str, j: int) -> FloatArray:
     """Times, or joint j's positions, of all rows."""
     b = base.balances
-    return b.time if of == "time" else b.sampled([m.q[:, j] for m in b.motions])
+    return b.sampled([axis_of(m, of, j) for m in b.motions])
 
 
 def _difference(

@@ -27,4 +27,14 @@ class GateThresholds(Group):
         2.0, "errors, by blocks, by which it must be better; a gate may hold few", "s.e."
     )
     least_inside: float = threshold(0.02, "share of an effect's squared column that a gate holds")
+    onset_explains: float = threshold(
+        0.25, "share of what is left at a joint that an effect since some moment must explain"
+    )
+    onset_t: float = threshold(
+        5.0, "Wald statistic of such an effect", "s.e.", "some hundred moments are looked at"
+    )
+    onset_better: float = threshold(
+        0.3, "share by which a moment inside a recording must explain more than any border"
+    )
+    onset_away: float = threshold(2.0, "least time between such a moment and a border", "s")
     most_inside: float = threshold(0.85, "the same, at most: a gate that holds more is none")
