@@ -67,8 +67,7 @@ def _at_joint(state: Search, j: int) -> tuple[float, Term] | None:
         trial = cross_validated(state, term, held)
         always = cross_validated(state, each.term, held)
         sure = trial.significant and trial.t > least.onset_t
-        explains = trial.of_rest > least.onset_explains and trial.gain > 2.0 * always.gain
-        if sure and explains and (best is None or trial.gain > best[0]):
+        if sure and trial.gain > 2.0 * always.gain and (best is None or trial.gain > best[0]):
             best = trial.gain, term
     return best
 
@@ -79,7 +78,7 @@ def _key(j: int) -> Key:
 
 def _may_begin(term: Term) -> bool:
     effect = CATALOGUE[term.effect]
-    return not effect.fixed and not effect.costly
+    return effect.gated and not effect.fixed and not effect.costly
 
 
 def _onset(fit: Fit, term: Term, j: int) -> _Onset | None:

@@ -28,7 +28,7 @@ class GateThresholds(Group):
     )
     least_inside: float = threshold(0.02, "share of an effect's squared column that a gate holds")
     onset_explains: float = threshold(
-        0.25, "share of what is left at a joint that an effect since some moment must explain"
+        0.1, "share of what is left at a joint that an effect since some moment must explain"
     )
     onset_t: float = threshold(
         5.0, "Wald statistic of such an effect", "s.e.", "some hundred moments are looked at"
