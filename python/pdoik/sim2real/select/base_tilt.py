@@ -16,6 +16,7 @@ from ..regression.naming import described
 from ..regression.trial import Search, held_out_squares
 from ..regression.trusted_bodies import effect_of, trusted
 from ..study.recording import FloatArray
+from .peculiar import peculiar
 from .search import search
 
 Tell = Callable[[str, str, float], None]
@@ -31,7 +32,7 @@ def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
     """
     assumed = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
-    state = _searched(prepared, say)
+    state = _searched(prepared, say, peculiar(prepared.fit))
     for turn in range(_LEANINGS):
         gravity = tilted_gravity(state)
         if gravity is None or np.linalg.norm(gravity - assumed) < matters:

@@ -17,6 +17,10 @@ class BackgroundThresholds(Group):
     torque: float = threshold(
         0.05, "of a torque's scale", "", "current sensors and torque constants: 3 to 5 %"
     )
+    peculiar: float = threshold(
+        0.15, "share of what the background leaves on held-out rows that a peculiar effect explains"
+    )
+    peculiar_t: float = threshold(4.0, "Wald statistic of such an effect", "s.e.")
     bodies: float = threshold(
         0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
     )
