@@ -68,11 +68,14 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
         "sure": len(sure),
         "sure_right": sum(j["right"] for j in sure),
         "sure_strict": sum(j["strict"] for j in sure),
-        "alarm": bool(false),
+        "alarm": bool(false) or bool(_outstanding(diagnosis["joints"]) and not faults),
         "false": json.dumps(false),
         "faults": json.dumps(
             [
-                {**_told(fault, seen, truth, found, suspected), "others": len(false)}
+                {
+                    **_told(fault, seen, truth, found, suspected, diagnosis["joints"]),
+                    "others": len(false),
+                }
                 for fault, seen in zip(faults, truth["visibility"], strict=True)
             ]
         ),
@@ -92,6 +95,15 @@ def _diagnosis(said: Content) -> dict[str, Any]:
     if "diagnosis" in said:
         return dict(said["diagnosis"])
     return {"verdict": f"error: {said['error']}", "findings": [], "joints": {}, "notes": []}
+
+
+def _outstanding(joints: Content) -> set[str]:
+    """Joints that are said to keep what no known effect is."""
+    return {
+        name
+        for name, fit in joints.items()
+        if (fit.get("residue") or {}).get("outstanding", 0.0) > 0.0
+    }
 
 
 def _group(faults: list[Content]) -> str:
@@ -142,7 +154,12 @@ def _sized(finding: Content, fault: Content) -> bool:
 
 
 def _told(
-    fault: Content, seen: Content, truth: Content, found: list[Content], suspected: list[Content]
+    fault: Content,
+    seen: Content,
+    truth: Content,
+    found: list[Content],
+    suspected: list[Content],
+    joints: Content,
 ) -> dict[str, Any]:
     """How one fault was answered."""
     strict, lenient = _names(fault)
@@ -161,6 +178,8 @@ def _told(
             ranks["relative"] = ranks["relative"] or rank
         if finding["effect"] == "unknown":
             ranks["unknown"] = ranks["unknown"] or rank
+    if _outstanding(joints) & set(fault["joints"] or joints):
+        ranks["unknown"] = ranks["unknown"] or len(found) + 1
     for finding in suspected:
         if finding["effect"] in strict and placed(finding, fault, truth):
             ranks["suspected"] = 1

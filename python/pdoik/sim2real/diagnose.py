@@ -24,6 +24,7 @@ from .select.gates import gated_term
 from .select.joint_sets import with_joint_sets
 from .select.level_sessions import with_level_sessions
 from .select.onsets import with_onsets
+from .select.peculiar import peculiar
 from .select.rivals import swapped
 from .select.search import search
 from .select.shared_causes import with_shared_causes
@@ -102,8 +103,13 @@ def examine(
 
 def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
     """Accept effects, behind gates where they need one, then contacts, and effects beside these."""
-    prepared, state = first_search(prepared, say)
+    beside = peculiar(prepared.fit)
+    first = () if beside is None else beside.accepted
+    for each in first:
+        say("name", described(prepared, each), 0.15)
+    prepared, state = first_search(prepared, say, first)
     nuisance = state.nuisance
+    known = {term.key for term in first}
     contacts: tuple[Term, ...] = ()
     gated: tuple[Term, ...] = ()
     for _ in range(_MOST):
@@ -116,6 +122,7 @@ def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
             say("name", described(prepared, term), 0.6)
         else:
             break
-        state = search(prepared.fit, nuisance, contacts=contacts, begin=gated)
-        gated = tuple(term for term in state.accepted if term.place.gate is not None)
-    return prepared, state
+        begin = (*(t for t in state.accepted if t.key in known), *gated)
+        state = search(prepared.fit, nuisance, contacts=contacts, begin=begin)
+        gated = tuple(t for t in state.accepted if t.place.gate is not None)
+    return prepared, replace(state, peculiar=beside)

@@ -115,6 +115,7 @@ class Residue:
 
     of: str = ""  # speed, position, load, time; "" where none of them tells much of it
     share: float = 0.0  # of its mean square that goes with this variable
+    outstanding: float = 0.0  # times what the other joints keep beside their friction; 0: usual
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..motion.balances import Balances
 from ..motion.place import Key
-from ..regression.background import background, is_friction, is_scale
+from ..regression.background import background, friction_at, is_scale
 from ..regression.fit import Fit, Term
 from ..regression.trusted_bodies import TRUST
 from ..study.recording import FloatArray
@@ -79,14 +79,9 @@ def _power(fit: Fit, j: int) -> float:
     """Power that friction takes, by its error over blocks; negative where it drives the joint."""
     b = fit.balances
     key: Key = ("torque", j)
-    for term, offset in zip(fit.terms, fit.offsets, strict=False):
-        if is_friction(term) and term.place.joints == (j,):
-            rows = fit.rows[key]
-            beta = fit.beta[offset : offset + term.width].copy()
-            beta[-2:] = 0.0  # rest and rotor take none
-            speed = b.sampled([m.dq[:, j] for m in b.motions])[rows]
-            return _by_blocks(term.columns[key][rows] @ beta * speed, b.block[rows])
-    return 0.0
+    rows = fit.rows[key]
+    speed = b.sampled([m.dq[:, j] for m in b.motions])[rows]
+    return _by_blocks(friction_at(fit, j) * speed, b.block[rows])
 
 
 def _by_blocks(values: FloatArray, block: NDArray[np.intp]) -> float:

@@ -32,7 +32,7 @@ def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
     doubtful: list[Term] = []
     while True:
         judged = state.accepted
-        new = {t.key: support_of(state, t) for t in judged if t.key not in state.support}
+        new = {t.key: _best_support(state, t) for t in judged if t.key not in state.support}
         state = replace(state, support={**state.support, **new})
         failing = [t for t in judged if not _stands(state, t)]
         if not failing:
@@ -49,14 +49,32 @@ def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
         state = replace(state.without(worst), support=kept, contacts=contacts)
 
 
+def _best_support(state: Search, term: Term) -> Support:
+    """What a term gains beside the others, or beside the background if that says more.
+
+    The others' figures are free; what few sessions make of them may hide what is peculiar.
+    """
+    own, beside = support_of(state, term), state.peculiar
+    found = [] if beside is None else [t for t in beside.accepted if t.key == term.key]
+    if beside is None or not found:
+        return own
+    other = support_of(beside, found[0])
+    thresholds = state.balances.thresholds
+    surer = confidence_of(thresholds, other) > confidence_of(thresholds, own)
+    return replace(other, weight=max(own.weight, other.weight)) if surer else own
+
+
 def support_of(state: Search, term: Term) -> Support:
     """What a term gains in sessions that it was not learnt from, beside the others.
 
-    Of an event, or of what acts in one session only, what it gains on halves of its own rows.
+    Of what acts in one session only, in parts of it; of an event, on quarters of its own rows.
     """
     b = state.balances
     others = state.without(term).fit
     sessions = [] if term in state.contacts else _usable(others, term)
+    if not sessions and term not in state.contacts:
+        others = Fit(b.in_parts(), others.terms)
+        sessions = _usable(others, term)
     if not sessions:
         return event_support(others, term, {key: state.start.residual(key) for key in term.columns})
     gained, began = np.zeros(int(b.block.max()) + 1), 0.0

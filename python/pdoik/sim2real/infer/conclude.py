@@ -25,6 +25,7 @@ from .events import held_out_contacts, within
 from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
 from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
+from .outstanding import with_outstanding
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
 _NEVER = 1e-9  # share of the held-out residual that is none
@@ -80,6 +81,7 @@ def conclude(
     suspected += tuple(finding for finding, _ in found if finding.confidence < least)
     found = [each for each in found if each[0].confidence >= least]
     joints = joint_fits(prepared, state, prediction, simulated.left)
+    joints = with_outstanding(prepared, state, joints)
     findings = tuple(finding for finding, _ in found)
     diagnosis = Diagnosis(
         verdict=verdict_of(

@@ -126,6 +126,12 @@ class Balances:
         other.sigma = {**self.sigma, **sigma}
         return other
 
+    def in_parts(self) -> Balances:
+        """The same with parts of recordings for sessions."""
+        other = copy(self)
+        other.session = self.fold
+        return other
+
     def without_session(self, session: int) -> Balances:
         """The same, where rows of one session do not count, nor near others of its recording."""
         other = copy(self)

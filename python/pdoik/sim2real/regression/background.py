@@ -66,6 +66,17 @@ def is_scale(term: Term) -> bool:
     return term.effect == BACKGROUND and term.width == Scale.width
 
 
+def friction_at(fit: Fit, j: int) -> FloatArray:
+    """Joint j's friction along the rows that count, rest and rotor apart, (N,) [N m]."""
+    key: Key = ("torque", j)
+    for term, offset in zip(fit.terms, fit.offsets, strict=False):
+        if is_friction(term) and term.place.joints == (j,):
+            beta = fit.beta[offset : offset + term.width].copy()
+            beta[-2:] = 0.0
+            return np.asarray(term.columns[key][fit.rows[key]] @ beta)
+    return np.zeros(len(fit.rows[key]))
+
+
 def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
     """The balances with the discrepancy as their noise, and the terms of all that is ordinary."""
     terms = _terms(balances)

@@ -74,6 +74,7 @@ class Search:
     simulated: Mapping[TermKey, dict[str, float]] = field(default_factory=dict)  # figures
     confirmed: frozenset[TermKey] = frozenset()  # by simulations
     support: Mapping[TermKey, Support] = field(default_factory=dict)  # by left-out sessions
+    peculiar: Search | None = None  # what was found beside the background, with it
 
     @property
     def accepted(self) -> tuple[Term, ...]:

@@ -120,7 +120,10 @@ def residue_words(fit: JointFit) -> str:
     if fit.residue is None:
         return ""
     of = fit.residue
-    return f"unexplained, {percent(of.share)} by {of.of}" if of.of else "unexplained"
+    said = f"unexplained, {percent(of.share)} by {of.of}" if of.of else "unexplained"
+    if of.outstanding:
+        said += f"; {number(of.outstanding, 2)} times what other joints keep: no known effect"
+    return said
 
 
 def suspected_words(diagnosis: Diagnosis) -> str:

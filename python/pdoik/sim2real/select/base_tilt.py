@@ -16,7 +16,6 @@ from ..regression.naming import described
 from ..regression.trial import Search, held_out_squares
 from ..regression.trusted_bodies import effect_of, trusted
 from ..study.recording import FloatArray
-from .peculiar import peculiar
 from .search import search
 
 Tell = Callable[[str, str, float], None]
@@ -24,15 +23,22 @@ Tell = Callable[[str, str, float], None]
 _LEANINGS = 6  # searches at most, each with the tilt that the last found
 
 
-def first_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
+def first_search(
+    prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()
+) -> tuple[Prepared, Search]:
     """Accept effects; again where the base is tilted so far that it matters to unknown bodies.
+
+    Args:
+        prepared: the study.
+        say: told what is accepted.
+        begin: accepted beforehand, and dropped where they turn out needless.
 
     Returns:
         The study with its bodies under gravity as the tilted base has it, and the search of that.
     """
     assumed = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
-    state = _searched(prepared, say, peculiar(prepared.fit))
+    state = _searched(prepared, say, begin)
     for turn in range(_LEANINGS):
         gravity = tilted_gravity(state)
         if gravity is None or np.linalg.norm(gravity - assumed) < matters:

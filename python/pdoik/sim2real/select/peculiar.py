@@ -12,13 +12,17 @@ from ..regression.trial import Search, cross_validated, held_out_squares
 from .search import search
 
 
-def peculiar(balances: Balances) -> tuple[Term, ...]:
-    """Terms that a search finds beside the background, and that held-out rows bear out there."""
+def peculiar(balances: Balances) -> Search | None:
+    """What a search finds beside the background, and held-out rows bear out there; None: nothing.
+
+    The background is the search's nuisance.
+    """
     noisy, ordinary = background(balances)
     if not ordinary:
-        return ()
+        return None
     state = search(noisy, ordinary)
-    return tuple(t for t in state.accepted if _is_peculiar(t) and _stands(state, t))
+    standing = [t for t in state.accepted if _is_peculiar(t) and _stands(state, t)]
+    return state.fitted([*ordinary, *standing]) if standing else None
 
 
 def _is_peculiar(term: Term) -> bool:

@@ -25,6 +25,18 @@ class VerdictThresholds(Group):
     least_residue: float = threshold(
         0.1, "share of the residue that a variable must hold to be named"
     )
+    usual_residue: float = threshold(
+        0.2, "what catalogue laws leave of a joint's friction, at least", "", "identified arms"
+    )
+    outstanding: float = threshold(
+        3.0,
+        "times what the other joints leave beside their friction, from which one stands out",
+        "",
+        "2.7 standard deviations, where joints differ by a factor of 1.5",
+    )
+    more_than_friction: float = threshold(
+        1.0, "what is left over a joint's friction, which stands out whatever the others leave"
+    )
     level_error: float = threshold(
         0.002, "least error of a limit that only held-out recordings reach, as a share of it"
     )

@@ -1,0 +1,68 @@
+"""Joints that keep far more unexplained than the others: something that no named effect is.
+
+Catalogue laws are approximations, so that every joint of a real machine keeps some residue, in
+proportion to its friction most of all. One that keeps several times what its friction makes likely
+has something of its own, whether or not anybody knows what.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..findings import JointFit, Residue
+from ..motion.place import Key
+from ..motion.prepare import Prepared
+from ..regression.background import background, friction_at
+from ..regression.fit import Fit
+from ..regression.trial import Search
+
+
+def with_outstanding(
+    prepared: Prepared, state: Search, joints: Mapping[str, JointFit]
+) -> dict[str, JointFit]:
+    """The joints with what stands out marked, by the recordings to fit alone."""
+    result = dict(joints)
+    for j, ratio in _outstanding(prepared, state).items():
+        name = prepared.study.joints[j]
+        fit = result[name]
+        result[name] = replace(fit, residue=replace(fit.residue or Residue(), outstanding=ratio))
+    return result
+
+
+def _outstanding(prepared: Prepared, state: Search) -> dict[int, float]:
+    """What a joint leaves over what its friction makes likely, by the same of the others."""
+    least = prepared.study.thresholds.verdict
+    shares = _shares(prepared, state)
+    found = {}
+    for j, share in shares.items():
+        others = [each for i, each in shares.items() if i != j]
+        usual = max(float(np.median(others)), least.usual_residue) if others else 1.0
+        ratio = share / usual
+        alone = share > least.more_than_friction
+        if alone or (ratio > least.outstanding and share > least.usual_residue):
+            found[j] = ratio
+    return found
+
+
+def _shares(prepared: Prepared, state: Search) -> dict[int, float]:
+    """Of each judged joint: what is left, over friction, noise and the model's own error."""
+    b, verdict = prepared.fit, prepared.study.thresholds.verdict
+    noisy, ordinary = background(b)
+    if not ordinary:
+        return {}
+    fit = Fit(noisy, ordinary)
+    shares = {}
+    for j in range(b.n):
+        key: Key = ("torque", j)
+        if key not in state.fit.design or not b.excited[j] or not len(state.fit.rows[key]):
+            continue
+        left = float(np.sqrt(np.mean(state.fit.residual(key) ** 2))) * b.sigma[key]
+        tau = np.concatenate([m.tau[:, j] for m in b.motions])
+        model = verdict.of_the_model * float(np.sqrt(np.mean(tau**2)))
+        friction = float(np.sqrt(np.mean(friction_at(fit, j) ** 2)))
+        usual = np.linalg.norm([friction, verdict.quiet * b.floor[key], model])
+        shares[j] = left / float(usual)
+    return shares
