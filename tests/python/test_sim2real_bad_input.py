@@ -194,11 +194,10 @@ KEYS: dict[str, tuple[dict[str, Any], str]] = {
         {"controller": {"kp": [1, 2, 3], "kd": [1, 2]}},
         "controller: kp has 3 entries, expected 2: the study has 2 joints",
     ),
-    "one gain": ({"controller": {"kp": [1, 2]}}, "controller: expected 'kd:' with 2 gains"),
     "sign": ({"controller": {"kp": [1, -2], "kd": [0, 0]}}, "none negative, got -2 for elbow"),
     "word": ({"controller": {"kp": [1, "x"], "kd": [0, 0]}}, "kp: expected a number, got 'x'"),
-    "named": ({"controller": {"kp": {"elbow": 1}, "kd": [0, 0]}}, "nothing for joint 'shoulder'"),
-    "type": ({"controller": {"type": "pid"}}, "type: expected pd, got 'pid'"),
+    "named": ({"controller": {"kp": {"elbo": 1}, "kd": [0, 0]}}, "unknown key 'elbo'; nearest"),
+    "type": ({"controller": {"type": "pie"}}, "type: expected one of .*cascade.*, got 'pie'"),
     "period": ({"controller": {"kp": [1, 1], "kd": [1, 1], "period": 0}}, "more than 0, got 0"),
     "gravity": (
         {"controller": {"kp": [1, 1], "kd": [1, 1], "gravity_compensation": "on it"}},

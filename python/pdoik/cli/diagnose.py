@@ -93,11 +93,15 @@ _WIDTH = 118  # of tables where nobody looks at a terminal
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """The verdict, joints by what several of them have, what is peculiar, what would decide."""
+    from pdoik.sim2real.controllers.words import contradictions, of_load
     from pdoik.sim2real.report.matrix import line, matrix_of
     from pdoik.sim2real.report.words import VERDICTS, changes_words, percent, suspected_words
 
     matrix = matrix_of(diagnosis)
     out.print(f"[bold]{escape(VERDICTS[diagnosis.verdict][0])}[/]", highlight=False)
+    for estimate in diagnosis.controllers:
+        for said in (*contradictions(estimate), *of_load(estimate)):
+            out.print(escape(said), highlight=False)
     wide = out if out.is_terminal else Console(file=out.file, width=_WIDTH)
     wide.print(_joints(diagnosis, matrix))
     decided = next((f.decided_by for f in diagnosis.findings if f.equivalents), "")

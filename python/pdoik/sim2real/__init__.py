@@ -13,9 +13,18 @@ order of the study's joints.
 
 from .diagnose import diagnose, examine
 from .effects import CATALOGUE, register
-from .evidence import evidence_of, model_of, write
+from .evidence import evidence_of, model_of, servo_model, write
 from .export.export import export_mjcf, export_urdf
-from .findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit, Residue
+from .findings import (
+    ControllerEstimate,
+    Diagnosis,
+    Equivalent,
+    Estimate,
+    Evidence,
+    Finding,
+    JointFit,
+    Residue,
+)
 from .infer.conclude import Examination, conclude
 from .model.model import Model, load_model, replay
 from .model.predict import predict
@@ -32,6 +41,7 @@ from .thresholds import Thresholds
 __all__ = [
     "CATALOGUE",
     "Controller",
+    "ControllerEstimate",
     "Diagnosis",
     "Equivalent",
     "Estimate",
@@ -66,5 +76,6 @@ __all__ = [
     "register",
     "replay",
     "search",
+    "servo_model",
     "write",
 ]

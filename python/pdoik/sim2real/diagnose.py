@@ -10,6 +10,7 @@ from .channels.check_channels import check_channels
 from .confirm.confirm_by_simulation import confirmed_by_simulation
 from .confirm.rollouts import why_not
 from .confirm.sessions import borne_out
+from .controllers.check_controllers import check_controllers
 from .findings import Diagnosis
 from .infer.conclude import Examination, conclude
 from .infer.events import without_needless_contacts
@@ -77,6 +78,12 @@ def examine(
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)
     say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {source_in_words(prepared)}", 0.15)
+    control = check_controllers(prepared)
+    for note in control.notes:
+        say("controllers", note, 0.155)
+    if control.changed:
+        prepared = prepare(control.study)
+        study = control.study
     check = check_channels(prepared)
     for note in check.notes:
         say("channels", note, 0.16)
@@ -98,7 +105,7 @@ def examine(
     say("estimate", "intervals by the block bootstrap", 0.82)
     if state.accepted and not why_not(study):
         say("simulate", "the figures refined by simulating the arm from its commands", 0.85)
-    return conclude(prepared, state, seed, check, doubtful)
+    return conclude(prepared, state, seed, check, doubtful, control)
 
 
 def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:

@@ -133,6 +133,25 @@ class JointFit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerEstimate:
+    """The law of a joint's controller, as commands, motion and effort show it."""
+
+    joint: str
+    law: str  # pd, pid, cascade, table; "" where none is believed
+    effort: str = ""  # channel it was estimated from; "" where none was logged
+    unit: str = ""  # of the effort: N m, A, or 1, the share of the supply
+    gains: dict[str, Estimate] = field(default_factory=dict)
+    table: tuple[tuple[float, float], ...] = ()  # position error and effort, of a table
+    explained: float = 0.0  # share of the held-out effort's variance
+    error: float = 0.0  # root mean square that it leaves of it, in the effort's unit
+    data: str = ""  # the recordings it was judged on
+    told_wrong: dict[str, float] = field(default_factory=dict)  # gains that the study tells
+    untellable: tuple[str, ...] = ()  # what it hides, in words
+    drive: dict[str, Estimate] = field(default_factory=dict)  # of a motor driven by a voltage
+    load: dict[str, Estimate] = field(default_factory=dict)  # what such a motor tells of it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Diagnosis:
     """Verdict, findings by how much of the mismatch each explains, and the fit of each joint."""
 
@@ -142,6 +161,7 @@ class Diagnosis:
     notes: tuple[str, ...] = ()  # what was repaired, assumed or cannot be told, in words
     suspected: tuple[Finding, ...] = ()  # of low confidence: not claimed, and not in the model
     thresholds: dict[str, dict[str, float]] = field(default_factory=dict)  # by stage and name
+    controllers: tuple[ControllerEstimate, ...] = ()  # of each joint
 
     def to_json(self) -> str:
         """Text of diagnosis.json."""
@@ -164,7 +184,21 @@ class Diagnosis:
             notes=tuple(content.get("notes", ())),
             suspected=tuple(_finding(each) for each in content.get("suspected", ())),
             thresholds=dict(content.get("thresholds", {})),
+            controllers=tuple(_controller(each) for each in content.get("controllers", ())),
         )
+
+
+def _controller(content: dict[str, Any]) -> ControllerEstimate:
+    return ControllerEstimate(
+        **{
+            **content,
+            "gains": {name: _estimate(each) for name, each in content["gains"].items()},
+            "drive": {name: _estimate(each) for name, each in content["drive"].items()},
+            "load": {name: _estimate(each) for name, each in content["load"].items()},
+            "table": tuple((float(x), float(y)) for x, y in content["table"]),
+            "untellable": tuple(content["untellable"]),
+        }
+    )
 
 
 def _joint(content: dict[str, Any]) -> JointFit:

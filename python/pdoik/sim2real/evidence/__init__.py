@@ -6,5 +6,6 @@ the report.
 
 from .files import write
 from .gather import evidence_of, model_of
+from .servo_model import servo_model
 
-__all__ = ["evidence_of", "model_of", "write"]
+__all__ = ["evidence_of", "model_of", "servo_model", "write"]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from ..channels.check_channels import ChannelCheck
 from ..confirm.confidence import confidence_of
+from ..controllers.check_controllers import ControllerCheck
 from ..effects import CATALOGUE
 from ..effects.inertial import Payload
 from ..findings import Diagnosis, Equivalent, Evidence, Finding
@@ -48,6 +49,7 @@ def conclude(
     seed: int,
     check: ChannelCheck | None = None,
     doubtful: Sequence[Term] = (),
+    control: ControllerCheck | None = None,
 ) -> Examination:
     """Findings, joints and verdict of a search.
 
@@ -57,6 +59,7 @@ def conclude(
         seed: of the bootstrap.
         check: what the channels were found to be.
         doubtful: terms that were left out for little confidence.
+        control: what the controllers were found to be.
     """
     study = prepared.study
     suspected = _suspected(prepared, state, doubtful, seed)
@@ -93,6 +96,7 @@ def conclude(
         findings=findings,
         joints=joints,
         notes=(
+            *(control.notes if control else ()),
             *notes_of(prepared, state, joints),
             *(check.notes if check else ()),
             *figures.notes,
@@ -100,6 +104,7 @@ def conclude(
         ),
         suspected=suspected,
         thresholds=study.thresholds.values(),
+        controllers=control.estimates if control else (),
     )
     return Examination(
         diagnosis=diagnosis,

@@ -201,6 +201,7 @@ def source_in_words(prepared: Prepared) -> str:
     words = {
         "tau": "as the drives report it",
         "current": "in proportion to the drives' currents",
+        "duty": "by the drives' duties",
         "tau_cmd": "as commanded (none was reported)",
         "law": "by the controller's law (none was recorded)",
         "": "not known: positions are held against their commands",

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..effects.simulated import parts_of_finding
 from ..findings import Diagnosis, Finding
+from ..study.controller import Controller, VoltageDrive
 from ..study.recording import FloatArray
-from ..study.study import Controller
+
+_DRIVE = ("torque_per_volt", "back_emf", "supply_loss", "volts", "duty_limit")
 
 
 def findings_of(content: list[Any]) -> tuple[Finding, ...]:
@@ -35,7 +37,7 @@ def controller_content(controller: Controller | None) -> dict[str, Any] | None:
     """A controller as plain data."""
     if controller is None:
         return None
-    return {
+    content: dict[str, Any] = {
         "type": controller.type,
         "kp": listed(controller.kp),
         "kd": listed(controller.kd),
@@ -43,6 +45,13 @@ def controller_content(controller: Controller | None) -> dict[str, Any] | None:
         "torque_limit": listed(controller.torque_limit),
         "period": controller.period,
     }
+    if controller.gravity_factor is not None:
+        content["gravity_factor"] = listed(controller.gravity_factor)
+    if controller.drive is not None:
+        content["kp_duty"] = listed(controller.kp_duty)
+        content["kd_duty"] = listed(controller.kd_duty)
+        content["drive"] = {name: listed(getattr(controller.drive, name)) for name in _DRIVE}
+    return content
 
 
 def controller_of(content: dict[str, Any] | None, n: int) -> Controller | None:
@@ -53,14 +62,25 @@ def controller_of(content: dict[str, Any] | None, n: int) -> Controller | None:
     """
     if content is None:
         return None
-    if content["type"] != "pd":
-        raise ValueError(f"type: expected 'pd', got {content['type']!r}")
+    if content["type"] not in ("pd", "voltage"):
+        raise ValueError(f"type: expected 'pd' or 'voltage', got {content['type']!r}")
+    voltage: dict[str, Any] = {}
+    if content["type"] == "voltage":
+        drive = content["drive"]
+        voltage = {
+            "type": "voltage",
+            "kp_duty": required(array_of(content["kp_duty"], n)),
+            "kd_duty": required(array_of(content["kd_duty"], n)),
+            "drive": VoltageDrive(**{name: required(array_of(drive[name], n)) for name in _DRIVE}),
+        }
     return Controller(
         kp=required(array_of(content["kp"], n)),
         kd=required(array_of(content["kd"], n)),
         gravity_compensation=bool(content["gravity_compensation"]),
         torque_limit=array_of(content["torque_limit"], n),
         period=content["period"],
+        gravity_factor=array_of(content.get("gravity_factor"), n),
+        **voltage,
     )
 
 

@@ -15,7 +15,7 @@ from ..thresholds import Thresholds
 from .rigid_body import RigidBody
 from .signals import derivative, dilated, shifted, zero_phase
 
-Source = Literal["tau", "current", "tau_cmd", "law", ""]
+Source = Literal["tau", "current", "duty", "tau_cmd", "law", ""]
 
 _WORKING_RATE = 200.0  # recordings faster than twice this are thinned to at least this [Hz]
 _WIDER = 2.5  # the motion is filtered this much wider than the balances are
@@ -180,6 +180,8 @@ def thinned(recording: Recording) -> Recording:
         values: FloatArray = getattr(recording, name)
         changes[name] = zero_phase(values, cutoff, recording.period)[::every]
     keep = ~dilated(~recording.valid, every)[::every]
+    if recording.released is not None:
+        changes["released"] = recording.released[::every]  # type: ignore[assignment]
     return replace(recording, time=recording.time[::every], valid=keep, **changes)  # type: ignore[arg-type]
 
 
@@ -189,18 +191,30 @@ def control_law(
     """Torque the controller asks for, (T, n); None where it cannot be known."""
     if recording.q_des is None or (controller.gravity_compensation and body is None):
         return None
-    asked = controller.kp * (recording.q_des - recording.q)
     speed = recording.dq
     if speed is None:
         speed = derivative(recording.q, recording.period)
     aim = 0.0 if recording.dq_des is None else recording.dq_des
-    asked = asked + controller.kd * (aim - speed)
+    error, rate = recording.q_des - recording.q, aim - speed
+    drive = controller.drive
+    if drive is not None:
+        assert controller.kp_duty is not None
+        assert controller.kd_duty is not None
+        duty = controller.kp_duty * error + controller.kd_duty * rate
+        duty = np.clip(duty, -drive.duty_limit, drive.duty_limit)
+        given = duty * drive.volts * (1.0 - drive.supply_loss * np.abs(duty))
+        asked = drive.torque_per_volt * given - drive.back_emf * speed
+    else:
+        asked = controller.kp * error + controller.kd * rate
     if controller.gravity_compensation and body is not None:
-        asked = asked + body.gravity(recording.q)
+        factor = 1.0 if controller.gravity_factor is None else controller.gravity_factor
+        asked = asked + factor * body.gravity(recording.q)
     if controller.torque_limit is not None:
         asked = np.clip(asked, -controller.torque_limit, controller.torque_limit)
     if controller.period:  # what is held over a period comes half of it late on average
         asked = shifted(asked, 0.5 * controller.period, recording.period)
+    if recording.released is not None:
+        asked = np.where(recording.released, 0.0, asked)
     return np.asarray(asked, dtype=np.float64)
 
 
@@ -257,8 +271,8 @@ def motion_of(
             cache["tip_position"] = np.ascontiguousarray(poses[:, :3, 3])
     believed = body if believed is None else believed
     law = None if controller is None else control_law(recording, controller, believed)
-    torque, source = _torque(recording, law)
-    command = recording.tau_cmd if source in ("tau", "current") else None
+    torque, source = _torque(recording, law, body is not None)
+    command = recording.tau_cmd if source in ("tau", "current", "duty") else None
     return Motion(
         recording=recording,
         body=body,
@@ -295,11 +309,16 @@ def motion_of(
     )
 
 
-def _torque(recording: Recording, law: FloatArray | None) -> tuple[FloatArray | None, Source]:
+def _torque(
+    recording: Recording, law: FloatArray | None, modelled: bool
+) -> tuple[FloatArray | None, Source]:
+    """The nearest to a torque that there is; duties are none before a model gives them a scale."""
     if recording.tau is not None:
         return recording.tau, "tau"
     if recording.current is not None:
         return recording.current, "current"
+    if recording.duty is not None and modelled:
+        return recording.duty, "duty"
     if recording.tau_cmd is not None:
         return recording.tau_cmd, "tau_cmd"
     if law is not None:

@@ -19,7 +19,7 @@ from ..motion.place import Key, Place
 from ..regression.background import repeats
 from ..regression.fit import Fit, Term, term_of
 from ..regression.refine import polished
-from ..regression.trial import Search
+from ..regression.trial import Search, without
 
 _SHAPES = 2  # of an effect that are weighed, those that explain most beside the plain ones
 
@@ -49,7 +49,18 @@ def _at_joint(state: Search, j: int) -> Search:
     if best is None:
         return state
     changed = state.fitted([*base.terms, *(pool[i] for i in best)])
-    return polished(changed, {j})
+    changed = polished(changed, {j})
+    here = {t.key for t in now}
+    for term in changed.accepted:
+        if _is_ordinary(term, place) and term.key not in here and not _is_clear(changed, term):
+            changed = changed.without(term)
+    return changed
+
+
+def _is_clear(state: Search, term: Term) -> bool:
+    """Whether the search too would keep it, by its statistic."""
+    least = state.balances.thresholds.search
+    return without(state, term).t >= least.still_needed * least.least_t
 
 
 def _is_ordinary(term: Term, place: Place) -> bool:

@@ -9,8 +9,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from ..study.controller import Controller, VoltageDrive
 from ..study.recording import FloatArray
-from ..study.study import Controller
 from .parts import Part, Vector
 from .plant import STANDARD_GRAVITY, build_plant
 
@@ -51,7 +51,15 @@ class GravityModel:
 
 
 def control_law(controller: Controller, gravity: GravityModel | None) -> Control:
-    """The law kp (q_des - q) + kd (dq_des - dq) + g(q), limited."""
+    """The law kp (q_des - q) + kd (dq_des - dq) + g(q), limited; or that of a voltage drive.
+
+    A desired position that is NaN is none: the drive has let go.
+    """
+    if controller.drive is not None:
+        return _voltage_law(controller, controller.drive)
+    factor = None
+    if controller.gravity_factor is not None:
+        factor = np.asarray(controller.gravity_factor, dtype=float).tolist()
     kp: list[float] = np.asarray(controller.kp, dtype=float).tolist()
     kd: list[float] = np.asarray(controller.kd, dtype=float).tolist()
     limit: list[float] | None = None
@@ -66,9 +74,43 @@ def control_law(controller: Controller, gravity: GravityModel | None) -> Control
             for p, d, x_des, v_des, x, v in zip(kp, kd, q_des, dq_des, q, dq, strict=True)
         ]
         if gravity is not None:
-            tau = [u + g for u, g in zip(tau, gravity(q), strict=True)]
+            held = gravity(q)
+            if factor is not None:
+                held = [f * g for f, g in zip(factor, held, strict=True)]
+            tau = [u + g for u, g in zip(tau, held, strict=True)]
         if limit is not None:
             tau = [-m if u < -m else m if u > m else u for u, m in zip(tau, limit, strict=True)]
+        return [0.0 if u != u else u for u in tau]
+
+    return law
+
+
+def _voltage_law(controller: Controller, drive: VoltageDrive) -> Control:
+    """Torques of motors that are given a share of their supply: see `VoltageDrive`."""
+    assert controller.kp_duty is not None
+    assert controller.kd_duty is not None
+    rows = np.stack(
+        [
+            controller.kp_duty,
+            controller.kd_duty,
+            drive.duty_limit,
+            drive.torque_per_volt * drive.volts,
+            drive.supply_loss,
+            drive.back_emf,
+        ],
+        axis=1,
+    ).tolist()
+
+    def law(
+        q_des: list[float], dq_des: list[float], q: list[float], dq: list[float]
+    ) -> list[float]:
+        tau = []
+        for (kp, kd, most, k, loss, emf), x_des, v_des, x, v in zip(
+            rows, q_des, dq_des, q, dq, strict=True
+        ):
+            u = kp * (x_des - x) + kd * (v_des - v)
+            u = -most if u < -most else most if u > most else u
+            tau.append(0.0 if u != u else k * u * (1.0 - loss * abs(u)) - emf * v)
         return tau
 
     return law

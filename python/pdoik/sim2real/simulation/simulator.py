@@ -211,7 +211,7 @@ class Simulator:
 
         if drive != "controller":
             return acting(drive, delayed=drive == "tau_cmd")
-        q_des = acting("q_des")
+        q_des = _let_go(acting("q_des"), commands, times)
         if commands.dq_des is None:
             return [(row, [0.0] * len(self.joints)) for row in q_des]
         return list(zip(q_des, acting("dq_des"), strict=True))
@@ -297,8 +297,18 @@ class Simulator:
             tau=channel("tau", "reported", everything),
             tau_cmd=sampled(segments, "command", dt, time),
             current=None,
+            duty=None,
             tip=stepper.tip_poses(sampled(segments, "position", dt, time)) if wanted else None,
             valid=commands.valid.copy(),
             jitter=0.0,
             notes=(note, *self.notes),
         )
+
+
+def _let_go(rows: list[list[float]], commands: Recording, times: FloatArray) -> list[list[float]]:
+    """Desired positions, NaN where the recording's drives have let go."""
+    if commands.released is None or not commands.released.any():
+        return rows
+    place = np.minimum((times / commands.period + 0.5).astype(np.intp), len(commands.time) - 1)
+    gone: list[list[float]] = np.where(commands.released[place], np.nan, rows).tolist()
+    return gone

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pdoik.errors import LoadError
 
 from .columns import Table, channel_of, joints_of, nearest, tip_columns
+from .duty import with_supply
 from .recording import CHANNELS, FloatArray, Recording, Role
 from .resample import GAP, Grid, on_grid, uniform_grid
 from .units import Units
@@ -20,7 +21,7 @@ FEWEST = 50  # samples
 STILL = 2e-3  # range of a joint that does not move [rad or m]
 
 _DUPLICATES = 0.3  # share of rows whose time stamp is the one before
-_MEASURED = ("dq", "tau", "current")  # a joint that moves changes these
+_MEASURED = ("dq", "tau", "current", "duty")  # a joint that moves changes these
 
 
 def to_recording(
@@ -43,7 +44,7 @@ def to_recording(
         LoadError: a position column is missing, time runs backwards or stands, it is too short.
     """
     _check_positions(table, joints)
-    table = _with_rising_time(table)
+    table = with_supply(_with_rising_time(table), joints)
     _check_length(table, units)
     grid = uniform_grid(table.time)
     notes = [*table.notes, *_grid_notes(grid)]

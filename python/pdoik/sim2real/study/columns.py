@@ -10,6 +10,9 @@ from pdoik.errors import LoadError
 
 from .recording import CHANNELS, FloatArray
 
+SUPPLY = "volts"
+"""Column of the supply that all joints share; `voltage.<joint>` is that of one."""
+
 TIP = ("x", "y", "z", "qw", "qx", "qy", "qz")
 """What follows `tip.` in the columns of the measured tip pose."""
 
@@ -29,6 +32,9 @@ _FOREIGN = {
     "trq": "tau",
     "i": "current",
     "curr": "current",
+    "pwm": "duty",
+    "duty_cycle": "duty",
+    "volt": "voltage",
     "q_cmd": "q_des",
     "q_ref": "q_des",
     "q_desired": "q_des",
@@ -60,7 +66,8 @@ def channel_of(column: str) -> tuple[str, str] | None:
 
 def is_known(column: str) -> bool:
     """Whether a column's name is one that recordings have."""
-    return column == "time" or channel_of(column) is not None or column in tip_columns()
+    named = column in ("time", SUPPLY) or column in tip_columns()
+    return named or channel_of(column) is not None
 
 
 def tip_columns() -> tuple[str, ...]:

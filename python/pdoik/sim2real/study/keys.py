@@ -15,7 +15,7 @@ from pdoik.errors import LoadError
 from .columns import nearest
 from .read_table import MAX_ROWS, Part
 from .recording import FloatArray, Role
-from .study import Controller, Trust
+from .study import Trust
 
 KEYS = (
     "robot",
@@ -35,7 +35,6 @@ KEYS = (
 _ENTRY = ("file", "role", "topic", "command_topic", "window", "every")
 TOLD = ("robot", "payload", "compensated", "controller", "session", "temperature", "surface")
 """What a recording's entry may say of how it was made."""
-_CONTROLLER = ("type", "kp", "kd", "gravity_compensation", "torque_limit", "period")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,40 +121,6 @@ def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
         command_topic=text(mapping.get("command_topic"), f"{source}: command_topic"),
         part=Part(every=int(every), window=window, max_rows=max_rows),
         told={key: mapping[key] for key in TOLD if mapping.get(key) is not None},
-    )
-
-
-def controller_from(content: Any, joints: tuple[str, ...]) -> Controller | None:
-    """The study's `controller`.
-
-    Raises:
-        LoadError: gains of the wrong length or sign, a type that is not known.
-    """
-    if content is None:
-        return None
-    mapping = checked(content, _CONTROLLER, "controller")
-    if mapping.get("type", "pd") != "pd":
-        raise LoadError(f"controller: type: expected pd, got {mapping['type']!r}")
-    missing = [key for key in ("kp", "kd") if key not in mapping]
-    if missing:
-        raise LoadError(f"controller: expected '{missing[0]}:' with {len(joints)} gains")
-    gravity = mapping.get("gravity_compensation", False)
-    if not isinstance(gravity, bool):
-        raise LoadError(
-            f"controller: gravity_compensation: expected true or false, got {gravity!r}"
-        )
-    limit = mapping.get("torque_limit")
-    period = mapping.get("period")
-    return Controller(
-        kp=per_joint(mapping["kp"], "controller: kp", joints),
-        kd=per_joint(mapping["kd"], "controller: kd", joints),
-        gravity_compensation=gravity,
-        torque_limit=None
-        if limit is None
-        else per_joint(limit, "controller: torque_limit", joints, positive=True),
-        period=None
-        if period is None
-        else number(period, "controller: period", least=np.nextafter(0.0, 1.0)),
     )
 
 

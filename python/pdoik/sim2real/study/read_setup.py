@@ -14,11 +14,13 @@ from pdoik.errors import LoadError
 
 from . import keys
 from .columns import nearest
+from .controller import Controller
+from .controller_key import known_controller, told_controller
 from .keys import Entry
 from .payload import Payload
 from .recording import FloatArray
 from .robot_facts import RobotFacts, check_robot, robot_facts
-from .study import Controller, Setup
+from .study import Setup
 
 _PAYLOAD = ("link", "mass", "com", "inertia")
 _MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
@@ -167,9 +169,16 @@ def _controller(content: Any, source: str, told: Told) -> Controller | None:
     if not isinstance(content, dict):
         raise LoadError(f"{source}: controller: expected 'key: value' lines, got {content!r}")
     try:
-        return keys.controller_from({**told.controller, **content}, told.joints)
+        known = _known({**told.controller, **content}, told.joints)
     except LoadError as error:
         raise LoadError(f"{source}: {error}") from error
+    if known is None:
+        raise LoadError(f"{source}: controller: expected 'type: pd' with 'kp:' and 'kd:'")
+    return known
+
+
+def _known(content: Any, joints: tuple[str, ...]) -> Controller | None:
+    return known_controller(told_controller(content, joints))
 
 
 def _compensated(
@@ -180,7 +189,7 @@ def _compensated(
         raise LoadError(f"{source}: compensated: expected true or false, got {value!r}")
     if value and "robot" not in content and "payload" not in content:
         raise LoadError(f"{source}: compensated: expected 'payload:' or 'robot:' beside it")
-    known = own or keys.controller_from(told.controller, told.joints)
+    known = own or _known(told.controller, told.joints)
     if value and not (known is not None and known.gravity_compensation):
         raise LoadError(
             f"{source}: compensated: expected a controller with 'gravity_compensation: true'"

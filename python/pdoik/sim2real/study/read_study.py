@@ -10,6 +10,8 @@ from pdoik.errors import LoadError
 from . import keys as study_keys
 from .check_recording import STILL, moves, to_recording
 from .columns import Table, channel_of, check_names, is_known, joints_of
+from .controller_key import known_controller, told_controller
+from .duty import check_duty
 from .keys import Entry
 from .read_setup import Told, facts_of, setups_of
 from .read_table import read_table
@@ -56,16 +58,16 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     joints, notes = (named, ()) if named is not None else _common_joints(tables, facts)
     notes += () if facts is None else check_robot(facts, joints, tip)
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
-    controller = study_keys.controller_from(content.get("controller"), joints)
+    told = told_controller(content.get("controller"), joints)
     rotor_inertia = _rotor_inertia(content.get("rotor_inertia"), joints, facts)
-    told = Told(
+    beside = Told(
         folder=folder,
         joints=joints,
         facts=facts,
         tip=tip,
         controller=content.get("controller"),
     )
-    setups = setups_of(entries, simulations, told)
+    setups = setups_of(entries, simulations, beside)
 
     def recording(table: Table, entry: Entry) -> Recording:
         return _recording(
@@ -87,7 +89,8 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
             joints=joints,
             recordings=parted,
             split=how,
-            controller=controller,
+            controller=known_controller(told),
+            told=told,
             simulation=tuple(simulation),
             trust=study_keys.trust_from(content.get("trust")),
             rotor_inertia=rotor_inertia,
@@ -212,6 +215,7 @@ def _recording(
     ]
     recording = to_recording(table, joints, entry.role, units, slides)
     check_units(recording, joints, units, facts)
+    check_duty(recording, joints, units)
     return recording
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 Role = Literal["fit", "validate"]
 
-CHANNELS = ("q", "dq", "tau", "current", "q_des", "dq_des", "tau_cmd")
+CHANNELS = ("q", "dq", "tau", "current", "duty", "voltage", "q_des", "dq_des", "tau_cmd")
 """Channels with a column per joint, as `channel.joint`."""
 
 
@@ -31,11 +31,14 @@ class Recording:
     dq: FloatArray | None = None  # [rad/s]
     tau: FloatArray | None = None  # as the drive reports it [N m]
     current: FloatArray | None = None  # [A]
+    duty: FloatArray | None = None  # of the supply that the motor is given, -1 to 1
+    voltage: FloatArray | None = None  # of the supply [V]
     q_des: FloatArray | None = None
     dq_des: FloatArray | None = None
     tau_cmd: FloatArray | None = None
     tip: FloatArray | None = None  # (T, 7): x y z qw qx qy qz in the base frame
     valid: NDArray[np.bool_]  # (T,) False within gaps bridged by interpolation
+    released: NDArray[np.bool_] | None = None  # True where the drive has let go; found, not logged
     raw_period: float  # median step of the file's time [s]
     jitter: float  # standard deviation of the file's time steps [s]
     notes: tuple[str, ...] = ()  # what was repaired, in words

@@ -5,27 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 from ..thresholds import Thresholds
+from .controller import Controller as Controller
+from .controller import ToldController
 from .payload import Payload
 from .recording import FloatArray, Recording
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Controller:
-    """Joint controller of the recorded machine.
-
-    tau = kp (q_des - q) + kd (dq_des - dq) + g(q), clipped to the torque limit; dq_des is zero if
-    it was not recorded, g(q) is there with gravity compensation only.
-    """
-
-    type: Literal["pd"] = "pd"
-    kp: FloatArray  # (n,) [N m/rad]
-    kd: FloatArray  # (n,) [N m s/rad]
-    gravity_compensation: bool = False
-    torque_limit: FloatArray | None = None  # (n,) [N m]
-    period: float | None = None  # [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +69,8 @@ class Study:
     joints: tuple[str, ...]
     recordings: tuple[Recording, ...]
     split: str  # how fit and validate were parted, in words
-    controller: Controller | None = None
+    controller: Controller | None = None  # a law that is known
+    told: ToldController | None = None  # what the study says of one that may not be
     simulation: tuple[Recording, ...] = ()
     trust: Trust = field(default_factory=Trust)
     rotor_inertia: FloatArray | None = None  # (n,) seen at the joint [kg m^2]

@@ -9,7 +9,7 @@ from typing import Any
 
 from pdoik.errors import LoadError
 
-from .columns import nearest
+from .columns import SUPPLY, nearest
 
 _ANGLE = {"rad": 1.0, "deg": pi / 180, "turn": 2 * pi}
 _SPEED = {"rad/s": 1.0, "deg/s": pi / 180, "turn/s": 2 * pi, "rpm": pi / 30}
@@ -22,11 +22,13 @@ KNOWN: dict[str, dict[str, float]] = {
     "dq": {**_SPEED, "m/s": 1.0, "mm/s": 1e-3},
     "tau": _TORQUE,
     "current": {"A": 1.0, "mA": 1e-3},
+    "duty": {"1": 1.0, "%": 1e-2, "permille": 1e-3},
+    "voltage": {"V": 1.0, "mV": 1e-3},
     "tip": _LENGTH,
 }
 """Units of each channel and their factor to SI."""
 
-_PARENT = {"q_des": "q", "dq_des": "dq", "tau_cmd": "tau"}
+_PARENT = {"q_des": "q", "dq_des": "dq", "tau_cmd": "tau", SUPPLY: "voltage"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +75,8 @@ def units_from(content: Any, source: str) -> Units:
                 f"{source}: units: {key}: no unit {unit!r}; expected one of"
                 f" {', '.join(_known(channel))}"
             )
-        named[str(key)] = spelled[_plain(str(unit))]
+        name = "voltage" if key == SUPPLY else str(key)
+        named[name] = spelled[_plain(str(unit))]
     return Units(named)
 
 

@@ -9,6 +9,7 @@ from .background import BackgroundThresholds
 from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
+from .controllers import ControllerThresholds
 from .figures import FigureThresholds
 from .gates import GateThresholds
 from .limits import LimitThresholds
@@ -47,6 +48,7 @@ class Thresholds:
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
     unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
     selection: SelectionThresholds = field(default_factory=SelectionThresholds)
+    controllers: ControllerThresholds = field(default_factory=ControllerThresholds)
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)
     simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
     figures: FigureThresholds = field(default_factory=FigureThresholds)

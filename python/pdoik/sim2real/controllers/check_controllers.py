@@ -1,0 +1,244 @@
+"""Every joint's controller, and the study with what was not known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..findings import ControllerEstimate
+from ..motion.motion import thinned
+from ..motion.prepare import Prepared, prepare
+from ..study.controller import Controller, ToldController, VoltageDrive
+from ..study.recording import FloatArray
+from ..study.study import Study
+from .estimate import JointLaw, joint_law
+from .load import Load, in_words, load_of
+from .told import SEEN_ITSELF, compared, told_gains
+from .voltage import Motor, motor_of, supply, with_torque
+from .words import contradictions, drive_in_words, law_in_words, nothing_known, with_untellable
+
+_WIDER = 2.5  # as motions are filtered: speeds for back-EMFs
+_NEVER = 1e6  # a limit that is none
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ControllerCheck:
+    """What the controllers were found to be."""
+
+    study: Study
+    estimates: tuple[ControllerEstimate, ...]
+    notes: tuple[str, ...]
+    changed: bool  # whether the study is another than before
+
+
+def check_controllers(prepared: Prepared) -> ControllerCheck:
+    """Estimate each joint's law; where the study needs it, put in what was not known."""
+    study = prepared.study
+    limits = study.thresholds.controllers
+    fit = [thinned(r) for r in study.fit]
+    held = [thinned(r) for r in study.validate]
+    laws = [
+        joint_law(name, j, fit, held, prepared.body, limits) for j, name in enumerate(study.joints)
+    ]
+    estimates = [compared(law.estimate, told_gains(study, j), limits) for j, law in enumerate(laws)]
+    changed = _with_released(study, laws)
+    motors: list[Motor | None] = [None] * len(laws)
+    if prepared.body is not None and prepared.fit.motions[0].source == "duty":
+        if changed is not study:
+            prepared = prepare(changed, prepared.body, prepared.cutoff)
+        motors = [motor_of(prepared.fit, j, study.told, limits) for j in range(len(laws))]
+        cutoff = _WIDER * prepared.cutoff
+        recordings = with_torque(changed.recordings, motors, study.told, cutoff)
+        changed = _with_rotors(replace(changed, recordings=recordings), motors)
+    loads = [
+        None
+        if motor is None or prepared.body is None
+        else load_of(prepared.body, j, motor, limits.drive_error)
+        for j, motor in enumerate(motors)
+    ]
+    estimates = [
+        replace(
+            each,
+            drive={} if motor is None else motor.estimates(),
+            load={} if load is None else load.estimates(),
+        )
+        for each, motor, load in zip(estimates, motors, loads, strict=True)
+    ]
+    controller = _known(changed, estimates, motors)
+    if controller is not None and controller is not study.controller:
+        changed = replace(changed, controller=controller)
+    estimates = [
+        with_untellable(each, study, _released(changed, j)) for j, each in enumerate(estimates)
+    ]
+    return ControllerCheck(
+        study=changed,
+        estimates=tuple(estimates),
+        notes=tuple(_notes(study, changed, estimates, motors, loads)),
+        changed=changed is not study,
+    )
+
+
+def _notes(
+    study: Study,
+    changed: Study,
+    estimates: Sequence[ControllerEstimate],
+    motors: Sequence[Motor | None],
+    loads: Sequence[Load | None],
+) -> list[str]:
+    known = study.controller is not None
+    wrong = [said for each in estimates for said in contradictions(each)]
+    blind = [each.joint for each in estimates if not each.effort and not _logged(study, each.joint)]
+    notes = wrong if known or not blind else [nothing_known(study, blind), *wrong]
+    for each, motor, load in zip(estimates, motors, loads, strict=True):
+        asked = not known or each.effort in SEEN_ITSELF
+        if asked and law_in_words(each):
+            notes.append(law_in_words(each))
+        if drive_in_words(each, motor is not None and motor.told):
+            notes.append(drive_in_words(each, motor is not None and motor.told))
+        if load is not None:
+            notes.append(in_words(each.joint, load, study.rotor_inertia is not None))
+        if not known and each.untellable:
+            notes.append(f"{each.joint}: {'; '.join(each.untellable)}.")
+    for j, name in enumerate(study.joints):
+        files = [
+            r.name for r in changed.recordings if r.released is not None and r.released[:, j].any()
+        ]
+        if files:
+            notes.append(f"{name}: its drive lets go in {', '.join(files)}: no torque acts there.")
+    return notes
+
+
+def _with_rotors(study: Study, motors: Sequence[Motor | None]) -> Study:
+    """With the rotors' inertias that were fitted with the motors, where none was told."""
+    own = np.zeros(len(motors)) if study.rotor_inertia is None else study.rotor_inertia
+    found = [
+        own[j] if motor is None or motor.told_rotor else motor.rotor.value
+        for j, motor in enumerate(motors)
+    ]
+    return replace(study, rotor_inertia=np.array(found))
+
+
+def _released(study: Study, j: int) -> bool:
+    """Whether joint j's drive lets go in a recording to fit."""
+    return any(r.released is not None and bool(r.released[:, j].any()) for r in study.fit)
+
+
+def _logged(study: Study, joint: str) -> bool:
+    """Whether any effort of a joint was logged."""
+    j = study.joints.index(joint)
+    each = [
+        values
+        for r in study.recordings
+        for values in (r.tau, r.current, r.duty, r.tau_cmd)
+        if values is not None
+    ]
+    return any(np.isfinite(values[:, j]).any() for values in each)
+
+
+def _with_released(study: Study, laws: Sequence[JointLaw]) -> Study:
+    """With the samples at which drives have let go."""
+    limits = study.thresholds.controllers
+    recordings = []
+    for r in study.recordings:
+        each = [law.let_go(r, j, limits) for j, law in enumerate(laws)]
+        released = np.stack(each, axis=1)
+        recordings.append(replace(r, released=released) if released.any() else r)
+    if all(new is old for new, old in zip(recordings, study.recordings, strict=True)):
+        return study
+    return replace(study, recordings=tuple(recordings))
+
+
+def _known(
+    study: Study, estimates: Sequence[ControllerEstimate], motors: Sequence[Motor | None]
+) -> Controller | None:
+    """The law with what was estimated in place of what was not known, or was told wrong.
+
+    The study's own where nothing is better; None where a joint's is not known well enough.
+    """
+    least = study.thresholds.controllers.used
+    own = study.controller
+    believed = all(each.law == "pd" and each.explained >= least for each in estimates)
+    wrong = any(each.told_wrong for each in estimates)
+    if not believed or (own is not None and not wrong):
+        return own
+    if study.told is not None and study.told.type in ("pid", "cascade", "table") and not wrong:
+        return own  # a law of more terms was told than these recordings show
+    kp, kd, gravity = (_gain(estimates, name) for name in ("kp", "kd", "gravity"))
+    units = {each.unit for each in estimates}
+    told = study.told
+    if own is not None and own.type == "pd":  # what is told wrong is a position gain
+        wrong_at = [bool(each.told_wrong) for each in estimates]
+        return replace(own, kp=np.where(wrong_at, kp, own.kp))
+    if units == {"N m"}:
+        return Controller(
+            kp=kp,
+            kd=kd,
+            gravity_compensation=bool(gravity.any()),
+            gravity_factor=gravity if gravity.any() else None,
+            torque_limit=_limit(estimates, told),
+            period=_period(estimates, told),
+        )
+    if units == {"1"} and all(motors):
+        drive = _drive(study, estimates, [motor for motor in motors if motor is not None], told)
+        volts = drive.torque_per_volt * drive.volts
+        return Controller(
+            type="voltage",
+            kp=volts * kp,
+            kd=volts * kd + drive.back_emf,
+            period=_period(estimates, told),
+            drive=drive,
+            kp_duty=kp,
+            kd_duty=kd,
+        )
+    return own
+
+
+def _drive(
+    study: Study,
+    estimates: Sequence[ControllerEstimate],
+    motors: Sequence[Motor],
+    told: ToldController | None,
+) -> VoltageDrive:
+    def limit(j: int) -> float:
+        if told is not None and told.duty_limit is not None:
+            return float(told.duty_limit[j])
+        found = estimates[j].gains.get("limit")
+        return 1.0 if found is None else found.value
+
+    every = range(len(motors))
+    volts = [
+        float(np.median(np.concatenate([supply(r, j, told) for r in study.fit]))) for j in every
+    ]
+    return VoltageDrive(
+        torque_per_volt=np.array([motor.torque_per_volt.value for motor in motors]),
+        back_emf=np.array([motor.back_emf.value for motor in motors]),
+        supply_loss=np.array([motor.supply_loss.value for motor in motors]),
+        volts=np.array(volts),
+        duty_limit=np.array([limit(j) for j in every]),
+    )
+
+
+def _gain(estimates: Sequence[ControllerEstimate], name: str) -> FloatArray:
+    """A gain of every joint, 0 where it has none, (n,)."""
+    none = [each.gains.get(name) for each in estimates]
+    return np.array([0.0 if each is None else max(each.value, 0.0) for each in none])
+
+
+def _limit(
+    estimates: Sequence[ControllerEstimate], told: ToldController | None
+) -> FloatArray | None:
+    if told is not None and told.torque_limit is not None:
+        return told.torque_limit
+    found = [each.gains.get("limit") for each in estimates]
+    if not any(found):
+        return None
+    return np.array([_NEVER if each is None else each.value for each in found])
+
+
+def _period(estimates: Sequence[ControllerEstimate], told: ToldController | None) -> float | None:
+    if told is not None and told.period is not None:
+        return told.period
+    found = [each.gains["period"].value for each in estimates if "period" in each.gains]
+    return float(np.median(found)) if found else None

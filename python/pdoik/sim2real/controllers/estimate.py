@@ -1,0 +1,172 @@
+"""The law of each joint's controller: its figures, how well it predicts, what it hides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..findings import ControllerEstimate, Estimate
+from ..motion.rigid_body import RigidBody
+from ..study.recording import Recording
+from ..thresholds.controllers import ControllerThresholds
+from .choose import Chosen, chosen, let_go, predicted
+from .law import Fitted, errors
+from .rows import EFFORTS, Piece, effort_of, pieces_of
+
+_RESTING = 50  # samples without a change that are a rest
+_LEAST_HELD = 20  # changes by which a period is told
+_STEADY = 0.8  # share of them that come in time
+_NAMES = {"rate": "kd_command", "gravity": "gravity", "inertia": "inertia"}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointLaw:
+    """What was estimated of a joint, with all that it rests on."""
+
+    estimate: ControllerEstimate
+    chosen: Chosen | None = None
+    body: RigidBody | None = None
+
+    def let_go(
+        self, recording: Recording, j: int, limits: ControllerThresholds
+    ) -> NDArray[np.bool_]:
+        """Samples at which the drive of joint j has let go, (T,)."""
+        if self.chosen is None:
+            return np.zeros(len(recording.time), dtype=np.bool_)
+        effort, most = self.estimate.effort, len(recording.time)
+        (piece,) = pieces_of((recording,), j, effort, self.body, limits, most)
+        return let_go(piece, self.chosen, limits)
+
+
+def joint_law(
+    joint: str,
+    j: int,
+    fit: Sequence[Recording],
+    validate: Sequence[Recording],
+    body: RigidBody | None,
+    limits: ControllerThresholds,
+) -> JointLaw:
+    """The law of joint number j.
+
+    Args:
+        joint: its name.
+        j: its column.
+        fit: recordings to learn from, thinned.
+        validate: recordings that judge, thinned.
+        body: of the model, for what is fed forward.
+        limits: what is believed.
+    """
+    effort = effort_of((*fit, *validate), j)
+    if not effort:
+        return JointLaw(estimate=ControllerEstimate(joint=joint, law=""))
+    pieces = pieces_of(fit, j, effort, body, limits)
+    moving = any(np.ptp(piece.error) > 0.0 and np.ptp(piece.effort) > 0.0 for piece in pieces)
+    found = chosen(pieces, limits) if moving else None
+    if found is None:
+        return JointLaw(estimate=ControllerEstimate(joint=joint, law="", effort=effort))
+    judges = pieces_of(validate, j, effort, body, limits) or pieces
+    explained, left = _judged(judges, found, limits)
+    believed = explained >= limits.believed
+    gains = _gains(pieces, found, effort, limits.gain_error) if believed else {}
+    return JointLaw(
+        estimate=ControllerEstimate(
+            joint=joint,
+            law=found.law.form.kind if believed else "",
+            effort=effort,
+            unit=EFFORTS[effort],
+            gains=gains,
+            table=_table(found.pieces, found.law) if believed else (),
+            explained=explained,
+            error=left,
+            data=", ".join(piece.name for piece in judges),
+        ),
+        chosen=found if believed else None,
+        body=body,
+    )
+
+
+def _judged(
+    judges: Sequence[Piece], found: Chosen, limits: ControllerThresholds
+) -> tuple[float, float]:
+    """Share of the variance explained, and what is left (root mean square)."""
+    left, whole = [], []
+    for piece in judges:
+        asked = predicted(piece, found.law, found.limit)
+        silent = np.abs(piece.effort) <= limits.no_effort * np.abs(piece.effort).max()
+        use = piece.use & ~silent
+        left.append((piece.effort - asked)[use])
+        whole.append(piece.effort[use])
+    every = np.concatenate(whole)
+    if len(every) < 2:
+        return 0.0, 0.0
+    rest = float(np.mean(np.concatenate(left) ** 2))
+    return 1.0 - rest / max(float(np.var(every)), 1e-300), float(np.sqrt(rest))
+
+
+def _gains(
+    pieces: Sequence[Piece], found: Chosen, effort: str, least: float
+) -> dict[str, Estimate]:
+    """Figures with their errors, at least a share of them, by name."""
+    law, unit = found.law, EFFORTS[effort]
+    form, std = law.form, errors(found.pieces, law)
+    units = {"kp": f"{unit}/rad", "kd": f"{unit} s/rad", "ki": f"{unit}/(rad s)"}
+    units |= {"kv": f"{unit} s/rad", "rate": f"{unit} s/rad"}
+    if form.kind == "cascade":
+        units["ki"] = f"{unit}/rad"
+    result = {}
+    for name, value in zip(form.names, law.beta, strict=False):
+        if not name.startswith("knee"):
+            error = float(np.hypot(std[name], least * value))
+            result[_NAMES.get(name, name)] = _estimate(value, error, units.get(name, "-"))
+    if form.kind == "cascade":
+        error = float(np.hypot(std.get("ratio", 0.0), least * form.ratio))
+        result = {"kp": _estimate(form.ratio, error, "1/s"), **result}
+    elif form.kind in ("pd", "table"):
+        result["bias"] = _estimate(law.beta[len(form.names)], std["bias"], unit)
+    for name, value in (("delay", form.delay), ("lag", form.lag)):
+        if name in std:
+            said = name if name == "lag" or form.late == "effort" else "command_delay"
+            result["time_constant" if name == "lag" else said] = _estimate(value, std[name], "s")
+    if np.isfinite(found.limit):
+        top = 0.001 * found.limit
+        result["limit"] = _estimate(found.limit, top, unit)
+    period = held_period(pieces)
+    if period:
+        result["period"] = _estimate(period, 0.25 * pieces[0].period, "s")
+    return result
+
+
+def held_period(pieces: Sequence[Piece]) -> float:
+    """Time for which the controller keeps its effort, where the log is faster [s]; else 0."""
+    found = []
+    for piece in pieces:
+        gaps = np.diff(np.flatnonzero(np.diff(piece.effort) != 0.0))
+        gaps = gaps[gaps < _RESTING]
+        if len(gaps) < _LEAST_HELD:
+            return 0.0
+        count = float(np.median(gaps))
+        if count < 2.0 or np.mean(np.abs(gaps - count) < 1.0) < _STEADY:
+            return 0.0
+        found.append(float(np.mean(gaps)) * piece.period)
+    return float(np.median(found))
+
+
+def _table(pieces: Sequence[Piece], law: Fitted) -> tuple[tuple[float, float], ...]:
+    """Error and effort of a table, at its knees and its ends."""
+    if law.form.kind != "table":
+        return ()
+    most = max(float(np.max(np.abs(piece.error[piece.use]))) for piece in pieces)
+    kp, slopes = float(law.beta[0]), law.beta[2 : 2 + len(law.form.knees)]
+    at = np.array([0.0, *law.form.knees, most])
+    beyond = np.maximum(at[:, None] - np.array(law.form.knees), 0.0)
+    effort = kp * at + beyond @ slopes
+    pairs = [(float(x), float(y)) for x, y in zip(at, effort, strict=True)]
+    return (*((-x, -y) for x, y in pairs[:0:-1]), *pairs)
+
+
+def _estimate(value: float | np.floating, std: float, unit: str) -> Estimate:
+    x = float(value)
+    return Estimate(value=x, std=std, interval95=(x - 1.96 * std, x + 1.96 * std), unit=unit)

@@ -1,0 +1,137 @@
+"""What a law may be made of: columns over the samples of a joint's recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..motion.rigid_body import RigidBody
+from ..motion.signals import derivative, lagged, shifted, zero_phase
+from ..study.recording import FloatArray, Recording
+from ..thresholds.controllers import ControllerThresholds
+
+EFFORTS = {"tau_cmd": "N m", "duty": "1", "tau": "N m", "current": "A"}
+"""Channels of effort and their units, the nearest to what a controller puts out first."""
+
+_SMOOTH = 10.0  # of a command's rates, for feed-forward of inertia [Hz]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Piece:
+    """One recording of one joint; arrays are (T,)."""
+
+    name: str
+    period: float
+    q: FloatArray
+    error: FloatArray  # q_des - q
+    speed: FloatArray  # dq_des - dq where dq_des was logged, else -dq
+    rate: FloatArray  # of q_des; zero where dq_des was logged
+    effort: FloatArray
+    gravity: FloatArray  # torque of the model at rest [N m]
+    inertia: FloatArray  # torque of the model for the commanded acceleration [N m]
+    use: NDArray[np.bool_]  # samples that count
+    block: NDArray[np.intp]
+
+    def column(self, name: str) -> FloatArray:
+        """A part of a law, (T,)."""
+        if name == "integral":
+            return np.asarray(np.cumsum(self.error) * self.period, dtype=np.float64)
+        if name == "travel":
+            return np.asarray(self.q[0] - self.q, dtype=np.float64)
+        if name.startswith("knee"):
+            beyond = np.maximum(np.abs(self.error) - float(name.removeprefix("knee ")), 0.0)
+            return np.asarray(np.sign(self.error) * beyond, dtype=np.float64)
+        if name == "one":
+            return np.ones(len(self.q))
+        values: FloatArray = getattr(self, name)
+        return values
+
+    def acting(self, values: FloatArray, delay: float, lag: float) -> FloatArray:
+        """As it acts after a delay and a first-order filter; (T,)."""
+        if delay > 0.0:
+            values = shifted(values, delay, self.period)
+        if lag > 1e-4:
+            values = lagged(values[:, None], lag, self.period)[:, 0]
+        return values
+
+
+def effort_of(recordings: Sequence[Recording], j: int) -> str:
+    """The channel from which joint j's law can be seen; "" without one, or without a command."""
+
+    def has(channel: str) -> bool:
+        each = [getattr(r, channel) for r in recordings]
+        return all(values is not None and np.isfinite(values[:, j]).all() for values in each)
+
+    if not recordings or not has("q_des"):
+        return ""
+    return next((channel for channel in EFFORTS if has(channel)), "")
+
+
+def pieces_of(
+    recordings: Sequence[Recording],
+    j: int,
+    effort: str,
+    body: RigidBody | None,
+    limits: ControllerThresholds,
+    most: int | None = None,
+) -> tuple[Piece, ...]:
+    """The recordings of joint j, their first samples up to `most`, blocks numbered through."""
+    most = limits.most_rows // max(len(recordings), 1) if most is None else most
+    pieces: list[Piece] = []
+    first = 0
+    for r in recordings:
+        piece = _piece(r, j, effort, body, limits, most)
+        piece = replace(piece, block=piece.block + first)
+        first = int(piece.block[-1]) + 1
+        pieces.append(piece)
+    return tuple(pieces)
+
+
+def _piece(
+    r: Recording,
+    j: int,
+    effort: str,
+    body: RigidBody | None,
+    limits: ControllerThresholds,
+    most: int,
+) -> Piece:
+    assert r.q_des is not None
+    count = min(len(r.time), most)
+    part = slice(0, count)
+    speed = r.dq if r.dq is not None and np.isfinite(r.dq[:, j]).all() else None
+    dq = derivative(r.q, r.period)[part, j] if speed is None else speed[part, j]
+    aimed = r.dq_des is not None and bool(np.isfinite(r.dq_des[:, j]).all())
+    rate = derivative(r.q_des[:, j], r.period)[part]
+    if aimed:
+        assert r.dq_des is not None
+        dq, rate = dq - r.dq_des[part, j], np.zeros(count)
+    gravity, inertia = np.zeros(count), np.zeros(count)
+    complete = bool(np.isfinite(r.q).all() and np.isfinite(r.q_des).all())
+    if body is not None and complete and effort in ("tau_cmd", "tau"):
+        gravity = body.gravity(r.q[part])[:, j]
+        smooth = zero_phase(r.q_des, _SMOOTH, r.period)[part]
+        wanted = derivative(derivative(smooth, r.period), r.period)
+        still = np.zeros_like(wanted)
+        inertia = (body.torque(r.q[part], still, wanted) - body.gravity(r.q[part]))[:, j]
+        inertia += body.rotor[j] * wanted[:, j]
+    use = r.valid[part].copy()
+    use[: int(limits.settling / r.period)] = False
+    values: FloatArray = getattr(r, effort)
+    if r.released is not None:
+        use &= ~r.released[part, j]
+    return Piece(
+        name=r.name,
+        period=r.period,
+        q=r.q[part, j],
+        error=r.q_des[part, j] - r.q[part, j],
+        speed=-dq,
+        rate=rate,
+        effort=values[part, j],
+        gravity=gravity,
+        inertia=inertia,
+        use=use,
+        block=(np.arange(count) * r.period / limits.block).astype(np.intp),
+    )

@@ -1,0 +1,167 @@
+"""Controllers in words: what was found of them, and what they hide."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..findings import ControllerEstimate, Estimate
+from ..study.study import Study
+
+_NAMES = {
+    "pd": "a PD law",
+    "pid": "a PID law",
+    "cascade": "a position loop around a speed loop (P-PI)",
+    "table": "a table of the position error",
+}
+_EFFORTS = {
+    "tau_cmd": "the commanded torque",
+    "duty": "the duty",
+    "tau": "the torque as reported",
+    "current": "the current",
+}
+
+
+def law_in_words(estimate: ControllerEstimate) -> str:
+    """One sentence of a law that is believed, or why none is; "" where no effort was logged."""
+    where, effort = estimate.joint, _EFFORTS.get(estimate.effort, "")
+    if not estimate.effort:
+        return ""
+    if not estimate.law:
+        return (
+            f"{where}: no law of the controller explains {effort}"
+            f" (held out, {100 * max(estimate.explained, 0.0):.3g} % of it at best)."
+        )
+    shown = [name for name in estimate.gains if not _is_none(estimate.gains[name])]
+    figures = ", ".join(f"{name} {_figure(estimate.gains[name])}" for name in shown)
+    return (
+        f"{where}: {effort} follows {_NAMES[estimate.law]}: {figures}; on held-out data it"
+        f" explains {100 * estimate.explained:.4g} % of it"
+        f" and leaves {estimate.error:.2g}{_unit(estimate.unit)}."
+    )
+
+
+def contradictions(estimate: ControllerEstimate) -> list[str]:
+    """Gains told that the effort contradicts."""
+    said = []
+    for name, told in estimate.told_wrong.items():
+        found = estimate.gains[name]
+        by = f" ({100 * (told / found.value - 1.0):+.0f} %)" if found.value > 0.0 else ""
+        said.append(
+            f"{estimate.joint}: the study tells {name} = {told:.4g}, its"
+            f" {_EFFORTS[estimate.effort].removeprefix('the ')} says {_figure(found)}: what is told"
+            f" is wrong{by}, and what the effort says was used."
+        )
+    return said
+
+
+def of_load(estimate: ControllerEstimate) -> list[str]:
+    """What a drive whose figures are told says of the model's load; nothing where it agrees."""
+    said = []
+    for name in ("mass", "length"):
+        factor = estimate.load.get(f"{name}_factor")
+        if factor is not None and not factor.interval95[0] <= 1.0 <= factor.interval95[1]:
+            said.append(
+                f"{estimate.joint}: the load's {name} is {_figure(factor)} times the model's, by"
+                " the drive's figures as told."
+            )
+    return said
+
+
+def drive_in_words(estimate: ControllerEstimate, told: bool) -> str:
+    """A motor that is driven by a voltage; "" where none was estimated."""
+    if not estimate.drive:
+        return ""
+    figures = ", ".join(
+        f"{name.replace('_', ' ')} {_figure(each)}" for name, each in estimate.drive.items()
+    )
+    scale = (
+        "the torque per volt is the study's, so masses can be told"
+        if told
+        else "they were fitted to the model's own masses: of a model twice as heavy all torques"
+        " would be twice as large, so a wrong mass cannot be told from another torque per volt"
+    )
+    return f"{estimate.joint}: torques are duties times a motor's figures ({figures}); {scale}."
+
+
+def with_untellable(
+    estimate: ControllerEstimate, study: Study, released: bool
+) -> ControllerEstimate:
+    """With what the law and the channels hide, in words."""
+    said: list[str] = []
+    gains = estimate.gains
+    if not estimate.law:
+        return estimate
+    if "ki" in gains:
+        said.append(
+            "its integral takes up whatever is constant: a load, an offset or friction at rest"
+            " shows in the effort and in no position error"
+        )
+    if estimate.effort in ("tau_cmd", "duty"):
+        said.append(
+            "the effort is what was asked for: a drive's gain cannot be told from masses that are"
+            " all off by the same factor"
+        )
+    if "gravity" in gains or "inertia" in gains:
+        said.append(
+            "the factor of what it feeds forward is of its own model: it says nothing of the"
+            " machine's masses"
+        )
+    if "limit" in gains:
+        said.append("while it is cut off at its limit, its gains act on nothing")
+    if estimate.effort == "duty" and not _told_scale(study):
+        rotor = study.rotor_inertia is None
+        said.append(
+            "of load and drive only ratios are seen: the load's mass and the torque per volt"
+            + (", its length and the rotor's inertia" if rotor else "")
+            + " cannot be told apart"
+        )
+        if not released:
+            said.append(
+                "a back-EMF and viscous friction look the same while the drive never lets go"
+            )
+    if estimate.law == "pid":
+        said.append(
+            "a position loop around a speed loop that is told the desired speed is the same"
+        )
+    if estimate.law == "pd" and study.told is not None and study.told.type == "cascade":
+        said.append("a position loop around a speed loop without an integral is the same PD law")
+    return replace(estimate, untellable=tuple(said))
+
+
+def _told_scale(study: Study) -> bool:
+    return study.told is not None and study.told.torque_per_volt is not None
+
+
+def nothing_known(study: Study, joints: list[str]) -> str:
+    """What can be told where neither gains nor effort are known; said before all else."""
+    commanded = all(r.q_des is not None for r in study.recordings)
+    where = ", ".join(joints)
+    if not commanded:
+        return (
+            f"{where}: neither commands, effort nor gains are known. Only channels can be judged"
+            " against one another."
+        )
+    return (
+        f"{where}: neither effort nor the controller's gains are known. What can be told: how late"
+        " and how slowly positions follow their commands, by how much they droop under load, the"
+        " width at reversals in which they do not follow (play or stiction, one figure for both),"
+        " offsets. What cannot: torques, friction, masses and inertias, gains of the drive, and"
+        " whether play or stiction makes the width. A duty, a current or a torque in the log, or"
+        " the controller's gains in the study, would tell more."
+    )
+
+
+def _is_none(estimate: Estimate) -> bool:
+    low, high = estimate.interval95
+    return low <= 0.0 <= high
+
+
+def _figure(estimate: Estimate) -> str:
+    half = 0.5 * (estimate.interval95[1] - estimate.interval95[0])
+    return f"{estimate.value:.4g} ± {half:.2g}{_unit(estimate.unit)}"
+
+
+def _unit(unit: str) -> str:
+    if unit in ("1", "-", ""):
+        return ""
+    return f" {unit}"

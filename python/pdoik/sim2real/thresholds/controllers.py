@@ -1,0 +1,50 @@
+"""When a controller's law is believed, and when it contradicts what the study tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerThresholds(Group):
+    """Of laws that are estimated from commands, motion and effort."""
+
+    least_rows: int = threshold(200, "samples below which no law is estimated", "rows")
+    most_rows: int = threshold(12_000, "samples of a joint that are used at most", "rows")
+    settling: float = threshold(0.15, "time at a recording's begin that is left out", "s")
+    block: float = threshold(0.5, "time within which samples count as one for errors", "s")
+    least_gain: float = threshold(
+        0.05, "share of what a simpler law leaves on held-out blocks that a further term must save"
+    )
+    gain_t: float = threshold(3.0, "standard errors by which that must be clear", "s.e.")
+    least_bic: float = threshold(
+        10.0,
+        "difference of Bayes's criterion that a further term needs",
+        "",
+        "Kass and Raftery, JASA 90(430), 1995: very strong",
+    )
+    gain_error: float = threshold(
+        0.005, "least error of a gain, as a share of it: a log's samples are not the controller's"
+    )
+    believed: float = threshold(
+        0.8, "share of the held-out effort that a law must explain to be believed"
+    )
+    used: float = threshold(0.95, "the same for its gains to stand in for gains not known")
+    told_off: float = threshold(0.05, "share by which a gain told must be off to be said wrong")
+    told_t: float = threshold(4.0, "standard errors by which it must be off", "s.e.")
+    flat: float = threshold(0.002, "share of the highest effort within which its top is flat")
+    flat_rows: int = threshold(8, "samples at a flat top", "rows")
+    let_go: float = threshold(0.08, "time without effort after which a drive may have let go", "s")
+    let_go_over: float = threshold(
+        5.0, "error of the law over its usual one where a drive has let go"
+    )
+    no_effort: float = threshold(1e-3, "share of the highest effort that is none")
+    longest_delay: float = threshold(0.12, "delay, and time constant, that are sought", "s")
+    drive_error: float = threshold(
+        0.1,
+        "share by which a motor's torque per volt differs from what was told of it",
+        "",
+        "copper's resistance grows by 0.4 % per K: windings 25 K warmer",
+    )
