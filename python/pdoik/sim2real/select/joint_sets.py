@@ -64,7 +64,9 @@ def _is_clear(state: Search, term: Term) -> bool:
 
 
 def _is_ordinary(term: Term, place: Place) -> bool:
-    return term.place == place and CATALOGUE[term.effect].ordinary
+    """Whether it is of the joint's torque alone, and of every machine."""
+    of_torque = set(term.columns) == {("torque", place.joints[0])}
+    return of_torque and term.place == place and CATALOGUE[term.effect].ordinary
 
 
 def _pool(base: Fit, now: Sequence[Term], place: Place) -> list[Term]:
@@ -75,7 +77,7 @@ def _pool(base: Fit, now: Sequence[Term], place: Place) -> list[Term]:
         if not effect.ordinary or place not in effect.places(b.motions):
             continue
         terms = [term_of(b, effect, place, shape) for shape in effect.shapes(b.motions, place)]
-        made = [t for t in terms if t is not None]
+        made = [t for t in terms if t is not None and _is_ordinary(t, place)]
         if len(made) > _SHAPES:
             made = _clearest(base, made, place)
         shapes = {t.shape for t in pool if t.effect == effect.id}
