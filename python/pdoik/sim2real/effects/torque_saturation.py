@@ -100,7 +100,12 @@ class TorqueSaturation(Effect):
         highest = float(np.quantile(np.abs(needed), 0.9995))
         reached = int(np.count_nonzero(np.abs(asked) > level))
         # A joint that never needed as much: what is cut off is not torque.
-        return 0.8 * level <= highest < 1.06 * level and reached >= _LEAST_REACHED
+        rigid = max(_highest(m, j) for m in motions)
+        return (
+            0.8 * level <= rigid < 1.06 * level
+            and highest < 1.06 * level
+            and reached >= _LEAST_REACHED
+        )
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
@@ -158,3 +163,9 @@ def _needed(motions: Sequence[Motion], j: int, asked: FloatArray, level: float) 
     scale = np.sqrt(np.mean(A[below] ** 2, axis=0)) + 1e-12
     beta = np.linalg.lstsq(A[below] / scale, asked[below], rcond=1e-6)[0]
     return np.asarray(A / scale @ beta)
+
+
+def _highest(motion: Motion, j: int) -> float:
+    """The highest torque of the rigid bodies alone, noise apart [N m]."""
+    smooth = np.abs(zero_phase(motion.tau[:, j], motion.cutoff, motion.period))
+    return float(np.quantile(smooth, 0.9995))
