@@ -28,7 +28,8 @@ from pdoik.sim2real import (
 from pdoik.sim2real.controllers.check_controllers import check_controllers
 from pdoik.sim2real.controllers.estimate import joint_law
 from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.study.study import Controller, Study
+from pdoik.sim2real.study.controller import Controller, ToldController
+from pdoik.sim2real.study.study import Study
 from pdoik.sim2real.thresholds.controllers import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, Table, run, swing
 
@@ -153,10 +154,17 @@ def test_right_told_gains_are_left_alone() -> None:
 
 
 def test_gains_that_were_not_told_come_from_the_estimate() -> None:
-    found = check_controllers(prepare(study_of()))
+    unknown = replace(study_of(), told=ToldController(type="unknown"))
+    found = check_controllers(prepare(unknown))
     assert found.study.controller is not None
     assert found.study.controller.kp[0] == pytest.approx(40.0, rel=0.01)
     assert found.study.controller.kd[0] == pytest.approx(3.0, rel=0.03)
+
+
+def test_where_nobody_speaks_of_a_controller_its_law_is_said_and_not_used() -> None:
+    found = check_controllers(prepare(study_of()))
+    assert found.estimates[0].gains["kp"].value == pytest.approx(40.0, rel=0.01)
+    assert found.study.controller is None
 
 
 # Studies

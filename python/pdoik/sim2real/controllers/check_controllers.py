@@ -42,7 +42,7 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     laws = [
         joint_law(name, j, fit, held, prepared.body, limits) for j, name in enumerate(study.joints)
     ]
-    estimates = [compared(law.estimate, told_gains(study, j), limits) for j, law in enumerate(laws)]
+    estimates = [compared(law, told_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)
     if prepared.body is not None and prepared.fit.motions[0].source == "duty":
@@ -67,7 +67,10 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
         for each, motor, load in zip(estimates, motors, loads, strict=True)
     ]
     controller = _known(changed, estimates, motors)
-    if controller is not None and controller is not study.controller:
+    # What nobody told of an arm's law is reported, not run: simulations would rest on it.
+    told = study.told is not None or study.controller is not None
+    asked = told or any(motor is not None for motor in motors)
+    if asked and controller is not None and controller is not study.controller:
         changed = replace(changed, controller=controller)
     estimates = [
         with_untellable(each, study, _released(changed, j)) for j, each in enumerate(estimates)

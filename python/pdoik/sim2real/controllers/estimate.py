@@ -13,12 +13,13 @@ from ..motion.rigid_body import RigidBody
 from ..study.recording import Recording
 from ..thresholds.controllers import ControllerThresholds
 from .choose import Chosen, chosen, let_go, predicted
-from .law import Fitted, errors
+from .law import Fitted, errors, fitted
 from .rows import EFFORTS, Piece, effort_of, pieces_of
 
 _RESTING = 50  # samples without a change that are a rest
 _LEAST_HELD = 20  # changes by which a period is told
 _STEADY = 0.8  # share of them that come in time
+_DELAYS = {"effort": "delay", "command": "command_delay", "speed": "speed_delay"}
 _NAMES = {"rate": "kd_command", "gravity": "gravity", "inertia": "inertia"}
 
 
@@ -29,6 +30,7 @@ class JointLaw:
     estimate: ControllerEstimate
     chosen: Chosen | None = None
     body: RigidBody | None = None
+    each: tuple[tuple[float, float], ...] = ()  # position gain and error of every recording alone
 
     def let_go(
         self, recording: Recording, j: int, limits: ControllerThresholds
@@ -69,8 +71,10 @@ def joint_law(
         return JointLaw(estimate=ControllerEstimate(joint=joint, law="", effort=effort))
     judges = pieces_of(validate, j, effort, body, limits) or pieces
     explained, left = _judged(judges, found, limits)
-    believed = explained >= limits.believed
-    gains = _gains(pieces, found, effort, limits.gain_error) if believed else {}
+    gains = _gains(pieces, found, effort, limits.gain_error)
+    believed = explained >= limits.believed and _holds(gains["kp"], limits)
+    if not believed:
+        gains = {}
     return JointLaw(
         estimate=ControllerEstimate(
             joint=joint,
@@ -85,7 +89,23 @@ def joint_law(
         ),
         chosen=found if believed else None,
         body=body,
+        each=tuple(_alone(piece, found) for piece in found.pieces) if believed else (),
     )
+
+
+def _holds(kp: Estimate, limits: ControllerThresholds) -> bool:
+    """Whether a law pulls to its command: else it only repeats what the machine's motion is."""
+    return kp.value > limits.gain_t * kp.std
+
+
+def _alone(piece: Piece, found: Chosen) -> tuple[float, float]:
+    """The position gain and its error of one recording; a cascade's is that of all."""
+    form = found.law.form
+    law = fitted((piece,), form)
+    std = errors((piece,), law)
+    if form.kind == "cascade":
+        return form.ratio, std.get("ratio", 0.0)
+    return float(law.beta[0]), std["kp"]
 
 
 def _judged(
@@ -128,8 +148,8 @@ def _gains(
         result["bias"] = _estimate(law.beta[len(form.names)], std["bias"], unit)
     for name, value in (("delay", form.delay), ("lag", form.lag)):
         if name in std:
-            said = name if name == "lag" or form.late == "effort" else "command_delay"
-            result["time_constant" if name == "lag" else said] = _estimate(value, std[name], "s")
+            said = "time_constant" if name == "lag" else _DELAYS[form.late]
+            result[said] = _estimate(value, std[name], "s")
     if np.isfinite(found.limit):
         top = 0.001 * found.limit
         result["limit"] = _estimate(found.limit, top, unit)

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
+from ..motion.signals import shifted
 from ..study.recording import FloatArray
 from .rows import Piece
 
 Kind = Literal["pd", "pid", "cascade", "table"]
-Late = Literal["effort", "command"]
+Late = Literal["effort", "command", "speed"]
 
 _FOLDS = 5
 _RATIOS = (0.5, 200.0)  # gains of a position loop around a speed loop [1/s]
@@ -39,7 +40,7 @@ class Form:
     knees: tuple[float, ...] = ()  # of a table [rad]
     delay: float = 0.0  # [s]
     lag: float = 0.0  # [s]
-    late: Late = "effort"  # what the delay is of: all of it, or the command alone
+    late: Late = "effort"  # what the delay is of: all of it, the command alone, the logged speed
     ratio: float = 0.0  # kp of a cascade [1/s]
 
     @property
@@ -91,7 +92,16 @@ def columns(piece: Piece, form: Form) -> FloatArray:
     command = form.delay if form.late == "command" else 0.0
     if command > _SHORT:
         late = piece.acting(piece.error + piece.q, command, 0.0)
-        piece = replace(piece, error=late - piece.q, rate=piece.acting(piece.rate, command, 0.0))
+        aim = piece.acting(piece.aim, command, 0.0)
+        piece = replace(
+            piece,
+            error=late - piece.q,
+            speed=piece.speed + aim - piece.aim,
+            rate=piece.acting(piece.rate, command, 0.0),
+        )
+    if form.late == "speed" and form.delay > _SHORT:
+        seen = shifted(piece.speed - piece.aim, -form.delay, piece.period)
+        piece = replace(piece, speed=seen + piece.aim)
     if form.kind == "cascade":
         asked = form.ratio * piece.error + piece.speed
         parts = [asked, form.ratio * piece.column("integral") + piece.column("travel")]
@@ -152,7 +162,7 @@ def tuned(pieces: Sequence[Piece], form: Form, longest: float) -> Fitted:
     times = times[times <= longest]
     tried = [
         fitted(pieces, replace(best.form, delay=time, late=late))
-        for late in ("effort", "command")
+        for late in ("effort", "command", "speed")
         for time in times
     ]
     tried += [fitted(pieces, replace(best.form, lag=time)) for time in times]

@@ -28,6 +28,7 @@ class Piece:
     q: FloatArray
     error: FloatArray  # q_des - q
     speed: FloatArray  # dq_des - dq where dq_des was logged, else -dq
+    aim: FloatArray  # dq_des; zero where it was not logged
     rate: FloatArray  # of q_des; zero where dq_des was logged
     effort: FloatArray
     gravity: FloatArray  # torque of the model at rest [N m]
@@ -44,8 +45,6 @@ class Piece:
         if name.startswith("knee"):
             beyond = np.maximum(np.abs(self.error) - float(name.removeprefix("knee ")), 0.0)
             return np.asarray(np.sign(self.error) * beyond, dtype=np.float64)
-        if name == "one":
-            return np.ones(len(self.q))
         values: FloatArray = getattr(self, name)
         return values
 
@@ -104,10 +103,10 @@ def _piece(
     speed = r.dq if r.dq is not None and np.isfinite(r.dq[:, j]).all() else None
     dq = derivative(r.q, r.period)[part, j] if speed is None else speed[part, j]
     aimed = r.dq_des is not None and bool(np.isfinite(r.dq_des[:, j]).all())
-    rate = derivative(r.q_des[:, j], r.period)[part]
+    rate, aim = derivative(r.q_des[:, j], r.period)[part], np.zeros(count)
     if aimed:
         assert r.dq_des is not None
-        dq, rate = dq - r.dq_des[part, j], np.zeros(count)
+        rate, aim = aim, r.dq_des[part, j]
     gravity, inertia = np.zeros(count), np.zeros(count)
     complete = bool(np.isfinite(r.q).all() and np.isfinite(r.q_des).all())
     if body is not None and complete and effort in ("tau_cmd", "tau"):
@@ -127,7 +126,8 @@ def _piece(
         period=r.period,
         q=r.q[part, j],
         error=r.q_des[part, j] - r.q[part, j],
-        speed=-dq,
+        speed=aim - dq,
+        aim=aim,
         rate=rate,
         effort=values[part, j],
         gravity=gravity,

@@ -9,6 +9,7 @@ import numpy as np
 from ..findings import ControllerEstimate
 from ..study.study import Controller, Study
 from ..thresholds.controllers import ControllerThresholds
+from .estimate import JointLaw
 
 SEEN_ITSELF = ("tau_cmd", "duty")
 """Efforts that are the law's own: a torque reported may differ from it by the drive's gain."""
@@ -26,13 +27,15 @@ def told_gains(study: Study, j: int) -> dict[str, float]:
 
 
 def compared(
-    estimate: ControllerEstimate, gains: dict[str, float], limits: ControllerThresholds
+    law: JointLaw, gains: dict[str, float], limits: ControllerThresholds
 ) -> ControllerEstimate:
     """With the position gain told, if the effort contradicts it.
 
-    Only where the law's own effort was logged and is explained. Dampings and integrals are not
-    judged: a speed that is logged late, or with noise of the log's own, changes what they seem.
+    Only where the law's own effort was logged and is explained, and in every recording by itself:
+    what one of them has is no gain. Dampings and integrals are not judged: a speed that is logged
+    late, or with noise of the log's own, changes what they seem.
     """
+    estimate = law.estimate
     seen = estimate.effort in SEEN_ITSELF and estimate.explained >= limits.used
     if not seen or "kp" not in gains or "kp" not in estimate.gains:
         return estimate
@@ -41,6 +44,9 @@ def compared(
         value *= gains["kv"]
     elif ("kv" in gains) != (estimate.law == "cascade") or estimate.law == "table":
         return estimate
-    apart = abs(value - found.value)
-    wrong = apart > max(limits.told_off * abs(found.value), limits.told_t * found.std)
+    above = value > found.value
+    wrong = all(
+        (value - kp if above else kp - value) > max(limits.told_off * abs(kp), limits.told_t * std)
+        for kp, std in ((found.value, found.std), *law.each)
+    )
     return replace(estimate, told_wrong={"kp": value}) if wrong else estimate

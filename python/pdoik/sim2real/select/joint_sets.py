@@ -22,6 +22,7 @@ from ..regression.refine import polished
 from ..regression.trial import Search, without
 
 _SHAPES = 2  # of an effect that are weighed, those that explain most beside the plain ones
+_TRIES = 4  # sets that are fitted, the best first, until all that is new in one is clear
 
 
 def with_joint_sets(state: Search) -> Search:
@@ -40,21 +41,17 @@ def _at_joint(state: Search, j: int) -> Search:
     base = state.without(*now).fit
     pool = _pool(base, now, place)
     weights = _Weights(base, pool, key)
-    best, cost = None, weights.cost(pool, [pool.index(t) for t in now])
-    cost -= b.thresholds.search.better_set
-    for chosen in _sets(pool):
-        other = weights.cost(pool, chosen)
-        if other < cost:
-            best, cost = chosen, other
-    if best is None:
-        return state
-    changed = state.fitted([*base.terms, *(pool[i] for i in best)])
-    changed = polished(changed, {j})
+    limit = weights.cost(pool, [pool.index(t) for t in now]) - b.thresholds.search.better_set
+    costs = [(weights.cost(pool, chosen), chosen) for chosen in _sets(pool)]
+    better = sorted((each for each in costs if each[0] < limit), key=lambda each: each[0])
     here = {t.key for t in now}
-    for term in changed.accepted:
-        if _is_ordinary(term, place) and term.key not in here and not _is_clear(changed, term):
-            changed = changed.without(term)
-    return changed
+    for _, chosen in better[:_TRIES]:
+        changed = state.fitted([*base.terms, *(pool[i] for i in chosen)])
+        changed = polished(changed, {j})
+        added = [t for t in changed.accepted if _is_ordinary(t, place) and t.key not in here]
+        if all(_is_clear(changed, term) for term in added):
+            return changed
+    return state
 
 
 def _is_clear(state: Search, term: Term) -> bool:
