@@ -21,6 +21,7 @@ from ..regression.second_order import to_second_order
 from ..regression.trial import Search
 from .bodies import by_moments
 from .sampling import widened, without_sampling
+from .torque_scale import with_torque_scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,6 +67,7 @@ def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
             continue
         if term in state.contacts:
             figures = event_estimates(state.without(term).fit.extended(term), term)
+        figures = with_torque_scale(prepared.study, figures)
         kept.append((term, within_bounds(CATALOGUE[term.effect], figures)))
     if lost:
         state = state.without(*lost)

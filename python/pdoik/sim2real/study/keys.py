@@ -128,10 +128,13 @@ def trust_from(content: Any) -> Trust:
     """The study's `trust`."""
     if content is None:
         return Trust()
-    value = checked(content, ("rigid_body",), "trust").get("rigid_body")
-    return Trust(
-        rigid_body=None if value is None else number(value, "trust: rigid_body", least=0.0)
-    )
+    told = checked(content, ("rigid_body", "torque"), "trust")
+    shares = {
+        key: number(value, f"trust: {key}", least=0.0)
+        for key, value in told.items()
+        if value is not None
+    }
+    return Trust(**shares)
 
 
 def per_joint(

@@ -15,9 +15,10 @@ from .recording import FloatArray, Recording
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trust:
-    """How far the model's figures may be off, relative; None: they are held to be right."""
+    """How far the model's figures and the torques may be off, relative."""
 
-    rigid_body: float | None = None
+    rigid_body: float | None = None  # None: they are held to be right
+    torque: float | None = None  # standard deviation of their scale; None: as sensors usually are
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -22,6 +22,13 @@ class FigureThresholds(Group):
     discretisation: float = threshold(
         0.0015, "share of a value that differentiation and sampling may take"
     )
+    torque_scale: float = threshold(
+        0.04,
+        "standard deviation of a torque's own scale, which intervals of all that is told by torques"
+        " include; 'trust: {torque: ...}' of a study says another",
+        "",
+        "gain errors of current sensors and torque constants: data sheets, 3 to 5 %",
+    )
     fewest_sessions: int = threshold(
         3, "recordings from which their differences tell something", "recordings"
     )
