@@ -136,6 +136,14 @@ def placed(finding: Content, fault: Content, truth: Content) -> bool:
     return True
 
 
+def _carried(finding: Content, fault: Content, truth: Content) -> bool:
+    """Whether an unnamed cause is said where it is felt: of a link's, at joints that carry it."""
+    if not fault["links"] or not finding["joints"]:
+        return placed(finding, fault, truth)
+    index = int(fault["links"][0].removeprefix("link"))
+    return all(int(joint.removeprefix("joint")) <= index for joint in finding["joints"])
+
+
 def _names(fault: Content) -> tuple[set[str], set[str]]:
     strict = {fault["effect"]}
     if fault["effect"] in ("payload", "link_inertial_error"):
@@ -176,7 +184,8 @@ def _told(
             ranks["listed"] = ranks["listed"] or rank
         if finding["effect"] in lenient or also & lenient:
             ranks["relative"] = ranks["relative"] or rank
-        if finding["effect"] == "unknown":
+    for rank, finding in enumerate(found, start=1):
+        if finding["effect"] == "unknown" and _carried(finding, fault, truth):
             ranks["unknown"] = ranks["unknown"] or rank
     if _outstanding(joints) & set(fault["joints"] or joints):
         ranks["unknown"] = ranks["unknown"] or len(found) + 1
@@ -197,14 +206,15 @@ def _judged(finding: Content, truth: Content) -> dict[str, bool]:
     """Whether a finding is true: of a fault, or of the background; leniently and strictly."""
     for fault in truth["faults"]:
         strict, lenient = _names(fault)
+        outside = fault["effect"] == "outside"
+        if outside and finding["effect"] == "unknown" and _carried(finding, fault, truth):
+            return {"right": True, "strict": True}
         if not placed(finding, fault, truth):
             continue
         if finding["effect"] in strict:
             return {"right": True, "strict": _sized(finding, fault)}
-        if finding["effect"] in lenient or (
-            finding["effect"] == "unknown" and fault["effect"] == "outside"
-        ):
-            return {"right": True, "strict": fault["effect"] == "outside"}
+        if finding["effect"] in lenient:
+            return {"right": True, "strict": False}
     there, sized = in_background(finding, truth)
     return {"right": there, "strict": there and sized}
 

@@ -12,9 +12,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
 from ..findings import Support
+from ..motion.place import Key
 from ..regression.fit import Fit, Term
 from ..regression.refine import refined
 from ..regression.trial import Search
@@ -22,22 +24,25 @@ from ..select.gates import sharpened
 from ..study.recording import FloatArray
 from .confidence import confidence_of
 from .event_support import event_support
+from .ordinary_looks import Ordinary
 
 
 def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
-    """The search without terms that left-out sessions do not bear out, and these.
+    """The search without terms that left-out sessions or the background do not bear out, and these.
 
     What simulations confirmed stays.
     """
     doubtful: list[Term] = []
+    ordinary = Ordinary.of(state.balances)
     while True:
         judged = state.accepted
         new = {t.key: _best_support(state, t) for t in judged if t.key not in state.support}
         state = replace(state, support={**state.support, **new})
-        failing = [t for t in judged if not _stands(state, t)]
+        failing = [(t, state.support[t.key].t) for t in judged if not _stands(state, t)]
+        failing = failing or ordinary.without_need(state)
         if not failing:
             return state, tuple(doubtful)
-        worst = min(failing, key=lambda term: state.support[term.key].t)
+        worst = min(failing, key=lambda each: each[1])[0]
         doubtful.append(worst)
         beside = {
             t.key
@@ -132,17 +137,40 @@ def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float,
     beta = base.extended(learnt).beta
     wider = others.extended(learnt)
     gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0
+    least = 1.0 - b.thresholds.figures.usual_spread
     for key, column in learnt.columns.items():
         rows = others.rows[key]
         part = column[rows]
         acts = np.sum(part**2, axis=1) if len(part) else np.zeros(0)
         at = (b.session[rows] == session) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
-        before = others.residual(key, base.beta)[at] ** 2
-        after = wider.residual(key, beta)[at] ** 2
+        before = _left_by(others, key, base.beta, at, least) ** 2
+        after = _left_by(wider, key, beta, at, least) ** 2
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
         began += float(before.sum())
         count += int(at.sum())
     return gained, began, count
+
+
+def _left_by(
+    fit: Fit, key: Key, beta: FloatArray, at: NDArray[np.bool_], least: float
+) -> FloatArray:
+    """What coefficients that were learnt elsewhere leave at some rows of a session, in sigmas.
+
+    Its friction as a whole is whatever it was that day, `least` of what was learnt or more.
+    """
+    left = fit.residual(key, beta)[at]
+    names = np.repeat([t.effect for t in fit.terms], [t.width for t in fit.terms])
+    rubs = np.array([_is_friction(str(names[i])) for i in fit.index[key]], dtype=np.bool_)
+    friction = fit.design[key][at][:, rubs] @ beta[fit.index[key][rubs]]
+    power = float(friction @ friction)
+    if power <= 0.0:
+        return left
+    share = 1.0 + float(left @ friction) / power
+    return np.asarray(left - (float(np.clip(share, least, 1.0 / least)) - 1.0) * friction)
+
+
+def _is_friction(effect: str) -> bool:
+    return effect in CATALOGUE and CATALOGUE[effect].family == "friction"
 
 
 def relearnt(base: Fit, term: Term) -> Term:

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..effects import Effect
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
@@ -54,6 +55,11 @@ class Scale:
         """The model's torque."""
         (j,) = place.joints
         return {("torque", j): motion.tau[:, j : j + 1]}
+
+
+def has_its_like(effect: Effect) -> bool:
+    """Whether the background holds what an effect is: friction, rotors, scales, bodies."""
+    return effect.ordinary or effect.is_body or effect.id == "torque_gain"
 
 
 def is_friction(term: Term) -> bool:

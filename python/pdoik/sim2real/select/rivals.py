@@ -17,7 +17,11 @@ _MOST = 3  # equivalents listed
 
 
 def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
-    """The term's own trial, and those of others that take its place as well or better."""
+    """The term's own trial, and those of others that take its place as well or better.
+
+    A coarser law of the same kind does if it explains nearly all of it: dry friction where it has
+    presliding besides.
+    """
     others = state.without(term).fit
     held = held_out_squares(others)
     own = cross_validated(state, term, held, others)
@@ -32,14 +36,25 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     pool = [t for t in pool if has_company(t, taken)]
     rivals, least = [], state.balances.thresholds.selection
     for rival, training_gain in screen(others, pool)[:_TRIED]:
-        if training_gain < least.rival_gain * own.gain:
-            break
+        if training_gain < least.rival_gain * own.gain and not _same_kind(rival, term):
+            continue
         better = refined(others, rival)
         trial = cross_validated(state, better, held, others)
-        if trial.significant and level(max(own, trial, key=lambda t: t.gain), trial):
+        if trial.significant and _is_listed(max(own, trial, key=lambda t: t.gain), trial):
             rivals.append(trial)
     rivals.sort(key=lambda trial: -trial.gain)
     return own, rivals
+
+
+def _is_listed(best: Trial, other: Trial) -> bool:
+    """Whether another name is said beside the best."""
+    nearly = other.gain > best.thresholds.same_kind * best.gain
+    return level(best, other) or (nearly and _same_kind(best.term, other.term))
+
+
+def _same_kind(one: Term, other: Term) -> bool:
+    kinds = [CATALOGUE[each.effect].one_of for each in (one, other)]
+    return bool(kinds[0]) and kinds[0] == kinds[1] and one.place == other.place
 
 
 def swapped(state: Search) -> Search:
@@ -53,7 +68,7 @@ def swapped(state: Search) -> Search:
         if best is not None:
             terms = [best.term if t is term else t for t in state.fit.terms]
             state = state.fitted(terms)
-            rivals = [r for r in rivals if r is not best] + ([own] if level(best, own) else [])
+            rivals = [r for r in rivals if r is not best] + ([own] if _is_listed(best, own) else [])
             term = best.term
         state = replace(state, level={**state.level, term.key: tuple(rivals)})
     return state

@@ -21,6 +21,9 @@ class BackgroundThresholds(Group):
         0.15, "share of what the background leaves on held-out rows that a peculiar effect explains"
     )
     peculiar_t: float = threshold(4.0, "Wald statistic of such an effect", "s.e.")
+    stands_t: float = threshold(
+        2.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
+    )
     bodies: float = threshold(
         0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
     )

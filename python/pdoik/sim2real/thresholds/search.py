@@ -57,3 +57,6 @@ class SearchThresholds(Group):
     screened: int = threshold(12, "candidates of the highest training gain that are tried a round")
     hopeless: int = threshold(60, "trials without a significant one after which a round gives up")
     most_terms: int = threshold(40, "terms at most")
+    same_kind: float = threshold(
+        0.9, "share of a law's gain from which a coarser law of the same kind is listed beside it"
+    )

@@ -1,0 +1,58 @@
+"""What only seems peculiar: a spring, a coupling or a limit that ordinary errors explain as well.
+
+Selected among what was found before it, such a term may stand for a mass that is a tenth off or for
+friction that no law has quite. Beside a background of all that it is not needed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..effects import CATALOGUE
+from ..motion.balances import Balances
+from ..regression.background import background, has_its_like
+from ..regression.fit import Fit, Term
+from ..regression.trial import Search, cross_validated, held_out_squares
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ordinary:
+    """The background of a study, fitted once."""
+
+    balances: Balances
+    terms: tuple[Term, ...]
+
+    @classmethod
+    def of(cls, balances: Balances) -> Ordinary:
+        """That of these balances."""
+        noisy, terms = background(balances)
+        return cls(balances=noisy, terms=terms)
+
+    def without_need(self, state: Search) -> list[tuple[Term, float]]:
+        """Accepted terms that are not needed beside it and each other, and by how many errors."""
+        if not self.terms:
+            return []
+        sure = {*(t.key for t in state.contacts), *state.confirmed}
+        judged = [t for t in state.accepted if t.key not in sure and _is_judged(t)]
+        fit = Fit(self.balances, [*self.terms, *judged])
+        beside = Search(balances=self.balances, nuisance=self.terms, fit=fit, start=state.start)
+        least = self.balances.thresholds.background.stands_t
+        found = [(term, _by(beside, term, least)) for term in judged]
+        return [(term, by) for term, by in found if by < least]
+
+
+def _by(beside: Search, term: Term, least: float) -> float:
+    """Errors by which a term is not zero; as many as the search asks where priors call for it."""
+    others = beside.without(term).fit
+    by = others.extended(term).wald(term)[0]
+    if by >= least:
+        return by
+    return cross_validated(beside, term, held_out_squares(others), others).t
+
+
+def _is_judged(term: Term) -> bool:
+    """Whether it changes a torque, and the background has nothing of its kind."""
+    effect = CATALOGUE[term.effect]
+    named = effect.id != "unknown" and not effect.costly
+    of_torque = any(balance == "torque" for balance, _ in term.columns)
+    return named and of_torque and not has_its_like(effect)
