@@ -51,12 +51,12 @@ class AsymmetricFriction(Effect):
         return {"level_difference": float(beta[0]), "viscous_difference": float(beta[1])}
 
     def is_likelier(self, beta: FloatArray, beside: Mapping[str, FloatArray]) -> bool:
-        """Beside dry friction that is large enough: thrice as much one way at most.
+        """Beside dry friction that is large enough: five times as much one way at most.
 
         Joints differ by a tenth or two; a torque that has an offset seems to differ by anything.
         """
         level = sum(float(beside[each][0]) for each in self.likelier_beside if each in beside)
-        return level >= abs(float(beta[0]))
+        return level >= 0.75 * abs(float(beta[0]))
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
