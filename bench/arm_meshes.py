@@ -88,6 +88,11 @@ def _example_robot_data_share() -> Path:
     return share
 
 
+def go2_urdf() -> Path:
+    """Unitree's Go2 of example-robot-data."""
+    return _example_robot_data_share() / "example-robot-data/robots/go2_description/urdf/go2.urdf"
+
+
 def _rtbdata_folder() -> Path:
     spec = importlib.util.find_spec("rtbdata")
     if spec is None or not spec.submodule_search_locations:

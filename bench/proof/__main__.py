@@ -3,7 +3,8 @@
     python -m bench.proof --out build/bench/proof
     python -m bench.proof --out build/bench/proof-quick --quick
 
-Stages: conceal, diagnose, score, real. Each goes on where it was stopped.
+Stages: conceal, diagnose, score, machines, real. Each goes on where it was stopped. `machines` is
+the second edition: worlds of bench.machines, sealed and scored in a folder of their own.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from bench.machines import stages as machines
 from bench.proof import run
 from bench.proof.plan import plan
 from bench.proof.real import diagnose_real
@@ -26,7 +28,11 @@ class Stage(StrEnum):
     CONCEAL = "conceal"
     DIAGNOSE = "diagnose"
     SCORE = "score"
+    MACHINES = "machines"
     REAL = "real"
+
+
+MACHINES = 200  # worlds of the second edition
 
 
 def main(
@@ -61,6 +67,18 @@ def main(
             proof.diagnose(scheduler, workers)
         if Stage.SCORE in stages:
             proof.score(scheduler, workers)
+        if Stage.MACHINES in stages:
+            first = machines.FIRST_PROOF_SEED if seed is None and not quick else seed or 0
+            second = machines.Run(
+                out=out.resolve() / "machines",
+                seed=first,
+                count=max(1, (10 if quick else MACHINES) // every),
+                scheduler=scheduler,
+                workers=workers,
+            )
+            second.conceal()
+            second.diagnose()
+            second.score()
         if recordings is not None and Stage.REAL in stages:
             diagnose_real(recordings, out.resolve())
 

@@ -17,9 +17,9 @@ from provenance import provenance
 
 HEAD = """# On real machines
 
-Here nobody knows the truth: nothing is scored. Each model lacks some physics, by choice or because
-nobody knows it; what was found of it is held against recordings, or parts of them, that nothing was
-fitted to. These recordings were used while the tool was developed.
+Nobody knows the whole truth here. Each model lacks some physics, by choice or because nobody knows
+it; what was found is held against recordings, or parts of them, that nothing was fitted to, and
+against what is known of the machine. These recordings were used while the tool was developed.
 """
 
 
@@ -27,6 +27,7 @@ def diagnose_real(recordings: Path, out: Path) -> None:
     """Writes real.md, and real/NAME.json for each machine whose recordings are there."""
     facts = {**provenance(BUILD), "digest of the tool": tool_digest()}
     parts = [HEAD, "".join(f"- {name}: {value}\n" for name, value in facts.items())]
+    rows: list[list[str]] = []
     (out / "real").mkdir(parents=True, exist_ok=True)
     for machine in MACHINES:
         if not (recordings / machine.name).is_dir():
@@ -34,7 +35,10 @@ def diagnose_real(recordings: Path, out: Path) -> None:
             continue
         with console.status(machine.title):
             said = _said(machine, recordings, out / "real" / f"{machine.name}.json")
+        rows += known_rows(machine, said)
         parts.append(section(machine, said))
+    heads = ["machine", "known to be true", "said", "agrees"]
+    parts.insert(2, "## What is known\n\n" + markdown_table(heads, rows))
     temporary = out / ".real.md"
     temporary.write_text("\n".join(parts))
     temporary.replace(out / "real.md")
@@ -54,6 +58,16 @@ def _said(machine: Machine, recordings: Path, kept: Path) -> dict[str, Any]:
     temporary.write_text(json.dumps(said, indent=1) + "\n")
     temporary.replace(kept)
     return said
+
+
+def known_rows(machine: Machine, said: dict[str, Any]) -> list[list[str]]:
+    """What is known of a machine beside what was said of it."""
+    diagnosis = as_diagnosis(said)
+    rows = []
+    for each in machine.known:
+        words, agrees = each.said(diagnosis)
+        rows.append([machine.name, each.fact, words, "yes" if agrees else "NO"])
+    return rows
 
 
 def section(machine: Machine, said: dict[str, Any]) -> str:

@@ -9,8 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from bench.proof.real_truths import (
+    Known,
+    delay_between,
+    friction_everywhere,
+    friction_within,
+    no_load_beyond,
+    none_of,
+)
 
 import pdoik
+from arm_meshes import go2_urdf
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
 
@@ -23,6 +32,7 @@ class Machine:
     title: str
     withheld: str  # the physics that its model does not have
     doubtful: str  # what keeps these recordings from proving more
+    known: tuple[Known, ...]  # what is known to be true, and whether a diagnosis agrees
     build: Callable[[Path, Path], dict[str, Any]]  # writes what it needs, gives the study
 
 
@@ -96,6 +106,33 @@ def _so101(source: Path, folder: Path) -> dict[str, Any]:
     return {"joints": joints, "recordings": runs}
 
 
+_SERVO = """<robot name="servo"><link name="base"/><link name="arm"><inertial>
+<origin xyz="0 0 -0.1"/><mass value="0.49"/>
+<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="joint1" type="continuous"><parent link="base"/><child link="arm"/>
+<axis xyz="0 1 0"/></joint></robot>
+"""
+
+
+def _servo(source: Path, folder: Path) -> dict[str, Any]:
+    (folder / "robot.urdf").write_text(_SERVO)
+    motions = ("lift_and_drop", "sin_sin", "sin_time_square", "up_and_down")
+    runs = _copied(source, folder, tuple(f"kp400_{each}" for each in motions), "")
+    return {"robot": "robot.urdf", "joints": ["joint1"], "recordings": runs}
+
+
+def _go2(source: Path, folder: Path) -> dict[str, Any]:
+    shutil.copyfile(go2_urdf(), folder / "robot.urdf")
+    legs = ("FL", "FR", "RL", "RR")
+    joints = [f"{leg}_{part}_joint" for leg in legs for part in ("hip", "thigh", "calf")]
+    return {
+        "robot": "robot.urdf",
+        "joints": joints,
+        "recordings": _copied(source, folder, ("run1",), ""),
+        "controller": {"type": "pd", "kp": [20.0] * 12, "kd": [1.5] * 12},
+    }
+
+
 MACHINES = (
     Machine(
         name="ur10_unisa",
@@ -104,6 +141,15 @@ MACHINES = (
         " masses and inertias are public figures that nobody checked on this arm.",
         doubtful="Torque is current times a gain from elsewhere. There is one recording: the last"
         " 30 % of it is held out, so no other speed, load or pose is.",
+        known=(
+            friction_everywhere("every joint of a geared arm rubs"),
+            none_of(
+                ("stribeck_friction",),
+                "friction of joints 1 to 3 passes smoothly through zero speed (its authors)",
+                ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+            ),
+            no_load_beyond(0.5, "it holds nothing"),
+        ),
         build=_ur10,
     ),
     Machine(
@@ -112,6 +158,10 @@ MACHINES = (
         withheld="All friction, the rotors' inertia and the drives' own errors. Masses, lengths and"
         " inertias are those its builders identified.",
         doubtful="The reported torque is itself doubtful.",
+        known=(
+            friction_everywhere("both drives rub"),
+            no_load_beyond(0.1, "its builders identified its masses"),
+        ),
         build=_pendulum,
     ),
     Machine(
@@ -122,6 +172,10 @@ MACHINES = (
         " stiction or play.",
         doubtful="Without torques or the servos' gains friction, play, loads and inertias cannot be"
         " told apart.",
+        known=(
+            delay_between(0.04, 0.16, "commands act about 0.1 s late (its authors)"),
+            no_load_beyond(0.0, "no torque was logged: masses cannot be told"),
+        ),
         build=_so101,
     ),
     Machine(
@@ -131,6 +185,34 @@ MACHINES = (
         " else a rigid body lacks. Masses and inertias are figures identified on another Panda.",
         doubtful="Accelerations are poor at 30 Hz. There is one recording: the last 30 % of it is"
         " held out.",
+        known=(
+            no_load_beyond(0.5, "it holds nothing"),
+            none_of(("backlash", "torque_saturation", "command_delay"), "a sound new arm"),
+        ),
         build=_panda,
+    ),
+    Machine(
+        name="bam_xl330",
+        title="Dynamixel XL330 that swings a point load, 4 x 6 s at about 190 Hz",
+        withheld="The motor (torque per volt, resistance, rotor), its friction, the firmware.",
+        doubtful="Torque is known as a duty only: masses and drive are known by their ratio.",
+        known=(
+            no_load_beyond(0.05, "the load is weighed and measured: 0.49 kg at 0.1 m"),
+            friction_everywhere("a geared servo rubs"),
+            none_of(("sensor_gain", "joint_offset", "torque_gain"), "nothing else was concealed"),
+        ),
+        build=_servo,
+    ),
+    Machine(
+        name="go2_hanging",
+        title="Unitree Go2 hung up, 12 joints, 23 s at 200 Hz",
+        withheld="Friction, rotors and damping of all joints. Nothing was concealed.",
+        doubtful="No torque was logged: it is the drives' law on commands and positions. There is"
+        " one recording.",
+        known=(
+            friction_within(0.05, 0.6, "its authors' simulation: dry 0.2, damping 0.6 N m s/rad"),
+            no_load_beyond(0.3, "nothing was added to it"),
+        ),
+        build=_go2,
     ),
 )

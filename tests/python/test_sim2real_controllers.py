@@ -29,6 +29,7 @@ from pdoik.sim2real.controllers.check_controllers import check_controllers
 from pdoik.sim2real.controllers.estimate import joint_law
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.study.controller import Controller, ToldController
+from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Study
 from pdoik.sim2real.thresholds.controllers import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, Table, run, swing
@@ -108,6 +109,34 @@ def test_a_filter_is_found() -> None:
     assert estimate.gains["kp"].value == pytest.approx(40.0, rel=0.03)
 
 
+def late_speed(recording: Recording, time: float) -> Recording:
+    assert recording.dq is not None
+    late = [np.interp(recording.time - time, recording.time, each) for each in recording.dq.T]
+    return replace(recording, dq=np.stack(late, axis=1))
+
+
+def test_a_speed_that_is_logged_late_is_told_from_other_gains() -> None:
+    limits = ControllerThresholds()
+    make = lambda seed: late_speed(run(Pid(kp=40.0, kd=3.0), seed=seed), 0.012)  # noqa: E731
+    estimate = joint_law("joint1", 0, [make(1), make(2)], [make(3)], None, limits).estimate
+    assert estimate.law == "pd"
+    assert estimate.gains["speed_delay"].value == pytest.approx(0.012, abs=1e-3)
+    assert estimate.gains["kp"].value == pytest.approx(40.0, rel=0.02)
+    assert estimate.gains["kd"].value == pytest.approx(3.0, rel=0.02)
+
+
+def test_what_only_pulls_as_the_machine_itself_moves_is_no_law() -> None:
+    """An effort that a mass asks for follows the commanded acceleration, and no error."""
+    recordings = []
+    for seed in (1, 2, 3):
+        each = run(Pid(kp=40.0, kd=3.0), seed=seed)
+        pulled = 0.5 * np.gradient(np.gradient(each.q, each.period, axis=0), each.period, axis=0)
+        recordings.append(replace(each, tau_cmd=-pulled))
+    *fit, judge = recordings
+    estimate = joint_law("joint1", 0, fit, [judge], None, ControllerThresholds()).estimate
+    assert "kp" not in estimate.gains or estimate.gains["kp"].value > 0.0
+
+
 def test_of_a_current_the_law_is_known_in_amperes() -> None:
     estimate = law_of(lambda: Pid(kp=40.0, kd=3.0), effort="current")
     check(estimate, "pd", kp=40.0, kd=3.0)
@@ -144,6 +173,15 @@ def test_a_wrong_told_gain_is_said_and_not_used() -> None:
     assert "+40 %" in " ".join(found.notes)
     assert found.study.controller is not None
     assert found.study.controller.kp[0] == pytest.approx(40.0, rel=0.01)
+
+
+def test_a_gain_is_not_wrong_because_one_recording_has_another() -> None:
+    study = study_of(Controller(kp=np.array([56.0]), kd=np.array([3.0])))
+    other = run(Pid(kp=56.0, kd=3.0), seed=2)
+    recordings = (study.recordings[0], other, study.recordings[2])
+    found = check_controllers(prepare(replace(study, recordings=recordings)))
+    assert not found.estimates[0].told_wrong
+    assert found.study.controller is study.controller
 
 
 def test_right_told_gains_are_left_alone() -> None:

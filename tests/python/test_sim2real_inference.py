@@ -14,18 +14,23 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from bench.concealed.build import make_study
 from bench.concealed.spec import WorldSpec
 
-from pdoik.sim2real import Diagnosis, Evidence, Finding, Study, diagnose, load_study
+from pdoik.sim2real import Diagnosis, Estimate, Evidence, Finding, Study, diagnose, load_study
 from pdoik.sim2real.confirm.event_support import event_support
+from pdoik.sim2real.confirm.ordinary_looks import Ordinary
 from pdoik.sim2real.confirm.sessions import borne_out, support_of
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
+from pdoik.sim2real.infer.torque_scale import with_torque_scale
 from pdoik.sim2real.motion.balances import Balances
+from pdoik.sim2real.motion.motion import Motion
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
 from pdoik.sim2real.regression.trial import Search
+from pdoik.sim2real.select.rivals import swapped
 from pdoik.sim2real.study.recording import FloatArray, Recording
+from pdoik.sim2real.study.study import Trust
 from pdoik.sim2real.thresholds import Thresholds
 from sim2real_channels import study as small_study
 from sim2real_motions import moved
@@ -135,6 +140,85 @@ def test_what_is_there_is_borne_out_and_what_noise_suggested_is_not(tmp_path: Pa
     assert state.accepted == (friction,)
     assert doubtful == (lucky,)
     assert state.support[friction.key].gain > 0.9
+
+
+def test_the_shape_of_friction_is_borne_out_though_its_size_is_another_each_day(
+    tmp_path: Path,
+) -> None:
+    b = balances(tmp_path, noise=0.05)
+    motions = []
+    for k, motion in enumerate(b.motions[:2]):
+        rubs = 1.0 * motion.sign(1) + 0.5 * motion.dq[:, 1]
+        torque = motion.torque.copy()
+        torque[:, 1] += (1.0, 1.6)[k] * rubs
+        motions.append(replace(motion, torque=torque, cache={}))
+    days = Balances(motions)
+    dry, wet = joint_term(days, "coulomb_friction", (0.05,)), joint_term(days, "viscous_friction")
+    state = searched(days, dry, wet)
+    for term in (dry, wet):
+        support = support_of(state, term)
+        assert support.agree == support.sessions == 2
+        assert support.gain > 0.5, term.effect
+
+
+def test_what_a_mass_that_is_a_tenth_off_explains_is_not_peculiar(tmp_path: Path) -> None:
+    """Half of gravity's torque over a part of the joint's travel looks like a spring."""
+    b = balances(tmp_path, noise=0.02)
+    spring = joint_term(b, "position_dependent_spring", (1.0, 0.2))
+    found = []
+    for pull, by in (("mass", 0.08), ("spring", 6.0)):
+        motions = []
+        for motion in b.motions:
+            own = motion.tau[:, 1] if pull == "mass" else column(motion, spring)
+            torque = motion.torque.copy()
+            torque[:, 1] += by * own
+            motions.append(replace(motion, torque=torque, cache={}))
+        world = Balances(motions)
+        term = joint_term(world, "position_dependent_spring", spring.shape)
+        state = searched(world, term)
+        assert state.fit.wald(term)[0] > 4.0, pull  # alone, it seems to be there
+        found.append([each for each, _ in Ordinary.of(world).without_need(state)] == [term])
+    assert found == [True, False]
+
+
+def column(motion: Motion, term: Term) -> FloatArray:
+    made = CATALOGUE[term.effect].columns(motion, term.place, term.shape)
+    return np.asarray(made["torque", 1][:, 0])
+
+
+def test_every_figure_that_torques_tell_has_the_torques_scale_in_its_interval(
+    concealed: tuple[Study, Diagnosis],
+) -> None:
+    study, _ = concealed
+    each = {
+        "level": Estimate(value=10.0, std=0.1, interval95=(9.8, 10.2), unit="N m"),
+        "mass": Estimate(value=2.0, std=0.0, interval95=(2.0, 2.0), unit="kg"),
+        "delay": Estimate(value=0.01, std=0.001, interval95=(0.008, 0.012), unit="s"),
+    }
+    usual = with_torque_scale(study, each)
+    assert usual["level"].std == pytest.approx(np.hypot(0.1, 0.4))
+    assert usual["mass"].interval95 == pytest.approx((2.0 - 1.96 * 0.08, 2.0 + 1.96 * 0.08))
+    assert usual["delay"] == each["delay"]
+    assert with_torque_scale(replace(study, trust=Trust(torque=0.0)), each) == each
+    wide = with_torque_scale(replace(study, trust=Trust(torque=0.1)), each)
+    assert wide["level"].std == pytest.approx(np.hypot(0.1, 1.0))
+
+
+def test_a_coarser_law_that_explains_nearly_the_same_is_listed(tmp_path: Path) -> None:
+    b = balances(tmp_path, noise=0.02)
+    shape = (0.002,)
+    motions = []
+    for motion in b.motions:
+        torque = motion.torque.copy()
+        made = CATALOGUE["presliding_hysteresis"].columns(motion, Place(joints=(1,)), shape)
+        torque[:, 1] += 3.0 * made["torque", 1][:, 0]
+        motions.append(replace(motion, torque=torque, cache={}))
+    world = Balances(motions)
+    term = joint_term(world, "presliding_hysteresis", shape)
+    state = swapped(searched(world, term))
+    (kept,) = state.accepted
+    assert kept.effect == "presliding_hysteresis"
+    assert "coulomb_friction" in {each.term.effect for each in state.level[kept.key]}
 
 
 def test_days_that_differ_widen_the_interval(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from ..study.recording import FloatArray
 
 _ROUNDS = 20  # of bodies in turn
 _STILL = 1e-6  # of a body's own size, that a round moves it
+_EVEN = 1e-12  # added to the diagonal of a matrix of unit diagonal
 _LEAST = 1e-5  # of the largest second moment: what a start is kept from being flat by
 
 
@@ -48,7 +49,9 @@ def with_real_bodies(
     inside = normal[np.ix_(among, among)]
     if len(free):
         cross = normal[np.ix_(free, among)]
-        follow = linalg.solve(normal[np.ix_(free, free)], cross, assume_a="pos")
+        size = np.sqrt(np.maximum(np.diag(normal)[free], 1e-300))  # units differ by far
+        even = normal[np.ix_(free, free)] / np.outer(size, size) + _EVEN * np.eye(len(free))
+        follow = linalg.solve(even, cross / size[:, None], assume_a="pos") / size[:, None]
         inside = inside - cross.T @ follow
     place = {int(index): i for i, index in enumerate(among)}
     spans = [slice(place[span.start], place[span.start] + 10) for span, _ in wrong]
