@@ -236,10 +236,3 @@ def test_importing_pdoik_or_its_command_line_does_not_import_what_the_extra_brin
         "sys.exit(', '.join(heavy & set(sys.modules)) or None)"
     )
     subprocess.run([sys.executable, "-c", program], check=True, cwd=Path.cwd())
-
-
-def test_friction_that_differs_between_directions_does_not_drive_the_joint() -> None:
-    effect, level = CATALOGUE["asymmetric_friction"], {"coulomb_friction": np.array([4.6])}
-    assert effect.is_likelier(np.array([6.0, 0.0]), level)
-    assert not effect.is_likelier(np.array([21.0, 0.0]), level)
-    assert not effect.is_likelier(np.array([6.0, 0.0]), {})

@@ -51,8 +51,8 @@ def _by(beside: Search, term: Term, least: float) -> float:
 
 
 def _is_judged(term: Term) -> bool:
-    """Whether it changes a torque, and the background has nothing of its kind."""
+    """Whether it is seen in a torque alone, and the background has nothing of its kind."""
     effect = CATALOGUE[term.effect]
     named = effect.id != "unknown" and not effect.costly
-    of_torque = any(balance == "torque" for balance, _ in term.columns)
+    of_torque = all(balance == "torque" for balance, _ in term.columns)
     return named and of_torque and not has_its_like(effect)

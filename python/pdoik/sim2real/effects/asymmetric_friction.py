@@ -37,7 +37,7 @@ class AsymmetricFriction(Effect):
     of_joint_torque = True
     ordinary = True
     depends_on = ("speed",)
-    likelier_beside = ("coulomb_friction",)
+    one_of = "one way"
     jumps = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -49,14 +49,6 @@ class AsymmetricFriction(Effect):
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Differences of level and of viscous coefficient."""
         return {"level_difference": float(beta[0]), "viscous_difference": float(beta[1])}
-
-    def is_likelier(self, beta: FloatArray, beside: Mapping[str, FloatArray]) -> bool:
-        """Beside dry friction that is large enough: five times as much one way at most.
-
-        Joints differ by a tenth or two; a torque that has an offset seems to differ by anything.
-        """
-        level = sum(float(beside[each][0]) for each in self.likelier_beside if each in beside)
-        return level >= 0.75 * abs(float(beta[0]))
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

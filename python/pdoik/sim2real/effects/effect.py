@@ -79,7 +79,6 @@ class Effect(ABC):
     beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
     one_of: ClassVar[str] = ""  # kind of law of which a joint has one
-    likelier_beside: ClassVar[tuple[str, ...]] = ()  # one cause with these, where data cannot tell
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
 
     # How it is looked for.
@@ -194,15 +193,6 @@ class Effect(ABC):
     def gravity(self, values: Mapping[str, float]) -> FloatArray | None:
         """Gravity in the frame of the base, (3,) [m/s^2], if it turns that; None elsewhere."""
         return None
-
-    def is_likelier(self, beta: FloatArray, beside: Mapping[str, FloatArray]) -> bool:
-        """Whether it is one cause with one of `likelier_beside`.
-
-        Args:
-            beta: its coefficients.
-            beside: those of effects at the same place, by their ids.
-        """
-        return any(each in beside for each in self.likelier_beside)
 
     def is_edge_of(self, shape: Shape, other: str, other_shape: Shape) -> bool:
         """Whether it is only what is left at the edge of another effect at the same place."""

@@ -32,6 +32,7 @@ class TorqueOffset(TorqueChannel):
     gated = True
     of_joint_torque = True
     ordinary = True
+    one_of = "one way"
     depends_on = ("position", "time", "other load")
     size_first = True
 

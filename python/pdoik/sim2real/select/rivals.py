@@ -75,6 +75,10 @@ def swapped(state: Search) -> Search:
 
 
 def _wins(state: Search, rival: Trial, own: Trial) -> bool:
+    if _same_kind(rival.term, own.term):
+        trials = (rival, own)
+        coarse, fine = sorted(trials, key=lambda t: CATALOGUE[t.term.effect].complexity)
+        return (rival is coarse) == (coarse.gain > own.thresholds.no_finer * fine.gain)
     if not level(rival, own):
         return rival.gain > own.gain
     others = state.without(own.term).fit
@@ -84,18 +88,7 @@ def _wins(state: Search, rival: Trial, own: Trial) -> bool:
 
 def _rank(others: Fit, term: Term) -> float:
     """Order of names that data cannot tell apart, the likelier first."""
-    rank = CATALOGUE[term.effect].complexity + implausibility(others, term)
-    effect = CATALOGUE[term.effect]
-    if effect.likelier_beside:
-        fit = others.extended(term)
-        beside = {
-            t.effect: fit.beta[offset : offset + t.width]
-            for t, offset in zip(others.terms, others.offsets, strict=False)
-            if t.place == term.place and not t.fixed
-        }
-        if effect.is_likelier(fit.beta[-term.width :], beside):
-            return 0.5  # one cause with it, not another besides
-    return rank
+    return CATALOGUE[term.effect].complexity + implausibility(others, term)
 
 
 def equivalents_of(

@@ -60,3 +60,6 @@ class SearchThresholds(Group):
     same_kind: float = threshold(
         0.9, "share of a law's gain from which a coarser law of the same kind is listed beside it"
     )
+    no_finer: float = threshold(
+        0.99, "the same share from which the coarser law is the name: what is finer says too little"
+    )
