@@ -10,6 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray
 from .assemble import add_play, add_point, gears_of, hold_others, move, play_name
 from .description import Description, nearest, read_description
@@ -75,7 +76,8 @@ class Plant:
         for k, gear in self.gears.items():
             if gear.is_rigid:  # so heavy against the motor that it stays where it is
                 self.model.dof_armature[self.play[k]] = HEAVY
-        mujoco.mj_forward(self.model, data)
+        with quiet_mujoco():
+            mujoco.mj_forward(self.model, data)
         unit = np.eye(self.model.nv)
         result = np.empty_like(unit)
         mujoco.mj_solveM(self.model, data, result, unit)
@@ -287,7 +289,8 @@ def _link_inertia(plant: Plant) -> FloatArray:
     data = mujoco.MjData(model)
     armature = model.dof_armature.copy()
     model.dof_armature[:] = 1.0
-    mujoco.mj_forward(model, data)
+    with quiet_mujoco():
+        mujoco.mj_forward(model, data)
     full = np.empty((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
     model.dof_armature[:] = armature

@@ -10,13 +10,14 @@ from typing import Any, Literal
 import numpy as np
 
 from ..motion.signals import lagged
+from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller
 from .control import Control, GravityModel, control_law, longest_control_step, missing_rotor_inertia
 from .parts import Part, SensedChannel, Vector
 from .plant import STANDARD_GRAVITY
 from .segments import Segment, measured_state, row_at, run_ends, sampled
-from .stepper import Stepper, quiet
+from .stepper import Stepper
 
 OPEN_LOOP_WINDOW = 0.2  # a robot without its controller falls away from a recording [s]
 Drive = Literal["controller", "tau_cmd", "tau"]
@@ -144,7 +145,7 @@ class Simulator:
         for end in ends:
             last = max(first + 1, int(np.ceil(end / dt - 1e-6)))
             last += end == ends[-1]  # for the torque of the last sample
-            with quiet():
+            with quiet_mujoco():
                 segments.append(self._run(first, last, hold, ticks, drive))
             if end < ends[-1]:
                 stepper.place(*(row_at(last * dt, commands.time, each) for each in (q, dq)))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import numpy as np
 
 from pdoik.errors import PdoikError
 
+from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray
 from .drive import DelayLine, Drive, combine
 from .joint_laws import JointLaws
@@ -30,17 +30,6 @@ RUNAWAY = 1e3  # no joint is that fast [rad/s]
 
 class SimulationError(PdoikError):
     """A simulated robot left all bounds; the message says when and at which joint."""
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """MuJoCo's warnings are neither printed nor written to a file in the working folder."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda text: None)
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(before)
 
 
 class Stepper:
@@ -229,7 +218,7 @@ class Stepper:
         for k, line in self._delays:
             command[k] = line(command[k])
         data = self.data
-        with quiet():
+        with quiet_mujoco():
             self.advance(command, data.qpos.tolist(), data.qvel.tolist())
         self.check(data.qvel.tolist())
 

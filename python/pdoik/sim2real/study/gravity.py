@@ -9,6 +9,7 @@ import numpy as np
 
 from pdoik.errors import LoadError
 
+from .quiet_mujoco import quiet_mujoco
 from .recording import FloatArray
 
 
@@ -51,6 +52,7 @@ def _by_mujoco(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatArray
     out = np.empty_like(q)
     for row, positions in enumerate(q):
         data.qpos[addresses] = positions
-        mujoco.mj_forward(model, data)
+        with quiet_mujoco():
+            mujoco.mj_forward(model, data)
         out[row] = data.qfrc_bias[dofs]
     return out
