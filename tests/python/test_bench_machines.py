@@ -18,9 +18,13 @@ from bench.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  #
 from bench.machines.figures import Figures  # noqa: E402
 from bench.machines.physics import STATES, friction, rates  # noqa: E402
 from bench.machines.plan import spec_of  # noqa: E402
+from bench.machines.rivals.ablations import OFF  # noqa: E402
+from bench.machines.rivals.regression import named_by_regression  # noqa: E402
 from bench.machines.score import score  # noqa: E402
 from bench.machines.simulate import torque_of  # noqa: E402
 from bench.machines.spec import WorldSpec  # noqa: E402
+
+from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
@@ -91,6 +95,13 @@ def test_a_spec_gives_the_same_study_again(tmp_path) -> None:
     assert len(files) >= 6
     for file in files:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+    found = named_by_regression(tmp_path / "a" / "x" / "study.yaml", bodies=True)
+    rubbing = {each["joints"][0] for each in found if each["effect"] == "coulomb_friction"}
+    assert rubbing == {"joint1", "joint2"}
+    for each in found:
+        for estimate in each["parameters"].values():
+            low, high = estimate["interval95"]
+            assert low <= estimate["value"] <= high
     study = (tmp_path / "a" / "x" / "study.yaml").read_text()
     assert "trust" not in study
     assert "controller" not in study
@@ -148,6 +159,18 @@ def test_background_is_right_and_a_fault_that_is_not_there_is_false(truth) -> No
     assert in_background(finding("joint_offset", ["joint1"], offset=0.1), truth) == (False, False)
 
 
+def test_an_unnamed_cause_at_a_link_is_felt_at_the_joints_that_carry_it(truth) -> None:
+    truth = json.loads(json.dumps(truth))
+    truth["faults"] = [{"effect": "outside", "kind": "slosh", "joints": [], "links": ["link2"],
+                        "parameters": {}, "begins": None}]  # fmt: skip
+    for joint, right in (("joint1", True), ("joint2", True), ("joint3", False)):
+        said = {"seconds": 1.0, "diagnosis": {"verdict": "", "joints": {}, "notes": [],
+                "findings": [finding("unknown", [joint])]}}  # fmt: skip
+        row = score("x", truth, said)
+        assert bool(row["right"]) == right
+        assert bool(json.loads(row["faults"])[0]["unknown"]) == right
+
+
 def test_scores_count_the_fault_its_place_and_what_is_false(truth) -> None:
     truth = json.loads(json.dumps(truth))
     fault = truth["faults"][0]
@@ -174,3 +197,10 @@ def test_scores_count_the_fault_its_place_and_what_is_false(truth) -> None:
     (told,) = json.loads(score("x", truth, nothing)["faults"])
     assert not told["named"]
     assert not told["listed"]
+
+
+def test_what_is_switched_off_is_a_threshold_of_the_tool() -> None:
+    defaults = {each.name: each.value for each in Thresholds()}
+    for key, value in OFF.values():
+        assert defaults[key] != value
+        Thresholds().changed({key: value})
