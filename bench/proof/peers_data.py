@@ -16,6 +16,7 @@ from pdoik.sim2real import Recording, Study
 Array = NDArray[np.float64]
 
 CUTOFF = 10.0  # of all filters, run forwards and backwards [Hz]
+REST = 0.02  # speed at which a sign has almost all its size [rad/s]
 ENDS = 0.5  # left out at both ends, where filters swing [s]
 
 
@@ -129,6 +130,18 @@ def beyond_track(study: Study, folder: Path, name: str) -> Track:
     urdf = folder / "robot_loaded.urdf"
     loaded = Believed(urdf, study.joints, study.rotor_inertia)
     return track_of(recording, loaded, urdf, plain)
+
+
+def joint_columns(dq: Array, ddq: Array) -> Array:
+    """Rotor, viscous and Coulomb friction, and an offset of every joint, (T, n, 4 n)."""
+    count, n = dq.shape
+    columns = np.zeros((count, n, 4 * n))
+    for j in range(n):
+        columns[:, j, 4 * j] = ddq[:, j]
+        columns[:, j, 4 * j + 1] = dq[:, j]
+        columns[:, j, 4 * j + 2] = np.tanh(dq[:, j] / REST)
+        columns[:, j, 4 * j + 3] = 1.0
+    return columns
 
 
 def stacked(tracks: list[Track], name: str, step: float) -> Array:

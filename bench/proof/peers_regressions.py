@@ -9,10 +9,9 @@ import numpy as np
 
 from pdoik.sim2real import Study
 
-from .peers_data import Array, Believed, Track, smooth, stacked
+from .peers_data import REST, Array, Believed, Track, joint_columns, smooth, stacked
 
 STEP = 0.02  # between rows that enter a fit [s]
-REST = 0.02  # speed at which a sign has almost all its size [rad/s]
 CUTS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)  # of singular values, relative
 THRESHOLDS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)  # of terms, in units of the residual's size
 RIDGE = 0.02  # per row, of terms with unit spread: a library holds near twins
@@ -38,16 +37,10 @@ def least_squares(study: Study, fit: list[Track], choose: list[Track]) -> Predic
     URDF's figures; of a few cut-offs of singular values, the one best on the tracks to choose by.
     """
     believed = Believed(study.robot, study.joints, study.rotor_inertia)
-    n = len(study.joints)
 
     def columns(track: Track, rows: slice) -> Array:
         q, dq, ddq = track.q[rows], track.dq[rows], track.ddq[rows]
-        own = np.zeros((len(q), n, 4 * n))
-        for j in range(n):
-            own[:, j, 4 * j] = ddq[:, j]
-            own[:, j, 4 * j + 1] = dq[:, j]
-            own[:, j, 4 * j + 2] = np.tanh(dq[:, j] / REST)
-            own[:, j, 4 * j + 3] = 1.0
+        own = joint_columns(dq, ddq)
         return np.concatenate([believed.regressor(q, dq, ddq), own], axis=2)
 
     Y = np.concatenate([columns(track, track.every(STEP)) for track in fit])  # (T, n, p)
@@ -80,9 +73,8 @@ def pysindy(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
     """
     import pysindy as ps
 
-    n = len(study.joints)
     chosen: list[Array] = []
-    for joint in range(n):
+    for joint in range(len(study.joints)):
         theta = np.concatenate([library(track, joint, track.every(STEP)) for track in fit])
         held = np.concatenate([library(track, joint, track.every(STEP)) for track in choose])
         size = np.maximum(np.std(theta, axis=0), 1e-6 * np.abs(theta).max(axis=0) + 1e-12)

@@ -19,6 +19,7 @@ from bench.proof.real_truths import (
 )
 
 import pdoik
+import servo
 from arm_meshes import go2_urdf
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
@@ -106,18 +107,10 @@ def _so101(source: Path, folder: Path) -> dict[str, Any]:
     return {"joints": joints, "recordings": runs}
 
 
-_SERVO = """<robot name="servo"><link name="base"/><link name="arm"><inertial>
-<origin xyz="0 0 -0.1"/><mass value="0.49"/>
-<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="joint1" type="continuous"><parent link="base"/><child link="arm"/>
-<axis xyz="0 1 0"/></joint></robot>
-"""
-
-
 def _servo(source: Path, folder: Path) -> dict[str, Any]:
-    (folder / "robot.urdf").write_text(_SERVO)
-    motions = ("lift_and_drop", "sin_sin", "sin_time_square", "up_and_down")
-    runs = _copied(source, folder, tuple(f"kp400_{each}" for each in motions), "")
+    (folder / "robot.urdf").write_text(servo.URDF.format(z=-servo.LENGTH, mass=servo.MASS))
+    names = tuple(f"kp{servo.GAINS[-1]}_{each}" for each in servo.MOTIONS)
+    runs = _copied(source, folder, names, "")
     return {"robot": "robot.urdf", "joints": ["joint1"], "recordings": runs}
 
 

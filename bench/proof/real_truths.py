@@ -6,17 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pdoik.sim2real.effects import CATALOGUE
+
 Content = Mapping[str, Any]
 
-FRICTION = {
-    "asymmetric_friction",
-    "coulomb_friction",
-    "load_dependent_friction",
-    "presliding_hysteresis",
-    "stribeck_friction",
-    "viscous_friction",
-    "friction_drift",
-    "gear_efficiency",
+FRICTION = {each.id for each in CATALOGUE.values() if each.family == "friction"} | {
+    "gear_efficiency"
 }
 LOADS = {"payload": "mass", "link_inertial_error": "d_mass"}
 DELAYS = ("command_delay", "actuator_lag")

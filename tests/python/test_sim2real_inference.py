@@ -177,7 +177,7 @@ def test_what_a_mass_that_is_a_tenth_off_explains_is_not_peculiar(tmp_path: Path
         term = joint_term(world, "position_dependent_spring", spring.shape)
         state = searched(world, term)
         assert state.fit.wald(term)[0] > 4.0, pull  # alone, it seems to be there
-        found.append([each for each, _ in Ordinary.of(world).without_need(state)] == [term])
+        found.append([each for each, _ in Ordinary(of=world).without_need(state)] == [term])
     assert found == [True, False]
 
 

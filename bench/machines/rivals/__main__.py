@@ -17,7 +17,7 @@ from typing import Annotated, Any
 
 import pandas as pd
 import typer
-from bench.machines.rivals.ablations import OFF, diagnosed_without
+from bench.machines.rivals.ablations import OFF, diagnosed
 from bench.machines.rivals.regression import named_by_regression
 from bench.machines.rivals.stepwise import named_stepwise
 from bench.machines.score import score
@@ -27,7 +27,6 @@ from bench.proof.conceal import SEALED, STUDIES
 from campaign_cli import console, plain_errors, show
 from markdown import markdown_table
 from pdoik import PdoikError
-from pdoik.sim2real import diagnose
 from whole_files import write_text
 
 Method = Callable[[Path], dict[str, Any]]
@@ -37,16 +36,12 @@ def _findings(method: Callable[[Path], list[dict[str, Any]]], study: Path) -> di
     return {"verdict": "", "joints": {}, "notes": [], "findings": method(study)}
 
 
-def _ours(study: Path) -> dict[str, Any]:
-    return dict(json.loads(diagnose(study).to_json()))
-
-
 METHODS: dict[str, Method] = {
-    "ours": _ours,
+    "ours": partial(diagnosed, changed={}),
     "least squares, friction free": partial(_findings, partial(named_by_regression, bodies=False)),
     "least squares, bodies free too": partial(_findings, partial(named_by_regression, bodies=True)),
     "our library, stepwise by BIC": partial(_findings, named_stepwise),
-    **{f"ours, {name}": partial(diagnosed_without, name=name) for name in OFF},
+    **{f"ours, {name}": partial(diagnosed, changed=dict([off])) for name, off in OFF.items()},
 }
 
 

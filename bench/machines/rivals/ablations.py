@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pdoik.sim2real import examine
+from pdoik.sim2real import diagnose
 from pdoik.sim2real.thresholds import Thresholds
 
 OFF: dict[str, tuple[str, float]] = {
@@ -19,8 +19,6 @@ OFF: dict[str, tuple[str, float]] = {
 """What is switched off: by which threshold, and what it is set to."""
 
 
-def diagnosed_without(study: Path, name: str) -> dict[str, Any]:
-    """The diagnosis as its file would have it."""
-    key, value = OFF[name]
-    thresholds = Thresholds().changed({key: value})
-    return dict(json.loads(examine(study, thresholds=thresholds).diagnosis.to_json()))
+def diagnosed(study: Path, changed: dict[str, float]) -> dict[str, Any]:
+    """The diagnosis as its file would have it, with other thresholds."""
+    return dict(json.loads(diagnose(study, thresholds=Thresholds().changed(changed)).to_json()))

@@ -11,24 +11,31 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bench.proof.peers_data import Array, Believed, Track, stacked, study_tracks
+from bench.machines.rivals.finding import finding
+from bench.proof.peers_data import (
+    Array,
+    Believed,
+    Track,
+    joint_columns,
+    stacked,
+    study_tracks,
+)
 
 from pdoik.sim2real import load_study
 
 STEP = 0.02  # between rows [s]
-REST = 0.02  # speed at which a sign has almost all its size [rad/s]
 BLOCK = 1.0  # rows within which count as one for errors [s]
 CLEAR = 4.0  # errors from which a figure is said
 TENTH = 0.1  # prior of bodies, relative
-SURE = 0.95  # confidence stated: the method has none
 ROUNDS = 2  # the second by what the first leaves of each joint
 
 OWN = (
-    ("coulomb_friction", "level"),
-    ("viscous_friction", "coefficient"),
-    ("torque_offset", "offset"),
     ("rotor_inertia", "inertia"),
+    ("viscous_friction", "coefficient"),
+    ("coulomb_friction", "level"),
+    ("torque_offset", "offset"),
 )
+"""What the columns of a joint are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,11 +65,11 @@ def named_by_regression(study: Path, bodies: bool) -> list[dict[str, Any]]:
     fit, _ = study_tracks(loaded)
     n = len(loaded.joints)
     believed = Believed(loaded.robot, loaded.joints, loaded.rotor_inertia)
-    Y = np.concatenate([_columns(believed, track, n, bodies) for track in fit])
+    Y = np.concatenate([_columns(believed, track, bodies) for track in fit])
     residual = stacked(fit, "residual", STEP)
     block = np.concatenate(
         [
-            1000 * i + (np.arange(len(_rows(track))) * STEP / BLOCK).astype(int)
+            1000 * i + (np.arange(len(track.q[track.every(STEP)])) * STEP / BLOCK).astype(int)
             for i, track in enumerate(fit)
         ]
     )
@@ -78,29 +85,20 @@ def named_by_regression(study: Path, bodies: bool) -> list[dict[str, Any]]:
             at = 4 * j + k
             positive = effect == "torque_offset" or solution.beta[at] > 0.0
             if solution.clear(at) and positive:
-                found.append(_finding(effect, [name], [], {figure: solution.said(at)}))
+                found.append(finding(effect, [name], [], {figure: solution.said(at)}))
     for i in range(n if bodies else 0):
         at = 4 * n + 10 * i
         link = believed.model.names[i + 1].replace("joint", "link")
         if any(solution.clear(at + k) for k in range(4)):
-            found.append(_finding("link_inertial_error", [], [link], {"d_mass": solution.said(at)}))
+            found.append(finding("link_inertial_error", [], [link], {"d_mass": solution.said(at)}))
     weights = [abs(next(iter(each["parameters"].values()))["value"]) for each in found]
     return [found[i] for i in np.argsort(weights)[::-1]]
 
 
-def _rows(track: Track) -> Array:
-    return np.arange(len(track.q))[track.every(STEP)]
-
-
-def _columns(believed: Believed, track: Track, n: int, bodies: bool) -> Array:
+def _columns(believed: Believed, track: Track, bodies: bool) -> Array:
     rows = track.every(STEP)
     q, dq, ddq = track.q[rows], track.dq[rows], track.ddq[rows]
-    own = np.zeros((len(q), n, 4 * n))
-    for j in range(n):
-        own[:, j, 4 * j] = np.tanh(dq[:, j] / REST)
-        own[:, j, 4 * j + 1] = dq[:, j]
-        own[:, j, 4 * j + 2] = 1.0
-        own[:, j, 4 * j + 3] = ddq[:, j]
+    own = joint_columns(dq, ddq)
     return np.concatenate([own, believed.regressor(q, dq, ddq)], axis=2) if bodies else own
 
 
@@ -119,17 +117,3 @@ def _solved(Y: Array, residual: Array, block: Array, prior: Array) -> Solution:
     scores = np.einsum("tjp,tj->tp", Y * weight[:, None], left)
     sums = np.array([scores[block == each].sum(axis=0) for each in np.unique(block)])
     return Solution(beta=beta, cov=inverse @ (sums.T @ sums) @ inverse)
-
-
-def _finding(
-    effect: str, joints: list[str], links: list[str], parameters: dict[str, Any]
-) -> dict[str, Any]:
-    return {
-        "effect": effect,
-        "joints": joints,
-        "links": links,
-        "parameters": parameters,
-        "confidence": SURE,
-        "equivalents": [],
-        "window": None,
-    }

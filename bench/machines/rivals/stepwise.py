@@ -6,10 +6,12 @@ the same columns would say.
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bench.machines.rivals.finding import finding
 
 from pdoik.sim2real import load_study
 from pdoik.sim2real.motion.prepare import prepare
@@ -19,7 +21,6 @@ from pdoik.sim2real.regression.trial import screen
 from pdoik.sim2real.select.candidates import candidates
 
 MOST = 40  # terms
-SURE = 0.95  # confidence stated: the method has none
 
 
 def named_stepwise(study: Path) -> list[dict[str, Any]]:
@@ -40,21 +41,11 @@ def named_stepwise(study: Path) -> list[dict[str, Any]]:
     values = estimates(fit, fit.terms, 0)
     links = () if prepared.body is None else prepared.body.links
     return [
-        {
-            "effect": term.effect,
-            "joints": [prepared.study.joints[j] for j in term.place.joints],
-            "links": [] if term.place.link is None else [links[term.place.link]],
-            "parameters": {
-                name: {
-                    "value": each.value,
-                    "std": each.std,
-                    "interval95": list(each.interval95),
-                }
-                for name, each in values[i].items()
-            },
-            "confidence": SURE,
-            "equivalents": [],
-            "window": None,
-        }
+        finding(
+            term.effect,
+            [prepared.study.joints[j] for j in term.place.joints],
+            [] if term.place.link is None else [links[term.place.link]],
+            {name: asdict(each) for name, each in values[i].items()},
+        )
         for i, term in enumerate(fit.terms)
     ]

@@ -7,6 +7,7 @@ friction that no law has quite. Beside a background of all that it is not needed
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
@@ -17,26 +18,26 @@ from ..regression.trial import Search, cross_validated, held_out_squares
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ordinary:
-    """The background of a study, fitted once."""
+    """The background of a study, fitted once, and only where something is held against it."""
 
-    balances: Balances
-    terms: tuple[Term, ...]
+    of: Balances
 
-    @classmethod
-    def of(cls, balances: Balances) -> Ordinary:
-        """That of these balances."""
-        noisy, terms = background(balances)
-        return cls(balances=noisy, terms=terms)
+    @cached_property
+    def _background(self) -> tuple[Balances, tuple[Term, ...]]:
+        return background(self.of)
 
     def without_need(self, state: Search) -> list[tuple[Term, float]]:
         """Accepted terms that are not needed beside it and each other, and by how many errors."""
-        if not self.terms:
-            return []
         sure = {*(t.key for t in state.contacts), *state.confirmed}
         judged = [t for t in state.accepted if t.key not in sure and _is_judged(t)]
-        fit = Fit(self.balances, [*self.terms, *judged])
-        beside = Search(balances=self.balances, nuisance=self.terms, fit=fit, start=state.start)
-        least = self.balances.thresholds.background.stands_t
+        if not judged:
+            return []
+        noisy, terms = self._background
+        if not terms:
+            return []
+        fit = Fit(noisy, [*terms, *judged])
+        beside = Search(balances=noisy, nuisance=terms, fit=fit, start=state.start)
+        least = noisy.thresholds.background.stands_t
         found = [(term, _by(beside, term, least)) for term in judged]
         return [(term, by) for term, by in found if by < least]
 
@@ -53,6 +54,6 @@ def _by(beside: Search, term: Term, least: float) -> float:
 def _is_judged(term: Term) -> bool:
     """Whether it is seen in a torque alone, and the background has nothing of its kind."""
     effect = CATALOGUE[term.effect]
-    named = effect.id != "unknown" and not effect.costly
+    named = effect.sought != "last" and not effect.costly
     of_torque = all(balance == "torque" for balance, _ in term.columns)
     return named and of_torque and not has_its_like(effect)

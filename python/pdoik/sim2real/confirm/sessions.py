@@ -33,7 +33,7 @@ def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
     What simulations confirmed stays.
     """
     doubtful: list[Term] = []
-    ordinary = Ordinary.of(state.balances)
+    ordinary = Ordinary(of=state.balances)
     while True:
         judged = state.accepted
         new = {t.key: _best_support(state, t) for t in judged if t.key not in state.support}

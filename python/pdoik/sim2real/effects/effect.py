@@ -88,6 +88,7 @@ class Effect(ABC):
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
     gated: ClassVar[bool] = False  # may act in a part of the time or of the positions only
     of_joint_torque: ClassVar[bool] = False  # may stand in for another torque of its joint
+    in_background: ClassVar[bool] = False  # of a joint's torque, as every machine has it
     ordinary: ClassVar[bool] = False  # every machine's joints may have some: weighed as a set
     depends_on: ClassVar[tuple[str, ...]] = ()  # variables by which a joint's torque shows it
     together: ClassVar[bool] = False  # its joints are one place, not one each

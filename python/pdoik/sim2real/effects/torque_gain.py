@@ -20,6 +20,7 @@ class TorqueGain(TorqueChannel):
 
     id = "torque_gain"
     family = "torque"
+    in_background = True
     on = "joint"
     equation = "tau_reported = k tau"
     parameters = (Parameter("gain", "-"),)

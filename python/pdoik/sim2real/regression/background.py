@@ -59,7 +59,7 @@ class Scale:
 
 def has_its_like(effect: Effect) -> bool:
     """Whether the background holds what an effect is: friction, rotors, scales, bodies."""
-    return effect.ordinary or effect.is_body or effect.id == "torque_gain"
+    return effect.ordinary or effect.is_body or effect.in_background
 
 
 def is_friction(term: Term) -> bool:

@@ -46,6 +46,12 @@ def implausibility(fit: Fit, term: Term) -> float:
     return size / (1.0 + size)
 
 
+def same_kind(one: str, other: str) -> bool:
+    """Whether either is only a finer name for the other."""
+    kind = CATALOGUE[one].one_of
+    return bool(kind) and kind == CATALOGUE[other].one_of
+
+
 def has_company(term: Term, taken: set[TermKey]) -> bool:
     """Whether what the effect only comes beside was found at its place."""
     beside = CATALOGUE[term.effect].beside

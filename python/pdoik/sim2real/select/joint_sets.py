@@ -20,6 +20,7 @@ from ..regression.background import repeats
 from ..regression.fit import Fit, Term, term_of
 from ..regression.refine import polished
 from ..regression.trial import Search, without
+from .candidates import same_kind
 
 _SHAPES = 2  # of an effect that are weighed, those that explain most beside the plain ones
 _TRIES = 4  # sets that are fitted, the best first, until all that is new in one is clear
@@ -107,17 +108,11 @@ def _sets(pool: Sequence[Term]) -> Iterator[list[int]]:
             return
         first, *rest = effects
         yield from grown(rest, chosen)
-        if not any(_same_kind(first, pool[i].effect) for i in chosen):
+        if not any(same_kind(first, pool[i].effect) for i in chosen):
             for i in by_effect[first]:
                 yield from grown(rest, [*chosen, i])
 
     yield from grown(list(by_effect), [])
-
-
-def _same_kind(one: str, other: str) -> bool:
-    """Whether either is only a finer name for the other."""
-    alike = CATALOGUE[one].one_of and CATALOGUE[one].one_of == CATALOGUE[other].one_of
-    return bool(alike)
 
 
 def _has_company(name: str, names: set[str]) -> bool:

@@ -10,7 +10,7 @@ from ..motion.rigid_body import RigidBody
 from ..regression.fit import Fit, Term
 from ..regression.refine import refined
 from ..regression.trial import Search, Trial, cross_validated, held_out_squares, level, screen
-from .candidates import candidates, has_company, implausibility
+from .candidates import candidates, has_company, implausibility, same_kind
 
 _TRIED = 8
 _MOST = 3  # equivalents listed
@@ -36,7 +36,7 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     pool = [t for t in pool if has_company(t, taken)]
     rivals, least = [], state.balances.thresholds.selection
     for rival, training_gain in screen(others, pool)[:_TRIED]:
-        if training_gain < least.rival_gain * own.gain and not _same_kind(rival, term):
+        if training_gain < least.rival_gain * own.gain and not _alike(rival, term):
             continue
         better = refined(others, rival)
         trial = cross_validated(state, better, held, others)
@@ -49,12 +49,11 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
 def _is_listed(best: Trial, other: Trial) -> bool:
     """Whether another name is said beside the best."""
     nearly = other.gain > best.thresholds.same_kind * best.gain
-    return level(best, other) or (nearly and _same_kind(best.term, other.term))
+    return level(best, other) or (nearly and _alike(best.term, other.term))
 
 
-def _same_kind(one: Term, other: Term) -> bool:
-    kinds = [CATALOGUE[each.effect].one_of for each in (one, other)]
-    return bool(kinds[0]) and kinds[0] == kinds[1] and one.place == other.place
+def _alike(one: Term, other: Term) -> bool:
+    return one.place == other.place and same_kind(one.effect, other.effect)
 
 
 def swapped(state: Search) -> Search:
@@ -75,9 +74,8 @@ def swapped(state: Search) -> Search:
 
 
 def _wins(state: Search, rival: Trial, own: Trial) -> bool:
-    if _same_kind(rival.term, own.term):
-        trials = (rival, own)
-        coarse, fine = sorted(trials, key=lambda t: CATALOGUE[t.term.effect].complexity)
+    if _alike(rival.term, own.term):
+        coarse, fine = sorted((rival, own), key=lambda t: CATALOGUE[t.term.effect].complexity)
         return (rival is coarse) == (coarse.gain > own.thresholds.no_finer * fine.gain)
     if not level(rival, own):
         return rival.gain > own.gain

@@ -50,9 +50,9 @@ def _by_mujoco(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatArray
     addresses = [model.joint(joint).qposadr[0] for joint in joints]
     dofs = [model.joint(joint).dofadr[0] for joint in joints]
     out = np.empty_like(q)
-    for row, positions in enumerate(q):
-        data.qpos[addresses] = positions
-        with quiet_mujoco():
+    with quiet_mujoco():
+        for row, positions in enumerate(q):
+            data.qpos[addresses] = positions
             mujoco.mj_forward(model, data)
-        out[row] = data.qfrc_bias[dofs]
+            out[row] = data.qfrc_bias[dofs]
     return out
