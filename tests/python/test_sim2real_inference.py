@@ -154,11 +154,16 @@ def test_the_shape_of_friction_is_borne_out_though_its_size_is_another_each_day(
         motions.append(replace(motion, torque=torque, cache={}))
     days = Balances(motions)
     dry, wet = joint_term(days, "coulomb_friction", (0.05,)), joint_term(days, "viscous_friction")
-    state = searched(days, dry, wet)
-    for term in (dry, wet):
-        support = support_of(state, term)
-        assert support.agree == support.sessions == 2
-        assert support.gain > 0.5, term.effect
+    known = joint_term(days, "timestamp_skew", (0.0, 1e-6))
+    assert known.fixed  # it has no coefficient of its own
+    other = term_of(days, CATALOGUE["timestamp_skew"], Place(joints=(0,)), (0.0, 1e-6))
+    assert other is not None
+    for before in ((), (known, other)):
+        state = searched(days, *before, dry, wet)
+        for term in (dry, wet):
+            support = support_of(state, term)
+            assert support.agree == support.sessions == 2
+            assert support.gain > 0.5, term.effect
 
 
 def test_what_a_mass_that_is_a_tenth_off_explains_is_not_peculiar(tmp_path: Path) -> None:

@@ -159,18 +159,16 @@ def _left_by(
     Its friction as a whole is whatever it was that day, `least` of what was learnt or more.
     """
     left = fit.residual(key, beta)[at]
-    names = np.repeat([t.effect for t in fit.terms], [t.width for t in fit.terms])
-    rubs = np.array([_is_friction(str(names[i])) for i in fit.index[key]], dtype=np.bool_)
-    friction = fit.design[key][at][:, rubs] @ beta[fit.index[key][rubs]]
+    rubbing = np.zeros_like(beta)
+    for term, offset in zip(fit.terms, fit.offsets, strict=False):
+        if term.effect in CATALOGUE and CATALOGUE[term.effect].family == "friction":
+            rubbing[offset : offset + term.width] = beta[offset : offset + term.width]
+    friction = fit.design[key][at] @ rubbing[fit.index[key]]
     power = float(friction @ friction)
     if power <= 0.0:
         return left
     share = 1.0 + float(left @ friction) / power
     return np.asarray(left - (float(np.clip(share, least, 1.0 / least)) - 1.0) * friction)
-
-
-def _is_friction(effect: str) -> bool:
-    return effect in CATALOGUE and CATALOGUE[effect].family == "friction"
 
 
 def relearnt(base: Fit, term: Term) -> Term:
