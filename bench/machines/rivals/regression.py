@@ -47,7 +47,7 @@ class Solution:
 
     def said(self, k: int) -> dict[str, Any]:
         """An estimate as diagnoses have it."""
-        value, std = float(self.beta[k]), float(np.sqrt(max(self.cov[k, k], 0.0)))
+        value, std = float(self.beta[k]), float(np.sqrt(self.cov[k, k]))
         return {
             "value": value,
             "std": std,
@@ -109,11 +109,14 @@ def _solved(Y: Array, residual: Array, block: Array, prior: Array) -> Solution:
     inverse = np.eye(len(beta))
     for _ in range(ROUNDS):
         A = (Y * weight[:, None]).reshape(-1, len(beta))
-        gram = A.T @ A
-        inverse = np.linalg.inv(gram + np.diag(prior + 1e-9 * np.diag(gram) + 1e-12))
+        gram = A.T @ A + np.diag(prior)
+        size = np.sqrt(np.diag(gram)) + 1e-12  # columns of one size keep the inverse exact
+        inverse = np.linalg.inv(gram / np.outer(size, size) + 1e-9 * np.eye(len(beta)))
+        inverse /= np.outer(size, size)
         beta = inverse @ (A.T @ (residual * weight).ravel())
         weight = 1.0 / np.maximum(np.std(residual - Y @ beta, axis=0), 1e-9)
     left = (residual - Y @ beta) * weight
     scores = np.einsum("tjp,tj->tp", Y * weight[:, None], left)
     sums = np.array([scores[block == each].sum(axis=0) for each in np.unique(block)])
-    return Solution(beta=beta, cov=inverse @ (sums.T @ sums) @ inverse)
+    root = sums @ inverse
+    return Solution(beta=beta, cov=root.T @ root)
