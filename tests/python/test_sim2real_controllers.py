@@ -27,6 +27,7 @@ from pdoik.sim2real import (
 )
 from pdoik.sim2real.controllers.check_controllers import check_controllers
 from pdoik.sim2real.controllers.estimate import joint_law
+from pdoik.sim2real.controllers.feeds import Feeds
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.study.controller import Controller, ToldController
 from pdoik.sim2real.study.recording import Recording
@@ -50,7 +51,7 @@ def law_of(make: Callable[[], Law], *, aimed: bool = True, **changes: str) -> Co
         (effort,) = changes.values()
         recordings = [replace(r, **{effort: r.tau_cmd}, tau_cmd=None) for r in recordings]
     *fit, judge = recordings
-    return joint_law("joint1", 0, fit, [judge], None, ControllerThresholds()).estimate
+    return joint_law("joint1", 0, fit, [judge], Feeds(None), ControllerThresholds()).estimate
 
 
 def check(estimate: ControllerEstimate, law: str, **true: float) -> None:
@@ -118,7 +119,7 @@ def late_speed(recording: Recording, time: float) -> Recording:
 def test_a_speed_that_is_logged_late_is_told_from_other_gains() -> None:
     limits = ControllerThresholds()
     make = lambda seed: late_speed(run(Pid(kp=40.0, kd=3.0), seed=seed), 0.012)  # noqa: E731
-    estimate = joint_law("joint1", 0, [make(1), make(2)], [make(3)], None, limits).estimate
+    estimate = joint_law("joint1", 0, [make(1), make(2)], [make(3)], Feeds(None), limits).estimate
     assert estimate.law == "pd"
     assert estimate.gains["speed_delay"].value == pytest.approx(0.012, abs=1e-3)
     assert estimate.gains["kp"].value == pytest.approx(40.0, rel=0.02)
@@ -133,7 +134,7 @@ def test_what_only_pulls_as_the_machine_itself_moves_is_no_law() -> None:
         pulled = 0.5 * np.gradient(np.gradient(each.q, each.period, axis=0), each.period, axis=0)
         recordings.append(replace(each, tau_cmd=-pulled))
     *fit, judge = recordings
-    estimate = joint_law("joint1", 0, fit, [judge], None, ControllerThresholds()).estimate
+    estimate = joint_law("joint1", 0, fit, [judge], Feeds(None), ControllerThresholds()).estimate
     assert "kp" not in estimate.gains or estimate.gains["kp"].value > 0.0
 
 
@@ -147,7 +148,7 @@ def test_no_law_is_believed_of_an_effort_that_follows_none() -> None:
     rng = np.random.default_rng(5)
     pieces = [run(Pid(kp=40.0, kd=3.0), seed=seed) for seed in (1, 2)]
     noisy = [replace(r, tau_cmd=rng.standard_normal(r.q.shape)) for r in pieces]
-    estimate = joint_law("joint1", 0, noisy, [], None, ControllerThresholds()).estimate
+    estimate = joint_law("joint1", 0, noisy, [], Feeds(None), ControllerThresholds()).estimate
     assert estimate.law == ""
     assert not estimate.gains
 

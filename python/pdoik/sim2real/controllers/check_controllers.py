@@ -7,13 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..findings import ControllerEstimate
+from ..findings import ControllerEstimate, Finding
 from ..motion.motion import thinned
 from ..motion.prepare import Prepared, prepare
 from ..study.controller import Controller, ToldController, VoltageDrive
 from ..study.recording import FloatArray
 from ..study.study import Study
+from .drive_findings import drive_findings
 from .estimate import JointLaw, joint_law
+from .feeds import Feeds
 from .load import Load, in_words, load_of
 from .told import SEEN_ITSELF, compared, told_gains
 from .voltage import Motor, motor_of, supply, with_torque
@@ -30,6 +32,7 @@ class ControllerCheck:
     study: Study
     estimates: tuple[ControllerEstimate, ...]
     notes: tuple[str, ...]
+    findings: tuple[Finding, ...]  # of drives, where nobody told their controllers
     changed: bool  # whether the study is another than before
 
 
@@ -39,9 +42,8 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     limits = study.thresholds.controllers
     fit = [thinned(r) for r in study.fit]
     held = [thinned(r) for r in study.validate]
-    laws = [
-        joint_law(name, j, fit, held, prepared.body, limits) for j, name in enumerate(study.joints)
-    ]
+    feeds = Feeds(prepared.body)
+    laws = [joint_law(name, j, fit, held, feeds, limits) for j, name in enumerate(study.joints)]
     estimates = [compared(law, told_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)
@@ -75,8 +77,10 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     estimates = [
         with_untellable(each, study, _released(changed, j)) for j, each in enumerate(estimates)
     ]
+    untold = study.controller is None and changed.controller is None
     return ControllerCheck(
         study=changed,
+        findings=drive_findings(prepared, feeds) if untold else (),
         estimates=tuple(estimates),
         notes=tuple(_notes(study, changed, estimates, motors, loads)),
         changed=changed is not study,

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..findings import ControllerEstimate, Estimate
-from ..motion.rigid_body import RigidBody
 from ..study.recording import Recording
 from ..thresholds.controllers import ControllerThresholds
 from .choose import Chosen, chosen, let_go, predicted
+from .feeds import Feeds
 from .law import Fitted, errors, fitted
 from .rows import EFFORTS, Piece, effort_of, pieces_of
 
@@ -29,17 +29,17 @@ class JointLaw:
 
     estimate: ControllerEstimate
     chosen: Chosen | None = None
-    body: RigidBody | None = None
+    feeds: Feeds | None = None
     each: tuple[tuple[float, float], ...] = ()  # position gain and error of every recording alone
 
     def let_go(
         self, recording: Recording, j: int, limits: ControllerThresholds
     ) -> NDArray[np.bool_]:
         """Samples at which the drive of joint j has let go, (T,)."""
-        if self.chosen is None:
+        if self.chosen is None or self.feeds is None:
             return np.zeros(len(recording.time), dtype=np.bool_)
         effort, most = self.estimate.effort, len(recording.time)
-        (piece,) = pieces_of((recording,), j, effort, self.body, limits, most)
+        (piece,) = pieces_of((recording,), j, effort, self.feeds, limits, most)
         return let_go(piece, self.chosen, limits)
 
 
@@ -48,7 +48,7 @@ def joint_law(
     j: int,
     fit: Sequence[Recording],
     validate: Sequence[Recording],
-    body: RigidBody | None,
+    feeds: Feeds,
     limits: ControllerThresholds,
 ) -> JointLaw:
     """The law of joint number j.
@@ -58,18 +58,18 @@ def joint_law(
         j: its column.
         fit: recordings to learn from, thinned.
         validate: recordings that judge, thinned.
-        body: of the model, for what is fed forward.
+        feeds: what the model feeds forward.
         limits: what is believed.
     """
     effort = effort_of((*fit, *validate), j)
     if not effort:
         return JointLaw(estimate=ControllerEstimate(joint=joint, law=""))
-    pieces = pieces_of(fit, j, effort, body, limits)
+    pieces = pieces_of(fit, j, effort, feeds, limits)
     moving = any(np.ptp(piece.error) > 0.0 and np.ptp(piece.effort) > 0.0 for piece in pieces)
     found = chosen(pieces, limits) if moving else None
     if found is None:
         return JointLaw(estimate=ControllerEstimate(joint=joint, law="", effort=effort))
-    judges = pieces_of(validate, j, effort, body, limits) or pieces
+    judges = pieces_of(validate, j, effort, feeds, limits) or pieces
     explained, left = _judged(judges, found, limits)
     gains = _gains(pieces, found, effort, limits.gain_error)
     believed = explained >= limits.believed and _holds(gains["kp"], limits)
@@ -88,7 +88,7 @@ def joint_law(
             data=", ".join(piece.name for piece in judges),
         ),
         chosen=found if believed else None,
-        body=body,
+        feeds=feeds,
         each=tuple(_alone(piece, found) for piece in found.pieces) if believed else (),
     )
 

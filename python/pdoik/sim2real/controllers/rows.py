@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..motion.rigid_body import RigidBody
-from ..motion.signals import derivative, lagged, shifted, zero_phase
+from ..motion.signals import derivative, lagged, shifted
 from ..study.recording import FloatArray, Recording
 from ..thresholds.controllers import ControllerThresholds
+from .feeds import Feeds
 
 EFFORTS = {"tau_cmd": "N m", "duty": "1", "tau": "N m", "current": "A"}
 """Channels of effort and their units, the nearest to what a controller puts out first."""
-
-_SMOOTH = 10.0  # of a command's rates, for feed-forward of inertia [Hz]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,6 +31,8 @@ class Piece:
     effort: FloatArray
     gravity: FloatArray  # torque of the model at rest [N m]
     inertia: FloatArray  # torque of the model for the commanded acceleration [N m]
+    mass: FloatArray  # of the joint by the model, zero where nobody knows [kg m^2]
+    others: FloatArray  # (T, 2) the model's torque for the other joints' errors and error speeds
     use: NDArray[np.bool_]  # samples that count
     block: NDArray[np.intp]
 
@@ -73,7 +73,7 @@ def pieces_of(
     recordings: Sequence[Recording],
     j: int,
     effort: str,
-    body: RigidBody | None,
+    feeds: Feeds,
     limits: ControllerThresholds,
     most: int | None = None,
 ) -> tuple[Piece, ...]:
@@ -82,7 +82,7 @@ def pieces_of(
     pieces: list[Piece] = []
     first = 0
     for r in recordings:
-        piece = _piece(r, j, effort, body, limits, most)
+        piece = _piece(r, j, effort, feeds, limits, most)
         piece = replace(piece, block=piece.block + first)
         first = int(piece.block[-1]) + 1
         pieces.append(piece)
@@ -93,7 +93,7 @@ def _piece(
     r: Recording,
     j: int,
     effort: str,
-    body: RigidBody | None,
+    feeds: Feeds,
     limits: ControllerThresholds,
     most: int,
 ) -> Piece:
@@ -107,15 +107,12 @@ def _piece(
     if aimed:
         assert r.dq_des is not None
         rate, aim = aim, r.dq_des[part, j]
-    gravity, inertia = np.zeros(count), np.zeros(count)
-    complete = bool(np.isfinite(r.q).all() and np.isfinite(r.q_des).all())
-    if body is not None and complete and effort in ("tau_cmd", "tau"):
-        gravity = body.gravity(r.q[part])[:, j]
-        smooth = zero_phase(r.q_des, _SMOOTH, r.period)[part]
-        wanted = derivative(derivative(smooth, r.period), r.period)
-        still = np.zeros_like(wanted)
-        inertia = (body.torque(r.q[part], still, wanted) - body.gravity(r.q[part]))[:, j]
-        inertia += body.rotor[j] * wanted[:, j]
+    gravity = inertia = mass = np.zeros(count)
+    others = np.zeros((count, 2))
+    model = feeds.of(r) if effort in ("tau_cmd", "tau") else None
+    if model is not None:
+        gravity, inertia = model.gravity[part, j], model.inertia[part, j]
+        mass, others = model.mass[part, j], model.others[part, j]
     use = r.valid[part].copy()
     use[: int(limits.settling / r.period)] = False
     values: FloatArray = getattr(r, effort)
@@ -132,6 +129,8 @@ def _piece(
         effort=values[part, j],
         gravity=gravity,
         inertia=inertia,
+        mass=mass,
+        others=others,
         use=use,
         block=(np.arange(count) * r.period / limits.block).astype(np.intp),
     )

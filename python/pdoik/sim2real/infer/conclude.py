@@ -16,12 +16,14 @@ from ..effects import CATALOGUE
 from ..effects.inertial import Payload
 from ..findings import Diagnosis, Equivalent, Evidence, Finding
 from ..motion.prepare import Prepared
+from ..regression.background import background
 from ..regression.estimate import estimates
-from ..regression.fit import Term
+from ..regression.fit import Fit, Term
 from ..regression.naming import Found, channel_of, finding_of, link_of, merged
 from ..regression.prediction import Prediction
 from ..regression.trial import Search
 from ..select.rivals import equivalents_of
+from .changing_friction import changing, spreads_of, with_changes
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
@@ -78,14 +80,22 @@ def conclude(
     if check is not None:
         unsure = study.thresholds.confidence.unsupported
         found += [(replace(finding, confidence=unsure), ()) for finding in check.findings]
+    if control is not None:
+        found += [
+            (replace(each, confidence=confidence_of(study.thresholds, each.support)), ())
+            for each in control.findings
+        ]
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].weight)
     least = study.thresholds.confidence.suspected
     suspected += tuple(finding for finding, _ in found if finding.confidence < least)
     found = [each for each in found if each[0].confidence >= least]
     joints = joint_fits(prepared, state, prediction, simulated.left)
-    joints = with_outstanding(prepared, state, joints)
-    findings = tuple(finding for finding, _ in found)
+    noisy, terms = background(prepared.fit)
+    ordinary = Fit(noisy, terms) if terms else None
+    joints = with_outstanding(prepared, state, joints, ordinary)
+    changes = {} if ordinary is None else changing(spreads_of(ordinary), study.thresholds.verdict)
+    findings = tuple(with_changes(finding, study.joints, changes) for finding, _ in found)
     diagnosis = Diagnosis(
         verdict=verdict_of(
             findings,

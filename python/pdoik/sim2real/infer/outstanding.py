@@ -15,27 +15,30 @@ import numpy as np
 from ..findings import JointFit, Residue
 from ..motion.place import Key
 from ..motion.prepare import Prepared
-from ..regression.background import background, friction_at
+from ..regression.background import friction_at
 from ..regression.fit import Fit
 from ..regression.trial import Search
 
 
 def with_outstanding(
-    prepared: Prepared, state: Search, joints: Mapping[str, JointFit]
+    prepared: Prepared, state: Search, joints: Mapping[str, JointFit], ordinary: Fit | None
 ) -> dict[str, JointFit]:
-    """The joints with what stands out marked, by the recordings to fit alone."""
+    """The joints with what stands out marked, by the recordings to fit alone.
+
+    `ordinary` is the fit of all that every machine has.
+    """
     result = dict(joints)
-    for j, ratio in _outstanding(prepared, state).items():
+    for j, ratio in _outstanding(prepared, state, ordinary).items():
         name = prepared.study.joints[j]
         fit = result[name]
         result[name] = replace(fit, residue=replace(fit.residue or Residue(), outstanding=ratio))
     return result
 
 
-def _outstanding(prepared: Prepared, state: Search) -> dict[int, float]:
+def _outstanding(prepared: Prepared, state: Search, ordinary: Fit | None) -> dict[int, float]:
     """What a joint leaves over what its friction makes likely, by the same of the others."""
     least = prepared.study.thresholds.verdict
-    shares = _shares(prepared, state)
+    shares = {} if ordinary is None else _shares(prepared, state, ordinary)
     found = {}
     for j, share in shares.items():
         others = [each for i, each in shares.items() if i != j]
@@ -47,13 +50,9 @@ def _outstanding(prepared: Prepared, state: Search) -> dict[int, float]:
     return found
 
 
-def _shares(prepared: Prepared, state: Search) -> dict[int, float]:
+def _shares(prepared: Prepared, state: Search, fit: Fit) -> dict[int, float]:
     """Of each judged joint: what is left, over friction, noise and the model's own error."""
     b, verdict = prepared.fit, prepared.study.thresholds.verdict
-    noisy, ordinary = background(b)
-    if not ordinary:
-        return {}
-    fit = Fit(noisy, ordinary)
     shares = {}
     for j in range(b.n):
         key: Key = ("torque", j)

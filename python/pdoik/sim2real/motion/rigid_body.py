@@ -168,6 +168,11 @@ class RigidBody:
         mass = pin.crba(self.model, self._data, row)
         return np.asarray(np.diag(mass)[self._v] + self.rotor, dtype=np.float64)
 
+    def mass_matrices(self, q: FloatArray) -> FloatArray:
+        """Inertias of the rigid body alone for (T, n), (T, n, n): no rotors."""
+        model, data, grid = self.model, self._data, np.ix_(self._v, self._v)
+        return np.stack([pin.crba(model, data, row)[grid] for row in self._position(q)])
+
     def gravity(self, q: FloatArray) -> FloatArray:
         """Torques that hold the robot still, (T, n)."""
         configuration = self._position(q)

@@ -42,6 +42,20 @@ class ControllerThresholds(Group):
     )
     no_effort: float = threshold(1e-3, "share of the highest effort that is none")
     longest_delay: float = threshold(0.12, "delay, and time constant, that are sought", "s")
+    slow: float = threshold(
+        0.2, "frequency below which a law's error is an integral's or a sensor's zero", "Hz"
+    )
+    law_block: float = threshold(1.0, "time within which a law's errors count as one", "s")
+    followed: float = threshold(
+        0.95, "share of the effort in the motion's band that some law must explain to be asked more"
+    )
+    late_gain: float = threshold(
+        0.1, "share of what a law leaves that coming late, or a limit, must save"
+    )
+    late_t: float = threshold(3.0, "standard errors by which that must be clear", "s.e.")
+    later: float = threshold(
+        0.008, "by which one joint must act later than the others do: current loops differ", "s"
+    )
     drive_error: float = threshold(
         0.1,
         "share by which a motor's torque per volt differs from what was told of it",

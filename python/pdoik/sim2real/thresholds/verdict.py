@@ -28,6 +28,12 @@ class VerdictThresholds(Group):
     usual_residue: float = threshold(
         0.2, "what catalogue laws leave of a joint's friction, at least", "", "identified arms"
     )
+    usual_change: float = threshold(
+        0.08,
+        "by which friction differs between recordings at least, as a share",
+        "",
+        "repeated identifications of one arm: 10 % from day to day",
+    )
     outstanding: float = threshold(
         3.0,
         "times what the other joints leave beside their friction, from which one stands out",

@@ -1,0 +1,206 @@
+"""A drive that gives less than its law asks for: beyond a level, or a line that falls with speed.
+
+No command of torque need be logged: below the limit the law is learnt from what the drive gave, and
+beyond it the law says what was asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from ..study.recording import FloatArray
+from ..thresholds.controllers import ControllerThresholds
+from .open_law import Strip, explicit, solved
+
+_LEVELS = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98)  # of the highest effort
+_FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the fastest seen
+_REACHED = (0.999, 0.995, 0.98, 0.95, 0.9)  # quantiles of the efforts, by which a line lies high
+_TOP = 0.999  # quantile that is the highest
+_LEAST = 0.02  # of the stall torque, that a line does not fall below
+_NOISES = 2.0  # of the law's usual error, within which an effort is at the limit
+_BLUR = 0.03  # the same as a share of it: filters and the sensors' zeros
+_MOST_OVER = 0.1  # share of what is at a limit that may lie over it
+_MOST_AT = 0.6  # share of all that may be at it
+_ROUNDS = 60  # of the simplex
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CutOff:
+    """What one joint's drive does not exceed."""
+
+    joint: int
+    level: float  # at rest [N m], or the effort's unit
+    level_std: float
+    no_load: float  # speed at which nothing is left [rad/s]; inf where the level is the same
+    no_load_std: float
+    gain: float  # share of what the law leaves that is saved
+    t: float  # that over its error
+    explained: float  # share of the effort in the band of the motion
+    blocks: int
+    agree: int  # recordings in which it gains
+    recordings: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Rows:
+    law: FloatArray  # (N, p)
+    effort: FloatArray
+    speed: FloatArray
+    block: NDArray[np.intp]
+    usual: float  # error of the law
+    left_whole: FloatArray  # what it leaves without a limit
+
+    def most(self, sign: FloatArray, level: float, fall: float) -> FloatArray:
+        """What is given at most along `sign`; `fall` is one over the no-load speed, (N,)."""
+        return np.asarray(level * np.maximum(1.0 - sign * self.speed * fall, _LEAST))
+
+    def at(self, level: float, fall: float) -> NDArray[np.bool_]:
+        """Rows at the limit, or over it."""
+        near = max(_BLUR * level, _NOISES * self.usual)
+        most = self.most(np.sign(self.effort), level, fall)
+        return np.asarray(np.abs(self.effort) > most - near)
+
+    def left(self, level: float, fall: float) -> tuple[FloatArray, FloatArray] | None:
+        """What the law, cut off, leaves, and what it asks for; None where nothing is cut off."""
+        at = self.at(level, fall)
+        if at.sum() < self.law.shape[1] // 4 + 4 or at.mean() > _MOST_AT:
+            return None
+        asked = self.law @ solved(self.law[~at], self.effort[~at])
+        sign = np.sign(self.effort)
+        beyond = sign * asked - self.most(sign, level, fall)
+        near = max(_BLUR * level, _NOISES * self.usual)
+        over = np.abs(self.effort) > self.most(sign, level, fall) + near
+        if np.median(beyond[at]) <= 0.0 or over[at].mean() > _MOST_OVER:
+            return None
+        most = self.most(np.sign(asked), level, fall)
+        return self.effort - np.clip(asked, -most, most), asked
+
+
+def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> CutOff | None:
+    """The limit of joint j's drive; None where it shows none."""
+    rows = _rows(strips)
+    if rows is None:
+        return None
+    level, fall = _best(rows)
+    tried = rows.left(level, fall)
+    if tried is None:
+        return None
+    left, asked = tried
+    saved, before = _saved(rows, left)
+    used = before > 0.0
+    total, error = float(saved.sum()), float(np.std(saved[used]) * np.sqrt(used.sum()))
+    gain, t = total / max(float(before.sum()), 1e-300), total / max(error, 1e-300)
+    varied = rows.effort - rows.effort.mean()
+    explained = 1.0 - float(left @ left) / max(float(varied @ varied), 1e-300)
+    if gain < limits.late_gain or t < limits.late_t or explained < limits.followed:
+        return None
+    by_piece = [float(saved[np.unique(strip.block[strip.use])].sum()) for strip in strips]
+    figures = _figures(rows, asked, level, fall)
+    return CutOff(
+        joint=j,
+        level=figures[0],
+        level_std=figures[1],
+        no_load=figures[2],
+        no_load_std=figures[3],
+        gain=gain,
+        t=t,
+        explained=explained,
+        blocks=int(used.sum()),
+        agree=sum(each > 0.0 for each in by_piece),
+        recordings=len(by_piece),
+    )
+
+
+def saved_by(cut: CutOff, strips: Sequence[Strip]) -> FloatArray:
+    """Squares that the limit takes from what a law leaves elsewhere, and those, (2, B)."""
+    rows = _rows(strips)
+    tried = None if rows is None else rows.left(cut.level, 1.0 / cut.no_load)
+    if rows is None or tried is None:
+        return np.zeros((2, 1))
+    return np.stack(_saved(rows, tried[0]))
+
+
+def _rows(strips: Sequence[Strip]) -> _Rows | None:
+    """None where there are too few."""
+    law, effort, speed, block = explicit(strips)
+    if len(effort) < 2 * law.shape[1]:
+        return None
+    left = effort - law @ solved(law, effort)
+    usual = 1.4826 * float(np.median(np.abs(left)))
+    return _Rows(law=law, effort=effort, speed=speed, block=block, usual=usual, left_whole=left)
+
+
+def _saved(rows: _Rows, left: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Squares saved, and those without a limit, by block."""
+    before, after = (
+        np.bincount(rows.block, each**2).astype(np.float64) for each in (rows.left_whole, left)
+    )
+    return before - after, before
+
+
+def _best(rows: _Rows) -> tuple[float, float]:
+    """Level and fall that leave least."""
+
+    def cost(level: float, fall: float) -> float:
+        tried = rows.left(level, fall) if level > 0.0 <= fall else None
+        return np.inf if tried is None else float(tried[0] @ tried[0])
+
+    size, speed = np.abs(rows.effort), np.sign(rows.effort) * rows.speed
+    top, fastest = float(np.quantile(size, _TOP)), float(np.quantile(np.abs(speed), _TOP))
+    flat = [(share * top, 0.0) for share in _LEVELS]
+    lines = []
+    for share in _FASTEST:
+        along = speed / (share * fastest)
+        known = along < 0.9
+        levels = np.quantile(size[known] / (1.0 - along[known]), _REACHED)
+        lines += [(float(level), 1.0 / (share * fastest)) for level in levels]
+    found = [_polished(cost, min(starts, key=lambda x: cost(*x))) for starts in (flat, lines)]
+    return min(found, key=lambda x: cost(*x))
+
+
+def _polished(
+    cost: Callable[[float, float], float], start: tuple[float, float]
+) -> tuple[float, float]:
+    """Near a start, where the cost is lowest (Nelder and Mead); a level alone stays alone."""
+    if not np.isfinite(cost(*start)):
+        return start
+    free = 2 if start[1] > 0.0 else 1
+
+    def at(x: FloatArray) -> tuple[float, float]:
+        return float(x[0]) * start[0], float(x[1]) * start[1] if free == 2 else 0.0
+
+    result = optimize.minimize(  # type: ignore[call-overload]  # its stubs know no simplex
+        lambda x: cost(*at(x)),
+        np.ones(free),
+        method="Nelder-Mead",
+        options={
+            "maxfev": _ROUNDS,
+            "initial_simplex": 1.0 + 0.04 * np.vstack([np.zeros(free), np.eye(free)]),
+        },
+    )
+    return at(np.asarray(result.x))
+
+
+def _figures(
+    rows: _Rows, asked: FloatArray, level: float, fall: float
+) -> tuple[float, float, float, float]:
+    """Level and no-load speed with errors, by the rows at the limit, blocks as clusters."""
+    sign = np.sign(rows.effort)
+    at = rows.at(level, fall) & (sign * asked > rows.most(sign, level, fall))
+    size, along, block = np.abs(rows.effort[at]), (sign * rows.speed)[at], rows.block[at]
+    A = np.stack([np.ones(len(size)), -along], axis=1)[:, : 2 if fall > 0.0 else 1]
+    x = np.linalg.lstsq(A, size, rcond=None)[0]
+    inverse = np.linalg.pinv(A.T @ A)
+    scores = np.stack([np.bincount(block, column * (size - A @ x)) for column in A.T], axis=1)
+    covariance = inverse @ (scores.T @ scores) @ inverse
+    std = float(np.hypot(np.sqrt(covariance[0, 0]), _BLUR * x[0]))
+    if fall == 0.0 or x[1] <= 0.0:
+        return float(x[0]), std, np.inf, 0.0
+    slope_std = float(np.hypot(np.sqrt(covariance[1, 1]), 2.0 * _BLUR * x[1]))
+    no_load = float(x[0] / x[1])
+    return float(x[0]), std, no_load, no_load * float(np.hypot(slope_std / x[1], std / x[0]))

@@ -1,0 +1,161 @@
+"""What the laws show of the drives behind them: one that answers late, one that is cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..effects.actuator_lag import ActuatorLag
+from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
+from ..effects.torque_saturation import OF_LAW, TorqueSaturation
+from ..effects.torque_speed_limit import TorqueSpeedLimit
+from ..findings import Equivalent, Estimate, Evidence, Finding, Support
+from ..motion.motion import thinned
+from ..motion.prepare import Prepared
+from ..study.recording import FloatArray, Recording
+from ..study.robot_facts import robot_facts
+from . import cut_off, lateness
+from .cut_off import CutOff
+from .feeds import Feeds
+from .lateness import Late
+from .open_law import Strip, strips_of
+from .rows import effort_of, pieces_of
+
+_AS_TOLD = 0.9  # of the limit that the robot's description has, from which one is no news
+
+Values = dict[str, tuple[float, float]]
+"""Figures with their errors."""
+
+
+def drive_findings(prepared: Prepared, feeds: Feeds) -> tuple[Finding, ...]:
+    """Of joints whose controller nobody told, by commands, motion and effort alone."""
+    study = prepared.study
+    limits = study.thresholds.controllers
+    joints = _strips(prepared, study.fit, feeds)
+    judges = _strips(prepared, study.validate, feeds)
+    late = {each.joint: each for each in lateness.later_ones(joints, limits)}
+    found = []
+    for j, strips in joints.items():
+        cut = cut_off.cut_off(j, strips, limits) if _in_torque(prepared, j) else None
+        if cut is not None and not _told(prepared, cut):
+            held = cut_off.saved_by(cut, judges[j]) if j in judges else None
+            found.append(_limit(prepared, cut, held))
+            late.pop(j, None)  # what is cut off also comes late
+    for j, each in late.items():
+        held = lateness.saved_by(each, judges[j]) if j in judges else None
+        found.append(_delay(prepared, each, held))
+    return tuple(found)
+
+
+def _strips(
+    prepared: Prepared, recordings: Sequence[Recording], feeds: Feeds
+) -> dict[int, tuple[Strip, ...]]:
+    """By joint, of those whose effort and command were logged."""
+    limits = prepared.study.thresholds.controllers
+    logged = [thinned(r) for r in recordings]
+    found = {}
+    for j in range(len(prepared.study.joints)):
+        effort = effort_of(logged, j)
+        pieces = pieces_of(logged, j, effort, feeds, limits) if effort else ()
+        if sum(int(piece.use.sum()) for piece in pieces) >= limits.least_rows:
+            found[j] = strips_of(pieces, prepared.cutoff, limits)
+    return found
+
+
+def _in_torque(prepared: Prepared, j: int) -> bool:
+    """Whether joint j's effort is what the drive gave, as a torque."""
+    study = prepared.study
+    return effort_of((*study.fit, *study.validate), j) == "tau"
+
+
+def _told(prepared: Prepared, cut: CutOff) -> bool:
+    """Whether the level is the one that the robot's description has."""
+    study = prepared.study
+    if study.robot is None:
+        return False
+    facts = robot_facts(study.robot).joints.get(study.joints[cut.joint])
+    return bool(facts and facts.effort and cut.level > _AS_TOLD * facts.effort)
+
+
+def _limit(prepared: Prepared, cut: CutOff, held: FloatArray | None) -> Finding:
+    values = {"level": (cut.level, cut.level_std)}
+    effect, other = TorqueSaturation.id, TorqueSpeedLimit.id
+    if np.isfinite(cut.no_load):
+        effect, other = other, effect
+        no_load = (cut.no_load, cut.no_load_std)
+        values = {"stall_torque": values["level"], "no_load_speed": no_load}
+    shape = (OF_LAW, *(value for value, _ in values.values()))
+    return _finding(prepared, cut, effect, other, values, ("law", shape), held)
+
+
+def _delay(prepared: Prepared, late: Late, held: FloatArray | None) -> Finding:
+    """Beside the others' time: that is in the log, not in the drive."""
+    effect, other = CommandDelay.id, ActuatorLag.id
+    values, of = {"delay": (late.time, late.std)}, ("position", (OF_POSITION, late.time))
+    if late.of == "lag":
+        effect, other = other, effect
+        values, of = {"time_constant": (late.time, late.std)}, ("torque", (OF_TORQUE, late.time))
+    return _finding(prepared, late, effect, other, values, of, held)
+
+
+def _finding(
+    prepared: Prepared,
+    seen: Late | CutOff,
+    name: str,
+    other: str,
+    values: Values,
+    of: tuple[str, tuple[float, ...]],
+    held: FloatArray | None,
+) -> Finding:
+    study, effect = prepared.study, CATALOGUE[name]
+    joint = study.joints[seen.joint]
+    where = joint if "joint" in joint.lower() else f"Joint {joint}"
+    plain = {key: value for key, (value, _) in values.items()}
+    judged = seen.gain if held is None else float(held[0].sum() / max(held[1].sum(), 1e-300))
+    return Finding(
+        effect=name,
+        joints=(joint,),
+        recordings=tuple(r.name for r in study.fit),
+        regime=effect.regime(where),
+        statement=effect.statement(where, plain),
+        parameters={
+            key: Estimate(
+                value=value,
+                std=std,
+                interval95=(max(value - 1.96 * std, 0.0), value + 1.96 * std),
+                unit=next(each.unit for each in effect.parameters if each.name == key),
+            )
+            for key, (value, std) in values.items()
+        },
+        equivalents=(Equivalent(effect=other, joints=(joint,)),),
+        decided_by=effect.decided_by,
+        evidence=Evidence(
+            validation_gain=judged,
+            interval95=_interval(held) if held is not None else (judged, judged),
+            channels=("q_des", effort_of(study.fit, seen.joint)),
+        ),
+        support=Support(
+            weight=seen.gain * (1.0 - seen.explained),
+            gain=seen.gain,
+            t=seen.t,
+            size=float(np.sqrt(seen.gain / max(1.0 - seen.gain, 1e-3))),
+            agree=seen.agree,
+            sessions=seen.recordings,
+            blocks=seen.blocks,
+            left=1.0,
+            rivals=1,
+        ),
+        weight=seen.gain * (1.0 - seen.explained),
+        variant=of[0],
+        shape=of[1],
+    )
+
+
+def _interval(held: FloatArray) -> tuple[float, float]:
+    """Of the share saved, by its blocks."""
+    saved, before = held[:, held[1] > 0.0]
+    error = 1.96 * float(np.std(saved) * np.sqrt(len(saved))) / max(float(before.sum()), 1e-300)
+    share = float(saved.sum()) / max(float(before.sum()), 1e-300)
+    return share - error, share + error

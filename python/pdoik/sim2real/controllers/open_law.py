@@ -1,0 +1,176 @@
+"""Every linear law at once: a joint's effort by error, its integral, speeds, gravity and rotors.
+
+A log is coarse beside a controller's ticks: with gains of thousands the steps of an encoder are
+most of what it shows of the effort. Within the band of the motion they are not, and there each law
+of PD, PID or cascade, with what is fed forward, is linear in the same few columns. All of them are
+fitted together: whose law it is, nobody has to know to see that it acts late, or is cut off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..motion.signals import dilated, lagged, shifted, zero_phase
+from ..study.recording import FloatArray
+from ..thresholds.controllers import ControllerThresholds
+from .rows import Piece
+
+_PER_CUTOFF = 6.0  # rows in a period of the cut-off
+_REACH = 0.5  # periods of the cut-off that a filter smears
+_OF_RATE = 0.35  # of the log's rate, above which nothing is kept
+_RIDGE = 1e-4  # of columns of size one
+COMMON = 10  # columns of a law that are the same in every recording
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Strip:
+    """One recording of a joint in the motion's band; arrays are (T,), rows every `step`."""
+
+    period: float
+    step: int
+    q: FloatArray
+    aim: FloatArray  # q_des
+    speed: FloatArray  # dq
+    pace: FloatArray  # dq_des; zero where it was not logged
+    rate: FloatArray  # of q_des; zero where dq_des was logged
+    gravity: FloatArray
+    inertia: FloatArray
+    mass: FloatArray
+    others: FloatArray  # (T, 2)
+    effort: FloatArray
+    slow: FloatArray  # (T, s) what changes within seconds: an integral's errors, a sensor's zero
+    use: NDArray[np.bool_]
+    block: NDArray[np.intp]
+
+    def moved(self, time: float) -> Strip:
+        """With the effort as it was so much later [s]: its channel was logged that late."""
+        return replace(self, effort=shifted(self.effort, -time, self.period))
+
+    def columns(self, delay: float, lag: float) -> FloatArray:
+        """The law's parts for commands that come late and an effort that lags, (T, 11)."""
+
+        def late(values: FloatArray) -> FloatArray:
+            return shifted(values, delay, self.period) if delay > 0.0 else values
+
+        error = late(self.aim) - self.q
+        speed = late(self.pace) - self.speed
+        parts = [error, np.cumsum(error) * self.period, speed, late(self.pace), self.gravity]
+        parts += [late(self.inertia), self.mass * error, self.mass * speed, *self.others.T]
+        every = np.stack([*parts, late(self.rate)], axis=1)
+        return lagged(every, lag, self.period) if lag > 0.0 else every
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Left:
+    """What a law leaves, block by block of all recordings, (B,)."""
+
+    squares: FloatArray
+    whole: FloatArray  # of the effort itself, beside what changes slowly
+
+    @property
+    def rss(self) -> float:
+        """Sum of squares."""
+        return float(self.squares.sum())
+
+    @property
+    def explained(self) -> float:
+        """Share of the effort's squares."""
+        return 1.0 - self.rss / max(float(self.whole.sum()), 1e-300)
+
+
+def strips_of(
+    pieces: Sequence[Piece], cutoff: float, limits: ControllerThresholds
+) -> tuple[Strip, ...]:
+    """The pieces in the band below a cut-off [Hz], blocks numbered through."""
+    strips: list[Strip] = []
+    for piece in pieces:
+        first = int(strips[-1].block[-1]) + 1 if strips else 0
+        strips.append(_strip(piece, cutoff, limits, first))
+    return tuple(strips)
+
+
+def _strip(piece: Piece, cutoff: float, limits: ControllerThresholds, first: int) -> Strip:
+    cutoff = min(cutoff, _OF_RATE / piece.period)
+
+    def smooth(values: FloatArray) -> FloatArray:
+        return zero_phase(values, cutoff, piece.period)
+
+    count = len(piece.q)
+    turns = int(2.0 * limits.slow * count * piece.period) + 1
+    phase = np.pi * (np.arange(count) + 0.5) / count
+    reach = int(_REACH / (cutoff * piece.period))
+    use = ~dilated(~piece.use, reach)
+    use[:reach] = use[count - reach :] = False
+    return Strip(
+        period=piece.period,
+        step=max(1, int(1.0 / (_PER_CUTOFF * cutoff * piece.period))),
+        q=smooth(piece.q),
+        aim=smooth(piece.error + piece.q),
+        speed=smooth(piece.aim - piece.speed),
+        pace=smooth(piece.aim),
+        rate=smooth(piece.rate),
+        gravity=smooth(piece.gravity),
+        inertia=smooth(piece.inertia),
+        mass=smooth(piece.mass),
+        others=smooth(piece.others),
+        effort=smooth(piece.effort),
+        slow=np.cos(phase[:, None] * np.arange(turns + 1)),
+        use=use,
+        block=first + (np.arange(count) * piece.period / limits.law_block).astype(np.intp),
+    )
+
+
+def left_by(strips: Sequence[Strip], delay: float, lag: float) -> Left:
+    """What the best law of commands so late and an effort that so lags leaves."""
+    rows, effort, block = [], [], []
+    for k, strip in enumerate(strips):
+        at = np.flatnonzero(strip.use)[:: strip.step]
+        base, _ = np.linalg.qr(strip.slow[at])
+        columns = strip.columns(delay, lag)[at]
+        own = np.zeros((len(at), COMMON + len(strips)))  # what a drive makes of a command's rate
+        own[:, :COMMON], own[:, COMMON + k] = columns[:, :COMMON], columns[:, COMMON]
+        rows.append(own - base @ (base.T @ own))
+        effort.append(strip.effort[at] - base @ (base.T @ strip.effort[at]))
+        block.append(strip.block[at])
+    A, b, blocks = np.concatenate(rows), np.concatenate(effort), np.concatenate(block)
+    left = b - A @ solved(A, b)
+    count = int(strips[-1].block[-1]) + 1
+    return Left(
+        squares=np.bincount(blocks, left**2, minlength=count).astype(np.float64),
+        whole=np.bincount(blocks, b**2, minlength=count).astype(np.float64),
+    )
+
+
+def explicit(
+    strips: Sequence[Strip],
+) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.intp]]:
+    """Rows (N, p) with what changes slowly as columns, efforts, speeds and block numbers, (N,)."""
+    wide = COMMON + len(strips)
+    width = wide + sum(strip.slow.shape[1] for strip in strips)
+    rows, first = [], wide
+    picked = [np.flatnonzero(strip.use)[:: strip.step] for strip in strips]
+    for k, (strip, at) in enumerate(zip(strips, picked, strict=True)):
+        columns, slow = strip.columns(0.0, 0.0)[at], strip.slow[at]
+        own = np.zeros((len(at), width))
+        own[:, :COMMON], own[:, COMMON + k] = columns[:, :COMMON], columns[:, COMMON]
+        own[:, first : first + slow.shape[1]] = slow
+        first += slow.shape[1]
+        rows.append(own)
+
+    pairs = list(zip(strips, picked, strict=True))
+    effort = np.concatenate([strip.effort[at] for strip, at in pairs])
+    speed = np.concatenate([strip.speed[at] for strip, at in pairs])
+    return np.concatenate(rows), effort, speed, np.concatenate([s.block[at] for s, at in pairs])
+
+
+def solved(rows: FloatArray, effort: FloatArray) -> FloatArray:
+    """Least squares with columns of even size and a trace of ridge."""
+    scale = np.sqrt(np.mean(rows**2, axis=0))
+    scale[scale < 1e-9 * max(float(scale.max()), 1e-300)] = np.inf
+    even = rows / scale
+    gram = even.T @ even + _RIDGE**2 * len(rows) * np.eye(rows.shape[1])
+    return np.asarray(np.linalg.solve(gram, even.T @ effort) / scale)

@@ -1,0 +1,95 @@
+"""Friction that differs from recording to recording by more than the other joints' does.
+
+Every bearing is another one from day to day, by ten percent or so. One that differs by several
+times as much warms up or runs dry: its size is no constant, and what is said of it is a mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effects import CATALOGUE
+from ..effects.friction_drift import FrictionDrift
+from ..findings import Equivalent, Finding
+from ..motion.place import Key
+from ..regression.background import friction_at
+from ..regression.fit import Fit
+from ..study.recording import FloatArray
+from ..thresholds.verdict import VerdictThresholds
+
+_MOST = 3  # equivalents of a finding
+_LEAST_BLOCKS = 4  # in which a recording must show a joint's friction
+
+
+def spreads_of(fit: Fit) -> dict[int, float]:
+    """Of each joint, how much its friction differs between recordings, as a share of it.
+
+    The standard deviation beyond what the errors of each recording's figure make; of joints whose
+    friction two recordings or more show.
+    """
+    b = fit.balances
+    found = {}
+    for j in range(b.n):
+        key: Key = ("torque", j)
+        if key not in fit.design or not b.excited[j]:
+            continue
+        rows = fit.rows[key]
+        left, friction = fit.residual(key) * b.sigma[key], friction_at(fit, j)
+        each = [
+            _scale(left[at], friction[at], b.block[rows[at]])
+            for at in (b.recording[rows] == k for k in range(len(b.motions)))
+        ]
+        known = np.array([pair for pair in each if pair is not None])
+        if len(known) >= 2:
+            beyond = float(np.var(known[:, 0], ddof=1) - np.mean(known[:, 1] ** 2))
+            found[j] = float(np.sqrt(max(beyond, 0.0)))
+    return found
+
+
+def changing(spreads: Mapping[int, float], limits: VerdictThresholds) -> dict[int, float]:
+    """The joints that stand out, and by how much their friction differs."""
+    found = {}
+    for j, spread in spreads.items():
+        others = [each for i, each in spreads.items() if i != j]
+        usual = max(float(np.median(others)), limits.usual_change) if others else np.inf
+        if spread > limits.outstanding * usual:
+            found[j] = spread
+    return found
+
+
+def with_changes(
+    finding: Finding, joints: tuple[str, ...], changes: Mapping[int, float]
+) -> Finding:
+    """A friction's finding says so too where the friction is no constant."""
+    ours = [j for j in changes if finding.joints == (joints[j],)]
+    if not ours or CATALOGUE[finding.effect].family != "friction":
+        return finding
+    if finding.effect == FrictionDrift.id:
+        return finding
+    said = f" It differs between recordings by {100 * changes[ours[0]]:.2g} % (standard deviation)."
+    drift = Equivalent(effect=FrictionDrift.id, joints=finding.joints)
+    others = tuple(each for each in finding.equivalents if each != drift)
+    return replace(
+        finding,
+        statement=finding.statement + said,
+        equivalents=(drift, *others)[:_MOST],
+    )
+
+
+def _scale(
+    left: FloatArray, friction: FloatArray, block: NDArray[np.intp]
+) -> tuple[float, float] | None:
+    """By which share friction is larger in one recording, and its error; None where unseen."""
+    blocks = np.unique(block)
+    if len(blocks) < _LEAST_BLOCKS:
+        return None
+    A = np.stack([friction, np.ones_like(friction)], axis=1)
+    inverse = np.linalg.pinv(A.T @ A)
+    x = inverse @ (A.T @ left)
+    scores = np.stack([np.bincount(block, column * (left - A @ x)) for column in A.T], axis=1)
+    error = float(np.sqrt((inverse @ (scores.T @ scores) @ inverse)[0, 0]))
+    return float(x[0]), error
