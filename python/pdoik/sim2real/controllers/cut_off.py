@@ -7,7 +7,7 @@ beyond it the law says what was asked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,8 @@ _FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the 
 _REACHED = (0.999, 0.995, 0.98, 0.95, 0.9)  # quantiles of the efforts, by which a line lies high
 _TOP = 0.999  # quantile that is the highest
 _LEAST = 0.02  # of the stall torque, that a line does not fall below
-_NOISES = 2.0  # of the law's usual error, within which an effort is at the limit
-_BLUR = 0.03  # the same as a share of it: filters and the sensors' zeros
+_BLUR = 0.03  # share of it within which an effort is at a limit: filters, and sensors' zeros
+_NOISES = 2.0  # the same in errors of the law where nothing cuts it off
 _MOST_OVER = 0.1  # share of what is at a limit that may lie over it
 _MOST_AT = 0.6  # share of all that may be at it
 _ROUNDS = 60  # of the simplex
@@ -52,8 +52,12 @@ class _Rows:
     effort: FloatArray
     speed: FloatArray
     block: NDArray[np.intp]
-    usual: float  # error of the law
     left_whole: FloatArray  # what it leaves without a limit
+    noise: float = 0.0  # what it leaves where nothing cuts it off
+
+    def near(self, level: float) -> float:
+        """How far from a limit an effort is at it."""
+        return max(_BLUR * level, _NOISES * self.noise)
 
     def most(self, sign: FloatArray, level: float, fall: float) -> FloatArray:
         """What is given at most along `sign`; `fall` is one over the no-load speed, (N,)."""
@@ -61,9 +65,8 @@ class _Rows:
 
     def at(self, level: float, fall: float) -> NDArray[np.bool_]:
         """Rows at the limit, or over it."""
-        near = max(_BLUR * level, _NOISES * self.usual)
         most = self.most(np.sign(self.effort), level, fall)
-        return np.asarray(np.abs(self.effort) > most - near)
+        return np.asarray(np.abs(self.effort) > most - self.near(level))
 
     def left(self, level: float, fall: float) -> tuple[FloatArray, FloatArray] | None:
         """What the law, cut off, leaves, and what it asks for; None where nothing is cut off."""
@@ -73,8 +76,7 @@ class _Rows:
         asked = self.law @ solved(self.law[~at], self.effort[~at])
         sign = np.sign(self.effort)
         beyond = sign * asked - self.most(sign, level, fall)
-        near = max(_BLUR * level, _NOISES * self.usual)
-        over = np.abs(self.effort) > self.most(sign, level, fall) + near
+        over = np.abs(self.effort) > self.most(sign, level, fall) + self.near(level)
         if np.median(beyond[at]) <= 0.0 or over[at].mean() > _MOST_OVER:
             return None
         most = self.most(np.sign(asked), level, fall)
@@ -88,6 +90,9 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
         return None
     level, fall = _best(rows)
     tried = rows.left(level, fall)
+    rows = replace(rows, noise=_usual(rows.left_whole if tried is None else tried[0]))
+    level, fall = _best(rows)
+    tried = rows.left(level, fall)
     if tried is None:
         return None
     left, asked = tried
@@ -97,16 +102,20 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
     gain, t = total / max(float(before.sum()), 1e-300), total / max(error, 1e-300)
     varied = rows.effort - rows.effort.mean()
     explained = 1.0 - float(left @ left) / max(float(varied @ varied), 1e-300)
-    if gain < limits.late_gain or t < limits.late_t or explained < limits.followed:
+    # A limit that is met on few occasions is shown by how little is left of these.
+    figures = 2 if fall > 0.0 else 1
+    bic = used.sum() * -np.log(max(1.0 - gain, 1e-9)) - figures * np.log(used.sum())
+    clear = t >= limits.late_t or bic >= limits.least_bic
+    if gain < limits.late_gain or not clear or explained < limits.followed:
         return None
     by_piece = [float(saved[np.unique(strip.block[strip.use])].sum()) for strip in strips]
-    figures = _figures(rows, asked, level, fall)
+    level, level_std, no_load, no_load_std = _figures(rows, asked, level, fall)
     return CutOff(
         joint=j,
-        level=figures[0],
-        level_std=figures[1],
-        no_load=figures[2],
-        no_load_std=figures[3],
+        level=level,
+        level_std=level_std,
+        no_load=no_load,
+        no_load_std=no_load_std,
         gain=gain,
         t=t,
         explained=explained,
@@ -131,8 +140,12 @@ def _rows(strips: Sequence[Strip]) -> _Rows | None:
     if len(effort) < 2 * law.shape[1]:
         return None
     left = effort - law @ solved(law, effort)
-    usual = 1.4826 * float(np.median(np.abs(left)))
-    return _Rows(law=law, effort=effort, speed=speed, block=block, usual=usual, left_whole=left)
+    return _Rows(law=law, effort=effort, speed=speed, block=block, left_whole=left)
+
+
+def _usual(left: FloatArray) -> float:
+    """Standard deviation of what is usually left."""
+    return 1.4826 * float(np.median(np.abs(left)))
 
 
 def _saved(rows: _Rows, left: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -154,8 +154,10 @@ def _finding(
 
 
 def _interval(held: FloatArray) -> tuple[float, float]:
-    """Of the share saved, by its blocks."""
+    """Of the share saved, by its blocks; nothing where none of them shows it."""
     saved, before = held[:, held[1] > 0.0]
+    if not len(saved):
+        return 0.0, 0.0
     error = 1.96 * float(np.std(saved) * np.sqrt(len(saved))) / max(float(before.sum()), 1e-300)
     share = float(saved.sum()) / max(float(before.sum()), 1e-300)
     return share - error, share + error

@@ -23,7 +23,7 @@ from ..regression.naming import Found, channel_of, finding_of, link_of, merged
 from ..regression.prediction import Prediction
 from ..regression.trial import Search
 from ..select.rivals import equivalents_of
-from .changing_friction import changing, spreads_of, with_changes
+from .changing_friction import changing, with_changes
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
@@ -65,7 +65,9 @@ def conclude(
     """
     study = prepared.study
     suspected = _suspected(prepared, state, doubtful, seed)
-    figures = figures_of(prepared, state, seed)
+    noisy, terms = background(prepared.fit)
+    ordinary = Fit(noisy, terms) if terms else None
+    figures = figures_of(prepared, state, seed, ordinary)
     state = figures.state
 
     prediction = Prediction(prepared.validate or prepared.fit)
@@ -91,10 +93,8 @@ def conclude(
     suspected += tuple(finding for finding, _ in found if finding.confidence < least)
     found = [each for each in found if each[0].confidence >= least]
     joints = joint_fits(prepared, state, prediction, simulated.left)
-    noisy, terms = background(prepared.fit)
-    ordinary = Fit(noisy, terms) if terms else None
     joints = with_outstanding(prepared, state, joints, ordinary)
-    changes = {} if ordinary is None else changing(spreads_of(ordinary), study.thresholds.verdict)
+    changes = changing(figures.spreads, study.thresholds.verdict)
     findings = tuple(with_changes(finding, study.joints, changes) for finding, _ in found)
     diagnosis = Diagnosis(
         verdict=verdict_of(

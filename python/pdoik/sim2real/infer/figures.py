@@ -20,6 +20,7 @@ from ..regression.naming import described
 from ..regression.second_order import to_second_order
 from ..regression.trial import Search
 from .bodies import by_moments
+from .changing_friction import spreads_of, with_days
 from .sampling import widened, without_sampling
 from .torque_scale import with_torque_scale
 
@@ -32,10 +33,17 @@ class Figures:
     terms: tuple[tuple[Term, dict[str, Estimate]], ...]
     loads: frozenset[Place]  # payloads that are told by their moments
     notes: tuple[str, ...]  # what was done, and what came to nothing
+    spreads: dict[int, float]  # of each joint's friction between recordings, as a share
 
 
-def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
-    """Estimates of all accepted terms, refined by simulation, widened by what sampling hides."""
+def figures_of(
+    prepared: Prepared, state: Search, seed: int, ordinary: Fit | None = None
+) -> Figures:
+    """Estimates of all accepted terms, refined by simulation, widened by what data hide.
+
+    `ordinary` is the fit of all that every machine has.
+    """
+    spreads = {} if ordinary is None else spreads_of(ordinary)
     motions = prepared.fit.motions
     accepted = tuple(
         term
@@ -67,12 +75,14 @@ def figures_of(prepared: Prepared, state: Search, seed: int) -> Figures:
             continue
         if term in state.contacts:
             figures = event_estimates(state.without(term).fit.extended(term), term)
+        if ordinary is not None and term not in state.contacts:
+            figures = with_days(ordinary, spreads, term, figures)
         figures = with_torque_scale(prepared.study, figures)
         kept.append((term, within_bounds(CATALOGUE[term.effect], figures)))
     if lost:
         state = state.without(*lost)
     state = replace(state, fit=state.fit.constrained())
-    return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes))
+    return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes), spreads=spreads)
 
 
 def within_bounds(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Estimate]:

@@ -14,7 +14,7 @@ import numpy as np
 from ..findings import Estimate
 from ..study.study import Study
 
-_OF_TORQUE = re.compile(r"\b(N|kg)\b")
+OF_TORQUE = re.compile(r"\b(N|kg)\b")
 
 
 def with_torque_scale(study: Study, values: dict[str, Estimate]) -> dict[str, Estimate]:
@@ -22,12 +22,13 @@ def with_torque_scale(study: Study, values: dict[str, Estimate]) -> dict[str, Es
     told = study.trust.torque
     share = study.thresholds.figures.torque_scale if told is None else told
     return {
-        name: _wider(each, share * abs(each.value)) if _OF_TORQUE.search(each.unit) else each
+        name: wider(each, share * abs(each.value)) if OF_TORQUE.search(each.unit) else each
         for name, each in values.items()
     }
 
 
-def _wider(each: Estimate, by: float) -> Estimate:
+def wider(each: Estimate, by: float) -> Estimate:
+    """An estimate with one more standard error beside its own, each end as far as it was."""
     below, above = (abs(end - each.value) for end in each.interval95)
     wide = [float(np.hypot(half, 1.96 * by)) for half in (below, above)]
     interval = (each.value - wide[0], each.value + wide[1])

@@ -22,7 +22,7 @@ class BackgroundThresholds(Group):
     )
     peculiar_t: float = threshold(4.0, "Wald statistic of such an effect", "s.e.")
     stands_t: float = threshold(
-        2.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
+        3.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
     )
     bodies: float = threshold(
         0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
