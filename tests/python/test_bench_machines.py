@@ -16,6 +16,8 @@ from bench.machines import build, kinds  # noqa: E402
 from bench.machines.background import in_background  # noqa: E402
 from bench.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  # noqa: E402
 from bench.machines.figures import Figures  # noqa: E402
+from bench.machines.held_out.residuals import rows_of  # noqa: E402
+from bench.machines.held_out.true_law import draft_behind  # noqa: E402
 from bench.machines.physics import STATES, friction, rates  # noqa: E402
 from bench.machines.plan import spec_of  # noqa: E402
 from bench.machines.rivals.ablations import OFF  # noqa: E402
@@ -24,6 +26,7 @@ from bench.machines.score import score  # noqa: E402
 from bench.machines.simulate import torque_of  # noqa: E402
 from bench.machines.spec import WorldSpec  # noqa: E402
 
+from pdoik.sim2real import diagnose  # noqa: E402
 from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -105,6 +108,23 @@ def test_a_spec_gives_the_same_study_again(tmp_path) -> None:
     study = (tmp_path / "a" / "x" / "study.yaml").read_text()
     assert "trust" not in study
     assert "controller" not in study
+
+
+def test_the_true_law_leaves_little_of_held_out_torques(tmp_path) -> None:
+    spec = WorldSpec(seed=5, faults=("viscous_friction",), robot="random2")
+    truth = build.make_study(tmp_path / "x", spec, tmp_path)
+    said = diagnose(tmp_path / "x" / "study.yaml")
+    joints = json.loads(said.to_json())["joints"]
+    rows = rows_of("x", tmp_path / "x" / "study.yaml", truth, {"joints": joints})
+    assert [row[1] for row in rows] == ["joint1", "joint2"]
+    assert sum(row[2] for row in rows) == 1
+    for _, name, _, before, after, true in rows:
+        assert before == joints[name]["before"]
+        assert true < 0.35 * before
+        assert after < 2.0 * true
+    wrong = [{"coefficient": 1.0}]
+    with pytest.raises(ValueError, match="no draft has the truth's faults"):
+        draft_behind(spec, wrong)
 
 
 def test_every_kind_of_fault_can_be_drawn_and_moves_something(tmp_path) -> None:

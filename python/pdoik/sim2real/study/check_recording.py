@@ -12,6 +12,7 @@ from pdoik.errors import LoadError
 
 from .columns import Table, channel_of, joints_of, nearest, tip_columns
 from .duty import with_supply
+from .glitches import glitches
 from .recording import CHANNELS, FloatArray, Recording, Role
 from .resample import GAP, Grid, on_grid, uniform_grid
 from .units import Units
@@ -197,12 +198,26 @@ def _channel(
         if missing.all():
             notes.append(f"column {column!r} holds no numbers")
             continue
+        jumping = glitches(values) if channel == "q" else np.zeros(len(values), dtype=np.bool_)
+        if jumping.any():
+            notes.append(_of_glitches(column, values * factor, jumping))
+            values = np.where(jumping, np.nan, values)
         out[:, k], backed = on_grid(grid, channel, values * factor)
         valid &= backed
         if missing.any():
             lost = "" if backed.all() else "; the longer gaps are not used"
             notes.append(f"{missing.sum()} missing values of {column!r} bridged{lost}")
     return None if np.isnan(out).all() else out
+
+
+def _of_glitches(column: str, values: FloatArray, jumping: NDArray[np.bool_]) -> str:
+    """What was left out, and how far it jumped, in words."""
+    rest = np.interp(np.flatnonzero(jumping), np.flatnonzero(~jumping), values[~jumping])
+    size = float(np.median(np.abs(values[jumping] - rest)))
+    return (
+        f"{jumping.sum()} readings of {column!r} that jump by {size:.2g} and come back within"
+        " samples left out: the sensor or its bus is faulty"
+    )
 
 
 def _tip(
