@@ -6,6 +6,8 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 
+from threadpoolctl import threadpool_limits
+
 from .channels.check_channels import check_channels
 from .confirm.confirm_by_simulation import confirmed_by_simulation
 from .confirm.rollouts import why_not
@@ -75,6 +77,11 @@ def examine(
     study = load_study(study)
     if thresholds is not None:
         study = replace(study, thresholds=thresholds)
+    with threadpool_limits(limits=1, user_api="blas"):  # of small solves threads only wait
+        return _examined(study, seed, say)
+
+
+def _examined(study: Study, seed: int, say: Tell) -> Examination:
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)
     say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {source_in_words(prepared)}", 0.15)

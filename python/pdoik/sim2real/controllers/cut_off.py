@@ -15,7 +15,8 @@ from scipy import optimize
 
 from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
-from .open_law import Strip, explicit, solved
+from .law import solved
+from .open_law import Strip, explicit
 
 _LEVELS = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98)  # of the highest effort
 _FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the fastest seen

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from ..motion.signals import dilated, lagged, shifted, zero_phase
 from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
+from .law import solved
 from .rows import Piece
 
 _PER_CUTOFF = 6.0  # rows in a period of the cut-off
 _REACH = 0.5  # periods of the cut-off that a filter smears
 _OF_RATE = 0.35  # of the log's rate, above which nothing is kept
-_RIDGE = 1e-4  # of columns of size one
 COMMON = 10  # columns of a law that are the same in every recording
 
 
@@ -165,12 +165,3 @@ def explicit(
     effort = np.concatenate([strip.effort[at] for strip, at in pairs])
     speed = np.concatenate([strip.speed[at] for strip, at in pairs])
     return np.concatenate(rows), effort, speed, np.concatenate([s.block[at] for s, at in pairs])
-
-
-def solved(rows: FloatArray, effort: FloatArray) -> FloatArray:
-    """Least squares with columns of even size and a trace of ridge."""
-    scale = np.sqrt(np.mean(rows**2, axis=0))
-    scale[scale < 1e-9 * max(float(scale.max()), 1e-300)] = np.inf
-    even = rows / scale
-    gram = even.T @ even + _RIDGE**2 * len(rows) * np.eye(rows.shape[1])
-    return np.asarray(np.linalg.solve(gram, even.T @ effort) / scale)
