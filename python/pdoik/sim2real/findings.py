@@ -144,6 +144,7 @@ class ControllerEstimate:
     table: tuple[tuple[float, float], ...] = ()  # position error and effort, of a table
     explained: float = 0.0  # share of the held-out effort's variance
     error: float = 0.0  # root mean square that it leaves of it, in the effort's unit
+    in_band: float = 0.0  # share that a law of any kind explains in the band of the motion
     data: str = ""  # the recordings it was judged on
     told_wrong: dict[str, float] = field(default_factory=dict)  # gains that the study tells
     untellable: tuple[str, ...] = ()  # what it hides, in words

@@ -13,7 +13,7 @@ from ..motion.prepare import Prepared, prepare
 from ..study.controller import Controller, ToldController, VoltageDrive
 from ..study.recording import FloatArray
 from ..study.study import Study
-from .drive_findings import drive_findings
+from .drive_findings import Drives, drive_findings
 from .estimate import JointLaw, joint_law
 from .feeds import Feeds
 from .load import Load, in_words, load_of
@@ -44,6 +44,7 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     held = [thinned(r) for r in study.validate]
     feeds = Feeds(prepared.body)
     laws = [joint_law(name, j, fit, held, feeds, limits) for j, name in enumerate(study.joints)]
+    drives = Drives.of(prepared, feeds)
     estimates = [compared(law, told_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)
@@ -63,10 +64,11 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     estimates = [
         replace(
             each,
+            in_band=max(drives.followed(j), 0.0),
             drive={} if motor is None else motor.estimates(),
             load={} if load is None else load.estimates(),
         )
-        for each, motor, load in zip(estimates, motors, loads, strict=True)
+        for j, (each, motor, load) in enumerate(zip(estimates, motors, loads, strict=True))
     ]
     controller = _known(changed, estimates, motors)
     # What nobody told of an arm's law is reported, not run: simulations would rest on it.
@@ -80,7 +82,7 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     untold = study.controller is None and changed.controller is None
     return ControllerCheck(
         study=changed,
-        findings=drive_findings(prepared, feeds) if untold else (),
+        findings=drive_findings(drives) if untold else (),
         estimates=tuple(estimates),
         notes=tuple(_notes(study, changed, estimates, motors, loads)),
         changed=changed is not study,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from . import cut_off, lateness
 from .cut_off import CutOff
 from .feeds import Feeds
 from .lateness import Late
-from .open_law import Strip, strips_of
+from .open_law import Strip, followed, strips_of
 from .rows import effort_of, pieces_of
 
 _AS_TOLD = 0.9  # of the limit that the robot's description has, from which one is no news
@@ -29,15 +30,33 @@ Values = dict[str, tuple[float, float]]
 """Figures with their errors."""
 
 
-def drive_findings(prepared: Prepared, feeds: Feeds) -> tuple[Finding, ...]:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drives:
+    """Commands, motion and effort of every joint that has them, in the motion's band."""
+
+    prepared: Prepared
+    fit: dict[int, tuple[Strip, ...]]  # by joint
+    judges: dict[int, tuple[Strip, ...]]
+
+    @classmethod
+    def of(cls, prepared: Prepared, feeds: Feeds) -> Drives:
+        """Of a study's recordings."""
+        study = prepared.study
+        fit, judges = (_strips(prepared, part, feeds) for part in (study.fit, study.validate))
+        return cls(prepared=prepared, fit=fit, judges=judges)
+
+    def followed(self, j: int) -> float:
+        """Share of joint j's held-out effort that a law of any kind explains; 0 where unknown."""
+        return followed(self.fit[j], self.judges.get(j, self.fit[j])) if j in self.fit else 0.0
+
+
+def drive_findings(drives: Drives) -> tuple[Finding, ...]:
     """Of joints whose controller nobody told, by commands, motion and effort alone."""
-    study = prepared.study
-    limits = study.thresholds.controllers
-    joints = _strips(prepared, study.fit, feeds)
-    judges = _strips(prepared, study.validate, feeds)
-    late = {each.joint: each for each in lateness.later_ones(joints, limits)}
+    prepared, judges = drives.prepared, drives.judges
+    limits = prepared.study.thresholds.controllers
+    late = {each.joint: each for each in lateness.later_ones(drives.fit, limits)}
     found = []
-    for j, strips in joints.items():
+    for j, strips in drives.fit.items():
         cut = cut_off.cut_off(j, strips, limits) if _in_torque(prepared, j) else None
         if cut is not None and not _told(prepared, cut):
             held = cut_off.saved_by(cut, judges[j]) if j in judges else None

@@ -126,23 +126,49 @@ def _strip(piece: Piece, cutoff: float, limits: ControllerThresholds, first: int
 
 def left_by(strips: Sequence[Strip], delay: float, lag: float) -> Left:
     """What the best law of commands so late and an effort that so lags leaves."""
-    rows, effort, block = [], [], []
-    for k, strip in enumerate(strips):
-        at = np.flatnonzero(strip.use)[:: strip.step]
-        base, _ = np.linalg.qr(strip.slow[at])
-        columns = strip.columns(delay, lag)[at]
-        own = np.zeros((len(at), COMMON + len(strips)))  # what a drive makes of a command's rate
-        own[:, :COMMON], own[:, COMMON + k] = columns[:, :COMMON], columns[:, COMMON]
-        rows.append(own - base @ (base.T @ own))
-        effort.append(strip.effort[at] - base @ (base.T @ strip.effort[at]))
-        block.append(strip.block[at])
-    A, b, blocks = np.concatenate(rows), np.concatenate(effort), np.concatenate(block)
+    parts = [_beside_slow(strip, delay, lag) for strip in strips]
+    A = _with_own_rates([columns for columns, _, _ in parts])
+    b = np.concatenate([effort for _, effort, _ in parts])
+    blocks = np.concatenate([block for _, _, block in parts])
     left = b - A @ solved(A, b)
     count = int(strips[-1].block[-1]) + 1
     return Left(
         squares=np.bincount(blocks, left**2, minlength=count).astype(np.float64),
         whole=np.bincount(blocks, b**2, minlength=count).astype(np.float64),
     )
+
+
+def followed(strips: Sequence[Strip], judges: Sequence[Strip]) -> float:
+    """Share of the effort of other recordings that the law of these explains; below 0: none."""
+    parts = [_beside_slow(strip, 0.0, 0.0) for strip in strips]
+    A = _with_own_rates([columns for columns, _, _ in parts])
+    beta = solved(A, np.concatenate([effort for _, effort, _ in parts]))
+    law = np.append(beta[:COMMON], beta[COMMON:].mean())
+    left = whole = 0.0
+    for columns, effort, _ in (_beside_slow(strip, 0.0, 0.0) for strip in judges):
+        left += float(np.sum((effort - columns @ law) ** 2))
+        whole += float(np.sum(effort**2))
+    return 1.0 - left / max(whole, 1e-300)
+
+
+def _beside_slow(
+    strip: Strip, delay: float, lag: float
+) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    """Columns (N, 11), efforts (N,) and blocks, less what changes slowly."""
+    at = np.flatnonzero(strip.use)[:: strip.step]
+    base, _ = np.linalg.qr(strip.slow[at])
+    columns, effort = strip.columns(delay, lag)[at], strip.effort[at]
+    return columns - base @ (base.T @ columns), effort - base @ (base.T @ effort), strip.block[at]
+
+
+def _with_own_rates(parts: Sequence[FloatArray]) -> FloatArray:
+    """Rows of all recordings: what a drive makes of a command's rate differs between them."""
+    rows = []
+    for k, columns in enumerate(parts):
+        own = np.zeros((len(columns), COMMON + len(parts)))
+        own[:, :COMMON], own[:, COMMON + k] = columns[:, :COMMON], columns[:, COMMON]
+        rows.append(own)
+    return np.concatenate(rows)
 
 
 def explicit(

@@ -7,6 +7,7 @@ from dataclasses import replace
 from ..findings import ControllerEstimate, Estimate
 from ..study.study import Study
 
+_WORTH = 0.8  # share that is worth saying
 _NAMES = {
     "pd": "a PD law",
     "pid": "a PID law",
@@ -27,10 +28,16 @@ def law_in_words(estimate: ControllerEstimate) -> str:
     if not estimate.effort:
         return ""
     if not estimate.law:
-        return (
+        said = (
             f"{where}: no law of the controller explains {effort}"
-            f" (held out, {100 * max(estimate.explained, 0.0):.3g} % of it at best)."
+            f" (held out, {100 * max(estimate.explained, 0.0):.3g} % of it at best)"
         )
+        if estimate.in_band > max(estimate.explained, _WORTH):
+            said += (
+                f", though in the band of the motion one does ({100 * estimate.in_band:.4g} % of"
+                " it): what is logged is too coarse for its gains"
+            )
+        return f"{said}."
     shown = [name for name in estimate.gains if not _is_none(estimate.gains[name])]
     figures = ", ".join(f"{name} {_figure(estimate.gains[name])}" for name in shown)
     return (
