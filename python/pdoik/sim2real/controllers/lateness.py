@@ -106,16 +106,17 @@ def later_ones(joints: Mapping[int, Sequence[Strip]], limits: ControllerThreshol
 
 def _later(joints: Mapping[int, Sequence[Strip]], limits: ControllerThresholds) -> dict[int, Late]:
     curves = {j: curves_of(strips) for j, strips in joints.items()}
-    followed = {
-        j: each
-        for j, each in curves.items()
-        if max(curve.explained for curve in each.values()) >= limits.followed
-    }
+    explained = {j: max(c.explained for c in each.values()) for j, each in curves.items()}
+    followed = [j for j, share in explained.items() if share >= limits.followed]
     found = {}
-    for j, each in followed.items():
+    for j, each in curves.items():
+        peers = [i for i in followed if i != j]
+        # What is wrong with a joint is in its law too: the others say whether laws are seen at all.
+        if not peers or explained[j] < limits.followed_itself:
+            continue
         curve = min(each.values(), key=lambda c: float(c.rss.min()))
-        peers = [other[curve.of].best for i, other in followed.items() if i != j]
-        late = _late(j, joints[j], curve, float(np.median(peers)), limits) if peers else None
+        usual = float(np.median([curves[i][curve.of].best for i in peers]))
+        late = _late(j, joints[j], curve, usual, limits)
         if late is not None:
             found[j] = late
     return found

@@ -49,6 +49,9 @@ class ControllerThresholds(Group):
     followed: float = threshold(
         0.95, "share of the effort in the motion's band that some law must explain to be asked more"
     )
+    followed_itself: float = threshold(
+        0.9, "the same of a joint that may be late, where the other joints reach it"
+    )
     late_gain: float = threshold(
         0.1, "share of what a law leaves that coming late, or a limit, must save"
     )
