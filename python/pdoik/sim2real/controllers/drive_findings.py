@@ -156,7 +156,7 @@ def _finding(
             channels=("q_des", effort_of(study.fit, seen.joint)),
         ),
         support=Support(
-            weight=seen.gain * (1.0 - seen.explained),
+            weight=seen.gain,
             gain=seen.gain,
             t=seen.t,
             size=float(np.sqrt(seen.gain / max(1.0 - seen.gain, 1e-3))),
@@ -166,7 +166,7 @@ def _finding(
             left=1.0,
             rivals=1,
         ),
-        weight=seen.gain * (1.0 - seen.explained),
+        weight=seen.gain,
         variant=of[0],
         shape=of[1],
     )

@@ -104,11 +104,19 @@ def _badness(diagnosis: Diagnosis, data: ReportData, joint: int) -> float:
 def curve_findings(diagnosis: Diagnosis, data: ReportData) -> list[Finding]:
     """The first two findings that are seen in a curve of one joint, each in another curve."""
     chosen: dict[tuple[str, str], Finding] = {}
-    for finding in diagnosis.findings:
+    for number, finding in enumerate(diagnosis.findings):
         joint = finding.joints[0] if finding.joints else ""
+        if joint in data.joints and not _has_part(data, number, data.joints.index(joint)):
+            continue  # of a channel, or a drive's law: this residual shows nothing of it
         if joint in data.joints or (not joint and _axis(finding) != "dq"):
             chosen.setdefault((joint, _against(finding)), finding)
     return list(chosen.values())[:2]
+
+
+def _has_part(data: ReportData, number: int, joint: int) -> bool:
+    """Whether a finding moves a joint's residual; unknown where parts are not told one by one."""
+    parts = [t.parts[number][:, joint] for t in data.held_out if number < len(t.parts)]
+    return not parts or any(bool(np.any(np.nan_to_num(part))) for part in parts)
 
 
 def _against(finding: Finding | None) -> str:
