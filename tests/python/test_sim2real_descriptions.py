@@ -83,7 +83,10 @@ def test_parts_of_one_file_follow_one_another(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_whatever_is_broken_in_a_description_nothing_is_lost(tmp_path: Path, seed: int) -> None:
+def test_whatever_is_broken_in_a_description_nothing_is_lost(
+    tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where MuJoCo would write its warnings
     rng = np.random.default_rng(seed)
     plain = study(tmp_path, (0.0, 0.1, 0.0), (1.0, 1.0, 1.0))
     assert plain.robot is not None
@@ -117,6 +120,7 @@ def test_whatever_is_broken_in_a_description_nothing_is_lost(tmp_path: Path, see
     said = (tmp_path / "report" / "diagnosis.json").read_text()
     whole = {"diagnosis.json", "model.json", "improved.xml", "improved.urdf", "report.html"}
     assert made >= whole, re.findall('[^"]*could not be made[^"]*', said)
+    assert not (tmp_path / "MUJOCO_LOG.TXT").exists()
     pinocchio.buildModelFromUrdf(str(tmp_path / "report" / "improved.urdf"))
     loaded = mujoco.MjModel.from_xml_path(str(tmp_path / "report" / "improved.xml"))
     assert (loaded.body_mass >= 0.0).all()

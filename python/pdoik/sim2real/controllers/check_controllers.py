@@ -44,7 +44,7 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     held = [thinned(r) for r in study.validate]
     feeds = Feeds(prepared.body)
     laws = [joint_law(name, j, fit, held, feeds, limits) for j, name in enumerate(study.joints)]
-    drives = Drives.of(prepared, feeds)
+    drives = Drives.of(prepared, fit, held, feeds)
     estimates = [compared(law, told_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
+from ..regression.clusters import clustered
 from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
 from .law import solved
-from .open_law import Strip, explicit
+from .open_law import Saved, Strip, explicit
 
 _LEVELS = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98)  # of the highest effort
 _FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the fastest seen
@@ -39,10 +40,8 @@ class CutOff:
     level_std: float
     no_load: float  # speed at which nothing is left [rad/s]; inf where the level is the same
     no_load_std: float
-    gain: float  # share of what the law leaves that is saved
-    t: float  # that over its error
+    saved: Saved  # of what the law leaves
     explained: float  # share of the effort in the band of the motion
-    blocks: int
     agree: int  # recordings in which it gains
     recordings: int
 
@@ -97,19 +96,15 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
     if tried is None:
         return None
     left, asked = tried
-    saved, before = _saved(rows, left)
-    used = before > 0.0
-    total, error = float(saved.sum()), float(np.std(saved[used]) * np.sqrt(used.sum()))
-    gain, t = total / max(float(before.sum()), 1e-300), total / max(error, 1e-300)
+    saved = _saved(rows, left)
     varied = rows.effort - rows.effort.mean()
     explained = 1.0 - float(left @ left) / max(float(varied @ varied), 1e-300)
     # A limit that is met on few occasions is shown by how little is left of these.
     figures = 2 if fall > 0.0 else 1
-    bic = used.sum() * -np.log(max(1.0 - gain, 1e-9)) - figures * np.log(used.sum())
-    clear = t >= limits.late_t or bic >= limits.least_bic
-    if gain < limits.late_gain or not clear or explained < limits.followed:
+    bic = -saved.blocks * np.log(max(1.0 - saved.gain, 1e-9)) - figures * np.log(saved.blocks)
+    clear = saved.t >= limits.late_t or bic >= limits.least_bic
+    if saved.gain < limits.late_gain or not clear or explained < limits.followed:
         return None
-    by_piece = [float(saved[np.unique(strip.block[strip.use])].sum()) for strip in strips]
     level, level_std, no_load, no_load_std = _figures(rows, asked, level, fall)
     return CutOff(
         joint=j,
@@ -117,22 +112,20 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
         level_std=level_std,
         no_load=no_load,
         no_load_std=no_load_std,
-        gain=gain,
-        t=t,
+        saved=saved,
         explained=explained,
-        blocks=int(used.sum()),
-        agree=sum(each > 0.0 for each in by_piece),
-        recordings=len(by_piece),
+        agree=saved.agree(strips),
+        recordings=len(strips),
     )
 
 
-def saved_by(cut: CutOff, strips: Sequence[Strip]) -> FloatArray:
-    """Squares that the limit takes from what a law leaves elsewhere, and those, (2, B)."""
+def saved_by(cut: CutOff, strips: Sequence[Strip]) -> Saved:
+    """What the limit takes from what a law leaves of other recordings."""
     rows = _rows(strips)
     tried = None if rows is None else rows.left(cut.level, 1.0 / cut.no_load)
     if rows is None or tried is None:
-        return np.zeros((2, 1))
-    return np.stack(_saved(rows, tried[0]))
+        return Saved(by=np.zeros(0), of=np.zeros(0))
+    return _saved(rows, tried[0])
 
 
 def _rows(strips: Sequence[Strip]) -> _Rows | None:
@@ -149,12 +142,12 @@ def _usual(left: FloatArray) -> float:
     return 1.4826 * float(np.median(np.abs(left)))
 
 
-def _saved(rows: _Rows, left: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Squares saved, and those without a limit, by block."""
+def _saved(rows: _Rows, left: FloatArray) -> Saved:
+    """Beside a law without a limit."""
     before, after = (
         np.bincount(rows.block, each**2).astype(np.float64) for each in (rows.left_whole, left)
     )
-    return before - after, before
+    return Saved(by=before - after, of=before)
 
 
 def _best(rows: _Rows) -> tuple[float, float]:
@@ -210,8 +203,7 @@ def _figures(
     A = np.stack([np.ones(len(size)), -along], axis=1)[:, : 2 if fall > 0.0 else 1]
     x = np.linalg.lstsq(A, size, rcond=None)[0]
     inverse = np.linalg.pinv(A.T @ A)
-    scores = np.stack([np.bincount(block, column * (size - A @ x)) for column in A.T], axis=1)
-    covariance = inverse @ (scores.T @ scores) @ inverse
+    covariance, _ = clustered(inverse, A, size - A @ x, block)
     std = float(np.hypot(np.sqrt(covariance[0, 0]), _BLUR * x[0]))
     if fall == 0.0 or x[1] <= 0.0:
         return float(x[0]), std, np.inf, 0.0

@@ -13,15 +13,15 @@ from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
 from ..effects.torque_saturation import OF_LAW, TorqueSaturation
 from ..effects.torque_speed_limit import TorqueSpeedLimit
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
-from ..motion.motion import thinned
 from ..motion.prepare import Prepared
-from ..study.recording import FloatArray, Recording
+from ..regression.naming import where_in_words
+from ..study.recording import Recording
 from ..study.robot_facts import robot_facts
 from . import cut_off, lateness
 from .cut_off import CutOff
 from .feeds import Feeds
 from .lateness import Late
-from .open_law import Strip, followed, strips_of
+from .open_law import Saved, Strip, followed, strips_of
 from .rows import effort_of, pieces_of
 
 _AS_TOLD = 0.9  # of the limit that the robot's description has, from which one is no news
@@ -39,11 +39,19 @@ class Drives:
     judges: dict[int, tuple[Strip, ...]]
 
     @classmethod
-    def of(cls, prepared: Prepared, feeds: Feeds) -> Drives:
-        """Of a study's recordings."""
-        study = prepared.study
-        fit, judges = (_strips(prepared, part, feeds) for part in (study.fit, study.validate))
-        return cls(prepared=prepared, fit=fit, judges=judges)
+    def of(
+        cls,
+        prepared: Prepared,
+        fit: Sequence[Recording],
+        judges: Sequence[Recording],
+        feeds: Feeds,
+    ) -> Drives:
+        """Of a study's recordings, thinned."""
+        return cls(
+            prepared=prepared,
+            fit=_strips(prepared, fit, feeds),
+            judges=_strips(prepared, judges, feeds),
+        )
 
     def followed(self, j: int) -> float:
         """Share of joint j's held-out effort that a law of any kind explains; 0 where unknown."""
@@ -69,11 +77,10 @@ def drive_findings(drives: Drives) -> tuple[Finding, ...]:
 
 
 def _strips(
-    prepared: Prepared, recordings: Sequence[Recording], feeds: Feeds
+    prepared: Prepared, logged: Sequence[Recording], feeds: Feeds
 ) -> dict[int, tuple[Strip, ...]]:
     """By joint, of those whose effort and command were logged."""
     limits = prepared.study.thresholds.controllers
-    logged = [thinned(r) for r in recordings]
     found = {}
     for j in range(len(prepared.study.joints)):
         effort = effort_of(logged, j)
@@ -98,7 +105,7 @@ def _told(prepared: Prepared, cut: CutOff) -> bool:
     return bool(facts and facts.effort and cut.level > _AS_TOLD * facts.effort)
 
 
-def _limit(prepared: Prepared, cut: CutOff, held: FloatArray | None) -> Finding:
+def _limit(prepared: Prepared, cut: CutOff, held: Saved | None) -> Finding:
     values = {"level": (cut.level, cut.level_std)}
     effect, other = TorqueSaturation.id, TorqueSpeedLimit.id
     if np.isfinite(cut.no_load):
@@ -109,7 +116,7 @@ def _limit(prepared: Prepared, cut: CutOff, held: FloatArray | None) -> Finding:
     return _finding(prepared, cut, effect, other, values, ("law", shape), held)
 
 
-def _delay(prepared: Prepared, late: Late, held: FloatArray | None) -> Finding:
+def _delay(prepared: Prepared, late: Late, held: Saved | None) -> Finding:
     """Beside the others' time: that is in the log, not in the drive."""
     effect, other = CommandDelay.id, ActuatorLag.id
     values, of = {"delay": (late.time, late.std)}, ("position", (OF_POSITION, late.time))
@@ -126,13 +133,14 @@ def _finding(
     other: str,
     values: Values,
     of: tuple[str, tuple[float, ...]],
-    held: FloatArray | None,
+    held: Saved | None,
 ) -> Finding:
     study, effect = prepared.study, CATALOGUE[name]
     joint = study.joints[seen.joint]
-    where = joint if "joint" in joint.lower() else f"Joint {joint}"
+    where = where_in_words(effect.on, (joint,), ())
     plain = {key: value for key, (value, _) in values.items()}
-    judged = seen.gain if held is None else float(held[0].sum() / max(held[1].sum(), 1e-300))
+    gain = seen.saved.gain
+    judged, spread = (gain, 0.0) if held is None else (held.gain, 1.96 * held.error)
     return Finding(
         effect=name,
         joints=(joint,),
@@ -152,31 +160,21 @@ def _finding(
         decided_by=effect.decided_by,
         evidence=Evidence(
             validation_gain=judged,
-            interval95=_interval(held) if held is not None else (judged, judged),
+            interval95=(judged - spread, judged + spread),
             channels=("q_des", effort_of(study.fit, seen.joint)),
         ),
         support=Support(
-            weight=seen.gain,
-            gain=seen.gain,
-            t=seen.t,
-            size=float(np.sqrt(seen.gain / max(1.0 - seen.gain, 1e-3))),
+            weight=gain,
+            gain=gain,
+            t=seen.saved.t,
+            size=float(np.sqrt(gain / max(1.0 - gain, 1e-3))),
             agree=seen.agree,
             sessions=seen.recordings,
-            blocks=seen.blocks,
+            blocks=seen.saved.blocks,
             left=1.0,
             rivals=1,
         ),
-        weight=seen.gain,
+        weight=gain,
         variant=of[0],
         shape=of[1],
     )
-
-
-def _interval(held: FloatArray) -> tuple[float, float]:
-    """Of the share saved, by its blocks; nothing where none of them shows it."""
-    saved, before = held[:, held[1] > 0.0]
-    if not len(saved):
-        return 0.0, 0.0
-    error = 1.96 * float(np.std(saved) * np.sqrt(len(saved))) / max(float(before.sum()), 1e-300)
-    share = float(saved.sum()) / max(float(before.sum()), 1e-300)
-    return share - error, share + error

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
-from .open_law import Strip, left_by
+from .open_law import Left, Saved, Strip, left_by
 
 _TIMES = np.array([0, 4, 8, 12, 16, 24, 32, 40, 50, 65, 80, 100, 125, 150, 180, 220]) * 1e-3
 _SKEWS = np.array([-60, -40, -20, -10, 0, 5, 10, 15, 20, 30, 40, 60, 80, 110, 150]) * 1e-3
@@ -66,10 +66,8 @@ class Late:
     usual: float  # of the others [s]
     time: float  # beyond that [s]
     std: float  # [s]
-    gain: float  # share of what the law leaves that is saved, beside a time as the others'
-    t: float  # that over its error
+    saved: Saved  # of what the law leaves with a time as the others'
     explained: float  # share of the effort in the band of the motion
-    blocks: int
     agree: int  # recordings in which it gains
     recordings: int
 
@@ -88,7 +86,7 @@ def curves_of(strips: Sequence[Strip]) -> dict[str, Curve]:
     """By what is late."""
     found = {}
     for of in ("delay", "lag"):
-        each = [left_by(strips, *((t, 0.0) if of == "delay" else (0.0, t))) for t in _TIMES]
+        each = [_left(strips, of, float(t)) for t in _TIMES]
         squares = np.stack([left.squares for left in each])
         found[of] = Curve(of=of, squares=squares, whole=each[0].whole)
     return found
@@ -126,37 +124,33 @@ def _late(
     j: int, strips: Sequence[Strip], curve: Curve, usual: float, limits: ControllerThresholds
 ) -> Late | None:
     best = curve.best
-    saved = curve.at(usual) - curve.at(best)
-    used = curve.whole > 0.0
-    total, error = float(saved.sum()), float(np.std(saved[used]) * np.sqrt(used.sum()))
-    before = float(curve.at(usual).sum())
-    gain, t = total / max(before, 1e-300), total / max(error, 1e-300)
+    saved = Saved(by=curve.at(usual) - curve.at(best), of=curve.at(usual))
     period = max(strip.period for strip in strips)
-    if best - usual < max(limits.later, period) or gain < limits.late_gain or t < limits.late_t:
+    clear = saved.gain >= limits.late_gain and saved.t >= limits.late_t
+    if best - usual < max(limits.later, period) or not clear:
         return None
-    by_piece = [float(saved[np.unique(strip.block[strip.use])].sum()) for strip in strips]
     return Late(
         joint=j,
         of=curve.of,
         usual=usual,
         time=best - usual,
         std=float(np.hypot(curve.std(), 0.25 * period)),
-        gain=gain,
-        t=t,
+        saved=saved,
         explained=1.0 - float(curve.at(best).sum()) / float(curve.whole.sum()),
-        blocks=int(used.sum()),
-        agree=sum(each > 0.0 for each in by_piece),
-        recordings=len(by_piece),
+        agree=saved.agree(strips),
+        recordings=len(strips),
     )
 
 
-def saved_by(late: Late, strips: Sequence[Strip]) -> FloatArray:
-    """Squares that the time takes from what a law leaves elsewhere, and those, (2, B)."""
+def saved_by(late: Late, strips: Sequence[Strip]) -> Saved:
+    """What the time takes from what a law leaves of other recordings."""
     times = (late.usual, late.usual + late.time)
-    before, after = (
-        left_by(strips, *((t, 0.0) if late.of == "delay" else (0.0, t))).squares for t in times
-    )
-    return np.stack([before - after, before])
+    before, after = (_left(strips, late.of, time).squares for time in times)
+    return Saved(by=before - after, of=before)
+
+
+def _left(strips: Sequence[Strip], of: str, time: float) -> Left:
+    return left_by(strips, time, 0.0) if of == "delay" else left_by(strips, 0.0, time)
 
 
 def _lowest(rss: FloatArray) -> float:

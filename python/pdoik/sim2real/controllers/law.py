@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from ..motion.signals import shifted
+from ..regression.clusters import clustered
 from ..study.recording import FloatArray
 from .rows import Piece
 
@@ -264,11 +265,8 @@ def errors(pieces: Sequence[Piece], law: Fitted) -> dict[str, float]:
     scale = np.sqrt(np.mean(rows**2, axis=0)) + 1e-12
     even = rows / scale
     inverse = np.linalg.pinv(even.T @ even, rcond=1e-10, hermitian=True)
-    scores = np.zeros((int(law.block.max()) + 1, rows.shape[1]))
-    np.add.at(scores, law.block, even * law.left[:, None])
-    scores = scores[np.abs(scores).sum(axis=1) > 0.0]
-    count = len(scores)
-    covariance = inverse @ (scores.T @ scores) @ inverse * count / max(count - rows.shape[1], 1)
+    covariance, count = clustered(inverse, even, law.left, law.block)
+    covariance *= count / max(count - rows.shape[1], 1)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
     result = {name: float(std[k]) for k, name in enumerate(names)}
     result["bias"] = float(std[len(names)])

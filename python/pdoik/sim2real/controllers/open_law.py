@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from ..motion.signals import dilated, lagged, shifted, zero_phase
 from ..study.recording import FloatArray
@@ -76,10 +77,40 @@ class Left:
         """Sum of squares."""
         return float(self.squares.sum())
 
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Saved:
+    """Squares that something takes from what a law leaves, block by block, (B,)."""
+
+    by: FloatArray
+    of: FloatArray  # that were left without it
+
     @property
-    def explained(self) -> float:
-        """Share of the effort's squares."""
-        return 1.0 - self.rss / max(float(self.whole.sum()), 1e-300)
+    def blocks(self) -> int:
+        """In which there is anything."""
+        return int(np.count_nonzero(self.of))
+
+    @property
+    def gain(self) -> float:
+        """Share of them; 0 where there are none."""
+        return float(self.by.sum()) / max(float(self.of.sum()), 1e-300)
+
+    @property
+    def error(self) -> float:
+        """Standard error of the gain, over the blocks; 0 where there are none."""
+        used = self.by[self.of > 0.0]
+        spread = float(np.std(used) * np.sqrt(len(used))) if len(used) else 0.0
+        return spread / max(float(self.of.sum()), 1e-300)
+
+    @property
+    def t(self) -> float:
+        """The gain over its error."""
+        return self.gain / max(self.error, 1e-300)
+
+    def agree(self, strips: Sequence[Strip]) -> int:
+        """Recordings in which it gains."""
+        each = (self.by[np.unique(strip.block[strip.use])].sum() for strip in strips)
+        return sum(bool(gained > 0.0) for gained in each)
 
 
 def strips_of(
@@ -155,10 +186,15 @@ def _beside_slow(
     strip: Strip, delay: float, lag: float
 ) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Columns (N, 11), efforts (N,) and blocks, less what changes slowly."""
-    at = np.flatnonzero(strip.use)[:: strip.step]
+    at = _picked(strip)
     base, _ = np.linalg.qr(strip.slow[at])
     columns, effort = strip.columns(delay, lag)[at], strip.effort[at]
     return columns - base @ (base.T @ columns), effort - base @ (base.T @ effort), strip.block[at]
+
+
+def _picked(strip: Strip) -> NDArray[np.intp]:
+    """Rows that count, as many as the band has."""
+    return np.flatnonzero(strip.use)[:: strip.step]
 
 
 def _with_own_rates(parts: Sequence[FloatArray]) -> FloatArray:
@@ -175,19 +211,13 @@ def explicit(
     strips: Sequence[Strip],
 ) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.intp]]:
     """Rows (N, p) with what changes slowly as columns, efforts, speeds and block numbers, (N,)."""
-    wide = COMMON + len(strips)
-    width = wide + sum(strip.slow.shape[1] for strip in strips)
-    rows, first = [], wide
-    picked = [np.flatnonzero(strip.use)[:: strip.step] for strip in strips]
-    for k, (strip, at) in enumerate(zip(strips, picked, strict=True)):
-        columns, slow = strip.columns(0.0, 0.0)[at], strip.slow[at]
-        own = np.zeros((len(at), width))
-        own[:, :COMMON], own[:, COMMON + k] = columns[:, :COMMON], columns[:, COMMON]
-        own[:, first : first + slow.shape[1]] = slow
-        first += slow.shape[1]
-        rows.append(own)
-
+    picked = [_picked(strip) for strip in strips]
     pairs = list(zip(strips, picked, strict=True))
-    effort = np.concatenate([strip.effort[at] for strip, at in pairs])
-    speed = np.concatenate([strip.speed[at] for strip, at in pairs])
-    return np.concatenate(rows), effort, speed, np.concatenate([s.block[at] for s, at in pairs])
+    rows = _with_own_rates([strip.columns(0.0, 0.0)[at] for strip, at in pairs])
+    slow = linalg.block_diag(*(strip.slow[at] for strip, at in pairs))
+    effort, speed = (
+        np.concatenate([getattr(strip, name)[at] for strip, at in pairs])
+        for name in ("effort", "speed")
+    )
+    block = np.concatenate([strip.block[at] for strip, at in pairs])
+    return np.hstack([rows, slow]), effort, speed, block

@@ -25,6 +25,7 @@ from ..findings import Estimate
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.signals import derivative, zero_phase
+from ..regression.clusters import clustered
 from ..study.controller import ToldController
 from ..study.recording import FloatArray, Recording
 from ..thresholds.controllers import ControllerThresholds
@@ -279,10 +280,7 @@ def _errors(
     scale = np.sqrt(np.mean(A[:, free] ** 2, axis=0)) + 1e-12
     even = A[:, free] / scale
     inverse = np.linalg.pinv(even.T @ even, hermitian=True)
-    scores = np.zeros((int(block.max()) + 1, even.shape[1]))
-    np.add.at(scores, block, even * left[:, None])
-    scores = scores[np.abs(scores).sum(axis=1) > 0.0]
-    count = len(scores)
-    covariance = inverse @ (scores.T @ scores) @ inverse * count / max(count - even.shape[1], 1)
+    covariance, count = clustered(inverse, even, left, block)
+    covariance *= count / max(count - even.shape[1], 1)
     std[free] = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
     return std

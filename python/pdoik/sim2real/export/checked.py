@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from ..model.model import Model
 from ..simulation.description import read_description
+from ..study.quiet_mujoco import quiet_mujoco
 from .export import export_mjcf, export_urdf
 
 
@@ -39,6 +40,7 @@ def improved_urdf(model: Model) -> str | None:
     return text
 
 
+@quiet_mujoco()
 def _loaded(where: str, load: Any, text: str) -> None:
     try:
         load(text)

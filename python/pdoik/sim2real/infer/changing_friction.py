@@ -17,6 +17,7 @@ from ..effects.friction_drift import FrictionDrift
 from ..findings import Equivalent, Estimate, Finding
 from ..motion.place import Key
 from ..regression.background import friction_at
+from ..regression.clusters import clustered
 from ..regression.fit import Fit, Term
 from ..study.recording import FloatArray
 from ..thresholds.verdict import VerdictThresholds
@@ -115,6 +116,5 @@ def _scale(
     A = np.stack([friction, np.ones_like(friction)], axis=1)
     inverse = np.linalg.pinv(A.T @ A)
     x = inverse @ (A.T @ left)
-    scores = np.stack([np.bincount(block, column * (left - A @ x)) for column in A.T], axis=1)
-    error = float(np.sqrt((inverse @ (scores.T @ scores) @ inverse)[0, 0]))
-    return float(x[0]), error
+    covariance, _ = clustered(inverse, A, left - A @ x, block)
+    return float(x[0]), float(np.sqrt(covariance[0, 0]))

@@ -164,9 +164,7 @@ class RigidBody:
 
     def mass_diagonal(self, q: FloatArray) -> FloatArray:
         """Inertia each joint sees with the others at rest, rotors included; q and result (n,)."""
-        row = self._position(q[None])[0]
-        mass = pin.crba(self.model, self._data, row)
-        return np.asarray(np.diag(mass)[self._v] + self.rotor, dtype=np.float64)
+        return np.asarray(np.diag(self.mass_matrices(q[None])[0]) + self.rotor, dtype=np.float64)
 
     def mass_matrices(self, q: FloatArray) -> FloatArray:
         """Inertias of the rigid body alone for (T, n), (T, n, n): no rotors."""

@@ -35,7 +35,7 @@ def finding_of(
     if effect.on == "link" and joints and prepared.body is not None:
         links = (prepared.body.links[place.joints[0]],)
     plain = {name: each.value for name, each in values.items()}
-    where = _where(effect.on, joints, links)
+    where = where_in_words(effect.on, joints, links)
     recordings = tuple(r.name for r in study.fit)
     if place.held is not None:
         where = f"The body known as {place.held.label}"
@@ -154,7 +154,8 @@ def _inside(where: str) -> str:
     return f"{first.lower()} {rest}" if first in ("Joint", "Joints", "Link", "The") else where
 
 
-def _where(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> str:
+def where_in_words(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> str:
+    """Where an effect sits, as the begin of a sentence."""
     if links:
         said = ", ".join(links)
         return said if "link" in links[0].lower() else f"Link {said}"

@@ -84,6 +84,7 @@ class Plant:
         self.model.dof_armature[:] = armature
         return result[np.ix_(self.dof, self.dof)]
 
+    @quiet_mujoco()
     def set_armature(self, armature: FloatArray) -> None:
         """Rotor inertias at the joints, (n,) [kg m^2]."""
         if not np.array_equal(self.model.dof_armature[list(self.dof)], armature):
@@ -91,6 +92,7 @@ class Plant:
             mujoco.mj_setConst(self.model, mujoco.MjData(self.model))
 
 
+@quiet_mujoco()
 def build_plant(
     robot: str | Path,
     joints: tuple[str, ...],
@@ -289,8 +291,7 @@ def _link_inertia(plant: Plant) -> FloatArray:
     data = mujoco.MjData(model)
     armature = model.dof_armature.copy()
     model.dof_armature[:] = 1.0
-    with quiet_mujoco():
-        mujoco.mj_forward(model, data)
+    mujoco.mj_forward(model, data)
     full = np.empty((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
     model.dof_armature[:] = armature
