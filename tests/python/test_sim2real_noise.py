@@ -115,6 +115,25 @@ def test_a_torque_is_noisy_beside_the_others_not_by_itself(machine: Path, tmp_pa
     assert "cannot be seen" in finding.statement
 
 
+def test_what_an_arm_hums_with_is_no_noise(machine: Path, tmp_path: Path) -> None:
+    """It is in one part of the spectrum; as much noise is in all of it."""
+    rng = np.random.default_rng(3)
+    rate = 1.0 / float(np.median(np.diff(pd.read_csv(machine / "rec1.csv")["time"])))
+
+    def humming(table: pd.DataFrame) -> None:
+        phase = 2.0 * np.pi * 0.35 * rate * table["time"] + 0.3 * np.cumsum(
+            rng.normal(size=len(table))
+        )
+        table["tau.joint3"] += 2.0 * np.sin(phase)
+
+    def louder(table: pd.DataFrame) -> None:
+        table["tau.joint3"] += rng.normal(0.0, 2.0 / np.sqrt(2.0), len(table))
+
+    assert noisy(changed(machine, tmp_path / "humming", humming)) == []
+    (finding,) = noisy(changed(machine, tmp_path / "louder", louder))
+    assert finding.joints == ("joint3",)
+
+
 def test_a_wrong_unit_is_no_noise(machine: Path, tmp_path: Path) -> None:
     def degrees(table: pd.DataFrame) -> None:
         table["dq.joint1"] = np.degrees(table["dq.joint1"])

@@ -22,6 +22,7 @@ _HIGH_THINNED = 0.7  # above, the filter before thinning has taken its part
 _UNEVEN = 1e-3  # jitter over period from which rows were interpolated to the grid
 _MOTION = 10.0  # [Hz], below which a robot moves
 _LEAST_GAIN = 0.01
+_QUIET = 0.25  # of the frequencies
 _SHORTEST = 32  # samples of which a spectrum can be made
 _OVERLAP = 1.3  # by which errors grow as segments overlap by half
 
@@ -38,7 +39,7 @@ class ChannelNoise:
     """What is in the channels of some recordings above the frequencies of motion.
 
     Every segment of a recording is windowed and transformed; over the upper half of the spectrum
-    the mean square of what comes out is the variance of white noise.
+    the median of the squares tells the variance of white noise: an arm that hums has a line there.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class ChannelNoise:
         if spectra is None or self._length < _SHORTEST:
             return None
         power = np.abs(spectra) ** 2
-        level = power.mean(axis=1)
+        level = np.median(power, axis=1) / np.log(2.0)  # squares are distributed exponentially
         if self._uneven and channel != "q":
             middle = np.median(level, axis=0)
             some = middle > 0.0  # NaN is not
@@ -108,6 +109,17 @@ class ChannelNoise:
                 true = float(np.linalg.lstsq(columns, usual, rcond=None)[0][0])
                 level *= np.clip(true, 1.0, 1.0 / np.mean(1.0 - 0.5 * self._fall))
         return np.asarray(level * np.mean(self._more), dtype=np.float64)
+
+    def white(self, channel: str) -> FloatArray:
+        """Share of what `levels` is of that is white, (n,): as strong in most of the spectrum.
+
+        What an arm hums or a controller rings with is in parts of it.
+        """
+        spectra = self.own(channel)
+        assert spectra is not None
+        usual = np.mean(np.abs(spectra) ** 2, axis=0)  # (F, n)
+        quiet = np.quantile(usual, _QUIET, axis=0)
+        return np.asarray(quiet / np.maximum(np.mean(usual, axis=0), 1e-300), dtype=np.float64)
 
     def heard(self, channel: str) -> Heard | None:
         """How much of the noise in q or dq the controller turned into torque.

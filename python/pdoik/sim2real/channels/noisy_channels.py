@@ -55,7 +55,7 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         if channel == "tau":
             std = np.where(_as_recorded(prepared.study, study), std, np.nan)
         noisy = _unheard(limits, fit, channel, std) or _outlier(study, fit, channel, std)
-        if noisy is not None:
+        if noisy is not None and fit.white(channel)[noisy.joint] > limits.white:
             halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
             weight = min(_beyond_sound(levels, half, noisy) for half in halves)
             if weight > limits.noise_gain:

@@ -11,7 +11,7 @@ from functools import cached_property
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
-from ..regression.background import background, has_its_like
+from ..regression.background import background, has_its_like, without_its_like
 from ..regression.fit import Fit, Term
 from ..regression.trial import Search, cross_validated, held_out_squares
 
@@ -35,10 +35,13 @@ class Ordinary:
         noisy, terms = self._background
         if not terms:
             return []
-        fit = Fit(noisy, [*terms, *judged])
-        beside = Search(balances=noisy, nuisance=terms, fit=fit, start=state.start)
         least = noisy.thresholds.background.stands_t
-        found = [(term, _by(beside, term, least)) for term in judged]
+        found = []
+        for term in judged:
+            nuisance = without_its_like(terms, term, noisy.thresholds.background)
+            fit = Fit(noisy, [*nuisance, *judged])
+            beside = Search(balances=noisy, nuisance=nuisance, fit=fit, start=state.start)
+            found.append((term, _by(beside, term, least)))
         return [(term, by) for term, by in found if by < least]
 
 

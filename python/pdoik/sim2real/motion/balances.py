@@ -68,6 +68,7 @@ class Balances:
         self.mask: dict[Key, NDArray[np.bool_]] = {}
         self.floor: dict[Key, float] = {}
         self.sigma: dict[Key, float] = {}
+        self.repeats = 1.0  # rows that say the same as one, by their noise
         self.taken_off: dict[Key, FloatArray] = {}  # of the residuals, see `less`
         self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[tuple[str, Place, Shape], dict[Key, FloatArray]] = {}
@@ -120,9 +121,10 @@ class Balances:
         other._columns = kept
         return other
 
-    def with_noise(self, sigma: Mapping[Key, float]) -> Balances:
-        """The same with other standard deviations of some balances."""
+    def with_noise(self, sigma: Mapping[Key, float], repeats: float = 1.0) -> Balances:
+        """The same with other standard deviations of some balances, of rows that say the same."""
         other = copy(self)
+        other.repeats = repeats
         other.sigma = {**self.sigma, **sigma}
         return other
 

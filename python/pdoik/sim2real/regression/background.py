@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects import Effect
+from ..effects.asymmetric_friction import AsymmetricFriction
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
 from ..study.recording import FloatArray
+from ..thresholds.background import BackgroundThresholds
 from .fit import Fit, Term
 from .trusted_bodies import trusted
 
@@ -30,26 +32,49 @@ _ROUNDS = 3  # of fit and noise in turn
 
 
 class Friction:
-    """A smooth curve of the speed, for each direction its own, and the rotor."""
+    """A smooth curve of the speed, the same in both directions, and the rotor."""
 
     id = BACKGROUND
-    width = 2 * len(_SOFT) + 4
+    shape = (0.0,)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Steps of several widths, viscosity, rest and rotor."""
+        """Steps of several widths, viscosity and rotor."""
         (j,) = place.joints
-        v = motion.dq[:, j]
         steps = [motion.sign(j, s) for s in _SOFT]
-        fading = [np.abs(step) for step in steps]
-        parts = [*steps, *fading, v, np.abs(v), np.ones_like(v), motion.ddq[:, j]]
-        return {("torque", j): np.column_stack(parts)}
+        return {("torque", j): np.column_stack([*steps, motion.dq[:, j], motion.ddq[:, j]])}
+
+
+class OneWay:
+    """By how much friction differs between the directions."""
+
+    id = BACKGROUND
+    shape = (1.0,)
+    like = AsymmetricFriction.id
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """Fading steps of several widths, and viscosity."""
+        (j,) = place.joints
+        fading = [np.abs(motion.sign(j, s)) for s in _SOFT]
+        return {("torque", j): np.column_stack([*fading, np.abs(motion.dq[:, j])])}
+
+
+class Rest:
+    """What is there at rest, too."""
+
+    id = BACKGROUND
+    shape = (2.0,)
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """One."""
+        (j,) = place.joints
+        return {("torque", j): np.ones((len(motion.time), 1))}
 
 
 class Scale:
     """The torque's own scale."""
 
     id = BACKGROUND
-    width = 1
+    shape = (3.0,)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The model's torque."""
@@ -58,29 +83,54 @@ class Scale:
 
 
 def has_its_like(effect: Effect) -> bool:
-    """Whether the background holds what an effect is: friction, rotors, scales, bodies."""
-    return effect.ordinary or effect.is_body or effect.in_background
+    """Whether the background holds what an effect is, and could not be without it.
+
+    That is friction, rotors, scales and bodies; friction that is the same both ways is one without.
+    """
+    ordinary = effect.ordinary or effect.is_body or effect.in_background
+    return ordinary and effect.id != OneWay.like
 
 
-def is_friction(term: Term) -> bool:
-    """Whether a term is a joint's friction and rotor."""
-    return term.effect == BACKGROUND and term.width == Friction.width
+def without_its_like(
+    terms: tuple[Term, ...], term: Term, believed: BackgroundThresholds
+) -> tuple[Term, ...]:
+    """A background's terms without those of a term's own kind at its place.
+
+    Beside friction of one way, rest is what sensors' zeros may be: it is hardly another thing.
+    """
+    if term.effect != OneWay.like:
+        return terms
+    tighter = (believed.friction / believed.offset) ** 2
+    found = []
+    for each in terms:
+        here = each.place.joints == term.place.joints
+        if here and _is(each, Rest):
+            found.append(replace(each, prior=tighter * each.prior))
+        elif not (here and _is(each, OneWay)):
+            found.append(each)
+    return tuple(found)
+
+
+def _is(term: Term, cause: type[Friction | OneWay | Rest | Scale]) -> bool:
+    return term.effect == BACKGROUND and term.shape == cause.shape
 
 
 def is_scale(term: Term) -> bool:
     """Whether a term is a torque's scale."""
-    return term.effect == BACKGROUND and term.width == Scale.width
+    return _is(term, Scale)
 
 
 def friction_at(fit: Fit, j: int) -> FloatArray:
-    """Joint j's friction along the rows that count, rest and rotor apart, (N,) [N m]."""
+    """Joint j's friction along the rows that count, the rotor apart, (N,) [N m]."""
     key: Key = ("torque", j)
+    total = np.zeros(len(fit.rows[key]))
     for term, offset in zip(fit.terms, fit.offsets, strict=False):
-        if is_friction(term) and term.place.joints == (j,):
+        if term.place.joints == (j,) and (_is(term, Friction) or _is(term, OneWay)):
             beta = fit.beta[offset : offset + term.width].copy()
-            beta[-2:] = 0.0
-            return np.asarray(term.columns[key][fit.rows[key]] @ beta)
-    return np.zeros(len(fit.rows[key]))
+            if _is(term, Friction):
+                beta[-1] = 0.0
+            total += term.columns[key][fit.rows[key]] @ beta
+    return total
 
 
 def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
@@ -98,8 +148,8 @@ def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
             if len(each)
         }
         same = {key: repeats(balances, key, fit.rows[key], each) for key, each in left.items()}
-        balances = balances.with_noise(sigma)
         usual = float(np.median(list(same.values())))
+        balances = balances.with_noise(sigma, usual)
         terms = tuple(
             replace(t, prior=t.prior * same.get(_own(t), usual)) for t in _terms(balances)
         )
@@ -139,12 +189,20 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
             continue
         place = Place(joints=(j,))
         size = believed.friction * _usual(balances, j)
-        for cause, scale in ((Friction(), size), (Scale(), believed.torque)):
-            columns = balances.compute(cause, place, ())
-            if columns:
-                prior = np.full(cause.width, 1.0 / max(scale, 1e-9) ** 2)
-                term = Term(effect=BACKGROUND, place=place, shape=(), columns=columns, prior=prior)
-                terms.append(term)
+        causes = ((Friction(), size), (OneWay(), size), (Rest(), size), (Scale(), believed.torque))
+        for cause, scale in causes:
+            columns = balances.compute(cause, place, cause.shape)
+            for column in columns.values():
+                prior = np.full(column.shape[1], 1.0 / max(scale, 1e-9) ** 2)
+                terms.append(
+                    Term(
+                        effect=BACKGROUND,
+                        place=place,
+                        shape=cause.shape,
+                        columns=columns,
+                        prior=prior,
+                    )
+                )
     return (*terms, *trusted(balances, believed.bodies))
 
 

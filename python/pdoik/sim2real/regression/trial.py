@@ -172,18 +172,11 @@ def cross_validated(
     relief = base.penalty() - (wider.penalty() - _own_penalty(wider, term))
     active_rows, acting = activity(base, term)
     t, coefficient = wider.wald(term)
-    effect = CATALOGUE[term.effect]
-    if not term.fixed and not effect.admissible(wider.beta[-term.width :]):
-        t = 0.0
-    if not effect.plausible(base.balances.motions, term.place, term.shape):
-        t = 0.0
-    if _inside(base, term) < least.least_inside:
-        t = 0.0  # it acts where rows do not count, and only rings into those that do
-    if term.fixed and not least.fixed_from < coefficient < least.fixed_to:
-        t = 0.0  # the data want another multiple of it: it is something else
     gain = float(blocks.sum())
-    if relief > least.least_relief and gain > -0.2 * relief:  # the prior asks for it
-        gain, t = gain + relief, max(t, least.least_t)
+    if not _may_be(base, wider, term, coefficient):
+        t = 0.0
+    elif relief > least.least_relief * base.balances.repeats and gain > -0.2 * relief:
+        gain, t = gain + relief, max(t, least.least_t)  # the prior asks for it
     began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
     rest = sum(float(np.sum(held[key][acting[key]])) for key in term.columns)
     return Trial(
@@ -204,6 +197,18 @@ def _own_penalty(fit: Fit, term: Term) -> float:
         return 0.0
     beta = fit.beta[-term.width :]
     return float(np.sum(term.prior * beta**2))
+
+
+def _may_be(base: Fit, wider: Fit, term: Term, coefficient: float) -> bool:
+    """Whether a term may be what it is said to be, however much it gains."""
+    effect, least = CATALOGUE[term.effect], base.balances.thresholds.search
+    if term.fixed:  # where the data want another multiple of it, it is something else
+        possible = least.fixed_from < coefficient < least.fixed_to
+    else:
+        possible = effect.admissible(wider.beta[-term.width :])
+    # Where it acts on rows that do not count, it only rings into those that do.
+    inside = _inside(base, term) >= least.least_inside
+    return possible and inside and effect.plausible(base.balances.motions, term.place, term.shape)
 
 
 def _inside(fit: Fit, term: Term) -> float:

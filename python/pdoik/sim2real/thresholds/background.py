@@ -14,6 +14,9 @@ class BackgroundThresholds(Group):
     friction: float = threshold(
         1.0, "of each part of a joint's friction, as a share of its usual torque"
     )
+    offset: float = threshold(
+        0.1, "of a torque's zero beside friction of one way, as a share of the joint's usual torque"
+    )
     torque: float = threshold(
         0.05, "of a torque's scale", "", "current sensors and torque constants: 3 to 5 %"
     )

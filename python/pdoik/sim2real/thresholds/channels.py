@@ -59,6 +59,10 @@ class ChannelThresholds(Group):
     noise_gain: float = threshold(
         0.5, "share of the noise's power beyond what is sound, in either half of the recordings"
     )
+    white: float = threshold(
+        0.5,
+        "share of a noise that is as strong in most of the spectrum, without what hums or rings",
+    )
     noise_error: float = threshold(0.03, "least error of a noise, as a share of it")
     noise_blur: float = threshold(
         0.3, "the same per jitter over period, as rows are interpolated to even times"

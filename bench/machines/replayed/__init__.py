@@ -1,0 +1,1 @@
+"""Held-out motions of the machines, replayed behind their own controllers by diagnosed models."""

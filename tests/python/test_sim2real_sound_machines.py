@@ -1,0 +1,123 @@
+"""What ordinary machines are not to be told: limits that hums reach, one-way friction, springs."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
+pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
+
+from bench.machines import build
+from bench.machines.background import in_background
+from bench.machines.spec import WorldSpec
+
+from pdoik.sim2real import diagnose, load_study
+from pdoik.sim2real.confirm.ordinary_looks import Ordinary
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.effects.torque_saturation import OF_REPORTED, is_cut
+from pdoik.sim2real.motion.balances import Balances
+from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.motion.prepare import Prepared, prepare
+from pdoik.sim2real.regression.background import background, friction_at, without_its_like
+from pdoik.sim2real.regression.fit import Fit, Term, term_of
+from pdoik.sim2real.regression.trial import Search, cross_validated, held_out_squares
+
+ONE_WAY = CATALOGUE["asymmetric_friction"]
+SPRING = CATALOGUE["position_dependent_spring"]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A sound machine of four joints, and the truth of it."""
+    folder = tmp_path_factory.mktemp("machine") / "study"
+    truth = build.make_study(folder, WorldSpec(seed=20018, faults=(), robot="random4"))
+    return folder / "study.yaml", truth
+
+
+@pytest.fixture(scope="module")
+def machine(made: tuple[Path, dict[str, Any]]) -> Prepared:
+    return prepare(load_study(made[0]))
+
+
+def term(balances: Balances, effect: str, j: int, shape: tuple[float, ...] = ()) -> Term:
+    made = term_of(balances, CATALOGUE[effect], Place(joints=(j,)), shape)
+    assert made is not None
+    return made
+
+
+def with_torque(balances: Balances, part: Term, *sizes: float) -> Balances:
+    """As if the machine had this, too."""
+    other = Balances(balances.motions, balances.thresholds)
+    for key, column in part.columns.items():
+        other.residual[key] = balances.residual[key] + column @ np.array(sizes)
+    return other
+
+
+def searched(balances: Balances, *terms: Term) -> Search:
+    fit = Fit(balances, terms)
+    return Search(balances=balances, nuisance=(), fit=fit, start=Fit(balances, ()))
+
+
+def test_a_sound_machine_is_told_nothing_that_it_has_not(
+    made: tuple[Path, dict[str, Any]],
+) -> None:
+    study, truth = made
+    findings = json.loads(diagnose(study).to_json())["findings"]
+    assert len(findings) > 5
+    assert [each["effect"] for each in findings if not in_background(each, truth)[0]] == []
+
+
+def test_friction_that_differs_between_directions_stands_only_where_it_is_strong(
+    machine: Prepared,
+) -> None:
+    """Joint 1 turns about the vertical: no body that is a tenth off looks like it there."""
+    b = machine.fit
+    one_way = term(b, ONE_WAY.id, 0)
+    level = float(np.sqrt(np.mean(friction_at(Fit(*background(b)), 0) ** 2)))
+    needless = Ordinary(of=b).without_need(searched(b, one_way))
+    assert [each.effect for each, _ in needless] == [ONE_WAY.id]
+    strong = with_torque(b, one_way, level, 0.0)
+    assert not Ordinary(of=strong).without_need(searched(strong, one_way))
+
+
+def test_the_background_without_a_kind_is_without_it_at_one_joint(machine: Prepared) -> None:
+    _, terms = background(machine.fit)
+    believed = machine.fit.thresholds.background
+    fewer = without_its_like(terms, term(machine.fit, ONE_WAY.id, 1), believed)
+    assert len(fewer) == len(terms) - 1
+    (rest,) = (t for t in fewer if t not in terms)
+    assert rest.place.joints == (1,)
+    shape = SPRING.shapes(machine.fit.motions, Place(joints=(1,)))[0]
+    assert without_its_like(terms, term(machine.fit, SPRING.id, 1, shape), believed) == terms
+
+
+def test_no_prior_calls_for_what_cannot_be(machine: Prepared) -> None:
+    """A level far below what the joint needs is no limit, whatever the prior would gain by it."""
+    noisy, terms = background(machine.fit)
+    eager = replace(noisy.thresholds, search=replace(noisy.thresholds.search, least_relief=-1e12))
+    noisy = noisy.with_noise({}, noisy.repeats)
+    noisy.thresholds = eager
+    fit = Fit(noisy, terms)
+    state = Search(balances=noisy, nuisance=terms, fit=fit, start=fit)
+    torque = np.concatenate([np.abs(m.tau[:, 1]) for m in noisy.motions])
+    cut = term(noisy, "torque_saturation", 1, (OF_REPORTED, float(np.quantile(torque, 0.5))))
+    assert cross_validated(state, cut, held_out_squares(fit)).t == 0.0
+
+
+def test_a_limit_is_what_is_needed_where_more_is_asked() -> None:
+    rng = np.random.default_rng(0)
+    time = np.arange(0.0, 20.0, 0.004)
+    asked = 12.0 * np.sin(1.3 * time) + 3.0 * np.sin(3.1 * time)
+    needed = np.clip(asked, -10.0, 10.0) + rng.normal(0.0, 0.1, len(time))
+    assert is_cut(asked, needed, 10.0)
+    hum = np.where(np.abs(time - 10.0) < 0.5, 9.0 * np.sin(60.0 * time), 0.0)
+    gentle = 0.6 * asked
+    assert not is_cut(gentle + hum, gentle, 10.0)
+    assert not is_cut(asked, needed + rng.normal(0.0, 3.0, len(time)), 10.0)
