@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
 from ..regression.background import background, has_its_like, without_its_like
@@ -46,12 +48,20 @@ class Ordinary:
 
 
 def _by(beside: Search, term: Term, least: float) -> float:
-    """Errors by which a term is not zero; as many as the search asks where priors call for it."""
+    """Errors by which a term is not zero; as many as the search asks where priors call for it.
+
+    What explains a large part of all that the background leaves, on rows that were held out and
+    again and again, stands by how surely it does.
+    """
     others = beside.without(term).fit
-    by = others.extended(term).wald(term)[0]
-    if by >= least:
-        return by
-    return cross_validated(beside, term, held_out_squares(others), others).t
+    held = held_out_squares(others)
+    trial = cross_validated(beside, term, held, others)
+    rest = sum(float(np.sum(held[key])) for key in term.columns)
+    large = trial.blocks.sum() > others.balances.thresholds.background.large * rest
+    if trial.t >= least or trial.t <= 0.0 or not large:
+        return trial.t
+    acting = trial.blocks[trial.blocks != 0.0]
+    return max(trial.t, float(acting.sum() / (np.std(acting) * np.sqrt(len(acting)) + 1e-300)))
 
 
 def _is_judged(term: Term) -> bool:

@@ -15,6 +15,8 @@ from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
+_USUAL = 0.005  # share that a tilt takes from gravity
+
 
 class GravityDirection(Effect):
     """Gravity seen from a base turned by R_x(tilt_x) R_y(tilt_y)."""
@@ -49,12 +51,12 @@ class GravityDirection(Effect):
 
     def prior(self, width: int) -> FloatArray:
         """The cosine of a tilt of less than a tenth of a radian."""
-        return np.array([0.0, 0.0, 1.0 / 0.005**2])
+        return np.array([0.0, 0.0, 1.0 / _USUAL**2])
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """A radian at most; gravity does not grow."""
-        return np.array([-1.0, -1.0, -1e-3]), np.array([1.0, 1.0, 0.5])
+        """A radian at most; gravity does not grow, within errors."""
+        return np.array([-1.0, -1.0, -4.0 * _USUAL]), np.array([1.0, 1.0, 0.5])
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Both tilts."""

@@ -27,6 +27,9 @@ class BackgroundThresholds(Group):
     stands_t: float = threshold(
         3.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
     )
+    large: float = threshold(
+        1.0 / 3.0, "share of what the background leaves on held-out rows that is no misfit of it"
+    )
     bodies: float = threshold(
         0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
     )
