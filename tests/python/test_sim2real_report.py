@@ -15,10 +15,11 @@ from PIL import Image
 pytest.importorskip("jinja2", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.evidence.files import write_files
-from pdoik.sim2real.findings import Diagnosis, JointFit
+from pdoik.sim2real.findings import Diagnosis, Estimate, JointFit
 from pdoik.sim2real.report import cloud_size, draw_pictures, render_report, words
 from pdoik.sim2real.report.curves import binned, busiest, envelope, reach
 from pdoik.sim2real.report.data import RegimeMap, ReportData
+from pdoik.sim2real.report.drive_figure import drives_picture
 from pdoik.sim2real.report.joint_figure import joint_picture
 from pdoik.sim2real.report.page import Pictures
 from pdoik.sim2real.report.page import page as html
@@ -211,6 +212,35 @@ def test_files_stay_inside_the_folder_whatever_names_say(tmp_path: Path) -> None
     data = small(joints=("../../a", "/etc/b"))
     write_files(tmp_path / "out", render_report(diagnosis(data), data))
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_what_a_drive_does_not_exceed_is_drawn_over_speed(
+    small_pictures: tuple[ReportData, Pictures],
+) -> None:
+    data, pictures = small_pictures
+    assert pictures.drives is None
+    found = diagnosis(data)
+    figures = {"stall_torque": (20.0, "N m"), "no_load_speed": (2.0, "rad/s")}
+    limit = replace(
+        found.findings[0],
+        effect="torque_speed_limit",
+        joints=("b",),
+        parameters={
+            name: Estimate(value=value, std=0.1, interval95=(value - 0.2, value + 0.2), unit=unit)
+            for name, (value, unit) in figures.items()
+        },
+    )
+    with house_style():
+        drawn = drives_picture(replace(found, findings=(limit,)), data)
+        drawn_of_currents = drives_picture(
+            replace(found, findings=(limit,)), replace(data, residual_of="current")
+        )
+    assert drawn is not None
+    assert "over speed" in drawn.caption
+    assert "limit" in drawn.svg
+    assert drawn_of_currents is None
+    text = html(found, data, replace(pictures, drives=drawn))
+    assert "drives" in Page(text).ids
 
 
 def test_seven_joints_and_three_recordings_stay_small() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pdoik.sim2real.findings import Diagnosis
 
 from .data import CutoffInfluence, Hypothesis, RegimeMap, Replay, ReportData, Traces
+from .drive_figure import drives_picture
 from .joint_figure import joint_picture
 from .overview import overview_png
 from .page import Pictures, opened_joints, page
@@ -54,6 +55,7 @@ def draw_pictures(diagnosis: Diagnosis, data: ReportData) -> Pictures:
         regimes=regimes_picture(data, regimes, diagnosis.joints),
         by_joint=tuple(joint_picture(data, joint, cloud_size(n)) for joint in range(n)),
         opened=opened_joints(diagnosis, data.joints),
+        drives=drives_picture(diagnosis, data),
         hypotheses=hypotheses_picture(data.hypotheses) if data.hypotheses else None,
         replays=tuple(
             replay_picture(data, replay, k) for k, replay in enumerate(data.replays[:MOST_REPLAYS])

@@ -25,6 +25,7 @@ class Pictures:
     regimes: Picture
     by_joint: tuple[Picture, ...]  # in the order of the joints
     opened: tuple[bool, ...]  # whether the page shows it without a click
+    drives: Picture | None  # limits of drives
     hypotheses: Picture | None
     replays: tuple[Picture, ...]
     cutoff: Picture | None
@@ -32,7 +33,7 @@ class Pictures:
     @property
     def all(self) -> tuple[Picture, ...]:
         """Every figure, as they stand on the page."""
-        alone = (self.joints, self.regimes, self.hypotheses, self.cutoff)
+        alone = (self.joints, self.regimes, self.drives, self.hypotheses, self.cutoff)
         return (*(each for each in alone if each is not None), *self.by_joint, *self.replays)
 
 
