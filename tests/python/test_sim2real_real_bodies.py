@@ -84,3 +84,24 @@ def test_a_regression_claims_no_impossible_link(tmp_path: Path) -> None:
     claimed = own + fit.constrained().beta
     assert np.linalg.eigvalsh(pseudo_inertia(claimed))[0] > -1e-9
     assert claimed[0] > 0.0
+
+
+@pytest.mark.parametrize("mass", [-1e-310, 0.0, 1e-310, 1e-13])
+def test_moments_without_a_mass_to_have_them_are_no_body(mass: float) -> None:
+    """Their centre would be further away than a number can say."""
+    wanted = Inertial(mass=mass, first_moment=np.array([0.1, 0.0, 0.2]), inertia=1e-3 * np.eye(3))
+    assert not wanted.is_body
+    near = wanted.nearest_body()
+    assert near.is_body
+    assert near.mass > 0.0
+    assert np.isfinite(near.ten()).all()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_a_body_has_moments_that_keep_the_triangle_inequality(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    moments = rng.uniform(0.1, 1.0, 3)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    about = turn @ np.diag(moments) @ turn.T
+    body = Inertial.about_com(float(rng.uniform(0.5, 5.0)), rng.normal(size=3), about)
+    assert body.is_body == bool(2.0 * moments.max() <= moments.sum())

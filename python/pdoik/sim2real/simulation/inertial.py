@@ -9,6 +9,8 @@ import numpy as np
 
 from ..study.recording import FloatArray
 
+_NO_MASS = 1e-12  # [kg]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Inertial:
@@ -52,7 +54,7 @@ class Inertial:
     @property
     def com(self) -> FloatArray:
         """Centre of mass (3,) [m]; the origin for a link without mass."""
-        return self.first_moment / self.mass if self.mass else np.zeros(3)
+        return self.first_moment / self.mass if abs(self.mass) > _NO_MASS else np.zeros(3)
 
     @property
     def inertia_about_com(self) -> FloatArray:
@@ -63,29 +65,20 @@ class Inertial:
     def is_body(self) -> bool:
         """Whether some distribution of mass has these figures.
 
-        The second moments about the centre of mass, trace(I)/2 - I, are those of a density, so they
-        have no negative eigenvalue: that is A + B >= C for the principal moments.
+        The 4x4 matrix of second moments [[S, h], [h', m]] with I = trace(S) - S is that of a
+        density, so it has no negative eigenvalue (Wensing, Kim and Slotine, RA-L 3(1), 2018).
         """
-        I = self.inertia_about_com  # noqa: E741
-        least = float(np.linalg.eigvalsh(0.5 * np.trace(I) * np.eye(3) - I)[0])
-        scale = max(float(np.abs(self.inertia).max()), 1e-9)
-        return self.mass >= 0.0 and least >= -1e-9 * scale
+        values, _, _ = self._second_moments()
+        return bool(values[0] >= -1e-9 * max(float(np.abs(values).max()), 1e-9))
 
     def nearest_body(self) -> Inertial:
         """These figures if they are a body's, else those of one near them.
 
-        The 4x4 matrix of second moments [[S, h], [h', m]] with I = trace(S) - S is that of a
-        density, so it is positive; its eigenvalues are kept from being negative (Wensing, Kim and
-        Slotine, RA-L 3(1), 2018), lengths in units of the link's own.
+        Eigenvalues of its second moments are kept from being negative (see `is_body`).
         """
         if self.is_body:
             return self
-        S = 0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia
-        scale = max(abs(self.mass), 1e-6)
-        length = np.sqrt(max(float(np.abs(S).max()), 1e-9) / scale)
-        unit, back = np.diag([1.0 / length] * 3 + [1.0]), np.diag([length] * 3 + [1.0])
-        whole = np.block([[S, self.first_moment[:, None]], [self.first_moment[None], self.mass]])
-        values, vectors = np.linalg.eigh(unit @ whole @ unit)
+        values, vectors, back = self._second_moments()
         least = 1e-6 * max(float(np.abs(values).max()), 1e-12)
         whole = back @ (vectors * np.maximum(values, least)) @ vectors.T @ back
         S = whole[:3, :3]
@@ -94,6 +87,19 @@ class Inertial:
             first_moment=whole[:3, 3],
             inertia=np.asarray(np.trace(S) * np.eye(3) - S),
         )
+
+    def _second_moments(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Eigenvalues and vectors of the 4x4 matrix, lengths in units of the link's own.
+
+        The last is what turns these units into metres.
+        """
+        S = 0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia
+        scale = max(abs(self.mass), 1e-6)
+        length = np.sqrt(max(float(np.abs(S).max()), 1e-9) / scale)
+        unit, back = np.diag([1.0 / length] * 3 + [1.0]), np.diag([length] * 3 + [1.0])
+        whole = np.block([[S, self.first_moment[:, None]], [self.first_moment[None], self.mass]])
+        values, vectors = np.linalg.eigh(unit @ whole @ unit)
+        return values, vectors, back
 
     def principal(self, link: str) -> tuple[FloatArray, FloatArray]:
         """Moments (3,) about the centre of mass and axes (3, 3), a rotation.
