@@ -20,13 +20,14 @@ from bench.machines.held_out.residuals import rows_of  # noqa: E402
 from bench.machines.held_out.true_law import draft_behind  # noqa: E402
 from bench.machines.physics import STATES, friction, rates  # noqa: E402
 from bench.machines.plan import spec_of  # noqa: E402
+from bench.machines.replayed.replay import replays_of  # noqa: E402
 from bench.machines.rivals.ablations import OFF  # noqa: E402
 from bench.machines.rivals.regression import named_by_regression  # noqa: E402
 from bench.machines.score import score  # noqa: E402
 from bench.machines.simulate import torque_of  # noqa: E402
 from bench.machines.spec import WorldSpec  # noqa: E402
 
-from pdoik.sim2real import diagnose  # noqa: E402
+from pdoik.sim2real import Diagnosis, diagnose  # noqa: E402
 from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -224,3 +225,17 @@ def test_what_is_switched_off_is_a_threshold_of_the_tool() -> None:
     for key, value in OFF.values():
         assert defaults[key] != value
         Thresholds().changed({key: value})
+
+
+def test_replays_are_of_the_machine_and_behind_its_own_controller(tmp_path) -> None:
+    """Without findings a model is as told; the machine on another day is nearer than that."""
+    spec = WorldSpec(seed=20023, faults=(), robot="random2")
+    truth = build.make_study(tmp_path / "study", spec)
+    study = tmp_path / "study" / "study.yaml"
+    said = Diagnosis(verdict="mismatch_unexplained", findings=(), joints={}, notes=())
+    rows = replays_of("w", study, truth, said.to_json())
+    assert [row.joint for row in rows] == truth["joints"]
+    for row in rows:
+        assert row.before == row.after or np.isnan(row.before)
+        assert 0.0 < row.another_day < 0.1 * row.moved
+        assert not row.faulty
