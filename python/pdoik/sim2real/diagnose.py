@@ -118,14 +118,13 @@ def _examined(study: Study, seed: int, say: Tell) -> Examination:
 def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
     """Accept effects, behind gates where they need one, then contacts, and effects beside these."""
     beside = peculiar(prepared.fit)
-    found = () if beside is None else beside.accepted
-    for each in found:
+    first = () if beside is None else beside.accepted
+    for each in first:
         say("name", described(prepared, each), 0.15)
-    contacts = () if beside is None else beside.contacts
-    first = tuple(term for term in found if term not in contacts)
-    prepared, state = first_search(prepared, say, first, contacts)
+    prepared, state = first_search(prepared, say, first)
     nuisance = state.nuisance
     known = {term.key for term in first}
+    contacts: tuple[Term, ...] = ()
     gated: tuple[Term, ...] = ()
     for _ in range(_MOST):
         part = gated_term(state)

@@ -78,7 +78,7 @@ def conclude(
     ]
     if prepared.validate is not None:
         found += held_out_limits(prepared, state.fit, prediction)
-        found += held_out_contacts(prepared, state, ordinary, prediction)
+        found += held_out_contacts(prepared, state.fit, prediction)
     if check is not None:
         unsure = study.thresholds.confidence.unsupported
         found += [(replace(finding, confidence=unsure), ()) for finding in check.findings]

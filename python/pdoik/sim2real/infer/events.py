@@ -8,7 +8,6 @@ from ..confirm.confidence import confidence_of
 from ..confirm.event_support import event_support
 from ..findings import Evidence, Finding
 from ..motion.prepare import Prepared
-from ..regression.background import left_on
 from ..regression.estimate import event_estimates
 from ..regression.fit import Fit, Term
 from ..regression.naming import Found, channel_of, finding_of
@@ -20,15 +19,9 @@ from ..thresholds import Thresholds
 
 
 def without_needless_contacts(state: Search) -> Search:
-    """Without contacts that later findings have made needless.
-
-    Those seen beside the background stand there: what few findings leave may hide them here.
-    """
+    """Without contacts that later findings have made needless."""
     least = state.balances.thresholds.contacts.least_weight
-    beside = () if state.peculiar is None else state.peculiar.contacts
     for term in state.contacts:
-        if any(term is each for each in beside):
-            continue
         others = state.without(term)
         share = within(state, term, ()).validation_gain
         if share < least or not stands(others.fit.extended(term), term):
@@ -44,24 +37,17 @@ def within(state: Search, term: Term, channels: tuple[str, ...]) -> Evidence:
     return Evidence(validation_gain=share, interval95=(share, share), channels=channels)
 
 
-def held_out_contacts(
-    prepared: Prepared, state: Search, ordinary: Fit | None, prediction: Prediction
-) -> list[Found]:
+def held_out_contacts(prepared: Prepared, fit: Fit, prediction: Prediction) -> list[Found]:
     """Contacts in recordings that were held out; an event is found where it happened.
 
-    They are looked for beside the background, which the recordings to fit have taught, and taken
-    out of the residual of these recordings. None are looked for beside a torque without a name:
-    what its function misses where it was not learnt looks like events.
+    They are taken out of the residual of these recordings. None are looked for beside a torque
+    without a name: what its function misses where it was not learnt looks like events.
     """
     found: list[Found] = []
     b = prepared.validate
-    if b is None or any(effect_of(term).sought == "last" for term in state.fit.terms):
+    if b is None or any(effect_of(term).sought == "last" for term in fit.terms):
         return found
-    beside = ordinary if state.peculiar is None else state.peculiar.fit
-    if beside is not None:
-        sigma = {key: beside.balances.sigma[key] for key in b.keys if key in beside.balances.sigma}
-        b = b.with_noise(sigma, beside.balances.repeats)
-    left = prediction.residual(state.fit) if beside is None else left_on(b, beside)
+    left = prediction.residual(fit)
     least, rest = b.thresholds.contacts, Fit(b, ())
     for key in rest.target:
         rest.target[key] = left[key][rest.rows[key]] / b.sigma[key]

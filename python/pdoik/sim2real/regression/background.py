@@ -22,7 +22,7 @@ from ..motion.place import Columns, Key, Place, Shape
 from ..study.recording import FloatArray
 from ..thresholds.background import BackgroundThresholds
 from .fit import Fit, Term
-from .trusted_bodies import effect_of, trusted
+from .trusted_bodies import trusted
 
 BACKGROUND = "background"
 """Effect id of the terms; none of the catalogue."""
@@ -80,11 +80,6 @@ class Scale:
         """The model's torque."""
         (j,) = place.joints
         return {("torque", j): motion.tau[:, j : j + 1]}
-
-
-_CAUSES: dict[Shape, Friction | OneWay | Rest | Scale] = {
-    each.shape: each for each in (Friction(), OneWay(), Rest(), Scale())
-}
 
 
 def has_its_like(effect: Effect) -> bool:
@@ -159,17 +154,6 @@ def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
             replace(t, prior=t.prior * same.get(_own(t), usual)) for t in _terms(balances)
         )
     return balances, terms
-
-
-def left_on(balances: Balances, fit: Fit) -> dict[Key, FloatArray]:
-    """What a fit beside the background leaves of other recordings, (N,) per key, all rows."""
-    left = {key: values.copy() for key, values in balances.residual.items()}
-    for term, offset in zip(fit.terms, fit.offsets, strict=False):
-        cause = _CAUSES[term.shape] if term.effect == BACKGROUND else effect_of(term)
-        beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
-        for key, column in balances.compute(cause, term.place, term.shape).items():
-            left[key] -= column @ beta
-    return left
 
 
 def _own(term: Term) -> Key:

@@ -24,7 +24,7 @@ _LEANINGS = 6  # searches at most, each with the tilt that the last found
 
 
 def first_search(
-    prepared: Prepared, say: Tell, begin: tuple[Term, ...] = (), contacts: tuple[Term, ...] = ()
+    prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()
 ) -> tuple[Prepared, Search]:
     """Accept effects; again where the base is tilted so far that it matters to unknown bodies.
 
@@ -32,14 +32,13 @@ def first_search(
         prepared: the study.
         say: told what is accepted.
         begin: accepted beforehand, and dropped where they turn out needless.
-        contacts: pushes that are known already.
 
     Returns:
         The study with its bodies under gravity as the tilted base has it, and the search of that.
     """
     assumed = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
-    state = _searched(prepared, say, begin, contacts)
+    state = _searched(prepared, say, begin)
     for turn in range(_LEANINGS):
         gravity = tilted_gravity(state)
         if gravity is None or np.linalg.norm(gravity - assumed) < matters:
@@ -48,23 +47,19 @@ def first_search(
         if turn > 0:  # too heavy a body goes with too small a tilt: half way
             gravity = (gravity + assumed) / 2.0
         tilted = _pulled_by(prepared, gravity)
-        same = [_anew(tilted.fit, term) for term in state.accepted if term not in state.contacts]
-        known = tuple(term for term in same if term is not None)
-        again = _searched(tilted, say, known, state.contacts)
+        same = [_anew(tilted.fit, term) for term in state.accepted]
+        again = _searched(tilted, say, tuple(term for term in same if term is not None))
         if _missed(again) > _missed(state):
             break
         prepared, state, assumed = tilted, again, gravity
     return prepared, state
 
 
-def _searched(
-    prepared: Prepared, say: Tell, begin: tuple[Term, ...], contacts: tuple[Term, ...]
-) -> Search:
+def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
     return search(
         prepared.fit,
         trusted(prepared.fit, prepared.study.trust.rigid_body),
         lambda term, share: say("name", described(prepared, term), 0.15 + 0.5 * share),
-        contacts=contacts,
         begin=begin,
     )
 

@@ -65,7 +65,7 @@ def clearest(windows: Sequence[Window]) -> Window | None:
 
 def stands(fit: Fit, term: Term) -> bool:
     """Whether a contact, the fit's last term, is clear beside all the others."""
-    least = _thresholds(fit)
+    least = fit.balances.thresholds.contacts
     gain, rows, elsewhere, harm = 0.0, 0, 0.0, 0.0
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
@@ -86,12 +86,6 @@ def stands(fit: Fit, term: Term) -> bool:
         return False  # no larger than what is left at other times
     large = gain > least.least_gain and gain > least.least_size**2 * rows
     return large and fit.wald(term)[0] > least.least_t
-
-
-def _thresholds(fit: Fit) -> ContactThresholds:
-    """What is believed of a contact, with a gain over rows that do not repeat each other."""
-    least = fit.balances.thresholds.contacts
-    return replace(least, least_gain=least.least_gain * fit.balances.repeats)
 
 
 def _new(fit: Fit, window: Window) -> bool:
@@ -118,7 +112,7 @@ def _points(fit: Fit) -> list[tuple[int, Shape]]:
 
 def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
     """The best window of each recording, if it is clear enough."""
-    b, least = fit.balances, _thresholds(fit)
+    b, least = fit.balances, fit.balances.thresholds.contacts
     body = b.motions[0].body
     assert body is not None
     left, column, counts = _rows(fit, link, shape)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -11,7 +9,6 @@ from ..motion.balances import Balances
 from ..regression.background import background
 from ..regression.fit import Term
 from ..regression.trial import Search, cross_validated, held_out_squares
-from .contacts import contact_term
 from .search import search
 
 
@@ -25,18 +22,7 @@ def peculiar(balances: Balances) -> Search | None:
         return None
     state = search(noisy, ordinary)
     standing = [t for t in state.accepted if _is_peculiar(t) and _stands(state, t)]
-    state = _with_contacts(state.fitted([*ordinary, *standing]))
-    return state if state.accepted else None
-
-
-def _with_contacts(state: Search) -> Search:
-    """With pushes too: beside friction that is not known yet they are not seen."""
-    for _ in range(state.balances.thresholds.contacts.most_held_out):
-        term = contact_term(state.fit)
-        if term is None:
-            break
-        state = replace(state, fit=state.fit.extended(term), contacts=(*state.contacts, term))
-    return state
+    return state.fitted([*ordinary, *standing]) if standing else None
 
 
 def _is_peculiar(term: Term) -> bool:
