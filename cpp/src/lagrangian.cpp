@@ -30,11 +30,11 @@ JointLimitMap::Slack slack_of(Lagrangian::Variables variables) {
 /// The solver's parts without its searches, kept at one address.
 struct Lagrangian::Implementation {
   Implementation(const Robot& robot_in, const Options& options_in, Variables variables)
-      : robot(robot_in),
-        options(options_in),
-        hulls(robot),
-        collision(hulls, hulls.moving),
-        fixed(hulls, hulls.fixed),
+      : model(robot_in, options_in),
+        robot(model.robot),
+        options(model.options),
+        scene(model),
+        collision(model.hulls, model.hulls.moving),
         own(robot, options),
         rollout(robot),
         map(robot, slack_of(variables)),
@@ -44,22 +44,21 @@ struct Lagrangian::Implementation {
     goal.type = options.goal;
     goal.axis = options.goal_axis;
     goals.emplace_back(robot, goal);
-    scene.reserve(static_cast<std::size_t>(options.max_obstacles));
     set_obstacles(Points(0, 3));
   }
 
   void set_obstacles(const Obstacles& points) {
     problem.reset_multipliers();
-    scene.assign(points, options.clearance, hulls, fixed);
+    scene.assign(points, model);
     collision.reserve(scene.near.padded());
     problem.reserve(scene.near.padded());
   }
 
-  Robot robot;
-  Options options;
-  detail::HullModel hulls;
+  detail::Model model;
+  const Robot& robot;
+  const Options& options;
   detail::Scene scene;
-  detail::CollisionState collision, fixed;
+  detail::CollisionState collision;
   detail::OwnConstraints own;
   detail::Rollout rollout;
   std::vector<detail::GoalTerm> goals;

@@ -18,15 +18,17 @@ constexpr double kUsualCube = 4.0;
 
 }  // namespace
 
-void Scene::reserve(std::size_t count) {
+Scene::Scene(const Model& model) : fixed_hulls_(model.hulls, model.hulls.fixed) {
+  const auto count = static_cast<std::size_t>(model.options.max_obstacles);
   near.reserve(count);
   far.reserve(count);
-  if (count <= static_cast<std::size_t>(ObstacleSet::kLarge)) return;
-  order_.reserve(count);
+  if (count > static_cast<std::size_t>(ObstacleSet::kLarge)) order_.reserve(count);
+  assign(Points(Eigen::Matrix<double, 0, 3, Eigen::RowMajor>()), model);
 }
 
-void Scene::assign(const Points& points, double margin, const HullModel& hulls,
-                   CollisionState& fixed_hulls) {
+void Scene::assign(const Points& points, const Model& model) {
+  const HullModel& hulls = model.hulls;
+  const double margin = model.options.clearance;
   const auto count = static_cast<int>(points.rows());
   const bool has_radius = points.cols() > 3, large = count > ObstacleSet::kLarge;
   const Eigen::Vector3d& root = hulls.reach_centre;
@@ -69,9 +71,10 @@ void Scene::assign(const Points& points, double margin, const HullModel& hulls,
   fixed_far_bound = far_bound + hulls.distance_from(hulls.reach - hulls.fixed_reach, 0.0);
   near.finish(large);
   far.finish(large);
-  fixed_hulls.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
-  fixed = least_clearance_within(fixed_hulls, near, 0.0, {});
-  if (hulls.fixed_reach > hulls.reach) fixed = least_clearance_within(fixed_hulls, far, 0.0, fixed);
+  fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
+  fixed = least_clearance_within(fixed_hulls_, near, 0.0, {});
+  if (hulls.fixed_reach > hulls.reach)
+    fixed = least_clearance_within(fixed_hulls_, far, 0.0, fixed);
 }
 
 Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, bool within_limits,

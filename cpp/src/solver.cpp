@@ -6,12 +6,15 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
+#include <utility>
 
 #include "detail/check_input.hpp"
 #include "detail/describe.hpp"
 #include "detail/goal_of.hpp"
-#include "detail/search.hpp"
+#include "detail/paper.hpp"
+#include "detail/restarts.hpp"
+#include "detail/thread_pool.hpp"
+#include "pdoik/point_cloud.hpp"
 
 namespace pdoik {
 
@@ -33,26 +36,122 @@ const char* to_string(Status status) {
 
 namespace {
 
-/// Threads that are waited for, whatever happens.
-struct Threads {
-  std::vector<std::thread> threads;
-  ~Threads() {
-    for (std::thread& thread : threads) thread.join();
+/// No thread is woken for fewer targets than this.
+constexpr std::size_t kFewestEach = 4;
+
+/// One request after the other of a list that several threads work on.
+class Shared final : public detail::Requests {
+ public:
+  Shared(std::span<const std::vector<Goal>> goals, std::span<const Eigen::VectorXd> q0,
+         std::vector<Result>& results, std::atomic<std::size_t>& turn)
+      : goals_(goals), q0_(q0), results_(results), turn_(turn) {}
+
+  bool next(Request& request, Result*& result) override {
+    const std::size_t i = turn_++;
+    if (i >= goals_.size()) return false;
+    request = {.goals = goals_[i], .q0 = q0_.empty() ? nullptr : &q0_[q0_.size() == 1 ? 0 : i]};
+    result = &results_[i];
+    return true;
   }
+
+ private:
+  std::span<const std::vector<Goal>> goals_;
+  std::span<const Eigen::VectorXd> q0_;
+  std::vector<Result>& results_;
+  std::atomic<std::size_t>& turn_;
+};
+
+class Single final : public detail::Requests {
+ public:
+  Single(const Request& request, Result& result) : request_(request), result_(&result) {}
+
+  bool next(Request& request, Result*& result) override {
+    request = request_;
+    result = std::exchange(result_, nullptr);
+    return result != nullptr;
+  }
+
+ private:
+  const Request& request_;
+  Result* result_;
+};
+
+/// What a thread needs to solve.
+struct Worker {
+  Worker(std::shared_ptr<const detail::Model> model, std::shared_ptr<const detail::Scene> scene)
+      : workspace(std::move(model), std::move(scene)), restarts(workspace) {}
+
+  void solve(detail::Requests& requests) {
+    if (workspace.model().options.method == Method::Default) {
+      restarts.run(requests);
+      return;
+    }
+    Request request;
+    Result* result;
+    while (requests.next(request, result))
+      detail::solve_as_in_the_paper(workspace, request, *result);
+  }
+
+  detail::Workspace workspace;
+  detail::Restarts restarts;
+};
+
+/// Workers of past batches, kept for the next.
+class Workers {
+ public:
+  std::unique_ptr<Worker> take(const std::shared_ptr<const detail::Model>& model,
+                               const std::shared_ptr<const detail::Scene>& scene) {
+    std::unique_ptr<Worker> worker;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        worker = std::move(idle_.back());
+        idle_.pop_back();
+      }
+    }
+    if (worker == nullptr) return std::make_unique<Worker>(model, scene);
+    worker->workspace.use(scene);
+    return worker;
+  }
+  void give_back(std::unique_ptr<Worker> worker,
+                 const std::shared_ptr<const detail::Scene>& empty) {
+    worker->workspace.use(empty);  // its cloud is not kept alive
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(worker));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Worker>> idle_;
 };
 
 }  // namespace
 
-/// The robot and options a search refers to, kept at one address.
 struct Solver::Implementation {
-  Implementation(const Robot& robot_in, const Options& options_in)
-      : robot(robot_in), options(options_in), search(robot, options) {}
+  Implementation(const Robot& robot, const Options& options)
+      : model(std::make_shared<detail::Model>(robot, options)),
+        nothing(std::make_shared<detail::Scene>(*model)),
+        scene(std::make_shared<detail::Scene>(*model)),
+        own(model, scene) {}
+  /// Shares robot, options and obstacles.
   Implementation(const Implementation& other)
-      : robot(other.robot), options(other.options), search(robot, options, other.search) {}
+      : model(other.model), nothing(other.nothing), scene(other.scene), own(model, scene) {}
 
-  Robot robot;
-  Options options;
-  detail::Search search;
+  void set_obstacles(const Obstacles& points, double intake) {
+    const bool shared = scene.use_count() > 2;  // not by this and its own workspace alone
+    if (shared) scene = std::make_shared<detail::Scene>(*model);
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point started = Clock::now();
+    scene->assign(points, *model);
+    scene->intake = intake + std::chrono::duration<double>(Clock::now() - started).count();
+    own.workspace.use(scene);
+  }
+
+  std::shared_ptr<const detail::Model> model;
+  std::shared_ptr<const detail::Scene> nothing;
+  std::shared_ptr<detail::Scene> scene;
+  Worker own;
+  Workers workers;
 };
 
 Solver::Solver(const Robot& robot, const Options& options) {
@@ -64,22 +163,21 @@ Solver& Solver::operator=(Solver&&) noexcept = default;
 Solver::Solver(const Solver& other) : impl_(std::make_unique<Implementation>(*other.impl_)) {}
 Solver::~Solver() = default;
 
-const Robot& Solver::robot() const { return impl_->robot; }
-const Options& Solver::options() const { return impl_->options; }
+const Robot& Solver::robot() const { return impl_->model->robot; }
+const Options& Solver::options() const { return impl_->model->options; }
 
 void Solver::set_obstacles(const Obstacles& points) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point started = Clock::now();
   detail::check_obstacles(points);
-  impl_->search.set_obstacles(points);
-  impl_->search.set_intake(std::chrono::duration<double>(Clock::now() - started).count());
+  impl_->set_obstacles(points, std::chrono::duration<double>(Clock::now() - started).count());
 }
 
 void Solver::set_interrupt(std::function<bool()> wanted) {
-  impl_->search.set_interrupt(std::move(wanted));
+  impl_->own.workspace.interrupt = std::move(wanted);
 }
 
-void Solver::clear_obstacles() { impl_->search.set_obstacles(Points(0, 3)); }
+void Solver::clear_obstacles() { impl_->set_obstacles(Points(0, 3), 0.0); }
 
 Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
   return detail::goal_of(options(), T_base_tip, tip);
@@ -87,7 +185,8 @@ Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
 
 void Solver::solve(const Request& request, Result& result) {
   detail::check_request(request, robot(), options());
-  impl_->search.run(request, result);
+  Single requests(request, result);
+  impl_->own.solve(requests);
 }
 
 void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result) {
@@ -130,34 +229,23 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
                                 q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
   }
   std::vector<Result> results(goals.size());
-  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> turn{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
   const auto work = [&] {
     try {
-      Solver own(*this);
-      for (std::size_t i = next++; i < goals.size(); i = next++) {
-        const Eigen::VectorXd* start = q0.empty() ? nullptr : &q0[q0.size() == 1 ? 0 : i];
-        own.solve({.goals = goals[i], .q0 = start}, results[i]);
-      }
+      auto worker = impl_->workers.take(impl_->model, impl_->scene);
+      Shared requests(goals, q0, results, turn);
+      worker->solve(requests);
+      impl_->workers.give_back(std::move(worker), impl_->nothing);
     } catch (...) {
-      const std::lock_guard<std::mutex> lock(failure_mutex);
+      const std::lock_guard lock(failure_mutex);
       failure = std::current_exception();
     }
   };
-  const std::size_t wanted =
-      threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
-  const std::size_t count =
-      std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(goals.size(), 1));
-  {
-    Threads pool;
-    try {
-      for (std::size_t t = 1; t < count; ++t) pool.threads.emplace_back(work);
-    } catch (const std::exception&) {
-      // The system gives no more threads, or no memory for them: those there are do the work.
-    }
-    work();
-  }
+  const auto wanted = static_cast<std::size_t>(threads > 0 ? threads : detail::processor_count());
+  const std::size_t count = std::clamp<std::size_t>(goals.size() / kFewestEach, 1, wanted);
+  detail::run_together(static_cast<int>(count) - 1, work);
   if (failure) std::rethrow_exception(failure);
   return results;
 }
@@ -172,7 +260,7 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
   detail::check_goals(goals, robot(), options());
   const Eigen::VectorXd configuration = q;
   detail::check_configuration(configuration, robot().dof(), "q");
-  impl_->search.judge(goals, configuration, result);
+  impl_->own.workspace.judge_unwatched(goals, configuration, result);
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }
 

@@ -9,7 +9,7 @@
 #include "detail/check_input.hpp"
 #include "detail/describe.hpp"
 #include "detail/goal_of.hpp"
-#include "detail/search.hpp"
+#include "detail/step.hpp"
 #include "detail/travel.hpp"
 
 namespace pdoik {
@@ -73,16 +73,19 @@ constexpr double kBeyondTolerance = 10.0;
 
 }  // namespace
 
-/// The robot and options a search refers to, kept at one address, and the loop's memory.
+/// The loop's memory.
 struct Tracker::Implementation {
   Implementation(const Robot& robot_in, const Options& solver_options_in,
                  const TrackerOptions& options_in)
-      : robot(robot_in),
-        solver_options(solver_options_in),
+      : model(std::make_shared<detail::Model>(robot_in, solver_options_in)),
+        robot(model->robot),
+        solver_options(model->options),
         options(checked(options_in, robot)),
-        search(robot, solver_options) {
+        scene(std::make_shared<detail::Scene>(*model)),
+        workspace(model, scene),
+        way(workspace) {
     step = step_of(robot, options);
-    margin = detail::farthest_travel(robot, search.hulls(), step);
+    margin = detail::farthest_travel(robot, model->hulls, step);
     last = robot.mid_configuration();
     posture = last;
     lower.setZero(robot.dof());
@@ -115,7 +118,7 @@ struct Tracker::Implementation {
                  options.smoothness * last.array()) /
                 pull.array().max(1e-300);
     }
-    search.follow(
+    way.take(
         {.goals = goals,
          .from = &last,
          .lower = &lower,
@@ -141,10 +144,13 @@ struct Tracker::Implementation {
     last = result.q;
   }
 
-  Robot robot;
-  Options solver_options;
+  std::shared_ptr<const detail::Model> model;
+  const Robot& robot;
+  const Options& solver_options;
   TrackerOptions options;
-  detail::Search search;
+  std::shared_ptr<detail::Scene> scene;
+  detail::Workspace workspace;
+  detail::Step way;
   Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull;
   bool has_posture = false;
   double margin = 0.0;
@@ -197,8 +203,9 @@ bool Tracker::set_obstacles(const Obstacles& points) {
     return false;
   }
   if (!detail::accepts_obstacles(points, complaint)) return false;
-  impl_->search.set_obstacles(points);
-  impl_->search.set_intake(std::chrono::duration<double>(Clock::now() - started).count());
+  impl_->scene->assign(points, *impl_->model);
+  impl_->scene->intake = std::chrono::duration<double>(Clock::now() - started).count();
+  impl_->workspace.use(impl_->scene);
   return true;
 }
 

@@ -17,7 +17,7 @@
 #include "pdoik/robot.hpp"
 #include "random_robots.hpp"
 
-/// The solver's parts put together as Search does, each within a test's reach, and what they
+/// The solver's parts put together as solvers do, each within a test's reach, and what they
 /// compute once more in plain loops over Robot::fk.
 namespace pdoik::testing {
 
@@ -25,11 +25,13 @@ using ObstacleMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 
 class Workbench {
  public:
-  Workbench(Robot robot_in, const Options& options_in,
+  Workbench(const Robot& robot_in, const Options& options_in,
             JointLimitMap::Slack slack = JointLimitMap::Slack::PerSubAngle)
-      : robot(std::move(robot_in)),
-        options(options_in),
-        hulls(robot),
+      : model(robot_in, options_in),
+        robot(model.robot),
+        options(model.options),
+        hulls(model.hulls),
+        scene(model),
         moving(hulls, hulls.moving),
         fixed(hulls, hulls.fixed),
         own(robot, options),
@@ -47,7 +49,7 @@ class Workbench {
 
   void set_obstacles(const ObstacleMatrix& points) {
     obstacles = points;
-    scene.assign(points, options.clearance, hulls, fixed);
+    scene.assign(points, model);
     moving.reserve(scene.near.padded());
     lagrangian.reserve(scene.near.padded());
     lagrangian.use(scene);
@@ -73,11 +75,12 @@ class Workbench {
     return q;
   }
 
-  Robot robot;
-  Options options;
+  detail::Model model;
+  const Robot& robot;
+  const Options& options;
+  const detail::HullModel& hulls;
   ObstacleMatrix obstacles;
   Eigen::Isometry3d target = Eigen::Isometry3d::Identity();
-  detail::HullModel hulls;
   detail::Scene scene;
   detail::CollisionState moving, fixed;
   detail::OwnConstraints own;

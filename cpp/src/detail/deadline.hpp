@@ -17,9 +17,11 @@ class Deadline {
 
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
   /// Looks at the clock, until it has struck.
-  bool passed() const {
+  bool passed() const { return passed_at(Clock::now()); }
+  /// The same, for whoever has just looked.
+  bool passed_at(std::chrono::steady_clock::time_point time) const {
     if (struck_ || interrupt_ == nullptr) return struck_;
-    const double now = elapsed();
+    const double now = std::chrono::duration<double>(time - start_).count();
     if (now >= limit_) return struck_ = true;
     if (now < next_question_) return false;
     next_question_ = now + kBetweenQuestions;

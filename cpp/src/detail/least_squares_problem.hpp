@@ -101,9 +101,13 @@ class LeastSquaresProblem {
     pull_ = weights;
   }
 
-  /// Whether any of the scene's near obstacles is in a hull where f was last evaluated.
+  /// Whether there is anything that hulls could touch.
+  bool can_touch() const { return scene_->near.count() > 0 || own_.any_self(); }
+  /// Whether a hull touches one of the scene's near obstacles or another hull, where f was last
+  /// evaluated or the robot was last placed.
   bool touches() {
     collision_.place(rollout_);
+    if (own_.any_self() && own_.is_violated(rollout_, collision_)) return true;
     const ObstacleSet& all = scene_->near;
     return collision_.any_near(
         all,
@@ -120,13 +124,18 @@ class LeastSquaresProblem {
   /// Weigh all goals by this much more or less from now on.
   void scale_goals(double scale) { goal_scale_ = scale; }
 
-  double evaluate(const Eigen::VectorXd& q) {
+  /// Place the robot, and evaluate nothing.
+  void place(const Eigen::VectorXd& q) {
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const double angle = q[i];  // read once, so that the two calls become one
       cosine_[i] = std::cos(angle);
       sine_[i] = std::sin(angle);
     }
     rollout_.forward(cosine_.data(), sine_.data(), q.data());
+  }
+
+  double evaluate(const Eigen::VectorXd& q) {
+    place(q);
     double sum = 0.0;
     const double w2 = options_.rotation_weight * options_.rotation_weight;
     position_error_ = rotation_error_ = 0.0;

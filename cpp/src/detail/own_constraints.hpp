@@ -51,6 +51,12 @@ class OwnConstraints {
       active_.push_back({first_pair_ + self_->near(k).pair, self_->near(k).c, before + k});
   }
 
+  /// Whether any is violated there. Forgets those that were found.
+  bool is_violated(const Rollout& rollout, const CollisionState& points) {
+    find(rollout, points, [](int) { return 0.0; });
+    return !active_.empty();
+  }
+
   const std::vector<Active>& active() const { return active_; }
 
   /// Add dc/dq of an active one to row, shape (n,).

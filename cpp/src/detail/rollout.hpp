@@ -9,6 +9,19 @@
 
 namespace pdoik::detail {
 
+/// What moves each body, in the robot's order; the base first, which nothing does.
+inline std::vector<RolloutJoint> rollout_joints(const Robot& robot) {
+  std::vector<RolloutJoint> joints;
+  for (const Body& body : robot.bodies()) {
+    const bool slides = body.dof >= 0 && robot.joint_types()[static_cast<std::size_t>(body.dof)] ==
+                                             JointType::Prismatic;
+    const bool plain = body.multiplier == 1.0 && body.offset == 0.0 && slides == body.prismatic;
+    joints.push_back({body.parent, body.dof, body.prismatic, plain, body.multiplier, body.offset,
+                      to_frame(body.T_parent_joint)});
+  }
+  return joints;
+}
+
 /// Algorithms FWD (lines 1 to 7) and Jacobian (its second loop) for a tree of bodies.
 ///
 /// Forward: T_i = T_parent(i) T_parent_joint Rz(theta_i), each from its parent's. Reverse: a force
@@ -20,16 +33,9 @@ namespace pdoik::detail {
 class Rollout {
  public:
   explicit Rollout(const Robot& robot)
-      : frames_(robot.bodies().size()), wrenches_(robot.bodies().size()) {
-    for (const Body& body : robot.bodies()) {
-      const bool slides =
-          body.dof >= 0 &&
-          robot.joint_types()[static_cast<std::size_t>(body.dof)] == JointType::Prismatic;
-      const bool plain = body.multiplier == 1.0 && body.offset == 0.0 && slides == body.prismatic;
-      joints_.push_back({body.parent, body.dof, body.prismatic, plain, body.multiplier, body.offset,
-                         to_frame(body.T_parent_joint)});
-      needs_angles_ = needs_angles_ || (body.dof >= 0 && !plain);
-    }
+      : joints_(rollout_joints(robot)), frames_(joints_.size()), wrenches_(joints_.size()) {
+    for (const Joint& joint : joints_)
+      needs_angles_ = needs_angles_ || (joint.dof >= 0 && !joint.plain);
     frames_[0] = to_frame(Eigen::Isometry3d::Identity());
   }
 

@@ -4,6 +4,7 @@
 
 #include "pdoik/simd.hpp"
 #include "simd/cull.hpp"
+#include "simd/lanes.hpp"
 #include "simd/roll_out.hpp"
 
 namespace pdoik::detail {
@@ -54,6 +55,14 @@ RollOutFunction best_roll_out() {
   if (level() != Level::Baseline) return roll_out_avx2;
 #endif
   return roll_out_baseline;
+}
+
+LaneKernel best_lane_kernel() {
+#ifndef PDOIK_NO_X86_SIMD
+  // Eight lanes were no faster per target where 512 bits take two turns, and slower for one.
+  if (level() != Level::Baseline) return {lane_tick_avx2, 4};
+#endif
+  return {lane_tick_baseline, 2};
 }
 
 const char* simd_name() {

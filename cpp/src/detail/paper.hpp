@@ -1,0 +1,11 @@
+#pragma once
+
+#include "detail/workspace.hpp"
+#include "pdoik/solver.hpp"
+
+namespace pdoik::detail {
+
+/// Algorithm IK to the letter, from one start.
+void solve_as_in_the_paper(Workspace& workspace, const Request& request, Result& result);
+
+}  // namespace pdoik::detail

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "detail/collision.hpp"
+#include "detail/deadline.hpp"
+#include "detail/goal_term.hpp"
+#include "detail/judge.hpp"
+#include "detail/lagrangian_problem.hpp"
+#include "detail/lane_search.hpp"
+#include "detail/least_squares_problem.hpp"
+#include "detail/model.hpp"
+#include "detail/own_constraints.hpp"
+#include "detail/scene.hpp"
+#include "pdoik/joint_limit_map.hpp"
+#include "pdoik/result.hpp"
+
+namespace pdoik::detail {
+
+/// The memory of one thread that solves: the problem in both its forms, what minimises them, and
+/// the judge. Nothing here allocates once it is made and has its scene.
+class Workspace {
+ public:
+  Workspace(std::shared_ptr<const Model> model, std::shared_ptr<const Scene> scene);
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+
+  const Model& model() const { return *model_; }
+  const Scene& scene() const { return *scene_; }
+  /// The scene of the solves that follow.
+  void use(std::shared_ptr<const Scene> scene);
+
+  /// Goals, and the clock that everything looks at, from now on; both outlive what follows.
+  void set_goals(std::span<const Goal> asked);
+  void watch(const Deadline& deadline);
+
+  /// The clock of a solve that may take this long: time is kept for its verdict.
+  Deadline deadline_in(double max_time) const;
+  /// Judge a configuration, a pass over what is near. Counts as late once the clock has struck.
+  void judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result,
+             double look = std::numeric_limits<double>::infinity());
+  /// The same, of no solve.
+  void judge_unwatched(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result) {
+    judge_(asked, at, *scene_, result);
+  }
+  /// Minimise least squares from x, which then holds the end. @returns The value there.
+  double minimise(LevenbergMarquardt& minimiser, Eigen::VectorXd& x, const Eigen::VectorXd& lower,
+                  const Eigen::VectorXd& upper, Result& result);
+  /// Minimise the augmented Lagrangian (Algorithm IK) from omega.
+  void minimise_lagrangian(Result& result);
+
+ private:
+  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const Scene> scene_;
+  CollisionState moving_, fixed_;
+  OwnConstraints own_;
+  Judge judge_;
+  AugmentedLagrangian augmented_lagrangian_;
+  const Deadline* deadline_ = nullptr;
+  double verdict_time_ = 0.0;  ///< what a verdict takes, by the last ones [s]
+
+ public:
+  Rollout rollout;
+  std::vector<GoalTerm> goals;
+  JointLimitMap map;
+  LagrangianProblem lagrangian;
+  LeastSquaresProblem least_squares;
+  /// Gives up soon, goes on while there is any progress, and while there is anything to gain.
+  LevenbergMarquardt brisk, patient, settling;
+  LaneSearch lanes;
+  std::function<bool()> interrupt;  ///< whether somebody wants a solve to end
+  Eigen::VectorXd omega, q, start;  ///< for Algorithm IK
+  Result saved;                     ///< a verdict to go back to
+};
+
+/// The patience of `patient`: where only one start will do, slow progress is still progress.
+LevenbergMarquardtOptions patient(LevenbergMarquardtOptions options);
+
+/// Go back to an earlier verdict, but not to how much work it took.
+void restore(const Result& earlier, Result& result);
+
+}  // namespace pdoik::detail

@@ -1,0 +1,89 @@
+#include "detail/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detail/travel.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// A step that moves no part of a hull farther than this, nor than half the thinnest hull's width,
+/// is not looked at along the way: nothing that is clear of both its ends reaches deep on it [m].
+constexpr double kLongWay = 0.02;
+/// Hulls are taken for no thinner than this [m].
+constexpr double kThin = 2e-4;
+
+std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls, bool balance) {
+  std::vector<bool> matters(static_cast<std::size_t>(robot.dof()), balance);
+  const auto mark = [&](int body) {
+    for (int b = body; b > 0; b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
+      matters[static_cast<std::size_t>(robot.bodies()[static_cast<std::size_t>(b)].dof)] = true;
+    }
+  };
+  for (const int tip : robot.tips()) mark(robot.body_of_link(tip));
+  for (const AttachedPoint& point : hulls.points) mark(point.body);
+  return matters;
+}
+
+std::vector<Model::Turn> turns_of(const Robot& robot) {
+  std::vector<Model::Turn> turns;
+  for (int i = 0; i < robot.dof(); ++i) {
+    const bool endless = std::isinf(robot.lower()[i]) &&
+                         robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Continuous;
+    turns.push_back(endless ? Model::Turn::Wrap : Model::Turn::Limited);
+  }
+  for (const Body& body : robot.bodies()) {
+    if (body.dof < 0 || (!body.prismatic && body.multiplier == std::round(body.multiplier)))
+      continue;
+    Model::Turn& turn = turns[static_cast<std::size_t>(body.dof)];
+    if (turn == Model::Turn::Wrap) turn = Model::Turn::Bound;
+  }
+  return turns;
+}
+
+int dimensions(GoalType goal) {
+  return goal == GoalType::Pose ? 6 : goal == GoalType::Axis ? 5 : 3;
+}
+
+}  // namespace
+
+Model::Model(const Robot& robot_in, const Options& options_in)
+    : robot(robot_in),
+      options(options_in),
+      hulls(robot, options.heed_fixed_hulls),
+      matters(joints_that_matter(robot, hulls, options.balance.wanted())),
+      turns(turns_of(robot)),
+      sequence(robot.dof(), options.seed),
+      long_way(std::clamp(thinnest_hull(robot, hulls), kThin, kLongWay)) {
+  pull.setConstant(robot.dof(), options.posture_weight);
+  if (options.joint_weights.size() > 0) pull = options.posture_weight * options.joint_weights;
+  for (const int tip : robot.tips()) {
+    tip_reach.push_back(
+        reach_of(robot, robot.body_of_link(tip), robot.T_body_link(tip).translation().norm()));
+  }
+  hull_levers(robot, hulls, robot.lower(), robot.upper(), levers);
+}
+
+bool Model::is_out_of_reach(const Goal& goal) const {
+  const Reach& reach = tip_reach[static_cast<std::size_t>(goal.tip)];
+  const double slack =
+      options.position_tolerance + 1e-9 * reach.distance + goal.position_slack.norm();
+  return (goal.T_base_tip.translation() - reach.centre(robot)).norm() > reach.distance + slack;
+}
+
+void Model::wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const {
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const Turn turn = turns[static_cast<std::size_t>(i)];
+    if (turn == Turn::Bound) q[i] = std::clamp(q[i], start[i] - M_PI, start[i] + M_PI);
+    if (turn == Turn::Wrap) q[i] = start[i] + std::remainder(q[i] - start[i], 2.0 * M_PI);
+  }
+}
+
+bool Model::is_redundant(std::span<const Goal> goals) const {
+  std::ptrdiff_t fixed = 0;
+  for (const Goal& goal : goals) fixed += dimensions(goal.type);
+  return std::count(matters.begin(), matters.end(), true) > fixed;
+}
+
+}  // namespace pdoik::detail

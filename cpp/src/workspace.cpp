@@ -1,0 +1,135 @@
+#include "detail/workspace.hpp"
+
+#include <algorithm>
+
+namespace pdoik::detail {
+namespace {
+
+/// The last verdict comes after the clock has struck: time is kept for it, but no more than this
+/// share.
+constexpr double kMostReserved = 0.5;
+
+AugmentedLagrangianOptions lagrangian_options(const Options& options) {
+  AugmentedLagrangianOptions result = options.augmented_lagrangian;
+  if (options.method == Method::Paper) result.form = PenaltyForm::Printed;
+  return result;
+}
+
+/// Where the cost has no zero, it goes on while there is anything to gain.
+LevenbergMarquardtOptions settling_options(LevenbergMarquardtOptions options) {
+  options.first_damping = 1e-3;
+  options.stall_ratio = 0.999;
+  options.stall_window = 2;
+  return options;
+}
+
+}  // namespace
+
+LevenbergMarquardtOptions patient(LevenbergMarquardtOptions options) {
+  options.stall_ratio = std::max(options.stall_ratio, 0.95);
+  options.stall_window = std::max(options.stall_window, 4);
+  return options;
+}
+
+void restore(const Result& earlier, Result& result) {
+  const int iterations = result.iterations, evaluations = result.evaluations,
+            restarts = result.restarts, late = result.late_evaluations;
+  result = earlier;
+  result.iterations = iterations;
+  result.evaluations = evaluations;
+  result.restarts = restarts;
+  result.late_evaluations = late;
+}
+
+Workspace::Workspace(std::shared_ptr<const Model> model_in, std::shared_ptr<const Scene> scene_in)
+    : model_(std::move(model_in)),
+      scene_(std::move(scene_in)),
+      moving_(model().hulls, model().hulls.moving),
+      fixed_(model().hulls, model().hulls.fixed),
+      own_(model().robot, model().options),
+      judge_(model().robot, model().options, model().hulls),
+      augmented_lagrangian_(model().robot.dof(), lagrangian_options(model().options),
+                            model().options.lbfgs),
+      rollout(model().robot),
+      map(model().robot, JointLimitMap::Slack::Shared),
+      lagrangian(map, rollout, goals, moving_, own_, *scene_, model().options.point_distance,
+                 model().robot.dof()),
+      least_squares(rollout, goals, moving_, own_, *scene_, model().options, model().robot.dof()),
+      brisk(model().robot.dof(), model().options.levenberg_marquardt),
+      patient(model().robot.dof(), detail::patient(model().options.levenberg_marquardt)),
+      settling(model().robot.dof(), settling_options(model().options.levenberg_marquardt)),
+      lanes(model().robot, model().options) {
+  goals.reserve(model().robot.tips().size());
+  omega.setZero(map.size());
+  for (Eigen::VectorXd* each : {&saved.q, &q, &start}) each->setZero(model().robot.dof());
+  use(scene_);
+}
+
+void Workspace::use(std::shared_ptr<const Scene> scene) {
+  scene_ = std::move(scene);
+  const Options& options = model().options;
+  const int padded =
+      std::max(scene_->near.padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
+  moving_.reserve(padded);
+  least_squares.reserve(padded);
+  least_squares.use(*scene_);
+  lagrangian.use(*scene_);
+  if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)
+    lagrangian.reserve(padded);
+}
+
+void Workspace::set_goals(std::span<const Goal> asked) {
+  goals.clear();
+  for (const Goal& goal : asked) goals.emplace_back(model().robot, goal);
+}
+
+void Workspace::watch(const Deadline& deadline) {
+  deadline_ = &deadline;
+  least_squares.watch(&deadline);
+  lagrangian.watch(&deadline);
+}
+
+Deadline Workspace::deadline_in(double max_time) const {
+  return {max_time - std::min(verdict_time_, kMostReserved * max_time), interrupt};
+}
+
+void Workspace::judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result,
+                      double look) {
+  if (deadline_->struck()) ++result.late_evaluations;
+  const double began = deadline_->elapsed();
+  judge_(asked, at, *scene_, result, look);
+  const double took = deadline_->elapsed() - began;
+  verdict_time_ = std::max(took, 0.5 * (took + verdict_time_));
+}
+
+double Workspace::minimise(LevenbergMarquardt& minimiser, Eigen::VectorXd& x,
+                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                           Result& result) {
+  if (deadline_->struck()) return std::numeric_limits<double>::infinity();
+  const LevenbergMarquardtResult inner =
+      minimiser.minimize(least_squares, x, lower, upper, [&] { return deadline_->passed(); });
+  result.iterations += inner.iterations;
+  result.evaluations += inner.evaluations;
+  return inner.value;
+}
+
+void Workspace::minimise_lagrangian(Result& result) {
+  const Options& options = model().options;
+  const double p = options.position_tolerance, r = options.rotation_tolerance;
+  const auto struck = [&] { return deadline_->passed(); };
+  const auto stop = [&](const Eigen::VectorXd&, double) {
+    if (lagrangian.last_max_constraint() <= 0.5 * options.clearance_tolerance &&
+        std::all_of(goals.begin(), goals.end(), [&](const GoalTerm& goal) {
+          return goal.position_distance() < p && goal.rotation_distance() < r;
+        })) {
+      return true;
+    }
+    return struck();
+  };
+  const AugmentedLagrangianResult inner =
+      augmented_lagrangian_.minimize(lagrangian, omega, stop, struck);
+  result.iterations += inner.iterations;
+  result.evaluations += inner.evaluations;
+}
+
+}  // namespace pdoik::detail
