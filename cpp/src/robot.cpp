@@ -27,7 +27,6 @@ Robot::Robot(const RobotDescription& description, const std::string& base_link,
              const std::vector<std::string>& tip_links) {
   detail::Tree tree = detail::build_tree(description, base_link);
   name_ = description.name;
-  base_ = 0;
   joint_names_ = std::move(tree.joint_names);
   joint_types_ = std::move(tree.joint_types);
   lower_ = std::move(tree.lower);

@@ -132,7 +132,7 @@ class Robot {
   int dof() const { return static_cast<int>(joint_names_.size()); }
   const std::vector<std::string>& joint_names() const { return joint_names_; }
   const std::vector<std::string>& link_names() const { return link_names_; }
-  const std::string& base_link() const { return link_names_[static_cast<std::size_t>(base_)]; }
+  const std::string& base_link() const { return link_names_.front(); }
   const std::vector<int>& tips() const { return tips_; }
   std::vector<std::string> tip_links() const;
 
@@ -205,7 +205,6 @@ class Robot {
 
  private:
   std::string name_;
-  int base_ = 0;
   std::vector<std::string> joint_names_;
   std::vector<JointType> joint_types_;
   Eigen::VectorXd lower_, upper_, velocity_, effort_;
