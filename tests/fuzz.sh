@@ -25,7 +25,7 @@ is_cpp() { [[ " ${cpp_targets[*]} " == *" $1 "* ]]; }
 # Without trace-cmp: a solver compares numbers all day, and to watch each comparison halves the speed.
 build() {
   local wanted=()
-  for target in "${targets[@]}"; do if is_cpp "$target"; then wanted+=("fuzz_$target"); fi; done
+  for target in "${targets[@]}"; do if is_cpp "$target"; then wanted+=("pdoik_fuzz_$target"); fi; done
   ((${#wanted[@]})) || return 0
   if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
   cmake -S . -B $out/cmake -G Ninja --log-level=WARNING -D CMAKE_CXX_COMPILER=clang++ \
@@ -37,7 +37,7 @@ build() {
 # One target for so many seconds; its output in build/fuzz/<target>.log, its exit status in <target>.status.
 fuzz() {
   local target=$1 program flags=() status=0 started=$SECONDS
-  if is_cpp "$target"; then program=("$bin/fuzz_$target"); else program=(.venv/bin/python "tests/fuzz/fuzz_$target.py"); fi
+  if is_cpp "$target"; then program=("$bin/pdoik_fuzz_$target"); else program=(.venv/bin/python "tests/fuzz/fuzz_$target.py"); fi
   mkdir -p "$out/corpus/$target" "$out/crashes/$target"
   if [[ -f tests/fuzz/$target.dict ]]; then flags+=("-dict=tests/fuzz/$target.dict"); fi
   # Entropic scheduling counts rare features at a cost that grows with the corpus, here past that of the solves.

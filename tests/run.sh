@@ -77,8 +77,30 @@ build_consumer() {  # NAME CMAKE_ARGUMENT...
 }
 
 run_consumer() {  # NAME
+  "build/consumer/$1/core"
   "build/consumer/$1/consumer"
   "build/consumer/$1/readme"
+}
+
+# The program of pdoik::core alone runs, and neither it nor all of core has anything of what pdoik::io is made of.
+run_core() {  # NAME
+  local program
+  for program in core whole_core; do
+    "build/consumer/$1/$program"
+    ldd "build/consumer/$1/$program" >"build/consumer/$1/$program.contents"
+    nm --demangle "build/consumer/$1/$program" >>"build/consumer/$1/$program.contents"
+    if grep -iE 'pcl|urdf|yaml|tinyxml|console_bridge' "build/consumer/$1/$program.contents"; then
+      echo "$program has the above of pdoik::io in it" >&2
+      return 1
+    fi
+  done
+}
+
+# A parent's build type stays unset and its installation holds its own program only.
+is_parents_own() {  # NAME
+  grep -qx 'CMAKE_BUILD_TYPE:STRING=' "build/consumer/$1/CMakeCache.txt"
+  cmake --install "build/consumer/$1" --prefix "build/consumer/$1_install" >/dev/null
+  [[ $(cd "build/consumer/$1_install" && find . -type f) == ./bin/core ]]
 }
 
 # A project of its own, which finds the installed library or has its sources within; plain, and compiled for this processor.
@@ -104,10 +126,22 @@ stage_consumer() {
 
   # By add_subdirectory: how to build, here with Eigen's assertions, and what to install are the outer project's decisions.
   build_consumer inside -D PDOIK_SOURCE="$PWD" "$native" -D EIGEN_ABI=ON
-  grep -qx 'CMAKE_BUILD_TYPE:STRING=' build/consumer/inside/CMakeCache.txt
   run_consumer inside
-  cmake --install build/consumer/inside --prefix build/consumer/inside_install >/dev/null
-  [[ $(cd build/consumer/inside_install && find . -type f) == ./bin/consumer ]]
+  is_parents_own inside
+
+  # pdoik::core alone, as on a computer without the libraries of pdoik::io.
+  local hidden=() package
+  for package in urdfdom yaml-cpp PCL; do hidden+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+  build_consumer core "$installed" "${hidden[@]}" -D PDOIK_IO=OFF
+  run_core core
+  build_consumer core_inside -D PDOIK_SOURCE="$PWD" "${hidden[@]}" -D PDOIK_IO=OFF
+  run_core core_inside
+  is_parents_own core_inside
+  if build_consumer hidden "$installed" "${hidden[@]}" &>build/consumer/hidden.log; then
+    echo "find_package(pdoik) found io without its libraries" >&2
+    return 1
+  fi
+  grep -F "its component io needs" build/consumer/hidden.log
 }
 
 # The library compiled for this processor: its own tests, and a plain program that finds it installed.

@@ -5,10 +5,8 @@
 #include <stdexcept>
 
 #include "detail/check_input.hpp"
-#include "detail/embedded_robots.hpp"
 #include "detail/text.hpp"
 #include "detail/tree_builder.hpp"
-#include "pdoik/collision_pairs.hpp"
 #include "pdoik/errors.hpp"
 
 namespace pdoik {
@@ -27,7 +25,6 @@ Robot::Robot(const RobotDescription& description, const std::string& base_link,
              const std::vector<std::string>& tip_links) {
   detail::Tree tree = detail::build_tree(description, base_link);
   name_ = description.name;
-  base_ = 0;
   joint_names_ = std::move(tree.joint_names);
   joint_types_ = std::move(tree.joint_types);
   lower_ = std::move(tree.lower);
@@ -88,39 +85,6 @@ Robot Robot::from_dh(const std::vector<DhRow>& rows, const Eigen::Isometry3d& T_
   description.links.push_back({.name = "tool"});
   description.joints.push_back(std::move(tool));
   return Robot(description, "link0", {"tool"});
-}
-
-std::vector<std::string> Robot::builtin_names() {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < detail::embedded_robot_count; ++i) {
-    names.emplace_back(detail::embedded_robots[i].name);
-  }
-  return names;
-}
-
-namespace {
-
-const detail::EmbeddedRobot& embedded_robot(const std::string& name) {
-  for (std::size_t i = 0; i < detail::embedded_robot_count; ++i) {
-    if (name == detail::embedded_robots[i].name) return detail::embedded_robots[i];
-  }
-  throw std::invalid_argument("name is '" + name + "', expected one of " +
-                              detail::join(Robot::builtin_names()));
-}
-
-}  // namespace
-
-RobotDescription builtin_description(const std::string& name) {
-  return load_urdf(embedded_robot(name).urdf);
-}
-
-Robot Robot::builtin(const std::string& name, const std::string& base_link,
-                     const std::vector<std::string>& tip_links) {
-  const detail::EmbeddedRobot& embedded = embedded_robot(name);
-  Robot robot(load_urdf(embedded.urdf), base_link, tip_links);
-  if (*embedded.occupancy != 0) robot.set_occupancy(load_occupancy(embedded.occupancy));
-  if (*embedded.srdf != 0) robot.set_ignored_pairs(load_srdf_pairs(embedded.srdf));
-  return robot;
 }
 
 std::vector<std::string> Robot::tip_links() const {

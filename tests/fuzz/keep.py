@@ -19,7 +19,7 @@ LARGEST = 2000  # bytes of an input that is kept
 
 def edges_added(target: str, inputs: Path) -> dict[Path, int]:
     """How many edges each input covers that no smaller one does."""
-    fuzzer = ROOT / "build/fuzz/cmake/tests/fuzz" / f"fuzz_{target}"
+    fuzzer = ROOT / "build/fuzz/cmake/tests/fuzz" / f"pdoik_fuzz_{target}"
     program, said = [str(fuzzer)], "COV"
     if not fuzzer.exists():  # Atheris speaks of features alone
         program, said = [sys.executable, str(ROOT / "tests/fuzz" / f"fuzz_{target}.py")], "FT"

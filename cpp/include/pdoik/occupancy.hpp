@@ -35,12 +35,12 @@ struct Occupancy {
   std::size_t size() const { return spheres.size() + spheroids.size(); }
 };
 
-/// Read an occupancy file.
+/// Read an occupancy file. In pdoik::io.
 /// @param path_or_text  A file's path, or YAML text (recognised by a line break or colon-space).
 /// @throws LoadError naming the file, the entry and what is wrong with it.
 Occupancy load_occupancy(const std::string& path_or_text);
 
-/// The YAML text that load_occupancy reads back exactly.
+/// The YAML text that load_occupancy reads back exactly. In pdoik::io.
 std::string to_yaml(const Occupancy& occupancy);
 
 }  // namespace pdoik

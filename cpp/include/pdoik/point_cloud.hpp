@@ -10,7 +10,7 @@ namespace pdoik {
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// One point, the mean, for each cell of a grid anchored at the origin that holds any (PCL's
-/// VoxelGrid).
+/// VoxelGrid). In pdoik::io.
 ///
 /// PCL computes in float32: a point within about 6e-8 times its coordinate of a cell's wall may
 /// fall into the neighbouring cell, and the mean of n points is off by at most about n 6e-8 times

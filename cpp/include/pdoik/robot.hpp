@@ -59,12 +59,13 @@ struct RobotDescription {
 };
 
 /// Read a URDF with urdfdom, as links and joints that may be added to before they become a Robot
-/// (see floating_base.hpp).
+/// (see floating_base.hpp). In pdoik::io.
 /// @param path_or_xml  A file's path, or the XML text itself (recognised by its leading '<').
 /// @throws LoadError  unreadable file, malformed XML, a type of joint that is not supported.
 RobotDescription load_urdf(const std::string& path_or_xml);
 
 /// Links and joints of a robot shipped with the library, to be placed in the world or set afloat.
+/// In pdoik::io.
 /// @throws std::invalid_argument listing the names there are.
 RobotDescription builtin_description(const std::string& name);
 
@@ -111,7 +112,7 @@ class Robot {
   explicit Robot(const RobotDescription& description, const std::string& base_link = {},
                  const std::vector<std::string>& tip_links = {});
 
-  /// Robot(load_urdf(path_or_xml), base_link, tip_links).
+  /// Robot(load_urdf(path_or_xml), base_link, tip_links). In pdoik::io.
   /// @throws LoadError  the constructor's and load_urdf's.
   static Robot from_urdf(const std::string& path_or_xml, const std::string& base_link = {},
                          const std::vector<std::string>& tip_links = {});
@@ -122,17 +123,18 @@ class Robot {
                        const Eigen::Isometry3d& T_last_tool = Eigen::Isometry3d::Identity());
 
   /// A robot shipped with the library: "panda", "ur10", "iiwa14" or "h1", with its occupancy and
-  /// ignored pairs.
+  /// ignored pairs. In pdoik::io.
   /// @throws std::invalid_argument listing the names there are; LoadError as the constructor.
   static Robot builtin(const std::string& name, const std::string& base_link = {},
                        const std::vector<std::string>& tip_links = {});
+  /// Their names, sorted. In pdoik::io.
   static std::vector<std::string> builtin_names();
 
   const std::string& name() const { return name_; }
   int dof() const { return static_cast<int>(joint_names_.size()); }
   const std::vector<std::string>& joint_names() const { return joint_names_; }
   const std::vector<std::string>& link_names() const { return link_names_; }
-  const std::string& base_link() const { return link_names_[static_cast<std::size_t>(base_)]; }
+  const std::string& base_link() const { return link_names_.front(); }
   const std::vector<int>& tips() const { return tips_; }
   std::vector<std::string> tip_links() const;
 
@@ -205,7 +207,6 @@ class Robot {
 
  private:
   std::string name_;
-  int base_ = 0;
   std::vector<std::string> joint_names_;
   std::vector<JointType> joint_types_;
   Eigen::VectorXd lower_, upper_, velocity_, effort_;

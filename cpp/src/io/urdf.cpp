@@ -4,7 +4,7 @@
 
 #include <mutex>
 
-#include "detail/xml_text.hpp"
+#include "io/xml_text.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/robot.hpp"
 

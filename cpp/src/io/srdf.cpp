@@ -5,7 +5,7 @@
 #include <tinyxml2.h>
 #endif
 
-#include "detail/xml_text.hpp"
+#include "io/xml_text.hpp"
 #include "pdoik/collision_pairs.hpp"
 #include "pdoik/errors.hpp"
 

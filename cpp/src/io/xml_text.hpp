@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-#include "detail/text.hpp"
+#include "io/utf8.hpp"
 #include "pdoik/errors.hpp"
 
 namespace pdoik::detail {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <set>
 
-#include "detail/text.hpp"
+#include "io/utf8.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/occupancy.hpp"
 
