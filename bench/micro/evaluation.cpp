@@ -40,7 +40,7 @@ void ReversePass(benchmark::State& state) {
   for (int k = 0; k < bench.moving.near_count(); ++k) {
     const detail::NearPair& pair = bench.moving.near(k);
     constraints.push_back(detail::paper_constraint(bench.moving, bench.moving.hull(pair),
-                                                   bench.scene.near[pair.obstacle]));
+                                                   bench.scene.obstacles()[pair.obstacle]));
   }
   const auto push = [&](int point, const detail::Vec4& force) {
     bench.rollout.add_force(bench.moving.body_of_point(point), bench.moving.position(point), force);

@@ -41,9 +41,6 @@ HullModel::HullModel(const Robot& robot, bool heed_fixed) {
   const auto add = [&](int a, int b, double semi_major) {
     const AttachedPoint &one = points[static_cast<std::size_t>(a)],
                         &other = points[static_cast<std::size_t>(b)];
-    const Vec4 between = other.local - one.local;
-    may_be_hollow = may_be_hollow || one.body != other.body ||
-                    dot3(between, between) >= 4.0 * semi_major * semi_major;
     const bool is_fixed = one.body == 0 && other.body == 0;
     (is_fixed ? fixed : moving).push_back({a, b, semi_major, source++});
   };
@@ -73,11 +70,6 @@ HullModel::HullModel(const Robot& robot, bool heed_fixed) {
   if (root < 0) return;
   reach_centre = Reach{root}.centre(robot);
   reach = farthest * (1.0 + 1e-9);
-  const Vec4 centre = to_vec4(reach_centre);
-  for (const Hull& hull : fixed) {
-    const Vec4 from = points[static_cast<std::size_t>(hull.a)].local - centre;
-    fixed_reach = std::max(fixed_reach, std::sqrt(dot3(from, from)) + 2.0 * hull.semi_major);
-  }
 }
 
 namespace {
@@ -143,16 +135,37 @@ double from_centre(const CollisionState& state, const Hull& hull, const Vec4& o)
   return dot3(from, from);
 }
 
+/// Of some pairs, the one whose obstacle is nearest to the hull's centre in proportion to their
+/// size.
+const NearPair& nearest_in_proportion(const CollisionState& state, const ObstacleView& obstacles,
+                                      const NearPair* begin, const NearPair* end) {
+  const NearPair* nearest = begin;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const NearPair* pair = begin; pair != end; ++pair) {
+    const Hull& hull = state.hull(*pair);
+    const Vec4 o = obstacles[pair->obstacle];
+    const double size = hull.semi_major + std::max(o[3], 0.0);
+    const double ratio = from_centre(state, hull, o) / (size * size);
+    if (ratio >= lowest) continue;
+    lowest = ratio;
+    nearest = pair;
+  }
+  return *nearest;
+}
+
+/// From so many obstacles on it pays to bound the distances of a whole block.
+constexpr int kFewAtOnce = 3;
+
 /// Coordinates are a million metres at most, but a joint may slide farther: beyond this nothing is
 /// left out.
 constexpr double kBeyondAll = 1e9;
 
 }  // namespace
 
-Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, Clearance least) {
-  if (state.hulls().empty() || obstacles.count() == 0) return least;
-  if (const ObstacleSet* few = obstacles.few()) {  // whose nearest bounds how far others may be
-    least = least_clearance(state, *few, least);
+Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles, Clearance least) {
+  if (state.hulls().empty() || obstacles->count() == 0) return least;
+  if (const ObstacleSet* few = obstacles->few()) {  // whose nearest bounds how far others may be
+    least = least_clearance(state, {few, obstacles.margin}, least);
     return least_clearance_within(state, obstacles, least.distance, least);
   }
   double g = 0.05;
@@ -164,37 +177,42 @@ Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, C
   return least_clearance_within(state, obstacles, std::numeric_limits<double>::infinity(), least);
 }
 
-Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
+Clearance least_clearance_within(CollisionState& state, const ObstacleView& obstacles, double g,
                                  Clearance least) {
   const auto try_pair = [&](const NearPair& pair) {
     const Hull& hull = state.hull(pair);
-    const Vec4& o = obstacles[pair.obstacle];
+    const Vec4 o = obstacles[pair.obstacle];
     // The ball around a hull says of most pairs that they are not the nearest, without a root.
     const double reach = least.distance + hull.semi_major + o[3];
     if (reach > 0.0 && from_centre(state, hull, o) >= reach * reach) return;
     const double distance =
         hull_distance(hull, state.position(hull.a), state.position(hull.b), o, least.distance);
-    if (distance < least.distance)
-      least = {distance, hull.source, obstacles.original_index(pair.obstacle)};
+    if (distance < least.distance) least = {distance, hull.source, obstacles->id(pair.obstacle)};
   };
   // What is farther than the least so far need not be found: hulls grow by no more than that, or
   // shrink.
   const auto grow = [&](std::size_t) { return std::min(g, least.distance); };
   state.visit_near(obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
-    // The pair nearest in proportion first: most of the others need no exact distance then.
-    const NearPair* first = begin;
-    double lowest = std::numeric_limits<double>::infinity();
-    for (const NearPair* pair = begin; pair != end; ++pair) {
-      const Hull& hull = state.hull(*pair);
-      const Vec4& o = obstacles[pair->obstacle];
-      const double size = hull.semi_major + std::max(o[3], 0.0);
-      const double ratio = from_centre(state, hull, o) / (size * size);
-      if (ratio >= lowest) continue;
-      lowest = ratio;
-      first = pair;
+    // The pair nearest in proportion first, unless a few have told how near the others may be: most
+    // need no exact distance then.
+    if (obstacles->few() == nullptr) try_pair(nearest_in_proportion(state, obstacles, begin, end));
+    for (const NearPair* pair = begin; pair != end;) {
+      // Many of a block at once: most are told from the nearest without an exact distance.
+      const int block = pair->obstacle / kLanes;
+      const NearPair* last = pair;
+      while (last != end && last->hull == pair->hull && last->obstacle / kLanes == block) ++last;
+      float bounds[kLanes];
+      const bool bounded =
+          last - pair >= kFewAtOnce && state.bound_distances(static_cast<std::size_t>(pair->hull),
+                                                             obstacles, block * kLanes, bounds);
+      for (; pair != last; ++pair) {
+        const double margin = obstacles.margin;
+        if (bounded &&
+            static_cast<double>(bounds[pair->obstacle % kLanes]) - margin >= least.distance)
+          continue;
+        try_pair(*pair);
+      }
     }
-    try_pair(*first);
-    for (const NearPair* pair = begin; pair != end; ++pair) try_pair(*pair);
     return true;
   });
   return least;

@@ -149,9 +149,8 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   judge_limits(q, result);
   Verdict verdict(result, options_.rotation_weight);
   if (!are_somewhere(T_base_body_)) result.success = false;
-  const Clearance least =
-      scene.clearance(collision_, fixed_hulls_, result.limit_violation == 0.0, look);
-  const bool empty = scene.near.count() == 0 && scene.far.count() == 0;
+  const Clearance least = scene.clearance(collision_, fixed_hulls_, look);
+  const bool empty = scene.obstacles()->count() == 0;
   result.clearance = empty ? std::numeric_limits<double>::infinity()
                            : least.distance + options_.clearance;  // radii include what is wanted
   if (least.source >= 0) {  // nobody's, where nothing is within `look`

@@ -49,9 +49,10 @@ struct Lagrangian::Implementation {
 
   void set_obstacles(const Obstacles& points) {
     problem.reset_multipliers();
-    scene.assign(points, model);
-    collision.reserve(scene.near.padded());
-    problem.reserve(scene.near.padded());
+    scene.assign(points);
+    scene.read();
+    collision.reserve(scene.obstacles()->padded());
+    problem.reserve(scene.obstacles()->padded());
   }
 
   detail::Model model;

@@ -23,8 +23,8 @@ void solve_as_in_the_paper(Workspace& workspace, const Request& request, Result&
   workspace.map.positions(omega, q);  // Eq. recovery
   model.wrap(start, q);
   workspace.judge(request.goals, q, result);
-  end_result(why_hopeless(model, request.goals, scene.base_collides(model.options)), deadline,
-             scene.intake, result);
+  end_result(why_hopeless(model, request.goals, scene.base_collides()), deadline, scene.intake,
+             result);
 }
 
 }  // namespace pdoik::detail

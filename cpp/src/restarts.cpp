@@ -168,7 +168,7 @@ void Restarts::begin(Attempt& attempt, const Request& request, Result& result) {
   attempt.result = &result;
   attempt.deadline = workspace_.deadline_in(options.max_time);
   begin_result(result);
-  attempt.for_goals_alone = workspace_.scene().base_collides(options);
+  attempt.for_goals_alone = workspace_.scene().base_collides();
   attempt.hopeless = why_hopeless(model_, request.goals, attempt.for_goals_alone);
   attempt.redundant = model_.is_redundant(request.goals);
   attempt.nearest = options.prefer == Prefer::Nearest;
@@ -292,15 +292,16 @@ bool Restarts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
 }
 
 double Restarts::cost_of_all() const {
-  const ObstacleSet& near = workspace_.scene().near;
+  const Scene& scene = workspace_.scene();
   // Of a cloud in order most is passed by in blocks.
-  return near.in_order() ? 20.0 + 0.01 * near.count() / kObstaclesPerEvaluation
-                         : near.count() / kObstaclesPerEvaluation;
+  return scene.obstacles()->in_order()
+             ? 20.0 + 0.01 * scene.within_reach() / kObstaclesPerEvaluation
+             : scene.within_reach() / kObstaclesPerEvaluation;
 }
 
 bool Restarts::repair_pays(const Attempt& attempt) const {
   constexpr int kUsualEvaluations = 8, kUsuallyAbout = 200;
-  const int about = std::min(workspace_.scene().near.count(), kUsuallyAbout);
+  const int about = std::min(workspace_.scene().within_reach(), kUsuallyAbout);
   const double usual =
       2.0 * cost_of_all() + kUsualEvaluations * (1.0 + about / kObstaclesPerEvaluation);
   return attempt.repair_cost + usual < kRepairShare * attempt.search_cost;

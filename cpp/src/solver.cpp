@@ -78,8 +78,8 @@ class Single final : public detail::Requests {
 
 /// What a thread needs to solve.
 struct Worker {
-  Worker(std::shared_ptr<const detail::Model> model, std::shared_ptr<const detail::Scene> scene)
-      : workspace(std::move(model), std::move(scene)), restarts(workspace) {}
+  Worker(std::shared_ptr<const detail::Model> model, const detail::Scene& scene)
+      : workspace(std::move(model), scene), restarts(workspace) {}
 
   void solve(detail::Requests& requests) {
     if (workspace.model().options.method == Method::Default) {
@@ -100,7 +100,7 @@ struct Worker {
 class Workers {
  public:
   std::unique_ptr<Worker> take(const std::shared_ptr<const detail::Model>& model,
-                               const std::shared_ptr<const detail::Scene>& scene) {
+                               const detail::Scene& scene) {
     std::unique_ptr<Worker> worker;
     {
       const std::lock_guard lock(mutex_);
@@ -113,9 +113,7 @@ class Workers {
     worker->workspace.use(scene);
     return worker;
   }
-  void give_back(std::unique_ptr<Worker> worker,
-                 const std::shared_ptr<const detail::Scene>& empty) {
-    worker->workspace.use(empty);  // its cloud is not kept alive
+  void give_back(std::unique_ptr<Worker> worker) {
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(worker));
   }
@@ -129,27 +127,20 @@ class Workers {
 
 struct Solver::Implementation {
   Implementation(const Robot& robot, const Options& options)
-      : model(std::make_shared<detail::Model>(robot, options)),
-        nothing(std::make_shared<detail::Scene>(*model)),
-        scene(std::make_shared<detail::Scene>(*model)),
-        own(model, scene) {}
+      : model(std::make_shared<detail::Model>(robot, options)), scene(*model), own(model, scene) {}
   /// Shares robot, options and obstacles.
   Implementation(const Implementation& other)
-      : model(other.model), nothing(other.nothing), scene(other.scene), own(model, scene) {}
+      : model(other.model), scene(*model, other.scene), own(model, scene) {}
 
-  void set_obstacles(const Obstacles& points, double intake) {
-    const bool shared = scene.use_count() > 2;  // not by this and its own workspace alone
-    if (shared) scene = std::make_shared<detail::Scene>(*model);
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point started = Clock::now();
-    scene->assign(points, *model);
-    scene->intake = intake + std::chrono::duration<double>(Clock::now() - started).count();
-    own.workspace.use(scene);
+  /// Held while the obstacles are read.
+  std::shared_lock<std::shared_mutex> read() {
+    auto lock = scene.read();
+    if (scene.has_changed()) own.workspace.use(scene);
+    return lock;
   }
 
   std::shared_ptr<const detail::Model> model;
-  std::shared_ptr<const detail::Scene> nothing;
-  std::shared_ptr<detail::Scene> scene;
+  detail::Scene scene;
   Worker own;
   Workers workers;
 };
@@ -170,14 +161,18 @@ void Solver::set_obstacles(const Obstacles& points) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point started = Clock::now();
   detail::check_obstacles(points);
-  impl_->set_obstacles(points, std::chrono::duration<double>(Clock::now() - started).count());
+  impl_->scene.assign(points);
+  impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
 }
 
 void Solver::set_interrupt(std::function<bool()> wanted) {
   impl_->own.workspace.interrupt = std::move(wanted);
 }
 
-void Solver::clear_obstacles() { impl_->set_obstacles(Points(0, 3), 0.0); }
+void Solver::clear_obstacles() {
+  impl_->scene.assign(Points(0, 3));
+  impl_->scene.intake = 0.0;
+}
 
 Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
   return detail::goal_of(options(), T_base_tip, tip);
@@ -185,6 +180,7 @@ Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
 
 void Solver::solve(const Request& request, Result& result) {
   detail::check_request(request, robot(), options());
+  const auto reading = impl_->read();
   Single requests(request, result);
   impl_->own.solve(requests);
 }
@@ -228,16 +224,19 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
     detail::check_configuration(q0[i], robot().dof(),
                                 q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
   }
+  // Batches of one solver may run at once, so each has a view of the obstacles of its own.
+  detail::Scene scene(*impl_->model, impl_->scene);
+  const auto reading = scene.read();
   std::vector<Result> results(goals.size());
   std::atomic<std::size_t> turn{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
   const auto work = [&] {
     try {
-      auto worker = impl_->workers.take(impl_->model, impl_->scene);
+      auto worker = impl_->workers.take(impl_->model, scene);
       Shared requests(goals, q0, results, turn);
       worker->solve(requests);
-      impl_->workers.give_back(std::move(worker), impl_->nothing);
+      impl_->workers.give_back(std::move(worker));
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
       failure = std::current_exception();
@@ -260,6 +259,7 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
   detail::check_goals(goals, robot(), options());
   const Eigen::VectorXd configuration = q;
   detail::check_configuration(configuration, robot().dof(), "q");
+  const auto reading = impl_->read();
   impl_->own.workspace.judge_unwatched(goals, configuration, result);
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }

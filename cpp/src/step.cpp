@@ -34,7 +34,7 @@ void Step::approach(const StepRequest& step, double margin, Result& result) {
   problem.evaluate(q_);
   // A goal that is farther than a step can bring it is approached by what a step can.
   for (GoalTerm& goal : workspace_.goals) goal.come_within(step.advance, step.turn);
-  if (workspace_.scene().near.count() > 0) problem.heed_those_about(margin, true);
+  if (workspace_.scene().within_reach() > 0) problem.heed_those_about(margin, true);
   problem.remember_next();
   if (deadline_->passed()) return;
   if (step.pull_to != nullptr) {

@@ -81,7 +81,7 @@ struct Tracker::Implementation {
         robot(model->robot),
         solver_options(model->options),
         options(checked(options_in, robot)),
-        scene(std::make_shared<detail::Scene>(*model)),
+        scene(*model),
         workspace(model, scene),
         way(workspace) {
     step = step_of(robot, options);
@@ -118,6 +118,8 @@ struct Tracker::Implementation {
                  options.smoothness * last.array()) /
                 pull.array().max(1e-300);
     }
+    const auto reading = scene.read();
+    if (scene.has_changed()) workspace.use(scene);
     way.take(
         {.goals = goals,
          .from = &last,
@@ -148,7 +150,7 @@ struct Tracker::Implementation {
   const Robot& robot;
   const Options& solver_options;
   TrackerOptions options;
-  std::shared_ptr<detail::Scene> scene;
+  detail::Scene scene;
   detail::Workspace workspace;
   detail::Step way;
   Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull;
@@ -203,9 +205,8 @@ bool Tracker::set_obstacles(const Obstacles& points) {
     return false;
   }
   if (!detail::accepts_obstacles(points, complaint)) return false;
-  impl_->scene->assign(points, *impl_->model);
-  impl_->scene->intake = std::chrono::duration<double>(Clock::now() - started).count();
-  impl_->workspace.use(impl_->scene);
+  impl_->scene.assign(points);
+  impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
   return true;
 }
 

@@ -41,9 +41,9 @@ void restore(const Result& earlier, Result& result) {
   result.late_evaluations = late;
 }
 
-Workspace::Workspace(std::shared_ptr<const Model> model_in, std::shared_ptr<const Scene> scene_in)
+Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
     : model_(std::move(model_in)),
-      scene_(std::move(scene_in)),
+      scene_(&scene),
       moving_(model().hulls, model().hulls.moving),
       fixed_(model().hulls, model().hulls.fixed),
       own_(model().robot, model().options),
@@ -62,18 +62,18 @@ Workspace::Workspace(std::shared_ptr<const Model> model_in, std::shared_ptr<cons
   goals.reserve(model().robot.tips().size());
   omega.setZero(map.size());
   for (Eigen::VectorXd* each : {&saved.q, &q, &start}) each->setZero(model().robot.dof());
-  use(scene_);
+  use(scene);
 }
 
-void Workspace::use(std::shared_ptr<const Scene> scene) {
-  scene_ = std::move(scene);
+void Workspace::use(const Scene& scene) {
+  scene_ = &scene;
   const Options& options = model().options;
   const int padded =
-      std::max(scene_->near.padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
+      std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   moving_.reserve(padded);
   least_squares.reserve(padded);
-  least_squares.use(*scene_);
-  lagrangian.use(*scene_);
+  least_squares.use(scene);
+  lagrangian.use(scene);
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)
     lagrangian.reserve(padded);
 }

@@ -258,7 +258,7 @@ TEST(LeastSquares, touches_where_some_point_is_in_some_hull) {
     bench.roll_out(q);
     const Clearance least = bench.scene.clearance(bench.moving, bench.fixed);
     if (std::abs(least.distance) < 1e-9) continue;
-    const bool fixed = bench.scene.fixed.distance < 0.0;  // moving hulls are asked alone
+    const bool fixed = bench.scene.fixed().distance < 0.0;  // moving hulls are asked alone
     if (!fixed) {
       EXPECT_EQ(touches, least.distance < 0.0);
     }
@@ -285,7 +285,7 @@ TEST(LeastSquares, about_a_configuration_counts_the_same_points_and_never_less) 
     const Eigen::VectorXd q = random_configuration(bench.robot, random);
     const double all = bench.least_squares.evaluate(q);
     bench.least_squares.heed_those_about(0.1);
-    EXPECT_LE(bench.least_squares.heeded(), bench.scene.near.count());
+    EXPECT_LE(bench.least_squares.heeded(), bench.scene.obstacles()->count());
     const double about = bench.least_squares.evaluate(q);
     if (radii) {
       EXPECT_GE(about, all * (1.0 - 1e-12)) << "the safe side";

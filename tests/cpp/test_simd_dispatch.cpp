@@ -58,7 +58,7 @@ struct Coarse {
     pairs.back() = {-7, -7};
     CullCursor at;
     const int count =
-        cull({x.data(), y.data(), z.data(), radius.data(), padded, {}, {}}, hulls.data(),
+        cull({x.data(), y.data(), z.data(), radius.data(), padded, {}, {}, {}}, hulls.data(),
              static_cast<int>(hulls.size()), pairs.data(), static_cast<int>(pairs.size()) - 1, at);
     EXPECT_EQ(pairs.back().hull, -7) << "wrote beyond the room there is";
     std::vector<std::pair<int, int>> found;

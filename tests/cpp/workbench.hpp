@@ -49,11 +49,12 @@ class Workbench {
 
   void set_obstacles(const ObstacleMatrix& points) {
     obstacles = points;
-    scene.assign(points, model);
-    moving.reserve(scene.near.padded());
-    lagrangian.reserve(scene.near.padded());
+    scene.assign(points);
+    scene.read();
+    moving.reserve(scene.obstacles()->padded());
+    lagrangian.reserve(scene.obstacles()->padded());
     lagrangian.use(scene);
-    least_squares.reserve(scene.near.padded());
+    least_squares.reserve(scene.obstacles()->padded());
     least_squares.use(scene);
   }
   void set_target(const Eigen::Isometry3d& T) {

@@ -38,25 +38,11 @@ struct HullModel {
 
   std::vector<AttachedPoint> points;
   std::vector<Hull> moving, fixed;
-  /// No obstacle farther than this from `reach_centre` can touch a moving hull; infinite if
+  /// No obstacle farther than this and twice its radius from `reach_centre` can touch a moving
+  /// hull; infinite if
   /// unknown.
   Eigen::Vector3d reach_centre = Eigen::Vector3d::Zero();
   double reach = std::numeric_limits<double>::infinity();
-  /// The fixed hulls lie within this distance of `reach_centre`.
-  double fixed_reach = 0.0;
-  /// Whether the foci of some hull may be too far apart for a spheroid: what then stands for its
-  /// distance grows half as fast with that from `reach_centre`.
-  bool may_be_hollow = false;
-
-  /// At most the distance from a hull to an obstacle that is `beyond` farther from `reach_centre`
-  /// than the hull reaches, less the obstacle's radius.
-  double distance_from(double beyond, double radius) const {
-    return (may_be_hollow && beyond > 0.0 ? 0.5 * beyond : beyond) - radius;
-  }
-  /// From how much farther away than `reach` an obstacle is clear of every hull.
-  double clear_beyond(double radius) const {
-    return may_be_hollow && radius > 0.0 ? 2.0 * radius : radius;
-  }
 };
 
 /// By how much a hull must grow so that rounding in the coarse test misses nothing [m].
@@ -130,12 +116,12 @@ class CollisionState {
   /// square root: none if there are no obstacles. More than there is room for are left out: so many
   /// leave no doubt that the robot touches something.
   template <class Grow>
-  void find_near(const ObstacleSet& obstacles, Grow&& grow) {
+  void find_near(const ObstacleView& obstacles, Grow&& grow) {
     near_count_ = 0;
-    if (obstacles.count() == 0) return;
+    if (obstacles->count() == 0) return;
     for (std::size_t h = 0; h < queries_.size(); ++h) set_query(h, obstacles, grow(h));
     CullCursor at;
-    near_count_ = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(queries_.size()),
+    near_count_ = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(queries_.size()),
                         pairs_.data(), capacity(), at);
   }
 
@@ -144,7 +130,7 @@ class CollisionState {
   /// negative: then pairs that reach deeper than that count. Changes the near pairs. @returns
   /// Whether nobody stopped it.
   template <class Grow, class Visit>
-  bool visit_near(const ObstacleSet& obstacles, Grow&& grow, Visit&& visit) {
+  bool visit_near(const ObstacleView& obstacles, Grow&& grow, Visit&& visit) {
     return visit_hulls(0, queries_.size(), obstacles, grow, visit);
   }
 
@@ -152,7 +138,7 @@ class CollisionState {
   /// that answered yes last time first, and of each hull's pairs first those that `surely` holds
   /// for, a cheaper test. Changes the near pairs.
   template <class Surely, class Test>
-  bool any_near(const ObstacleSet& obstacles, Surely&& surely, Test&& test) {
+  bool any_near(const ObstacleView& obstacles, Surely&& surely, Test&& test) {
     for (std::size_t k = 0; k < queries_.size(); ++k) {
       const std::size_t h = k == 0 ? first_asked_ : k - (k <= first_asked_ ? 1 : 0);
       const auto none_of = [&](const NearPair* begin, const NearPair* end) {
@@ -164,6 +150,28 @@ class CollisionState {
       return true;
     }
     return false;
+  }
+
+  /// At most the distances of kLanes obstacles, from `first` on, from the surface of hull h, less
+  /// their radii as they are in the set [m]. False, and nothing, of a spheroid that is none.
+  bool bound_distances(std::size_t h, const ObstacleView& obstacles, int first,
+                       float (&bounds)[kLanes]) const {
+    const Hull& hull = hulls_[h];
+    const Vec4 centre =
+        broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles->origin();
+    const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
+    if (!(dot3(half, half) < kThickEnough * hull.semi_major * hull.semi_major)) return false;
+    HullQuery query{};
+    for (int i = 0; i < 3; ++i) {
+      query.centre[i] = static_cast<float>(centre[i]);
+      query.half[i] = static_cast<float>(half[i]);
+    }
+    query.semi_major = static_cast<float>(hull.semi_major);
+    bound_distances_(obstacles->arrays(), first, query, bounds);
+    // Rounding, and radii that are less than they are in the set.
+    const double slack = 4e-6 * (obstacles->extent() + hull.semi_major);
+    for (float& bound : bounds) bound -= static_cast<float>(slack);
+    return true;
   }
 
   int near_count() const { return near_count_; }
@@ -181,25 +189,26 @@ class CollisionState {
   int capacity() const { return static_cast<int>(pairs_.size()); }
 
   template <class Grow, class Visit>
-  bool visit_hulls(std::size_t first, std::size_t end, const ObstacleSet& obstacles, Grow&& grow,
+  bool visit_hulls(std::size_t first, std::size_t end, const ObstacleView& obstacles, Grow&& grow,
                    Visit&& visit) {
     near_count_ = 0;
-    if (obstacles.count() == 0) return true;
+    if (obstacles->count() == 0) return true;
     CullCursor at{static_cast<int>(first), 0};
     const int room = std::min(kFewPairs, capacity());
     while (at.hull < static_cast<int>(end)) {
       for (auto h = static_cast<std::size_t>(at.hull); h < end; ++h)
         set_query(h, obstacles, grow(h));
-      const int count = cull_(obstacles.arrays(), queries_.data(), static_cast<int>(end),
+      const int count = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(end),
                               pairs_.data(), room, at);
       if (count > 0 && !visit(pairs_.data(), pairs_.data() + count)) return false;
     }
     return true;
   }
 
-  void set_query(std::size_t h, const ObstacleSet& obstacles, double grow) {
+  void set_query(std::size_t h, const ObstacleView& obstacles, double grow) {
     const Hull& hull = hulls_[h];
-    const Vec4 centre = broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles.origin();
+    const Vec4 centre =
+        broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles->origin();
     Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
     if (grow < 0.0) [[unlikely]] {
       const Core core = core_of(hull.semi_major, dot3(half, half), -grow);
@@ -211,7 +220,9 @@ class CollisionState {
       query.centre[i] = static_cast<float>(centre[i]);
       query.half[i] = static_cast<float>(half[i]);
     }
-    const double A = hull.semi_major + grow, extent = obstacles.extent();
+    // What lets points in is seen to by who measures: the coarse test takes hulls as they are.
+    const double A = hull.semi_major + grow + std::max(obstacles.margin, 0.0),
+                 extent = obstacles->extent();
     double grown = A + coarse_slack(A, dot3(half, half), extent);
     if (!(grown < extent)) [[unlikely]]
       grown = bounded(grown, centre, half, extent);
@@ -228,6 +239,9 @@ class CollisionState {
 
   /// Pairs are visited so many at a time: what is learnt from some may spare most of the others.
   static constexpr int kFewPairs = 16 * kLanes;
+  /// Of the squared ratio of half the foci's distance to the semi-major axis: beyond it a spheroid
+  /// is too thin for single precision.
+  static constexpr double kThickEnough = 0.999;
   static constexpr double kLargestQuery = 1e14;  ///< padding lies ten times as far away [m]
 
   const HullModel& model_;
@@ -238,6 +252,7 @@ class CollisionState {
   int near_count_ = 0;
   std::size_t first_asked_ = 0;
   CullFunction cull_;
+  BoundFunction bound_distances_ = best_bound_distances();
 };
 
 /// The least distance from an obstacle (less its radius) to a hull, and which.
@@ -249,11 +264,12 @@ struct Clearance {
 
 /// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, among the
 /// pairs that are within g of each other, at least. Changes the state's near pairs.
-Clearance least_clearance_within(CollisionState& state, const ObstacleSet& obstacles, double g,
+Clearance least_clearance_within(CollisionState& state, const ObstacleView& obstacles, double g,
                                  Clearance than = {});
 
 /// The same among all, by growing the hulls until obstacles come to lie in them: points nearer than
 /// g to a hull lie in it when it is grown by g, so once the least is below g it is found.
-Clearance least_clearance(CollisionState& state, const ObstacleSet& obstacles, Clearance than = {});
+Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles,
+                          Clearance than = {});
 
 }  // namespace pdoik::detail

@@ -85,7 +85,7 @@ class LagrangianProblem {
   double max_constraint(const Eigen::VectorXd& omega) {
     roll_out(omega);
     collision_.place(rollout_);
-    collision_.find_near(scene_->near, [](std::size_t) { return 0.0; });
+    collision_.find_near(scene_->obstacles(), [](std::size_t) { return 0.0; });
     if (own_.any()) own_.find(rollout_, collision_, [](int) { return 0.0; });
     max_constraint_ = 0.0;
     for (const OwnConstraints::Active& active : own_.active())
@@ -167,8 +167,9 @@ class LagrangianProblem {
   /// Pairs whose penalty acts. In the smooth form those reach mu / rho beyond contact; grow_ holds
   /// each hull's largest multiplier.
   void find_near(const Penalty& penalty) {
-    if (scene_->near.count() > 0 || own_.any_self()) collision_.place(rollout_);
-    collision_.find_near(scene_->near, [&](std::size_t h) { return penalty.reach(grow_[h]); });
+    if (scene_->within_reach() > 0 || own_.any_self()) collision_.place(rollout_);
+    collision_.find_near(scene_->obstacles(),
+                         [&](std::size_t h) { return penalty.reach(grow_[h]); });
     if (!own_.any()) return;
     own_.find(rollout_, collision_, [&](int slot) {
       return penalty.reach(own_multiplier_[static_cast<std::size_t>(slot)]);
@@ -180,7 +181,7 @@ class LagrangianProblem {
   }
 
   Constraint constraint(const NearPair& pair) const {
-    return paper_constraint(collision_, collision_.hull(pair), scene_->near[pair.obstacle]);
+    return paper_constraint(collision_, collision_.hull(pair), scene_->obstacles()[pair.obstacle]);
   }
 
   double add_constraint(const NearPair& pair, const Penalty& penalty, double mu) {

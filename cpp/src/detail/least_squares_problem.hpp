@@ -65,9 +65,9 @@ class LeastSquaresProblem {
   void heed_those_about(double margin, bool exact = false) {
     exact_ = exact;
     heeded_ = Heeded::All;
-    const ObstacleSet& all = scene_->near;
+    const ObstacleView all = scene_->obstacles();
     if (!std::isfinite(margin)) return;
-    const std::size_t words = static_cast<std::size_t>(all.count()) / 64 + 1;
+    const std::size_t words = static_cast<std::size_t>(all->places()) / 64 + 1;
     std::fill_n(is_about_.begin(), words, 0U);
     collision_.place(rollout_);
     std::size_t count = 0;
@@ -81,18 +81,17 @@ class LeastSquaresProblem {
       return count <= kMostAbout;
     };
     if (!collision_.visit_near(all, [margin](std::size_t) { return margin; }, note)) return;
-    about_.begin(static_cast<int>(count), to_vector3(all.origin()));
+    about_.begin(static_cast<int>(count), to_vector3(all->origin()));
     for (std::size_t w = 0; w < words; ++w) {
       for (std::uint64_t bits = is_about_[w]; bits != 0; bits &= bits - 1) {
         const int j = static_cast<int>(64 * w) + __builtin_ctzll(bits);
-        const Vec4& o = all[j];
-        about_.add(o[0], o[1], o[2], o[3], all.original_index(j));
+        about_.add(all[j], all->id(j));
       }
     }
-    about_.finish(all.in_order());
+    about_.finish(all->in_order());
     heeded_ = Heeded::About;
   }
-  int heeded() const { return obstacles().count(); }
+  int heeded() const { return obstacles()->count(); }
 
   /// Pull each joint towards a position, with a weight each [m^2/rad^2]: both shape (n,), kept by
   /// the caller. Null ends it.
@@ -102,17 +101,17 @@ class LeastSquaresProblem {
   }
 
   /// Whether there is anything that hulls could touch.
-  bool can_touch() const { return scene_->near.count() > 0 || own_.any_self(); }
+  bool can_touch() const { return scene_->within_reach() > 0 || own_.any_self(); }
   /// Whether a hull touches one of the scene's near obstacles or another hull, where f was last
   /// evaluated or the robot was last placed.
   bool touches() {
     collision_.place(rollout_);
     if (own_.any_self() && own_.is_violated(rollout_, collision_)) return true;
-    const ObstacleSet& all = scene_->near;
+    const ObstacleView all = scene_->obstacles();
     return collision_.any_near(
         all,
         [&](const NearPair& pair) {  // the point itself, whatever its radius
-          const Vec4& o = all[pair.obstacle];
+          const Vec4 o = all[pair.obstacle];
           return o[3] >= 0.0 &&
                  paper_constraint(collision_, collision_.hull(pair), o).c > 2.0 * o[3];
         },
@@ -222,12 +221,13 @@ class LeastSquaresProblem {
   static constexpr double kContactGap = 1e-8;
 
   enum class Heeded { All, About, None };
-  const ObstacleSet& obstacles() const {
-    return heeded_ == Heeded::All ? scene_->near : heeded_ == Heeded::About ? about_ : none_;
+  ObstacleView obstacles() const {
+    if (heeded_ == Heeded::All) return scene_->obstacles();
+    return heeded_ == Heeded::About ? about_ : none_;
   }
 
   Constraint constraint(const NearPair& pair) const {
-    const Vec4& o = obstacles()[pair.obstacle];
+    const Vec4 o = obstacles()[pair.obstacle];
     if (heeded_ == Heeded::About && !exact_ && o[3] >= 0.0)
       return half_sum_constraint(collision_, collision_.hull(pair), o);
     return distance_constraint(collision_, collision_.hull(pair), o);

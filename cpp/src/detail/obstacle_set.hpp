@@ -1,11 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "detail/cell_order.hpp"
 #include "detail/frame.hpp"
 #include "simd/cull.hpp"
 
@@ -15,47 +17,64 @@ namespace pdoik::detail {
 /// coarse test.
 ///
 /// A large cloud is put in order, cell by cell along a Z-curve, so that kLanes points in a row lie
-/// close together; boxes around such blocks, and around kLanes blocks each, let the coarse test
-/// pass by what is far from a hull. A small one is faster looked at whole.
+/// close together; boxes around such blocks, around kLanes blocks (a group) and around kLanes
+/// groups (a district) let the coarse test pass by what is far from a hull. A small one is faster
+/// looked at whole. Points have places, not all of which need hold one.
 class ObstacleSet {
  public:
   /// Clouds of more points than this are put in order.
-  static constexpr int kLarge = 4096;
+  static constexpr int kLarge = 1024;
+  /// Room for points that come later, as a share of those there are when it is made.
+  static constexpr double kSpareShare = 0.05;
 
   void reserve(std::size_t count);
 
+  /// Take in `count` points. Allocates nothing if there is room.
+  /// @param source  Vec4 source(int row) is x, y, z, radius, all finite; source.id(row) the point's
+  /// number, source.prefetch(row) a hint that it will be wanted.
+  template <class Source>
+  void assign(int count, CellOrder& order, const Source& source);
+
   /// Begin a set of at most `count` points; `add` fills it and `finish` pads it.
   void begin(int count, const Eigen::Vector3d& origin);
-  void add(double x, double y, double z, double radius, int original_index) {
-    const auto k = static_cast<std::size_t>(count_++);
-    points_[k] = Vec4{x, y, z, radius};
-    index_[k] = original_index;
-    coarse_x_[k] = static_cast<float>(x - origin_[0]);
-    coarse_y_[k] = static_cast<float>(y - origin_[1]);
-    coarse_z_[k] = static_cast<float>(z - origin_[2]);
-    // A negative radius lets a point into a hull by its distance from the surface, which reaches
-    // deeper than a smaller spheroid's border does: the coarse test takes the hull as it is.
-    coarse_radius_[k] = radius > 0.0 ? static_cast<float>(radius) : 0.0F;
-  }
+  void add(const Vec4& point, int id) { put(count_++, point, id); }
   /// @param in_order  Whether points that were added one after the other lie close together.
   void finish(bool in_order = false);
 
+  /// Take out the points in a box. Of a set in order only the blocks that it meets are looked at.
+  /// @returns How many there were.
+  int remove(const Eigen::AlignedBox3d& region);
+  /// Add points, in places that `remove` has left if it has just been called, and else at the end.
+  /// They get the ids from next_id() on. @returns false, and does nothing, if there is no room
+  /// left: the set has to be made anew.
+  bool insert(std::span<const Vec4> points, CellOrder& order);
+
+  /// The points it holds.
   int count() const { return count_; }
+  /// The places there are, of which some may be empty: operator[] and id() take one of them.
+  int places() const { return places_; }
+  bool holds(int place) const { return id(place) >= 0; }
+  int next_id() const { return next_id_; }
+  void set_next_id(int id) { next_id_ = id; }
   /// Whether neighbours in the list lie close together, so that blocks of them have boxes.
   bool in_order() const { return in_order_; }
-  /// A few of them, spread over all: one of each group that has a box. Null if there are no boxes.
-  const ObstacleSet* few() const { return blocks_.count > 0 ? few_.get() : nullptr; }
+  /// A few of them, spread over all: one of each block. Null if there are no boxes.
+  const ObstacleSet* few() const { return in_order_ && few_ != nullptr ? few_.get() : nullptr; }
   int padded() const { return padded_; }
   const Vec4& origin() const { return origin_; }
   ObstacleArrays arrays() const {
     return {coarse_x_.data(), coarse_y_.data(), coarse_z_.data(), coarse_radius_.data(),
-            padded_,          blocks_.arrays(), groups_.arrays()};
+            padded_,          blocks_.arrays(), groups_.arrays(), districts_.arrays()};
   }
   /// x, y, z, radius.
-  const Vec4& operator[](int j) const { return points_[static_cast<std::size_t>(j)]; }
-  int original_index(int j) const { return index_[static_cast<std::size_t>(j)]; }
+  const Vec4& operator[](int place) const { return points_[static_cast<std::size_t>(place)]; }
+  int id(int place) const { return index_[static_cast<std::size_t>(place)]; }
   /// The largest number among coarse coordinates and radii, at least 1 [m].
   double extent() const { return extent_; }
+  /// How many points may come within a radius, less twice their own: at least as many as do.
+  int count_within(const Eigen::Vector3d& centre, double radius) const;
+  /// The memory that it takes [bytes].
+  std::size_t bytes() const;
 
  private:
   /// Boxes around kLanes things each.
@@ -65,6 +84,8 @@ class ObstacleSet {
 
     void reserve(std::size_t boxes);
     void resize(int boxes);
+    /// Make box b that around boxes `first` to `end` of another level.
+    void enclose(int b, const Boxes& inner, int first, int end);
     BoxArrays arrays() const {
       return {{low[0].data(), low[1].data(), low[2].data()},
               {high[0].data(), high[1].data(), high[2].data()},
@@ -72,60 +93,78 @@ class ObstacleSet {
               padded};
     }
   };
-  void box_points();
-  void box_blocks();
-  void pick_few();
+  void put(int place, const Vec4& point, int id);
+  void clear(int place);
+  /// Forget the places from the last one on up to the next full block.
+  void pad();
+  void resize_boxes();
+  void box_block(int block);
+  void box_group(int group);
+  void box_district(int district);
+  /// Put boxes, and what depends on them, right for blocks that have changed, ascending.
+  void refit(const std::vector<int>& changed);
+  void measure_extent();
+  void grow_to(int places);
+  /// Hold what a place of another set holds, or nothing where that is negative.
+  void replace(int place, const ObstacleSet& source, int source_place);
+  /// Calls visit(block) for each that a box meets.
+  template <class Visit>
+  void for_blocks_in(const Eigen::AlignedBox3f& box, Visit&& visit) const;
 
   std::vector<Vec4> points_;
   std::vector<float> coarse_x_, coarse_y_, coarse_z_, coarse_radius_;
   std::vector<int> index_;
-  Boxes blocks_, groups_;
+  Boxes blocks_, groups_, districts_;
   std::unique_ptr<ObstacleSet> few_;
+  std::vector<int> changed_;  ///< blocks that the last `remove` made room in, ascending
   Vec4 origin_{};
-  int count_ = 0, padded_ = 0;
+  int count_ = 0, places_ = 0, padded_ = 0, next_id_ = 0;
   double extent_ = 1.0;
   bool in_order_ = false;
 };
 
-/// Puts points in the order of the cells that they lie in, in linear time: cells of a cube about
-/// the origin, 32 or 64 a side, along a Z-curve; what lies outside counts to the cells at its
-/// border. Points that are called far come after the others, in the cells of a cube of their own.
-class CellOrder {
- public:
-  void reserve(std::size_t count);
-  /// @param half_side, far_half_side  How far the cubes reach to each side of the origin [m].
-  void begin(int count, const Eigen::Vector3d& origin, double half_side, double far_half_side);
-  void add(double x, double y, double z, bool is_far) {
-    const double scale = scale_[is_far ? 1 : 0];
-    const auto cell = [&](double from_origin) {
-      return static_cast<std::uint32_t>(
-          std::min(std::max(from_origin * scale + half_, 0.0), last_));
-    };
-    const std::uint32_t key = spread(cell(x - origin_[0])) | spread(cell(y - origin_[1])) << 1U |
-                              spread(cell(z - origin_[2])) << 2U | (is_far ? far_cells_ : 0U);
-    cell_[count_++] = key;
-    ++first_[key + 1];
-  }
-  /// The points by the order in which they were added. Valid until the next begin.
-  const std::vector<int>& sorted();
-  /// How many are not far, known once they are sorted.
-  int near_count() const { return near_count_; }
+/// Points whose radii have grown by a margin, which may be negative.
+struct ObstacleView {
+  ObstacleView(const ObstacleSet* points_in, double margin_in)
+      : points(points_in), margin(margin_in) {}
+  /// As they are.
+  ObstacleView(const ObstacleSet& set) : points(&set), margin(0.0) {}
 
- private:
-  /// The six lowest bits of v with two zeros between each.
-  static std::uint32_t spread(std::uint32_t v) {
-    v = (v | (v << 8U)) & 0x0000F00FU;
-    v = (v | (v << 4U)) & 0x000C30C3U;
-    return (v | (v << 2U)) & 0x00249249U;
+  const ObstacleSet* operator->() const { return points; }
+  const ObstacleSet& operator*() const { return *points; }
+  /// x, y, z, radius.
+  Vec4 operator[](int place) const {
+    Vec4 point = (*points)[place];
+    point[3] += margin;
+    return point;
   }
 
-  std::vector<std::uint32_t> cell_;
-  std::vector<int> sorted_, first_;
-  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
-  double scale_[2] = {1.0, 1.0}, half_ = 16.0, last_ = 31.0;  ///< of a side's cells
-  std::uint32_t far_cells_ = 0;                               ///< the first of them
-  std::size_t count_ = 0;
-  int near_count_ = 0;
+  const ObstacleSet* points;
+  double margin;
 };
+
+template <class Source>
+void ObstacleSet::assign(int count, CellOrder& order, const Source& source) {
+  if (count <= kLarge) {
+    begin(count, Eigen::Vector3d::Zero());
+    for (int i = 0; i < count; ++i) add(source(i), source.id(i));
+    finish();
+    return;
+  }
+  order.begin(count, source);
+  for (int i = 0; i < count; ++i) order.add(source(i));
+  const auto sorted = order.sorted();
+  if (points_.capacity() < static_cast<std::size_t>(count))
+    reserve(static_cast<std::size_t>((1.0 + kSpareShare) * count) + kLanes);
+  begin(count, order.centre());
+  for (int k = 0; k < count; ++k) {
+    // Rows are fetched ahead of their turn, since their order in memory is another.
+    constexpr int kAhead = 16;
+    source.prefetch(sorted[static_cast<std::size_t>(std::min(k + kAhead, count - 1))].row);
+    const int row = sorted[static_cast<std::size_t>(k)].row;
+    add(source(row), source.id(row));
+  }
+  finish(true);
+}
 
 }  // namespace pdoik::detail

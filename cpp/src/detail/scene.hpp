@@ -2,48 +2,66 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <memory>
 
+#include "detail/cloud_state.hpp"
 #include "detail/collision.hpp"
 #include "detail/model.hpp"
 
 namespace pdoik::detail {
 
-/// The obstacles of one scene, sorted by what the arm can do about them. Solvers that are copies of
-/// each other share it.
-struct Scene {
+/// The obstacles of a solver, and what follows from them for its robot.
+class Scene {
+ public:
   using Points =
       Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
                  Eigen::OuterStride<>>;
 
   /// No obstacles, and room for as many as the options say. The model outlives it.
   explicit Scene(const Model& model);
-  /// @param points  (N, 3) or (N, 4) rows x y z [radius]; radii grow by the options' clearance.
-  void assign(const Points& points, const Model& model);
-  /// Clearance of every hull, margin included, at the configuration where `moving` is placed.
-  /// Leaves the states' near pairs changed.
-  /// @param within_limits  Whether the joints are, so that what is out of reach stays so.
+  /// The same obstacles as another's.
+  Scene(const Model& model, const Scene& other);
+
+  /// Take in points of its own: (N, 3) or (N, 4) rows x y z [radius]. Allocates only if there are
+  /// more than ever before, or another scene has the last ones.
+  void assign(const Points& points);
+  /// Take those of a cloud, as they are whenever `read` is asked.
+  void use(std::shared_ptr<const CloudState> cloud);
+
+  /// Held while a solve reads the obstacles: brings up to date what follows from them.
+  std::shared_lock<std::shared_mutex> read();
+  /// Whether `read` has found them changed since this was last asked.
+  bool has_changed() { return std::exchange(changed_, false); }
+
+  /// Radii grow by the clearance that is wanted.
+  ObstacleView obstacles() const { return {&cloud_->points(), margin_}; }
+  /// At most how many are within the reach of moving hulls; none of the others can touch any.
+  int within_reach() const { return within_reach_; }
+  /// The deepest obstacle in a hull that no joint moves, if there is any.
+  const Clearance& fixed() const { return fixed_; }
+  /// Whether there is one.
+  bool base_collides() const { return fixed_.distance < -tolerance_; }
+
+  /// Clearance of every hull, the margin included, where the states are placed. Leaves their near
+  /// pairs changed.
   /// @param look  What is farther is not looked for: the distance is then this, and nobody's [m].
   Clearance clearance(CollisionState& moving, CollisionState& fixed_hulls,
-                      bool within_limits = true,
                       double look = std::numeric_limits<double>::infinity()) const;
 
-  /// Whether an obstacle is in a hull that no joint moves.
-  bool base_collides(const Options& options) const {
-    return fixed.distance < -options.clearance_tolerance;
-  }
-
-  ObstacleSet near;  ///< within reach of a moving hull: the solver's
-  ObstacleSet far;   ///< out of reach of all of them: only the reported clearance sees these
-  double far_bound =
-      std::numeric_limits<double>::infinity();  ///< no far one comes closer than this
-  double fixed_far_bound =
-      std::numeric_limits<double>::infinity();  ///< nor as close to a hull that no joint moves
-  Clearance fixed;      ///< the deepest obstacle in a hull that no joint moves, if there is any
   double intake = 0.0;  ///< what taking the points in took [s]
 
  private:
+  void refresh();
+
+  const HullModel& hulls_;
   CollisionState fixed_hulls_;
+  double margin_, tolerance_;
+  std::shared_ptr<CloudState> own_;  ///< null while a cloud is used
+  std::shared_ptr<const CloudState> cloud_;
   CellOrder order_;
+  Clearance fixed_;
+  int within_reach_ = 0, version_ = -1;
+  bool changed_ = true;
 };
 
 }  // namespace pdoik::detail

@@ -25,14 +25,14 @@ namespace pdoik::detail {
 /// the judge. Nothing here allocates once it is made and has its scene.
 class Workspace {
  public:
-  Workspace(std::shared_ptr<const Model> model, std::shared_ptr<const Scene> scene);
+  Workspace(std::shared_ptr<const Model> model, const Scene& scene);
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
   const Model& model() const { return *model_; }
   const Scene& scene() const { return *scene_; }
-  /// The scene of the solves that follow.
-  void use(std::shared_ptr<const Scene> scene);
+  /// The scene of the solves that follow, which outlives them: asked again whenever it has changed.
+  void use(const Scene& scene);
 
   /// Goals, and the clock that everything looks at, from now on; both outlive what follows.
   void set_goals(std::span<const Goal> asked);
@@ -55,7 +55,7 @@ class Workspace {
 
  private:
   std::shared_ptr<const Model> model_;
-  std::shared_ptr<const Scene> scene_;
+  const Scene* scene_;
   CollisionState moving_, fixed_;
   OwnConstraints own_;
   Judge judge_;

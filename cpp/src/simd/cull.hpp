@@ -18,16 +18,17 @@ struct BoxArrays {
 };
 
 /// Obstacle points by coordinate, relative to some origin near the robot, padded with points far
-/// away that touch nothing. Single precision: the coarse test decides nothing by itself. Where
-/// there are boxes, block b is around the points from kLanes b on, group g around the blocks from
-/// kLanes g on.
+/// away that touch nothing; so are places that hold no point. Single precision: the coarse test
+/// decides nothing by itself. Where there are boxes, block b is around the points from kLanes b on,
+/// group g around the blocks from kLanes g on, district d around the groups from kLanes d on.
 struct ObstacleArrays {
   const float* x;
   const float* y;
   const float* z;
   const float* radius;
   int padded_count;
-  BoxArrays blocks, groups;  ///< none (padded_count 0) of a cloud that is small or in no order
+  BoxArrays blocks, groups,
+      districts;  ///< none (padded_count 0) of a cloud that is small or in no order
 };
 
 /// A prolate spheroid for the coarse test, relative to the same origin: half = (focus_b - focus_a)
@@ -64,10 +65,22 @@ int cull_baseline(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, 
 int cull_avx2(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
 int cull_avx512(const ObstacleArrays&, const HullQuery*, int, NearPair*, int, CullCursor&);
 
+/// At most the distances of kLanes points, from `first` on, less their radii, from a spheroid's
+/// surface; negative inside. By planes that touch it near where it is nearest, in single precision.
+/// @param hull  With |half| < semi_major.
+/// @param bounds  kLanes of them [m].
+using BoundFunction = void (*)(const ObstacleArrays&, int first, const HullQuery& hull,
+                               float* bounds);
+
+void bound_distances_baseline(const ObstacleArrays&, int, const HullQuery&, float*);
+void bound_distances_avx2(const ObstacleArrays&, int, const HullQuery&, float*);
+void bound_distances_avx512(const ObstacleArrays&, int, const HullQuery&, float*);
+
 /// The widest that this processor runs and that the environment variable PDOIK_SIMD ("avx512",
 /// "avx2" or "baseline") allows, chosen when first asked for. The variable lowers the level of this
-/// and of best_roll_out, never raises it; any other value counts as none.
+/// and of the others, never raises it; any other value counts as none.
 CullFunction best_cull();
+BoundFunction best_bound_distances();
 /// The level chosen: "avx512", "avx2" or "baseline".
 const char* simd_name();
 

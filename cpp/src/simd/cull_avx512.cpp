@@ -11,6 +11,7 @@ struct Lanes {
   static __m512 set(float v) { return _mm512_set1_ps(v); }
   // Masked, with all lanes: GCC 12 warns of its own header otherwise.
   static __m512 max(__m512 a, __m512 b) { return _mm512_maskz_max_ps(0xFFFF, a, b); }
+  static __m512 root(__m512 v) { return _mm512_maskz_sqrt_ps(0xFFFF, v); }
   static unsigned less(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
 };
 
@@ -21,6 +22,11 @@ struct Lanes {
 int cull_avx512(const ObstacleArrays& o, const HullQuery* hulls, int hull_count, NearPair* pairs,
                 int capacity, CullCursor& at) {
   return cull_with_lanes(o, hulls, hull_count, pairs, capacity, at);
+}
+
+void bound_distances_avx512(const ObstacleArrays& o, int first, const HullQuery& hull,
+                            float* bounds) {
+  bound_distances_with_lanes(o, first, hull, bounds);
 }
 
 }  // namespace pdoik::detail

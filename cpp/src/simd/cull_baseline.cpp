@@ -8,6 +8,7 @@ struct Lanes {
   static float load(const float* p) { return *p; }
   static float set(float v) { return v; }
   static float max(float a, float b) { return a > b ? a : b; }
+  static float root(float v) { return __builtin_sqrtf(v); }
   static unsigned less(float a, float b) { return a < b ? 1U : 0U; }
 };
 
@@ -18,6 +19,11 @@ struct Lanes {
 int cull_baseline(const ObstacleArrays& o, const HullQuery* hulls, int hull_count, NearPair* pairs,
                   int capacity, CullCursor& at) {
   return cull_with_lanes(o, hulls, hull_count, pairs, capacity, at);
+}
+
+void bound_distances_baseline(const ObstacleArrays& o, int first, const HullQuery& hull,
+                              float* bounds) {
+  bound_distances_with_lanes(o, first, hull, bounds);
 }
 
 }  // namespace pdoik::detail

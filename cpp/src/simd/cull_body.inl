@@ -1,5 +1,5 @@
 // The coarse test for one instruction set: included by cull_*.cpp with Lanes defined there.
-// Lanes: kWidth, load, set, max, and less(a, b) as a bit mask.
+// Lanes: kWidth, load, set, max, root, and less(a, b) as a bit mask.
 
 /// A hull in every lane.
 struct WideHull {
@@ -33,17 +33,30 @@ static inline unsigned points_inside(const ObstacleArrays& o, int j, const WideH
          Lanes::less(hull.half_squared, A2);
 }
 
-/// Which of the boxes from j on come within semi_major of the centre: all that hold a point inside
-/// do, since each step rounds the same way or nearer.
+/// Which of the boxes from j on may hold a point inside: those that come within semi_major of the
+/// centre, and the ball around which would, as a point of its radius, lie inside. (The half sum of
+/// distances to the foci changes no faster than a point moves.) Each step rounds the same way as
+/// for points, or nearer.
 static inline unsigned boxes_near(const BoxArrays& boxes, int j, const WideHull& hull) {
-  const auto off = [&](int axis, const auto& c) {
-    return Lanes::max(
-        Lanes::max(Lanes::load(boxes.low[axis] + j) - c, c - Lanes::load(boxes.high[axis] + j)),
-        hull.zero);
+  const auto lx = Lanes::load(boxes.low[0] + j), ly = Lanes::load(boxes.low[1] + j),
+             lz = Lanes::load(boxes.low[2] + j), ux = Lanes::load(boxes.high[0] + j),
+             uy = Lanes::load(boxes.high[1] + j), uz = Lanes::load(boxes.high[2] + j);
+  const auto off = [&](const auto& low, const auto& high, const auto& c) {
+    return Lanes::max(Lanes::max(low - c, c - high), hull.zero);
   };
-  const auto dx = off(0, hull.cx), dy = off(1, hull.cy), dz = off(2, hull.cz);
+  const auto ox = off(lx, ux, hull.cx), oy = off(ly, uy, hull.cy), oz = off(lz, uz, hull.cz);
   const auto A = hull.semi_major + Lanes::load(boxes.radius + j);
-  return Lanes::less(dx * dx + dy * dy + dz * dz, A * A);
+  const unsigned near = Lanes::less(ox * ox + oy * oy + oz * oz, A * A);
+  if (near == 0) return 0;
+  const auto half = Lanes::set(0.5F);
+  const auto wx = half * (ux - lx), wy = half * (uy - ly), wz = half * (uz - lz);
+  const auto dx = half * (ux + lx) - hull.cx, dy = half * (uy + ly) - hull.cy,
+             dz = half * (uz + lz) - hull.cz;
+  const auto ball =
+      A + Lanes::set(1.0001F) * Lanes::root(wx * wx + wy * wy + wz * wz) + Lanes::set(1e-5F) * A;
+  const auto ball2 = ball * ball, d2 = dx * dx + dy * dy + dz * dz;
+  const auto dh = dx * hull.hx + dy * hull.hy + dz * hull.hz;
+  return near & Lanes::less((d2 - ball2 + hull.half_squared) * ball2, dh * dh);
 }
 
 /// The pairs of one hull, and where there was no room for more of them.
@@ -66,27 +79,45 @@ struct PairList {
   }
 };
 
-/// The same through groups and blocks, which pass by what is far.
+/// Calls visit(box) for each of the `count` boxes from `first` on, a multiple of kLanes, that come
+/// near and are not before `from`, in order, as long as it returns true. @returns Whether it did.
+template <class Visit>
+static inline bool for_boxes_near(const BoxArrays& boxes, int first, int count, int from,
+                                  const WideHull& hull, Visit&& visit) {
+  const int before = from > first ? (from - first) / Lanes::kWidth * Lanes::kWidth : 0;
+  for (int j = first + before; j < first + count; j += Lanes::kWidth) {
+    for (unsigned near = boxes_near(boxes, j, hull); near != 0; near &= near - 1) {
+      const int box = j + __builtin_ctz(near);
+      if (box >= from && !visit(box)) return false;
+    }
+  }
+  return true;
+}
+
+/// The same through districts, groups and blocks, which pass by what is far.
 static int test_in_order(const ObstacleArrays& o, int first_point, const WideHull& hull,
                          PairList& list) {
   const int first_block = first_point / kLanes, first_group = first_block / kLanes;
-  for (int g0 = first_group / Lanes::kWidth * Lanes::kWidth; g0 < o.groups.padded_count;
-       g0 += Lanes::kWidth) {
-    for (unsigned groups = boxes_near(o.groups, g0, hull); groups != 0; groups &= groups - 1) {
-      const int g = g0 + __builtin_ctz(groups);
-      if (g < first_group) continue;
-      for (int b0 = g * kLanes; b0 < (g + 1) * kLanes; b0 += Lanes::kWidth) {
-        for (unsigned blocks = boxes_near(o.blocks, b0, hull); blocks != 0; blocks &= blocks - 1) {
-          const int b = b0 + __builtin_ctz(blocks);
-          if (b < first_block) continue;
-          const int first = b == first_block ? first_point : b * kLanes, end = (b + 1) * kLanes;
-          const int reached = list.test(o, first, end, hull);
-          if (reached < end) return reached;
-        }
-      }
-    }
-  }
-  return o.padded_count;
+  int reached = o.padded_count;
+  const auto visit_block = [&](int b) {
+    const int first = b == first_block ? first_point : b * kLanes, end = (b + 1) * kLanes;
+    reached = list.test(o, first, end, hull);
+    if (reached < end) return false;
+    reached = o.padded_count;
+    return true;
+  };
+  const auto visit_group = [&](int g) {
+    return for_boxes_near(o.blocks, g * kLanes, kLanes, first_block, hull, visit_block);
+  };
+  const auto visit_district = [&](int d) {
+    return for_boxes_near(o.groups, d * kLanes, kLanes, first_group, hull, visit_group);
+  };
+  if (o.groups.padded_count == kLanes)
+    visit_district(0);
+  else
+    for_boxes_near(o.districts, 0, o.districts.padded_count, first_group / kLanes, hull,
+                   visit_district);
+  return reached;
 }
 
 static inline int cull_with_lanes(const ObstacleArrays& o, const HullQuery* hulls, int hull_count,
@@ -105,4 +136,28 @@ static inline int cull_with_lanes(const ObstacleArrays& o, const HullQuery* hull
   }
   at = {hull_count, 0};
   return list.count;
+}
+
+static inline void bound_distances_with_lanes(const ObstacleArrays& o, int first,
+                                              const HullQuery& hull, float* bounds) {
+  const float hx = hull.half[0], hy = hull.half[1], hz = hull.half[2], A = hull.semi_major;
+  const float h2 = hx * hx + hy * hy + hz * hz, A2 = A * A, B2 = A2 - h2;
+  const float inverse_h2 = h2 > 0.0F ? 1.0F / h2 : 0.0F, inverse_A2 = 1.0F / A2,
+              inverse_B2 = 1.0F / B2;
+  for (int k = 0; k < kLanes; ++k) {
+    const float dx = o.x[first + k] - hull.centre[0], dy = o.y[first + k] - hull.centre[1],
+                dz = o.z[first + k] - hull.centre[2];
+    const float d2 = dx * dx + dy * dy + dz * dz, on_half = dx * hx + dy * hy + dz * hz;
+    const float along2 = on_half * on_half * inverse_h2;
+    const float aside2 = d2 > along2 ? d2 - along2 : 0.0F;
+    const float share2 = along2 * inverse_A2 + aside2 * inverse_B2;
+    const float outside = share2 > 1.0F ? share2 : 1.0F;
+    const float beyond = __builtin_sqrtf(B2 * d2) * (1.0F - 1.0F / __builtin_sqrtf(outside));
+    const float a = 1.0F / (A2 + beyond), b = 1.0F / (B2 + beyond);
+    // The normal's parts, times how far out the point is along each.
+    const float na2 = along2 * a * a, nb2 = aside2 * b * b, length = __builtin_sqrtf(na2 + nb2);
+    const float support = __builtin_sqrtf(A2 * na2 + B2 * nb2);
+    const float gap = (along2 * a + aside2 * b - support) / (length > 0.0F ? length : 1.0F);
+    bounds[k] = (length > 0.0F ? gap : -A) - o.radius[first + k];
+  }
 }

@@ -50,6 +50,14 @@ CullFunction best_cull() {
   return cull_baseline;
 }
 
+BoundFunction best_bound_distances() {
+#ifndef PDOIK_NO_X86_SIMD
+  if (level() == Level::Avx512) return bound_distances_avx512;
+  if (level() == Level::Avx2) return bound_distances_avx2;
+#endif
+  return bound_distances_baseline;
+}
+
 RollOutFunction best_roll_out() {
 #ifndef PDOIK_NO_X86_SIMD
   if (level() != Level::Baseline) return roll_out_avx2;
