@@ -6,6 +6,7 @@
 
 #include "detail/check_options.hpp"
 #include "detail/text.hpp"
+#include "pdoik/cloud.hpp"
 
 namespace pdoik::detail {
 
@@ -174,35 +175,40 @@ void check_configuration(VectorIn q, int dof, const std::string& name) {
   if (!q.allFinite()) throw std::invalid_argument(name + " holds NaN or infinity");
 }
 
-bool accepts_obstacles(const Obstacles& points, Complaint& complaint) {
+template <class Rows>
+bool accepts_obstacles(const Rows& points, Complaint& complaint, const char* name) {
   complaint.clear();
   if (points.rows() == 0) return true;
   const auto row = [](Eigen::Index i) { return static_cast<long long>(i); };
   if (points.cols() != 3 && points.cols() != 4)
-    return complaint.say("obstacles has shape (%lld, %lld), expected (N, 3) or (N, 4)",
+    return complaint.say("%s has shape (%lld, %lld), expected (N, 3) or (N, 4)", name,
                          row(points.rows()), row(points.cols()));
   // Zero times a finite number is zero: one pass without a branch finds whether anything is wrong.
+  using Scalar = typename Rows::Scalar;
   const bool has_radius = points.cols() == 4;
-  double poison = 0.0, least_radius = 0.0, largest = 0.0;
+  Scalar poison = 0, least_radius = 0, largest = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double x = points(i, 0), y = points(i, 1), z = points(i, 2),
-                 r = has_radius ? points(i, 3) : 0.0;
-    poison += 0.0 * ((x + y) + (z + r));
+    const Scalar x = points(i, 0), y = points(i, 1), z = points(i, 2),
+                 r = has_radius ? points(i, 3) : Scalar{0};
+    poison += Scalar{0} * x + Scalar{0} * y + Scalar{0} * z + Scalar{0} * r;
     largest =
         std::max(largest, std::max(std::max(std::abs(x), std::abs(y)), std::max(std::abs(z), r)));
     least_radius = std::min(least_radius, r);
   }
-  if (poison == 0.0 && least_radius >= 0.0 && largest <= kLargestNumber) return true;
+  if (poison == Scalar{0} && least_radius >= Scalar{0} && largest <= Scalar{kLargestNumber})
+    return true;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     if (!points.row(i).allFinite())
-      return complaint.say("obstacles holds NaN or infinity in row %lld", row(i));
-    if (points.row(i).cwiseAbs().maxCoeff() > kLargestNumber)
-      return complaint.say("obstacles has a number beyond 1e6 m in row %lld", row(i));
-    if (points.cols() == 4 && points(i, 3) < 0.0)
-      return complaint.say("obstacles has a negative radius in row %lld", row(i));
+      return complaint.say("%s holds NaN or infinity in row %lld", name, row(i));
+    if (points.row(i).cwiseAbs().maxCoeff() > Scalar{kLargestNumber})
+      return complaint.say("%s has a number beyond 1e6 m in row %lld", name, row(i));
+    if (points.cols() == 4 && points(i, 3) < Scalar{0})
+      return complaint.say("%s has a negative radius in row %lld", name, row(i));
   }
   return true;
 }
+template bool accepts_obstacles(const Obstacles&, Complaint&, const char*);
+template bool accepts_obstacles(const ObstaclesF&, Complaint&, const char*);
 
 void check_obstacles(const Obstacles& points) {
   Complaint complaint;

@@ -162,6 +162,21 @@ constexpr double kBeyondAll = 1e9;
 
 }  // namespace
 
+void find_within(CollisionState& state, const ObstacleView& obstacles, double distance,
+                 std::vector<int>& places) {
+  const auto grow = [distance](std::size_t) { return distance; };
+  state.visit_near(obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
+    for (const NearPair* pair = begin; pair != end; ++pair) {
+      const Hull& hull = state.hull(*pair);
+      const double gap =
+          hull_distance(hull, state.position(hull.a), state.position(hull.b),
+                        obstacles[pair->obstacle], std::numeric_limits<double>::infinity());
+      if (gap <= distance) places.push_back(pair->obstacle);
+    }
+    return true;
+  });
+}
+
 Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles, Clearance least) {
   if (state.hulls().empty() || obstacles->count() == 0) return least;
   if (const ObstacleSet* few = obstacles->few()) {  // whose nearest bounds how far others may be

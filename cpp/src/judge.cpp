@@ -141,11 +141,7 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
                        Result& result, double look) {
   result.q = q;
   robot_.body_poses(q, T_base_body_);
-  for (std::size_t k = 0; k < hulls_.points.size(); ++k) {
-    const AttachedPoint& point = hulls_.points[k];
-    collision_.place(
-        k, to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] * to_vector3(point.local)));
-  }
+  collision_.place(T_base_body_);
   judge_limits(q, result);
   Verdict verdict(result, options_.rotation_weight);
   if (!are_somewhere(T_base_body_)) result.success = false;

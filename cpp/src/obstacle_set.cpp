@@ -281,6 +281,19 @@ int ObstacleSet::remove(const Eigen::AlignedBox3d& region) {
   return before - count_;
 }
 
+int ObstacleSet::remove(std::vector<int> places) {
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  changed_.clear();
+  for (const int place : places) {
+    clear(place);
+    if (changed_.empty() || changed_.back() != place / kLanes) changed_.push_back(place / kLanes);
+  }
+  count_ -= static_cast<int>(places.size());
+  refit(changed_);
+  return static_cast<int>(places.size());
+}
+
 bool ObstacleSet::insert(std::span<const Vec4> points, CellOrder& order) {
   const auto holes_in = [&](int b) {
     const int first = b * kLanes, end = std::min(first + kLanes, places_);

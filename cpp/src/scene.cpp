@@ -2,27 +2,9 @@
 
 #include <cmath>
 
+#include "detail/rows.hpp"
+
 namespace pdoik::detail {
-namespace {
-
-/// Rows of an array as ObstacleSet takes them.
-struct Rows {
-  const Scene::Points& points;
-  bool has_radius;
-
-  Vec4 operator()(int row) const {
-    return Vec4{points(row, 0), points(row, 1), points(row, 2), has_radius ? points(row, 3) : 0.0};
-  }
-  int id(int row) const { return row; }
-  void prefetch(int row) const {
-    const double* const at = points.data() + row * points.outerStride();
-    __builtin_prefetch(at);
-    __builtin_prefetch(at + 2);  // which may lie in another line of the cache
-  }
-};
-
-}  // namespace
-
 Scene::Scene(const Model& model)
     : hulls_(model.hulls),
       fixed_hulls_(model.hulls, model.hulls.fixed),
@@ -53,11 +35,13 @@ void Scene::assign(const Points& points) {
   if (own_ == nullptr || own_.use_count() > 2) own_ = std::make_shared<CloudState>();
   cloud_ = own_;
   own_->change_unshared().assign(static_cast<int>(points.rows()), order_,
-                                 Rows{points, points.cols() > 3});
+                                 RowsOf<Points>{points, points.cols() > 3});
   version_ = -1;
 }
 
 void Scene::use(std::shared_ptr<const CloudState> cloud) {
+  intake = 0.0;
+  if (cloud == cloud_ && own_ == nullptr) return;
   own_ = nullptr;
   cloud_ = std::move(cloud);
   version_ = -1;

@@ -14,6 +14,7 @@
 #include "detail/paper.hpp"
 #include "detail/restarts.hpp"
 #include "detail/thread_pool.hpp"
+#include "pdoik/cloud.hpp"
 #include "pdoik/point_cloud.hpp"
 
 namespace pdoik {
@@ -164,6 +165,8 @@ void Solver::set_obstacles(const Obstacles& points) {
   impl_->scene.assign(points);
   impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
 }
+
+void Solver::set_obstacles(const Cloud& cloud) { impl_->scene.use(cloud.state_); }
 
 void Solver::set_interrupt(std::function<bool()> wanted) {
   impl_->own.workspace.interrupt = std::move(wanted);

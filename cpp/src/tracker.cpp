@@ -11,6 +11,7 @@
 #include "detail/goal_of.hpp"
 #include "detail/step.hpp"
 #include "detail/travel.hpp"
+#include "pdoik/cloud.hpp"
 
 namespace pdoik {
 
@@ -208,6 +209,11 @@ bool Tracker::set_obstacles(const Obstacles& points) {
   impl_->scene.assign(points);
   impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
   return true;
+}
+
+void Tracker::set_obstacles(const Cloud& cloud) {
+  impl_->cloud_complaint.clear();
+  impl_->scene.use(cloud.state_);
 }
 
 void Tracker::refuse_obstacles(const std::string& complaint) {

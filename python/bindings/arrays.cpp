@@ -1,6 +1,7 @@
 #include "arrays.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 
 namespace pdoik::python {
@@ -95,12 +96,56 @@ std::vector<Eigen::Isometry3d> to_isometries(const ArrayLike& values, const std:
   return result;
 }
 
-CloudView::CloudView(const std::optional<ArrayLike>& points, const std::string& name) {
+namespace {
+
+/// Whether rows can be read where they are: numbers of a row side by side.
+template <class Scalar>
+bool has_rows_of(const py::array& array) {
+  constexpr auto size = static_cast<py::ssize_t>(sizeof(Scalar));
+  return py::isinstance<py::array_t<Scalar>>(array) && array.ndim() == 2 &&
+         array.strides(1) == size && array.strides(0) > 0 && array.strides(0) % size == 0 &&
+         reinterpret_cast<std::uintptr_t>(array.data()) % sizeof(Scalar) == 0;
+}
+
+py::array checked_numbers(const ArrayLike& values, const std::string& name) {
+  const auto array = py::array::ensure(values.value);
+  if (!array || std::string("fiu").find(array.dtype().kind()) == std::string::npos)
+    return to_float64(values, name);  // which says what is wrong
+  return array;
+}
+
+}  // namespace
+
+PointsView::PointsView(const std::optional<ArrayLike>& points, const std::string& name) {
   if (!points) return;
-  array_ = to_float64(*points, name);
-  if (array_.ndim() >= 1 && array_.shape(0) == 0) return;
-  if (array_.ndim() != 2) fail_shape(array_, name, "(N, 3) or (N, 4)");
-  new (&view_) Eigen::Map<const RowMatrix>(array_.data(), array_.shape(0), array_.shape(1));
+  py::array array = checked_numbers(*points, name);
+  if (!has_rows_of<float>(array) && !has_rows_of<double>(array)) array = to_float64(*points, name);
+  take(array, name);
+}
+
+PointsView PointsView::float64(const std::optional<ArrayLike>& points, const std::string& name) {
+  PointsView view;
+  if (!points) return view;
+  py::array array = checked_numbers(*points, name);
+  if (!has_rows_of<double>(array)) array = to_float64(*points, name);
+  view.take(array, name);
+  return view;
+}
+
+void PointsView::take(const py::array& array, const std::string& name) {
+  array_ = array;
+  if (array.ndim() >= 1 && array.shape(0) == 0) return;
+  if (array.ndim() != 2) fail_shape(array, name, "(N, 3) or (N, 4)");
+  is_single_ = py::isinstance<py::array_t<float>>(array);
+  const auto rows = array.shape(0), columns = array.shape(1);
+  const auto stride = array.strides(0) / array.itemsize();
+  if (is_single_) {
+    new (&single_) Rows<float>(static_cast<const float*>(array.data()), rows, columns,
+                               Eigen::OuterStride<>(stride));
+  } else {
+    new (&double_) Rows<double>(static_cast<const double*>(array.data()), rows, columns,
+                                Eigen::OuterStride<>(stride));
+  }
 }
 
 }  // namespace pdoik::python

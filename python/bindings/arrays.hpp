@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pdoik/cloud.hpp"
 #include "pdoik/solver.hpp"
 
 namespace pdoik::python {
@@ -42,16 +43,37 @@ struct StrArray : py::array {
   using py::array::array;
 };
 
-/// A cloud that C++ reads where Python keeps it. Made and destroyed with the GIL held.
-class CloudView {
+/// Points that C++ reads where Python keeps them, if they are float64 or float32 in rows without
+/// gaps within. Made and destroyed with the GIL held.
+class PointsView {
  public:
-  /// None and arrays with no rows are empty clouds. NaN is left to who reads the cloud.
-  CloudView(const std::optional<ArrayLike>& points, const std::string& name);
-  operator Obstacles() const { return view_; }
+  /// None and arrays with no rows hold no points. NaN is left to who reads them.
+  PointsView(const std::optional<ArrayLike>& points, const std::string& name);
+  bool is_single() const { return is_single_; }
+  Obstacles in_double() const { return Obstacles(double_); }
+  ObstaclesF in_single() const { return ObstaclesF(single_); }
+  operator Obstacles() const { return in_double(); }  ///< of points that are not single
+
+  /// Points as float64, whatever they came as.
+  static PointsView float64(const std::optional<ArrayLike>& points, const std::string& name);
 
  private:
-  Array array_;
-  Eigen::Map<const RowMatrix> view_{nullptr, 0, 3};
+  PointsView() = default;
+  void take(const py::array& array, const std::string& name);
+
+  template <class Scalar>
+  using Rows =
+      Eigen::Map<const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
+                 Eigen::OuterStride<>>;
+  py::array array_;
+  bool is_single_ = false;
+  Rows<double> double_{nullptr, 0, 3, Eigen::OuterStride<>(3)};
+  Rows<float> single_{nullptr, 0, 3, Eigen::OuterStride<>(3)};
+};
+
+/// Obstacles of a solve: an array of points, or a Cloud.
+struct ObstaclesLike {
+  py::object value;
 };
 
 }  // namespace pdoik::python
@@ -59,6 +81,17 @@ class CloudView {
 template <>
 struct pybind11::detail::type_caster<pdoik::python::ArrayLike> {
   PYBIND11_TYPE_CASTER(pdoik::python::ArrayLike, const_name("numpy.typing.ArrayLike"));
+  bool load(handle source, bool) {
+    if (!source || source.is_none()) return false;
+    value.value = reinterpret_borrow<object>(source);
+    return true;
+  }
+};
+
+template <>
+struct pybind11::detail::type_caster<pdoik::python::ObstaclesLike> {
+  PYBIND11_TYPE_CASTER(pdoik::python::ObstaclesLike,
+                       const_name("numpy.typing.ArrayLike | pdoik._core.Cloud"));
   bool load(handle source, bool) {
     if (!source || source.is_none()) return false;
     value.value = reinterpret_borrow<object>(source);

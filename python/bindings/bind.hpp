@@ -6,6 +6,7 @@ namespace pdoik::python {
 
 namespace py = pybind11;
 
+void bind_cloud(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_occupancy(py::module_& module);
 void bind_robot(py::module_& module);

@@ -66,7 +66,7 @@ Raises:
       .def(
           "set_obstacles",
           [](P& self, const std::optional<ArrayLike>& points) {
-            self.problem.set_obstacles(CloudView(points, "points"));
+            self.problem.set_obstacles(PointsView::float64(points, "points"));
           },
           py::arg("points"),
           R"(Take points x y z, or x y z radius, shape (N, 3) or (N, 4) [m], and forget the multipliers.

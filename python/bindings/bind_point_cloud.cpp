@@ -8,7 +8,7 @@ void bind_point_cloud(py::module_& module) {
   module.def(
       "voxel_downsample",
       [](const ArrayLike& points, double leaf, bool radii) {
-        const CloudView cloud(points, "points");
+        const PointsView cloud = PointsView::float64(points, "points");
         const py::gil_scoped_release release;
         const Points kept = voxel_downsample(cloud, leaf);
         RowMatrix result(kept.rows(), radii ? 4 : 3);

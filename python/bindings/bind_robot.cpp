@@ -1,11 +1,13 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <limits>
 #include <tuple>
 #include <variant>
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "cloud.hpp"
 #include "errors.hpp"
 #include "names.hpp"
 #include "paths.hpp"
@@ -257,6 +259,40 @@ Returns:
 
 Raises:
     ValueError: q has another shape or holds NaN or infinity, or there is no such link.)")
+      .def(
+          "self_filter",
+          [](const Robot& self, ThinnedCloud& cloud, const ArrayLike& q, double padding) {
+            const Eigen::VectorXd at = to_vector(q, "q", self.dof());
+            const py::gil_scoped_release release;
+            return cloud.cloud.remove_robot(self, at, padding);
+          },
+          py::arg("cloud"), py::arg("q"), py::kw_only(), py::arg("padding") = 0.0,
+          R"(Take the robot's own surface out of a cloud: points in its hulls, or within a distance of them.
+
+Args:
+    cloud: Changed in place.
+    q: Where the robot was when the camera saw it, shape (n,) [rad] or [m].
+    padding: For what noise and calibration hide [m].
+
+Returns:
+    How many points were taken out.
+
+Raises:
+    ValueError: q has another shape or holds NaN or infinity, padding is negative, or the robot has no
+        occupancy.)")
+      .def(
+          "self_filter",
+          [](const Robot& self, const ArrayLike& points, const ArrayLike& q, double padding) {
+            const Eigen::VectorXd at = to_vector(q, "q", self.dof());
+            const PointsView view = PointsView::float64(points, "points");
+            Cloud cloud(view.in_double());
+            cloud.remove_robot(self, at, padding);
+            std::vector<int> left = cloud.ids();
+            std::sort(left.begin(), left.end());
+            return RowMatrix(view.in_double()(left, Eigen::all));
+          },
+          py::arg("points"), py::arg("q"), py::kw_only(), py::arg("padding") = 0.0,
+          R"(The same for an array of points, shape (N, 3) or (N, 4) [m]; gives those that are left, in order.)")
       .def(
           "jacobian",
           [](const Robot& self, const ArrayLike& q,

@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "cloud.hpp"
 #include "goals.hpp"
 #include "pdoik/solver.hpp"
 #include "result.hpp"
@@ -33,7 +34,7 @@ struct SharedSolver {
 };
 
 NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
-                  const std::optional<ArrayLike>& q0, const std::optional<ArrayLike>& obstacles,
+                  const std::optional<ArrayLike>& q0, const std::optional<ObstaclesLike>& obstacles,
                   const std::optional<ArrayLike>& posture,
                   const std::optional<ArrayLike>& max_step) {
   const Robot& robot = self.solver.robot();
@@ -47,14 +48,14 @@ NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
                                        step = vector(max_step, "max_step");
   const auto address = [](const std::optional<Eigen::VectorXd>& v) { return v ? &*v : nullptr; };
   const Request request{goals, address(start), address(near), address(step)};
-  const CloudView cloud(obstacles, "obstacles");
+  const ObstaclesIn given(obstacles, "obstacles");
   NamedResult result;
   {
     const py::gil_scoped_release release;
     const std::lock_guard<std::mutex> lock(self.mutex);
     using Clock = std::chrono::steady_clock;
     const Clock::time_point started = Clock::now();
-    self.solver.set_obstacles(cloud);
+    given.give_to(self.solver);
     Result solved;
     self.solver.solve(request, solved);
     solved.time = std::chrono::duration<double>(Clock::now() - started).count();  // with the cloud
@@ -65,13 +66,13 @@ NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
 }
 
 NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLike& q,
-                  const std::optional<ArrayLike>& obstacles) {
+                  const std::optional<ObstaclesLike>& obstacles) {
   const std::vector<Goal> goals = to_goals(T_base_tip, self.solver.robot(), self.solver.options());
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
-  const CloudView cloud(obstacles, "obstacles");
+  const ObstaclesIn given(obstacles, "obstacles");
   const py::gil_scoped_release release;
   const std::lock_guard<std::mutex> lock(self.mutex);
-  self.solver.set_obstacles(cloud);
+  given.give_to(self.solver);
   Result result;
   self.solver.judge(goals, configuration, result);
   return named(self.solver, std::move(result));
@@ -85,7 +86,7 @@ void raise_if_interrupted() {
 
 BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
                         const std::optional<ArrayLike>& q0,
-                        const std::optional<ArrayLike>& obstacles, int threads) {
+                        const std::optional<ObstaclesLike>& obstacles, int threads) {
   using Clock = std::chrono::steady_clock;
   const std::vector<std::vector<Goal>> goals =
       to_goals_batch(T_base_tip, self.solver.robot(), self.solver.options());
@@ -95,13 +96,13 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
     throw std::invalid_argument("q0 has " + std::to_string(starts.size()) +
                                 " rows, expected 1 or " + std::to_string(goals.size()));
   }
-  const CloudView cloud(obstacles, "obstacles");
+  const ObstaclesIn given(obstacles, "obstacles");
   BatchResult batch;
   batch.dof = self.solver.robot().dof();
 
   const py::gil_scoped_release release;
   Solver solver = self.copy();
-  solver.set_obstacles(cloud);
+  given.give_to(solver);
   std::size_t done = 0, slice = 64;
   do {
     const Clock::time_point started = Clock::now();
@@ -140,8 +141,9 @@ Args:
     q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
         None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
         answers are within pi of it.
-    obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
-        order is read in place. None or empty: there are none, whatever the call before had.
+    obstacles: A Cloud; or points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m], taken
+        in by each call anew. Float64 in C order is read in place. None or empty: there are none, whatever
+        the call before had.
     posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
         the first solution found, shape (n,) [rad] or [m].
     max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.

@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "cloud.hpp"
 #include "goals.hpp"
 #include "names.hpp"
 #include "pdoik/tracker.hpp"
@@ -36,11 +37,11 @@ NamedStep named(const Tracker& tracker, const TrackerResult& result) {
 }
 
 NamedStep step(Tracker& self, const GoalsLike& T_base_tip,
-               const std::optional<ArrayLike>& obstacles) {
+               const std::optional<ObstaclesLike>& obstacles) {
   try {
     if (obstacles) {
       try {
-        self.set_obstacles(CloudView(obstacles, "obstacles"));
+        ObstaclesIn(obstacles, "obstacles").give_to(self);
       } catch (const std::invalid_argument& refused) {
         self.refuse_obstacles(refused.what());
       }
@@ -149,8 +150,8 @@ Raises:
 
 Args:
     T_base_tip: Goals as in Solver.solve.
-    obstacles: A new cloud as in Solver.solve, with at most Options.max_obstacles rows. None: those of the
-        step before stay. A cloud that makes no sense is refused: steps then hold the last answer until a
+    obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None: those of the
+        step before stay; of a Cloud its updates are seen. A cloud that makes no sense is refused: steps then hold the last answer until a
         good one comes.
 
 Returns:

@@ -6,6 +6,7 @@ PYBIND11_MODULE(_core, module) {
   module.doc() = "The compiled half of pdoik. Its names are to be had from `pdoik` itself.";
   bind_errors(module);
   bind_occupancy(module);
+  bind_cloud(module);
   bind_robot(module);
   bind_options(module);
   bind_goal(module);

@@ -13,6 +13,7 @@ from importlib.metadata import version
 import pdoik._import_core  # noqa: F401  # says what to install if a library is missing
 from pdoik._core import (
     BatchResult,
+    Cloud,
     DhRow,
     Goal,
     LatencyHistogram,
@@ -44,6 +45,7 @@ __all__ = [
     "AugmentedLagrangianOptions",
     "Balance",
     "BatchResult",
+    "Cloud",
     "DhRow",
     "Goal",
     "Lagrangian",

@@ -1,6 +1,7 @@
 #include <functional>
 #include <thread>
 
+#include "pdoik/cloud.hpp"
 #include "pdoik/lagrangian.hpp"
 #include "pdoik/tracker.hpp"
 #include "solver_settings.hpp"
@@ -151,6 +152,37 @@ TEST(Threads, lagrangians_and_robots_are_made_and_used_side_by_side) {
   std::vector<double> together(kThreads);
   on_threads([&](int t) { together[static_cast<std::size_t>(t)] = value(t); });
   for (int t = 0; t < kThreads; ++t) EXPECT_EQ(together[static_cast<std::size_t>(t)], value(t));
+}
+
+TEST(Threads, a_cloud_may_be_updated_while_others_solve_among_it) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Random random(6);
+  const ObstacleMatrix points = random_obstacles(random, 3000, 1.5, 0.0);
+  Cloud cloud{Obstacles(points)};
+  const Eigen::AlignedBox3d region(Eigen::Vector3d::Constant(-0.3), Eigen::Vector3d::Constant(0.9));
+  ObstacleMatrix within(0, points.cols());
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (!region.contains(Eigen::Vector3d(points.row(i).head<3>()))) continue;
+    within.conservativeResize(within.rows() + 1, Eigen::NoChange);
+    within.row(within.rows() - 1) = points.row(i);
+  }
+  Options options;
+  options.max_restarts = 2;
+  on_threads([&](int t) {
+    if (t == 0) {
+      for (int k = 0; k < 20; ++k) {
+        cloud.remove(region);
+        cloud.update(Obstacles(within), region);
+      }
+      return;
+    }
+    Solver solver(robot, options);
+    solver.set_obstacles(cloud);
+    for (const Result& result : solve_all(solver, some_targets(robot, t, 10)))
+      EXPECT_TRUE(result.q.allFinite());
+    solver.solve_batch(some_targets(robot, t, 10), {}, 2);
+  });
+  EXPECT_EQ(cloud.size(), static_cast<std::size_t>(points.rows()));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "pdoik/abi.hpp"
 #include "pdoik/augmented_lagrangian.hpp"
+#include "pdoik/cloud.hpp"
 #include "pdoik/collision_pairs.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/floating_base.hpp"

@@ -20,6 +20,8 @@ using Obstacles =
     Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
                Eigen::OuterStride<>>;
 
+class Cloud;
+
 /// What one solve is asked. All is read where the caller keeps it.
 struct Request {
   std::span<const Goal> goals = {};  ///< at most one a tip; tips without one are free
@@ -66,6 +68,8 @@ class Solver {
   /// options.max_obstacles to begin with, or when a copy of this solver still has the last ones:
   /// copies share them. What it took is in the results that follow, as `intake`.
   void set_obstacles(const Obstacles& points);
+  /// Those of a cloud, as they are whenever a solve begins. Solvers share it.
+  void set_obstacles(const Cloud& cloud);
   void clear_obstacles();
 
   /// Ask `wanted` about ten times a second whether to end a solve early, with the status TimeLimit:

@@ -96,6 +96,9 @@ class Tracker {
   /// good one comes.
   /// @returns Whether it was taken.
   bool set_obstacles(const Obstacles& points);
+  /// Those of a cloud, as they are whenever a step begins. A step then waits for an update that has
+  /// begun; and it allocates when the cloud has become larger than max_obstacles.
+  void set_obstacles(const Cloud& cloud);
   /// What set_obstacles does with a cloud that makes no sense, for one that is refused outside.
   void refuse_obstacles(const std::string& complaint);
 

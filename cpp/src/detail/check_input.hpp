@@ -36,7 +36,9 @@ void check_step(const Eigen::VectorXd& step, int dof, const std::string& name);
 void check_weights(const Eigen::VectorXd& weights, int dof, const std::string& name);
 void check_configuration(VectorIn q, int dof, const std::string& name);
 /// Finite rows of three or four, none beyond 1e6 m, no radius negative.
-bool accepts_obstacles(const Obstacles& points, Complaint& complaint);
+/// For Obstacles and ObstaclesF.
+template <class Rows>
+bool accepts_obstacles(const Rows& points, Complaint& complaint, const char* name = "obstacles");
 void check_obstacles(const Obstacles& points);
 
 }  // namespace pdoik::detail

@@ -109,6 +109,14 @@ class CollisionState {
       positions_[k] = transform(rollout.frame(model_.points[k].body), model_.points[k].local);
     }
   }
+  /// Or where the bodies are.
+  void place(const std::vector<Eigen::Isometry3d>& T_base_body) {
+    for (std::size_t k = 0; k < positions_.size(); ++k) {
+      const AttachedPoint& point = model_.points[k];
+      positions_[k] =
+          to_vec4(T_base_body[static_cast<std::size_t>(point.body)] * to_vector3(point.local));
+    }
+  }
   /// Or where they are by other means.
   void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
 
@@ -266,6 +274,11 @@ struct Clearance {
 /// pairs that are within g of each other, at least. Changes the state's near pairs.
 Clearance least_clearance_within(CollisionState& state, const ObstacleView& obstacles, double g,
                                  Clearance than = {});
+
+/// Add to `places` those of the obstacles that are within a distance of the state's hulls, some
+/// more than once. Changes the state's near pairs.
+void find_within(CollisionState& state, const ObstacleView& obstacles, double distance,
+                 std::vector<int>& places);
 
 /// The same among all, by growing the hulls until obstacles come to lie in them: points nearer than
 /// g to a hull lie in it when it is grown by g, so once the least is below g it is found.

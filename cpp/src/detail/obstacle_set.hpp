@@ -44,6 +44,8 @@ class ObstacleSet {
   /// Take out the points in a box. Of a set in order only the blocks that it meets are looked at.
   /// @returns How many there were.
   int remove(const Eigen::AlignedBox3d& region);
+  /// The same for these places, which may come in any order and more than once.
+  int remove(std::vector<int> places);
   /// Add points, in places that `remove` has left if it has just been called, and else at the end.
   /// They get the ids from next_id() on. @returns false, and does nothing, if there is no room
   /// left: the set has to be made anew.

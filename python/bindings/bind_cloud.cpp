@@ -1,0 +1,139 @@
+#include <pybind11/stl.h>
+
+#include "bind.hpp"
+#include "cloud.hpp"
+#include "pdoik/point_cloud.hpp"
+
+namespace pdoik::python {
+namespace {
+
+/// Calls take(points) with what thinning leaves, or with the points themselves.
+template <class Take>
+auto thinned(const PointsView& points, const std::optional<double>& leaf, bool radii, Take&& take) {
+  if (!leaf) return points.is_single() ? take(points.in_single()) : take(points.in_double());
+  const RowMatrix cast =
+      points.is_single() ? RowMatrix(points.in_single().cast<double>()) : RowMatrix();
+  const Obstacles all = points.is_single() ? Obstacles(cast) : points.in_double();
+  const Points kept = voxel_downsample(all, *leaf);
+  RowMatrix rows(kept.rows(), radii ? 4 : 3);
+  rows.leftCols<3>() = kept;
+  if (radii) rows.col(3) = covering_radii(all, kept, *leaf);
+  return take(Obstacles(rows));
+}
+
+Eigen::AlignedBox3d to_region(const ArrayLike& values) {
+  const Array array = to_float64(values, "region");
+  if (array.ndim() != 2 || array.shape(0) != 2 || array.shape(1) != 3) {
+    throw std::invalid_argument("region has shape " + std::string(py::str(array.attr("shape"))) +
+                                ", expected (2, 3): its lowest and highest x, y, z");
+  }
+  const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> corners(array.data());
+  return {Eigen::Vector3d(corners.row(0)), Eigen::Vector3d(corners.row(1))};
+}
+
+}  // namespace
+
+void bind_cloud(py::module_& module) {
+  py::class_<ThinnedCloud>(
+      module, "Cloud",
+      R"(Obstacle points that are taken in once, for any number of solves and solvers.
+
+The points are put in the order of the cells that they lie in, with boxes around neighbours, so that a solve
+among a million looks at few of them. Give it as `obstacles` wherever points go.
+
+A solve sees the cloud as it is when it begins: updates wait for the solves that have begun, and solves that
+begin meanwhile wait for the update. Any number of threads may solve and update at once.
+
+>>> import numpy as np
+>>> import pdoik
+>>> rng = np.random.default_rng(0)
+>>> cloud = pdoik.Cloud(rng.uniform(-1, 1, (100_000, 3)) + [0, 0, 3])
+>>> robot = pdoik.Robot.builtin("panda")
+>>> solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+>>> solver.solve(robot.fk(robot.mid_configuration()), obstacles=cloud).success
+True
+>>> cloud.remove([[-1, -1, 2], [1, 1, 3]]) > 40_000
+True)")
+      .def(py::init([](const ArrayLike& points, const std::optional<double>& leaf, bool radii) {
+             if (radii && !leaf)
+               throw std::invalid_argument(
+                   "radii are those of a leaf's cells, and there is no leaf");
+             const PointsView view(points, "points");
+             const py::gil_scoped_release release;
+             return ThinnedCloud{
+                 thinned(view, leaf, radii, [](const auto& rows) { return Cloud(rows); }), leaf,
+                 radii};
+           }),
+           py::arg("points"), py::arg("leaf") = py::none(), py::arg("radii") = false,
+           R"(Take points in.
+
+Args:
+    points: x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float32 and float64 are
+        read in place where a row's numbers lie side by side. With no rows: a cloud to be updated.
+    leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
+        voxel_downsample; rows with NaN or infinity are then left out. None keeps all.
+    radii: Give each kept point the radius of a ball such that the balls hold every point there was.
+
+Raises:
+    ValueError: The shape is wrong, a number is NaN, infinite or beyond 1e6, a radius is negative (naming the
+        row), or there are more than 33,554,432 points.)")
+      .def("__len__", [](const ThinnedCloud& self) { return self.cloud.size(); })
+      .def(
+          "update",
+          [](ThinnedCloud& self, const ArrayLike& points, const ArrayLike& region) {
+            const PointsView view(points, "points");
+            const Eigen::AlignedBox3d box = to_region(region);
+            const py::gil_scoped_release release;
+            return thinned(view, self.leaf, self.radii,
+                           [&](const auto& rows) { return self.cloud.update(rows, box); });
+          },
+          py::arg("points"), py::arg("region"),
+          R"(Put points in place of all those in a region, at the cost of what changes.
+
+Args:
+    points: As in the constructor, thinned out as the cloud was; all within the region.
+    region: An axis-aligned box, shape (2, 3): its lowest and its highest x, y, z [m].
+
+Returns:
+    How many points there were in the region.
+
+Raises:
+    ValueError: As the constructor; a region that is inside out or no number; a point outside of it. The cloud
+        is then as before.)")
+      .def(
+          "remove",
+          [](ThinnedCloud& self, const ArrayLike& region) {
+            const Eigen::AlignedBox3d box = to_region(region);
+            const py::gil_scoped_release release;
+            return self.cloud.remove(box);
+          },
+          py::arg("region"),
+          R"(Take out the points in a region, as in `update`.
+
+Returns:
+    How many there were.
+
+Raises:
+    ValueError: A region that is inside out or no number.)")
+      .def_property_readonly(
+          "points", [](const ThinnedCloud& self) { return self.cloud.points(); },
+          "A copy of the points, x y z radius, shape (N, 4) [m], in the cloud's own order.")
+      .def_property_readonly(
+          "ids",
+          [](const ThinnedCloud& self) {
+            const std::vector<int> ids = self.cloud.ids();
+            return py::array_t<int>(static_cast<py::ssize_t>(ids.size()), ids.data());
+          },
+          R"(What results call each of `points`, shape (N,).
+
+A point's row when it was taken in, numbered on with each update.)")
+      .def_property_readonly(
+          "nbytes", [](const ThinnedCloud& self) { return self.cloud.bytes(); },
+          "The memory that the points take [bytes].")
+      .def("__repr__", [](const ThinnedCloud& self) {
+        return py::str("<Cloud of {} points, {:.3g} MB>")
+            .format(self.cloud.size(), 1e-6 * static_cast<double>(self.cloud.bytes()));
+      });
+}
+
+}  // namespace pdoik::python
