@@ -67,6 +67,34 @@ void SolveAmong(benchmark::State& state) {
   state.SetLabel(kArms[static_cast<std::size_t>(state.range(0))]);
 }
 
+/// What the same cloud's bytes are, and its intake, into memory that is fresh each time.
+void Intake(benchmark::State& state) {
+  const Points points = table_and_balls(static_cast<int>(state.range(0)));
+  double bytes = 0.0;
+  for (auto _ : state) {
+    const Cloud cloud{Obstacles(points)};
+    bytes = static_cast<double>(cloud.bytes());
+  }
+  state.counters["bytes_a_point"] = bytes / static_cast<double>(state.range(0));
+}
+
+/// A hundredth of the cloud's points in place of the same.
+void Update(benchmark::State& state) {
+  const Points points = table_and_balls(static_cast<int>(state.range(0)));
+  Cloud cloud{Obstacles(points)};
+  const double half = 0.5 * std::sqrt(0.01 * M_PI * 1.5 * 2.0);
+  const Eigen::AlignedBox3d region(Eigen::Vector3d(-half - 0.3, -half - 0.3, -1.0),
+                                   Eigen::Vector3d(half - 0.3, half - 0.3, 1.0));
+  Points within(points.rows(), 3);
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (region.contains(Eigen::Vector3d(points.row(i)))) within.row(count++) = points.row(i);
+  }
+  const Points more = within.topRows(count);
+  for (auto _ : state) cloud.update(Obstacles(more), region);
+  state.counters["share"] = static_cast<double>(count) / static_cast<double>(points.rows());
+}
+
 void SetObstacles(benchmark::State& state) {
   Options options;
   options.max_obstacles = static_cast<int>(state.range(0));
@@ -90,6 +118,10 @@ BENCHMARK(SetObstacles)
     ->Arg(100000)
     ->Arg(1000000)
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK(Intake)->ArgName("points")->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(
+    benchmark::kMicrosecond);
+BENCHMARK(Update)->ArgName("points")->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(
+    benchmark::kMicrosecond);
 BENCHMARK(SolveAmong)
     ->ArgNames({"arm", "N"})
     ->ArgsProduct({{0, 1, 2}, {136, 10000, 100000, 1000000}})

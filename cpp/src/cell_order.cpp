@@ -51,7 +51,7 @@ void CellOrder::begin(int count, std::array<std::span<double>, 3> sample) {
 }
 
 std::span<const CellOrder::Entry> CellOrder::sorted() {
-  const auto sort = [&](const std::vector<Entry>& from, std::vector<Entry>& to,
+  const auto sort = [&](const LargeVector<Entry>& from, LargeVector<Entry>& to,
                         std::vector<int>& digits, auto&& digit) {
     int next = 0;
     for (int& place : digits) next += std::exchange(place, next);

@@ -20,7 +20,7 @@ void ObstacleSet::reserve(std::size_t count) {
   const std::size_t padded = round_up(count);
   points_.reserve(padded);
   index_.reserve(padded);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
+  for (LargeVector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
     v->reserve(padded);
   if (count <= static_cast<std::size_t>(kGroup)) return;
   const std::size_t groups = padded / kGroup + 1;
@@ -35,7 +35,7 @@ void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {
   const auto size = static_cast<std::size_t>(round_up(count));
   points_.resize(size);
   index_.resize(size);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
+  for (LargeVector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
     v->resize(size);
   origin_ = to_vec4(origin);
   count_ = places_ = next_id_ = 0;
@@ -182,7 +182,7 @@ void ObstacleSet::grow_to(int places) {
   const auto size = static_cast<std::size_t>(round_up(places));
   points_.resize(size);
   index_.resize(size);
-  for (std::vector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
+  for (LargeVector<float>* v : {&coarse_x_, &coarse_y_, &coarse_z_, &coarse_radius_})
     v->resize(size);
   const int before = places_;
   places_ = places;

@@ -19,12 +19,11 @@ struct ThinnedCloud {
 class ObstaclesIn {
  public:
   ObstaclesIn(const std::optional<ObstaclesLike>& obstacles, const std::string& name)
-      : points_(PointsView::float64(std::nullopt, name)) {
-    if (!obstacles) return;
-    if (py::isinstance<ThinnedCloud>(obstacles->value))
+      : points_(PointsView::float64(
+            is_array(obstacles) ? std::optional(ArrayLike{obstacles->value}) : std::nullopt,
+            name)) {
+    if (obstacles && !is_array(obstacles))
       cloud_ = obstacles->value.cast<const ThinnedCloud&>().cloud;
-    else
-      points_ = PointsView::float64(ArrayLike{obstacles->value}, name);
   }
 
   /// Hand them to a Solver or a Tracker.
@@ -37,6 +36,10 @@ class ObstaclesIn {
   }
 
  private:
+  static bool is_array(const std::optional<ObstaclesLike>& obstacles) {
+    return obstacles && !py::isinstance<ThinnedCloud>(obstacles->value);
+  }
+
   PointsView points_;
   std::optional<Cloud> cloud_;  ///< a handle
 };

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import os
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -66,6 +66,88 @@ class Occupancy:
     def spheroids(self) -> list[tuple[str, tuple[float, float, float], str, tuple[float, float, float], float]]:
         """
         Tuples (link_a, xyz_a, link_b, xyz_b, semi_major), lengths in metres.
+        """
+class Cloud:
+    """
+    Obstacle points that are taken in once, for any number of solves and solvers.
+    
+    The points are put in the order of the cells that they lie in, with boxes around neighbours, so that a solve
+    among a million looks at few of them. Give it as `obstacles` wherever points go.
+    
+    A solve sees the cloud as it is when it begins: updates wait for the solves that have begun, and solves that
+    begin meanwhile wait for the update. Any number of threads may solve and update at once.
+    
+    >>> import numpy as np
+    >>> import pdoik
+    >>> rng = np.random.default_rng(0)
+    >>> cloud = pdoik.Cloud(rng.uniform(-1, 1, (100_000, 3)) + [0, 0, 3])
+    >>> robot = pdoik.Robot.builtin("panda")
+    >>> solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+    >>> solver.solve(robot.fk(robot.mid_configuration()), obstacles=cloud).success
+    True
+    >>> cloud.remove([[-1, -1, 2], [1, 1, 3]]) > 40_000
+    True
+    """
+    def __init__(self, points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex | None = None, radii: bool = False) -> None:
+        """
+        Take points in.
+        
+        Args:
+            points: x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float32 and float64 are
+                read in place where a row's numbers lie side by side. With no rows: a cloud to be updated.
+            leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
+                voxel_downsample; rows with NaN or infinity are then left out. None keeps all.
+            radii: Give each kept point the radius of a ball such that the balls hold every point there was.
+        
+        Raises:
+            ValueError: The shape is wrong, a number is NaN, infinite or beyond 1e6, a radius is negative (naming the
+                row), or there are more than 33,554,432 points.
+        """
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def remove(self, region: numpy.typing.ArrayLike) -> int:
+        """
+        Take out the points in a region, as in `update`.
+        
+        Returns:
+            How many there were.
+        
+        Raises:
+            ValueError: A region that is inside out or no number.
+        """
+    def update(self, points: numpy.typing.ArrayLike, region: numpy.typing.ArrayLike) -> int:
+        """
+        Put points in place of all those in a region, at the cost of what changes.
+        
+        Args:
+            points: As in the constructor, thinned out as the cloud was; all within the region.
+            region: An axis-aligned box, shape (2, 3): its lowest and its highest x, y, z [m].
+        
+        Returns:
+            How many points there were in the region.
+        
+        Raises:
+            ValueError: As the constructor; a region that is inside out or no number; a point outside of it. The cloud
+                is then as before.
+        """
+    @property
+    def ids(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        What results call each of `points`, shape (N,).
+        
+        A point's row when it was taken in, numbered on with each update.
+        """
+    @property
+    def nbytes(self) -> int:
+        """
+        The memory that the points take [bytes].
+        """
+    @property
+    def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 4]"]:
+        """
+        A copy of the points, x y z radius, shape (N, 4) [m], in the cloud's own order.
         """
 class DhRow:
     """
@@ -233,6 +315,28 @@ class Robot:
     def mid_configuration(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         The middle of each joint's range, 0 for joints without limits, shape (n,).
+        """
+    @typing.overload
+    def self_filter(self, cloud: Cloud, q: numpy.typing.ArrayLike, *, padding: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> int:
+        """
+        Take the robot's own surface out of a cloud: points in its hulls, or within a distance of them.
+        
+        Args:
+            cloud: Changed in place.
+            q: Where the robot was when the camera saw it, shape (n,) [rad] or [m].
+            padding: For what noise and calibration hide [m].
+        
+        Returns:
+            How many points were taken out.
+        
+        Raises:
+            ValueError: q has another shape or holds NaN or infinity, padding is negative, or the robot has no
+                occupancy.
+        """
+    @typing.overload
+    def self_filter(self, points: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike, *, padding: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        The same for an array of points, shape (N, 3) or (N, 4) [m]; gives those that are left, in order.
         """
     @property
     def base_link(self) -> str:
@@ -867,7 +971,7 @@ class BatchResult:
 class Solver:
     def __init__(self, robot: Robot, options: Options) -> None:
         ...
-    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | None = None) -> Result:
+    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | None = None) -> Result:
         """
         Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
         
@@ -879,7 +983,7 @@ class Solver:
         Raises:
             ValueError: As in `solve`.
         """
-    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None) -> Result:
+    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None) -> Result:
         """
         Find q so that the tips meet their goals, inside joint limits, clear of obstacles.
         
@@ -891,8 +995,9 @@ class Solver:
             q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
                 None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
                 answers are within pi of it.
-            obstacles: Points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float64 in C
-                order is read in place. None or empty: there are none, whatever the call before had.
+            obstacles: A Cloud; or points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m], taken
+                in by each call anew. Float64 in C order is read in place. None or empty: there are none, whatever
+                the call before had.
             posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
                 the first solution found, shape (n,) [rad] or [m].
             max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
@@ -904,7 +1009,7 @@ class Solver:
             ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative, or
                 something is NaN or infinite.
         """
-    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
+    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
         """
         Solve many targets among the same obstacles, on several threads, each as `solve` does.
         
@@ -1000,14 +1105,14 @@ class Tracker:
         Raises:
             ValueError: It has another shape or holds NaN or infinity.
         """
-    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | None = None) -> TrackerResult:
+    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | None = None) -> TrackerResult:
         """
         One step towards the goals, by the deadline. Raises nothing for bad numbers.
         
         Args:
             T_base_tip: Goals as in Solver.solve.
-            obstacles: A new cloud as in Solver.solve, with at most Options.max_obstacles rows. None: those of the
-                step before stay. A cloud that makes no sense is refused: steps then hold the last answer until a
+            obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None: those of the
+                step before stay; of a Cloud its updates are seen. A cloud that makes no sense is refused: steps then hold the last answer until a
                 good one comes.
         
         Returns:

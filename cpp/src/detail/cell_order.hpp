@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "detail/large_vector.hpp"
 #include "simd/vec4.hpp"
 
 namespace pdoik::detail {
@@ -63,7 +64,7 @@ class CellOrder {
     return (v | (v << 2U)) & 0x09249249U;
   }
 
-  std::vector<Entry> entries_, halfway_;
+  LargeVector<Entry> entries_, halfway_;
   std::vector<int> low_digits_, high_digits_;  ///< how often each comes, then where it goes next
   std::uint32_t digit_bits_ = 0, digit_mask_ = 0;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();

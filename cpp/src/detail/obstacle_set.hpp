@@ -9,6 +9,7 @@
 
 #include "detail/cell_order.hpp"
 #include "detail/frame.hpp"
+#include "detail/large_vector.hpp"
 #include "simd/cull.hpp"
 
 namespace pdoik::detail {
@@ -113,9 +114,9 @@ class ObstacleSet {
   template <class Visit>
   void for_blocks_in(const Eigen::AlignedBox3f& box, Visit&& visit) const;
 
-  std::vector<Vec4> points_;
-  std::vector<float> coarse_x_, coarse_y_, coarse_z_, coarse_radius_;
-  std::vector<int> index_;
+  LargeVector<Vec4> points_;
+  LargeVector<float> coarse_x_, coarse_y_, coarse_z_, coarse_radius_;
+  LargeVector<int> index_;
   Boxes blocks_, groups_, districts_;
   std::unique_ptr<ObstacleSet> few_;
   std::vector<int> changed_;  ///< blocks that the last `remove` made room in, ascending
