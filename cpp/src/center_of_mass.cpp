@@ -6,7 +6,7 @@ namespace pdoik {
 
 double Robot::total_mass() const {
   double mass = 0.0;
-  for (const LinkDescription& link : links_) mass += link.mass;
+  for (const LinkDescription& link : parts_->links) mass += link.mass;
   return mass;
 }
 
@@ -43,19 +43,19 @@ std::vector<Load> loads(const Robot& robot, const std::vector<Eigen::Isometry3d>
 }  // namespace
 
 Eigen::Vector3d Robot::center_of_mass(VectorIn q) const {
-  std::vector<Eigen::Isometry3d> T_base_body(bodies_.size());
+  std::vector<Eigen::Isometry3d> T_base_body(parts_->bodies.size());
   body_poses(q, T_base_body);
   const Load whole = loads(*this, T_base_body).front();
   return whole.moment / whole.mass;
 }
 
 Eigen::Matrix3Xd Robot::center_of_mass_jacobian(VectorIn q) const {
-  std::vector<Eigen::Isometry3d> T_base_body(bodies_.size());
+  std::vector<Eigen::Isometry3d> T_base_body(parts_->bodies.size());
   body_poses(q, T_base_body);
   const std::vector<Load> carried = loads(*this, T_base_body);
   Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, dof());
-  for (std::size_t b = 1; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
+  for (std::size_t b = 1; b < parts_->bodies.size(); ++b) {
+    const Body& body = parts_->bodies[b];
     const Load& load = carried[b];
     const Eigen::Vector3d z = T_base_body[b].linear().col(2);
     const Eigen::Vector3d arm = load.moment - load.mass * T_base_body[b].translation();

@@ -24,32 +24,35 @@ void check_configuration(VectorIn q, int dof) {
 Robot::Robot(const RobotDescription& description, const std::string& base_link,
              const std::vector<std::string>& tip_links) {
   detail::Tree tree = detail::build_tree(description, base_link);
-  name_ = description.name;
-  joint_names_ = std::move(tree.joint_names);
-  joint_types_ = std::move(tree.joint_types);
-  lower_ = std::move(tree.lower);
-  upper_ = std::move(tree.upper);
-  velocity_ = std::move(tree.velocity);
-  effort_ = std::move(tree.effort);
-  links_ = std::move(tree.links);
-  link_body_ = std::move(tree.link_body);
-  T_body_link_ = std::move(tree.T_body_link);
-  bodies_ = std::move(tree.bodies);
-  warnings_ = std::move(tree.warnings);
-  for (const LinkDescription& link : links_) link_names_.push_back(link.name);
-  if (tip_links.empty()) {
-    tips_ = std::move(tree.leaves);
-  }
+  auto parts = std::make_shared<Parts>();
+  parts->description = description;
+  parts->name = description.name;
+  parts->joint_names = std::move(tree.joint_names);
+  parts->joint_types = std::move(tree.joint_types);
+  parts->lower = std::move(tree.lower);
+  parts->upper = std::move(tree.upper);
+  parts->velocity = std::move(tree.velocity);
+  parts->effort = std::move(tree.effort);
+  parts->links = std::move(tree.links);
+  parts->link_body = std::move(tree.link_body);
+  parts->T_body_link = std::move(tree.T_body_link);
+  parts->bodies = std::move(tree.bodies);
+  parts->warnings = std::move(tree.warnings);
+  for (const LinkDescription& link : parts->links) parts->link_names.push_back(link.name);
+  parts_ = parts;
+  std::vector<int> tips = std::move(tree.leaves);
+  if (!tip_links.empty()) tips.clear();
   for (const std::string& tip : tip_links) {
     const std::optional<int> link = find_link(tip);
     if (!link) {
-      throw LoadError("tip link '" + tip + "' is not a link of '" + name_ +
-                      "' (links: " + detail::join(link_names_) + ")");
+      throw LoadError("tip link '" + tip + "' is not a link of '" + name() +
+                      "' (links: " + detail::join(link_names()) + ")");
     }
-    if (std::find(tips_.begin(), tips_.end(), *link) != tips_.end())
+    if (std::find(tips.begin(), tips.end(), *link) != tips.end())
       throw LoadError("tip link '" + tip + "' is named twice");
-    tips_.push_back(*link);
+    tips.push_back(*link);
   }
+  parts->tips = std::move(tips);
 }
 
 Robot Robot::from_dh(const std::vector<DhRow>& rows, const Eigen::Isometry3d& T_last_tool) {
@@ -89,30 +92,35 @@ Robot Robot::from_dh(const std::vector<DhRow>& rows, const Eigen::Isometry3d& T_
 
 std::vector<std::string> Robot::tip_links() const {
   std::vector<std::string> names;
-  for (const int tip : tips_) names.push_back(link_names_[static_cast<std::size_t>(tip)]);
+  for (const int tip : parts_->tips)
+    names.push_back(parts_->link_names[static_cast<std::size_t>(tip)]);
   return names;
 }
 
 Eigen::VectorXd Robot::mid_configuration() const {
   Eigen::VectorXd q(dof());
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const bool low = std::isfinite(lower_[i]), high = std::isfinite(upper_[i]);
-    q[i] = low && high ? 0.5 * (lower_[i] + upper_[i]) : low ? lower_[i] : high ? upper_[i] : 0.0;
+    const bool low = std::isfinite(parts_->lower[i]), high = std::isfinite(parts_->upper[i]);
+    q[i] = low && high ? 0.5 * (parts_->lower[i] + parts_->upper[i])
+           : low       ? parts_->lower[i]
+           : high      ? parts_->upper[i]
+                       : 0.0;
   }
   return q;
 }
 
 std::optional<int> Robot::find_link(std::string_view name) const {
-  const auto found = std::find(link_names_.begin(), link_names_.end(), name);
-  if (found == link_names_.end()) return std::nullopt;
-  return static_cast<int>(found - link_names_.begin());
+  const auto found = std::find(parts_->link_names.begin(), parts_->link_names.end(), name);
+  if (found == parts_->link_names.end()) return std::nullopt;
+  return static_cast<int>(found - parts_->link_names.begin());
 }
 
 int Robot::link_index(std::string_view name) const {
   const std::optional<int> link = find_link(name);
   if (!link) {
-    throw std::invalid_argument("link '" + std::string(name) + "' is not a link of '" + name_ +
-                                "' (links: " + detail::join(link_names_) + ")");
+    throw std::invalid_argument("link '" + std::string(name) + "' is not a link of '" +
+                                parts_->name + "' (links: " + detail::join(parts_->link_names) +
+                                ")");
   }
   return *link;
 }
@@ -154,7 +162,7 @@ Eigen::Isometry3d Robot::fk(VectorIn q, int link) const {
   link = resolve_link(link, *this);
   Eigen::Isometry3d T_body_tip = T_body_link(link);
   for (int b = body_of_link(link); b > 0;) {
-    const Body& body = bodies_[static_cast<std::size_t>(b)];
+    const Body& body = parts_->bodies[static_cast<std::size_t>(b)];
     T_body_tip = body.T_parent_joint * joint_motion(body, q) * T_body_tip;
     b = body.parent;
   }
@@ -163,10 +171,10 @@ Eigen::Isometry3d Robot::fk(VectorIn q, int link) const {
 
 void Robot::body_poses(VectorIn q, std::vector<Eigen::Isometry3d>& T_base_body) const {
   check_configuration(q, dof());
-  if (T_base_body.size() != bodies_.size()) T_base_body.resize(bodies_.size());
+  if (T_base_body.size() != parts_->bodies.size()) T_base_body.resize(parts_->bodies.size());
   T_base_body[0].setIdentity();
-  for (std::size_t b = 1; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
+  for (std::size_t b = 1; b < parts_->bodies.size(); ++b) {
+    const Body& body = parts_->bodies[b];
     T_base_body[b] = T_base_body[static_cast<std::size_t>(body.parent)] * body.T_parent_joint *
                      joint_motion(body, q);
   }
@@ -176,7 +184,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Robot::jacobian(VectorIn q, int link) c
   check_configuration(q, dof());
   link = resolve_link(link, *this);
   std::vector<int> path;  // from the base to the link
-  for (int b = body_of_link(link); b > 0; b = bodies_[static_cast<std::size_t>(b)].parent) {
+  for (int b = body_of_link(link); b > 0; b = parts_->bodies[static_cast<std::size_t>(b)].parent) {
     path.push_back(b);
   }
   std::reverse(path.begin(), path.end());
@@ -185,7 +193,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Robot::jacobian(VectorIn q, int link) c
   J.setZero();
   Eigen::Isometry3d T_base_body = Eigen::Isometry3d::Identity();
   for (const int b : path) {
-    const Body& body = bodies_[static_cast<std::size_t>(b)];
+    const Body& body = parts_->bodies[static_cast<std::size_t>(b)];
     T_base_body = T_base_body * body.T_parent_joint * joint_motion(body, q);
     const Eigen::Vector3d z = T_base_body.linear().col(2);
     if (body.prismatic) {
@@ -203,11 +211,13 @@ void Robot::set_ignored_pairs(std::vector<LinkPair> pairs) {
     for (const std::string& link : {pairs[i].first, pairs[i].second}) {
       if (find_link(link)) continue;
       throw std::invalid_argument("pairs[" + std::to_string(i) + "]: link '" + link +
-                                  "' is not a link of '" + name_ +
-                                  "' (links: " + detail::join(link_names_) + ")");
+                                  "' is not a link of '" + parts_->name +
+                                  "' (links: " + detail::join(parts_->link_names) + ")");
     }
   }
-  ignored_pairs_ = std::move(pairs);
+  auto parts = std::make_shared<Parts>(*parts_);
+  parts->ignored_pairs = std::move(pairs);
+  parts_ = std::move(parts);
 }
 
 void Robot::set_occupancy(Occupancy occupancy) {
@@ -246,7 +256,9 @@ void Robot::set_occupancy(Occupancy occupancy) {
                                   std::to_string(half));
     }
   }
-  occupancy_ = std::move(occupancy);
+  auto parts = std::make_shared<Parts>(*parts_);
+  parts->occupancy = std::move(occupancy);
+  parts_ = std::move(parts);
 }
 
 }  // namespace pdoik

@@ -14,6 +14,7 @@
 #include "pdoik/collision_pairs.hpp"
 #include "pdoik/floating_base.hpp"
 #include "pdoik/robot.hpp"
+#include "robot_state.hpp"
 
 namespace pdoik::python {
 namespace {
@@ -404,6 +405,7 @@ void bind_robot(py::module_& module) {
                           R"(A tree of links and joints seen from a chosen base link.
 
 Nothing but its occupancy and ignored pairs can be changed.)");
+  robot.def(py::pickle(&state_of, &robot_from));
   def_constructors(robot);
   def_properties(robot);
   def_kinematics(robot);

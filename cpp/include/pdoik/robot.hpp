@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -100,8 +101,9 @@ struct Body {
 /// A robot as the solver sees it: a tree of bodies from a chosen base, with links attached to them.
 ///
 /// `joint_names` are ordered depth first from the base, siblings by joint name (Pinocchio's order);
-/// fixed and mimic joints have no entry in q. Immutable after construction but for its occupancy
-/// and ignored pairs, so one robot may serve many threads.
+/// fixed and mimic joints have no entry in q. A robot is a handle: copies share all there is, and
+/// any number of threads may use them at once. set_occupancy and set_ignored_pairs change the one
+/// they are called on, and none of its copies.
 class Robot {
  public:
   /// @param base_link  Any link of the tree; empty takes the description's root.
@@ -130,24 +132,24 @@ class Robot {
   /// Their names, sorted. In pdoik::io.
   static std::vector<std::string> builtin_names();
 
-  const std::string& name() const { return name_; }
-  int dof() const { return static_cast<int>(joint_names_.size()); }
-  const std::vector<std::string>& joint_names() const { return joint_names_; }
-  const std::vector<std::string>& link_names() const { return link_names_; }
-  const std::string& base_link() const { return link_names_.front(); }
-  const std::vector<int>& tips() const { return tips_; }
+  const std::string& name() const { return parts_->name; }
+  int dof() const { return static_cast<int>(parts_->joint_names.size()); }
+  const std::vector<std::string>& joint_names() const { return parts_->joint_names; }
+  const std::vector<std::string>& link_names() const { return parts_->link_names; }
+  const std::string& base_link() const { return parts_->link_names.front(); }
+  const std::vector<int>& tips() const { return parts_->tips; }
   std::vector<std::string> tip_links() const;
 
   /// Joint limits, shape (n,), [rad] or [m]; infinite for continuous joints.
-  const Eigen::VectorXd& lower() const { return lower_; }
-  const Eigen::VectorXd& upper() const { return upper_; }
+  const Eigen::VectorXd& lower() const { return parts_->lower; }
+  const Eigen::VectorXd& upper() const { return parts_->upper; }
   /// Speed limits of the joints, shape (n,), [rad/s] or [m/s]; infinite where the description gives
   /// none.
-  const Eigen::VectorXd& velocity() const { return velocity_; }
+  const Eigen::VectorXd& velocity() const { return parts_->velocity; }
   /// Effort limits of the joints, shape (n,), [N m] or [N]; infinite where the description gives
   /// none.
-  const Eigen::VectorXd& effort() const { return effort_; }
-  const std::vector<JointType>& joint_types() const { return joint_types_; }
+  const Eigen::VectorXd& effort() const { return parts_->effort; }
+  const std::vector<JointType>& joint_types() const { return parts_->joint_types; }
   /// The middle of each joint's range, 0 for joints without limits, shape (n,).
   Eigen::VectorXd mid_configuration() const;
 
@@ -180,17 +182,17 @@ class Robot {
   int link_index(std::string_view name) const;
   std::optional<int> find_link(std::string_view name) const;
   /// Mass, centre of mass and inertia of each link, ordered as link_names.
-  const std::vector<LinkDescription>& links() const { return links_; }
+  const std::vector<LinkDescription>& links() const { return parts_->links; }
 
-  const std::vector<Body>& bodies() const { return bodies_; }
+  const std::vector<Body>& bodies() const { return parts_->bodies; }
   /// The body a link is attached to, and how: T_base_link = T_base_body * T_body_link.
-  int body_of_link(int link) const { return link_body_[static_cast<std::size_t>(link)]; }
+  int body_of_link(int link) const { return parts_->link_body[static_cast<std::size_t>(link)]; }
   const Eigen::Isometry3d& T_body_link(int link) const {
-    return T_body_link_[static_cast<std::size_t>(link)];
+    return parts_->T_body_link[static_cast<std::size_t>(link)];
   }
 
   /// What the robot fills, as seen by the solver. Empty until set, except for built-in robots.
-  const Occupancy& occupancy() const { return occupancy_; }
+  const Occupancy& occupancy() const { return parts_->occupancy; }
   /// @throws std::invalid_argument naming an unknown link, a radius that is not positive or is
   /// beyond 1e6 m, or a semi-major axis that is not longer than half the distance between foci on
   /// one link.
@@ -198,27 +200,35 @@ class Robot {
 
   /// Links whose hulls may touch each other, besides those that are joined (see
   /// collision_pairs.hpp). Empty until set.
-  const std::vector<LinkPair>& ignored_pairs() const { return ignored_pairs_; }
+  const std::vector<LinkPair>& ignored_pairs() const { return parts_->ignored_pairs; }
   /// @throws std::invalid_argument naming an unknown link.
   void set_ignored_pairs(std::vector<LinkPair> pairs);
 
+  /// What the robot was made of: Robot(description(), base_link(), tip_links()) is another like it,
+  /// but for occupancy and ignored pairs.
+  const RobotDescription& description() const { return parts_->description; }
+
   /// Oddities of the description that do not stop kinematics (inertias that are not physical, ...).
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const std::vector<std::string>& warnings() const { return parts_->warnings; }
 
  private:
-  std::string name_;
-  std::vector<std::string> joint_names_;
-  std::vector<JointType> joint_types_;
-  Eigen::VectorXd lower_, upper_, velocity_, effort_;
-  std::vector<std::string> link_names_;
-  std::vector<LinkDescription> links_;
-  std::vector<int> link_body_;
-  std::vector<Eigen::Isometry3d> T_body_link_;
-  std::vector<Body> bodies_;
-  std::vector<int> tips_;
-  Occupancy occupancy_;
-  std::vector<LinkPair> ignored_pairs_;
-  std::vector<std::string> warnings_;
+  struct Parts {
+    RobotDescription description;
+    std::string name;
+    std::vector<std::string> joint_names;
+    std::vector<JointType> joint_types;
+    Eigen::VectorXd lower, upper, velocity, effort;
+    std::vector<std::string> link_names;
+    std::vector<LinkDescription> links;
+    std::vector<int> link_body;
+    std::vector<Eigen::Isometry3d> T_body_link;
+    std::vector<Body> bodies;
+    std::vector<int> tips;
+    Occupancy occupancy;
+    std::vector<LinkPair> ignored_pairs;
+    std::vector<std::string> warnings;
+  };
+  std::shared_ptr<const Parts> parts_;
 };
 
 }  // namespace pdoik
