@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -120,6 +122,38 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
   return batch;
 }
 
+/// What is left of a batch where only whether and how a pose is reached counts.
+py::tuple reach_poses(SharedSolver& self, const ArrayLike& T_base_tip,
+                      const std::optional<ObstaclesLike>& obstacles, int threads) {
+  const std::vector<Eigen::Isometry3d> targets = to_isometries(T_base_tip, "T_base_tip");
+  const ObstaclesIn given(obstacles, "obstacles");
+  const auto count = static_cast<py::ssize_t>(targets.size());
+  py::array_t<std::uint8_t> statuses(count);
+  py::array_t<float> q({count, static_cast<py::ssize_t>(self.solver.robot().dof())});
+  auto* const status_at = statuses.mutable_data();
+  Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
+      q.mutable_data(), count, self.solver.robot().dof());
+  const py::gil_scoped_release release;
+  Solver solver = self.copy();
+  given.give_to(solver);
+  constexpr std::size_t kSlice = 4096;  // results take memory until they are written down
+  for (std::size_t done = 0; done < targets.size(); done += kSlice) {
+    const auto slice = std::span(targets).subspan(done, std::min(kSlice, targets.size() - done));
+    const std::vector<Result> results = solver.solve_batch(slice, {}, threads);
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      status_at[done + k] = static_cast<std::uint8_t>(results[k].status);
+      auto row = rows.row(static_cast<Eigen::Index>(done + k));
+      if (results[k].success)
+        row = results[k].q.cast<float>().transpose();
+      else
+        row.setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+    raise_if_interrupted();
+  }
+  const py::gil_scoped_acquire acquire;
+  return py::make_tuple(statuses, q);
+}
+
 }  // namespace
 
 void bind_solver(py::module_& module) {
@@ -169,6 +203,9 @@ Args:
 
 Raises:
     ValueError: As in `solve`.)")
+      .def("_reach_poses", &reach_poses, py::arg("T_base_tip"), py::arg("obstacles") = py::none(),
+           py::arg("threads") = 0,
+           "Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.")
       .def("judge", &judge, py::arg("T_base_tip"), py::arg("q"), py::arg("obstacles") = py::none(),
            R"(Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
 

@@ -36,6 +36,7 @@ from pdoik.options import (
     LevenbergMarquardtOptions,
     Options,
 )
+from pdoik.reachability import Grid, Reachability, reachability
 from pdoik.solver import Solver
 from pdoik.tracker import Tracker
 
@@ -48,6 +49,7 @@ __all__ = [
     "Cloud",
     "DhRow",
     "Goal",
+    "Grid",
     "Lagrangian",
     "LatencyHistogram",
     "LbfgsOptions",
@@ -56,6 +58,7 @@ __all__ = [
     "Occupancy",
     "Options",
     "PdoikError",
+    "Reachability",
     "Result",
     "Robot",
     "RobotWarning",
@@ -65,6 +68,7 @@ __all__ = [
     "load_srdf_pairs",
     "pairs_always_touching",
     "pairs_touching_at",
+    "reachability",
     "simd_name",
     "voxel_downsample",
 ]
