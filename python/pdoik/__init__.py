@@ -36,7 +36,7 @@ from pdoik.options import (
     LevenbergMarquardtOptions,
     Options,
 )
-from pdoik.reachability import Grid, Reachability, reachability
+from pdoik.reach_map import Grid, Reachability, reachability
 from pdoik.solver import Solver
 from pdoik.tracker import Tracker
 

@@ -1,0 +1,93 @@
+"""Reachability of grids of poses, checked by Pinocchio's or our own judge pose by pose."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pdoik
+from pdoik.reach_map import even_rotations
+
+ROBOT = pdoik.Robot.builtin("panda")
+
+
+def test_every_pose_called_reached_is_and_every_known_one_is_called_so() -> None:
+    rng = np.random.default_rng(0)
+    qs = rng.uniform(ROBOT.lower, ROBOT.upper, (60, ROBOT.dof))
+    known = np.array([ROBOT.fk(q) for q in qs])
+    grid = pdoik.Grid(known[:, :3, 3].copy(), known[:, :3, :3].copy())
+    result = pdoik.reachability(ROBOT, None, grid)
+    assert result.reached.shape == (60, 60)
+    assert np.diagonal(result.reached).mean() > 0.98
+    poses = grid.poses(0, len(grid)).reshape(60, 60, 4, 4)
+    for p, r in zip(*np.nonzero(result.reached), strict=True):
+        T = ROBOT.fk(result.q[p, r].astype(np.float64))
+        assert np.abs(T - poses[p, r]).max() < 2e-3
+        assert (result.q[p, r] >= ROBOT.lower - 1e-6).all()
+        assert (result.q[p, r] <= ROBOT.upper + 1e-6).all()
+    assert np.isnan(result.q[~result.reached]).all()
+
+
+def test_obstacles_take_poses_away_and_a_cloud_counts_like_its_points() -> None:
+    grid = pdoik.Grid.box([0.3, -0.3, 0.2], [0.6, 0.3, 0.5], 0.15, orientations=12)
+    free = pdoik.reachability(ROBOT, None, grid)
+    wall = np.array([[0.45, y, z] for y in np.arange(-1, 1, 0.04) for z in np.arange(0, 1, 0.04)])
+    blocked = pdoik.reachability(ROBOT, wall, grid)
+    again = pdoik.reachability(ROBOT, pdoik.Cloud(wall), grid, threads=1)
+    assert blocked.reached.sum() < 0.7 * free.reached.sum()
+    assert np.array_equal(blocked.statuses, again.statuses)
+    assert np.array_equal(blocked.q, again.q, equal_nan=True)
+
+
+def test_a_file_gives_back_what_was_saved_and_others_are_refused(tmp_path: Path) -> None:
+    grid = pdoik.Grid.box([0.3, 0.0, 0.3], [0.9, 0.0, 0.3], 0.3, orientations=4)
+    result = pdoik.reachability(ROBOT, None, grid)
+    result.save(tmp_path / "map.npz")
+    again = pdoik.Reachability.load(tmp_path / "map.npz")
+    assert np.array_equal(again.statuses, result.statuses)
+    assert np.array_equal(again.grid.positions, grid.positions)
+    assert np.array_equal(again.q, result.q, equal_nan=True)
+    (tmp_path / "other.npz").write_bytes(b"nothing of the kind")
+    for name in ("other.npz", "missing.npz"):
+        with pytest.raises(pdoik.LoadError):
+            pdoik.Reachability.load(tmp_path / name)
+
+
+def test_dask_workers_find_what_one_process_finds() -> None:
+    distributed = pytest.importorskip("distributed")
+    grid = pdoik.Grid.box([0.3, -0.2, 0.2], [0.6, 0.2, 0.5], 0.1, orientations=6)
+    alone = pdoik.reachability(ROBOT, None, grid)
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        spread = pdoik.reachability(ROBOT, None, grid, client=client, threads=1)
+    assert np.array_equal(spread.statuses, alone.statuses)
+    assert np.array_equal(spread.q, alone.q, equal_nan=True)
+
+
+def test_rotations_are_rotations_and_spread() -> None:
+    rotations = even_rotations(200)
+    assert np.allclose(rotations @ rotations.transpose(0, 2, 1), np.eye(3))
+    assert np.allclose(np.linalg.det(rotations), 1.0)
+    cosines = (np.einsum("aij,bij->ab", rotations, rotations) - 1.0) / 2.0
+    np.fill_diagonal(cosines, -1.0)
+    nearest = np.arccos(np.clip(cosines.max(axis=1), -1, 1))
+    assert nearest.min() > 0.25
+    assert nearest.max() < 0.9
+
+
+def test_grids_that_make_no_sense_are_refused() -> None:
+    for make in (
+        lambda: pdoik.Grid.box([0, 0, 1], [1, 1, 0], 0.1),
+        lambda: pdoik.Grid.box([0, 0, 0], [1, 1, 1], 0.0),
+        lambda: pdoik.Grid.box([0, 0, 0], [1, 1, 1], 0.5, orientations=0),
+        lambda: pdoik.Grid(np.zeros((0, 3)), np.eye(3)[None]),
+        lambda: pdoik.Grid(np.zeros((4, 2)), np.eye(3)[None]),
+    ):
+        with pytest.raises(ValueError, match="expected"):
+            make()
