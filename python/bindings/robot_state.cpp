@@ -49,7 +49,7 @@ JointDescription joint_from(const py::tuple& state) {
 
 }  // namespace
 
-py::tuple state_of(const Robot& robot) {
+RobotState state_of(const Robot& robot) {
   const RobotDescription& description = robot.description();
   py::list links, joints;
   for (const LinkDescription& link : description.links) links.append(state_of(link));
@@ -58,7 +58,7 @@ py::tuple state_of(const Robot& robot) {
                         robot.occupancy(), robot.ignored_pairs());
 }
 
-Robot robot_from(const py::tuple& state) {
+Robot robot_from(const RobotState& state) {
   RobotDescription description;
   description.name = state[0].cast<std::string>();
   for (const py::handle link : state[1].cast<py::list>())

@@ -255,11 +255,11 @@ class Robot:
         ...
     def __deepcopy__(self, memo: typing.Any) -> Robot:
         ...
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def center_of_mass(self, q: numpy.typing.ArrayLike) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -975,6 +975,10 @@ class BatchResult:
 class Solver:
     def __init__(self, robot: Robot, options: Options) -> None:
         ...
+    def _reach_poses(self, T_base_tip: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float32]]:
+        """
+        Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.
+        """
     def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | None = None) -> Result:
         """
         Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.

@@ -57,7 +57,7 @@ class Grid:
         """
         a, b = (np.asarray(corner, dtype=np.float64) for corner in (low, high))
         if a.shape != (3,) or b.shape != (3,) or not (np.isfinite([a, b]).all() and (a <= b).all()):
-            raise ValueError(f"the box goes from {low} to {high}, expected finite x, y, z in order")
+            raise ValueError(f"the box goes from {a} to {b}, expected finite x, y, z in order")
         if not (np.isfinite(step) and step > 0):
             raise ValueError(f"step is {step}, expected a positive length [m]")
         axes = [np.arange(np.floor((top - bottom) / step + 1e-9) + 1) * step + bottom
@@ -133,12 +133,14 @@ class Reachability:
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
         """Shape (P, R)."""
-        return self.statuses == STATUSES.index("solved")
+        solved: npt.NDArray[np.bool_] = self.statuses == STATUSES.index("solved")
+        return solved
 
     @property
     def share(self) -> FloatArray:
         """Of the orientations at each position, how many are reached, shape (P,)."""
-        return self.reached.mean(axis=1)
+        share: FloatArray = self.reached.mean(axis=1)
+        return share
 
     def save(self, path: str | Path) -> None:
         """Write an .npz file that `load` reads. Replaces a file only when all is written."""
@@ -256,7 +258,7 @@ def _by_dask(
         client.submit(_reach_chunk, shared, grid.poses(begin, end), threads, pure=False): begin
         for begin, end in chunks
     }
-    for future in as_completed(futures):
+    for future in as_completed(futures):  # type: ignore[no-untyped-call]
         yield futures[future], future.result()
 
 

@@ -15,7 +15,7 @@ ROBOT = pdoik.Robot.builtin("panda")
 
 def cloud_of(count: int, seed: int = 0, dtype: type = np.float64) -> np.ndarray:
     rng = np.random.default_rng(seed)
-    return (rng.uniform(-1.0, 1.0, (count, 3)) + [0.0, 0.0, 1.6]).astype(dtype)
+    return (rng.uniform(-1.0, 1.0, (count, 3)) + np.array([0.0, 0.0, 1.6])).astype(dtype)
 
 
 @pytest.mark.parametrize("count", [50, 20_000])
@@ -63,7 +63,7 @@ def test_a_region_is_replaced_and_removed_and_ids_go_on() -> None:
 def test_the_robots_own_surface_is_taken_out_of_clouds_and_arrays() -> None:
     q = ROBOT.mid_configuration()
     on_arm = np.array([ROBOT.fk(q, link)[:3, 3] for link in ("panda_link4", "panda_link6")])
-    points = np.vstack([cloud_of(2000) + [0, 0, 3], on_arm])
+    points = np.vstack([cloud_of(2000) + np.array([0, 0, 3]), on_arm])
     cloud = pdoik.Cloud(points)
     assert ROBOT.self_filter(cloud, q) == 2
     assert np.array_equal(ROBOT.self_filter(points, q), points[:2000])
@@ -92,7 +92,7 @@ def test_what_makes_no_sense_is_refused_by_name() -> None:
             make()
     assert len(cloud) == 10
     assert len(pdoik.Cloud(np.zeros((0, 3)))) == 0
-    assert len(pdoik.Cloud(bad, leaf=1e-3)) == 9  # which leaves such rows out
+    assert len(pdoik.Cloud(bad, leaf=0.01)) == 9  # which leaves such rows out
 
 
 def test_threads_solve_among_a_cloud_while_another_updates_it() -> None:
