@@ -124,8 +124,9 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
 }
 
 /// What is left of a batch where only whether and how a pose is reached counts.
-py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(SharedSolver& self, const ArrayLike& T_base_tip,
-                      const std::optional<ObstaclesLike>& obstacles, int threads) {
+py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
+    SharedSolver& self, const ArrayLike& T_base_tip, const std::optional<ObstaclesLike>& obstacles,
+    int threads) {
   const std::vector<Eigen::Isometry3d> targets = to_isometries(T_base_tip, "T_base_tip");
   const ObstaclesIn given(obstacles, "obstacles");
   const auto count = static_cast<py::ssize_t>(targets.size());
