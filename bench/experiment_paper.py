@@ -1,4 +1,4 @@
-"""Algorithm IK from one start: the library's `method="paper"` and bench/plain_paper."""
+"""Algorithm IK from one start: the library's `method="paper"` and the plain implementation in cpp/testing."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from success_trials import (
 
 OBJECTS = 9
 SHIPPED = "shipped"
-BASE_LEFT_OUT = "shipped, base not heeded"
+BASE_LEFT_OUT = "shipped, base not counted"
 HULLS: tuple[int | str, ...] = (1, 2, 3, 4, SHIPPED, BASE_LEFT_OUT)  # most per link
 CLOUDS = (  # leaf [m], whether points get covering radii, growth of the radii [m]
     (0.1, False, 0.0),
@@ -90,7 +90,7 @@ def _solver(robot: str, hulls: int | str, fits: str) -> pdoik.Solver:
         position_tolerance=0.01,
         rotation_tolerance=0.01,
         max_time=MAX_TIME,
-        heed_fixed_hulls=hulls != BASE_LEFT_OUT,
+        base_collision=hulls != BASE_LEFT_OUT,
         max_obstacles=16384,
     )
     return pdoik.Solver(arm.robot, options)

@@ -73,7 +73,7 @@ def main(out: Path) -> None:
     model = Model(
         robot=robot, visuals={link: glb for link, glb in visuals.items() if link in covered}
     )
-    session = Session(robot, pdoik.Options(max_time=0.02, clearance=0.01, heed_fixed_hulls=False))
+    session = Session(robot, pdoik.Options(max_time=0.02, clearance=0.01, base_collision=False))
     session.set_thinning(0.02, True)
     session.set_cloud(scanned_table(Path(os.environ["PDOIK_YCB"])))
     session.set_target(TIP, downward(START))

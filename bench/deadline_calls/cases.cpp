@@ -47,7 +47,7 @@ std::vector<Case> cases_among(const Robot& robot, const Cloud& cloud, int count,
                               std::uint32_t seed) {
   std::mt19937 random(seed);
   Options options;
-  options.heed_fixed_hulls = false;
+  options.base_collision = false;
   options.max_obstacles = std::max(1, static_cast<int>(cloud.rows()));
   Solver judge(robot, options);
   judge.set_obstacles(cloud);

@@ -107,7 +107,7 @@ void time_case(const Case& kind, const Arguments& arguments, int turns_per_goal,
 
 void time_solves(const Robot& robot, const Case& kind, const Cloud& cloud, Options options,
                  const Arguments& arguments) {
-  options.heed_fixed_hulls = kind.in_base_hull;
+  options.base_collision = kind.in_base_hull;
   Solver solver(robot, options);
   Result result;
   const Eigen::Index count = cloud.rows() - (kind.in_base_hull ? 0 : 1);
@@ -121,7 +121,7 @@ void time_solves(const Robot& robot, const Case& kind, const Cloud& cloud, Optio
 
 void time_steps(const Robot& robot, const Case& kind, const Cloud& cloud, Options options,
                 const Arguments& arguments) {
-  options.heed_fixed_hulls = kind.in_base_hull;
+  options.base_collision = kind.in_base_hull;
   Tracker tracker(robot, options, {.period = 0.001, .max_time = arguments.budget});
   tracker.reset(robot.mid_configuration());
   const Eigen::Index count = cloud.rows() - (kind.in_base_hull ? 0 : 1);

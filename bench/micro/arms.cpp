@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sub_angles.hpp"
+
 namespace pdoik::bench {
 namespace {
 
@@ -66,15 +68,15 @@ std::vector<ReachScene> reach_scenes(const Robot& robot, int count, int points) 
   return scenes;
 }
 
-Evaluator::Evaluator(const Robot& robot_in, int points, JointLimitMap::Slack slack,
-                     const Options& options_in)
-    : Workbench(robot_in, options_in, slack) {
+Evaluator::Evaluator(const Robot& robot_in, int points, const Options& options_in)
+    : Workbench(robot_in, options_in) {
   set_obstacles(random_cloud(points));
   Random random(3);
   for (int k = 0; k < 64; ++k) {
     qs_.push_back(random_configuration(robot, random));
     omegas_.emplace_back(map.size());
     map.inverse(qs_.back(), omegas_.back());
+    sub_angles_.push_back(testing::spread(map, omegas_.back()));
   }
   set_target(robot.fk(qs_.front(), robot.tips().front()));
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pdoik/pdoik.hpp"
-#include "workbench.hpp"  // of tests/cpp
+#include "workbench.hpp"
 
 /// What the microbenchmarks are run on. Everything random has a fixed seed.
 namespace pdoik::bench {
@@ -31,15 +31,16 @@ std::vector<ReachScene> reach_scenes(const Robot& robot, int count, int points);
 /// The parts of one evaluation, wired as the solver wires them, among random points.
 class Evaluator : public testing::Workbench {
  public:
-  Evaluator(const Robot& robot, int points, JointLimitMap::Slack slack,
-            const Options& options = {});
+  Evaluator(const Robot& robot, int points, const Options& options = {});
 
-  /// Another random configuration each time, as positions and as slack.
+  /// Another random configuration each time, as positions, as slack, and as slack of the paper's M'
+  /// sub-angles.
   const Eigen::VectorXd& next_q() { return qs_[turn_++ % qs_.size()]; }
   const Eigen::VectorXd& next_omega() { return omegas_[turn_++ % omegas_.size()]; }
+  const Eigen::VectorXd& next_sub_angles() { return sub_angles_[turn_++ % sub_angles_.size()]; }
 
  private:
-  std::vector<Eigen::VectorXd> qs_, omegas_;
+  std::vector<Eigen::VectorXd> qs_, omegas_, sub_angles_;
   std::size_t turn_ = 0;
 };
 

@@ -65,7 +65,7 @@ Scene scene_of(int kind, const char* arm) {
   if (kind == 2) {
     Scene scene{with_hand(Robot::builtin(arm)), loose(), table()};
     scene.options.self_collision = true;
-    scene.options.heed_fixed_hulls = false;
+    scene.options.base_collision = false;
     return scene;
   }
   return {Robot::builtin(arm), loose(), kind == 1 ? scattered() : Points(0, 3)};

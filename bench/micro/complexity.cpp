@@ -9,10 +9,8 @@
 namespace pdoik::bench {
 namespace {
 
-constexpr auto kSlack = JointLimitMap::Slack::PerSubAngle;  // M' variables, as in the paper
-
 void evaluate(benchmark::State& state, const Robot& robot, int obstacles) {
-  Evaluator bench(robot, obstacles, kSlack);
+  Evaluator bench(robot, obstacles);
   Eigen::VectorXd gradient(bench.map.size());
   for (auto _ : state) {
     benchmark::DoNotOptimize(bench.lagrangian.lagrangian(bench.next_omega(), Penalty{}, gradient));
@@ -20,13 +18,13 @@ void evaluate(benchmark::State& state, const Robot& robot, int obstacles) {
 }
 
 void evaluate_plain(benchmark::State& state, const Robot& robot, int obstacles) {
-  Evaluator bench(robot, 0, kSlack);
-  PlainProblem plain(robot, bench.options);
+  Evaluator bench(robot, 0);
+  testing::PlainProblem plain(robot, bench.options);
   plain.set_obstacles(random_cloud(obstacles));
   Eigen::VectorXd gradient(plain.size());
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        plain.lagrangian(bench.next_omega(), Penalty{PenaltyForm::Printed}, gradient));
+        plain.lagrangian(bench.next_sub_angles(), Penalty{PenaltyForm::Printed}, gradient));
   }
 }
 
@@ -92,7 +90,7 @@ void evaluate_tree(benchmark::State& state, int limbs, int obstacles) {
   const Robot robot = star(limbs);
   options.balance.com_lower = Eigen::Vector3d::Constant(-0.01);
   options.balance.com_upper = Eigen::Vector3d::Constant(0.01);
-  Evaluator bench(robot, obstacles, kSlack, options);
+  Evaluator bench(robot, obstacles, options);
   std::vector<Goal> goals;
   for (int tip = 0; tip < limbs; ++tip) {
     Goal goal;
@@ -100,7 +98,7 @@ void evaluate_tree(benchmark::State& state, int limbs, int obstacles) {
     goal.T_base_tip = robot.fk(bench.next_q(), robot.tips()[static_cast<std::size_t>(tip)]);
     goals.push_back(goal);
   }
-  bench.set_goals(goals);
+  bench.problem.set_goals(goals);
   Eigen::VectorXd gradient(bench.map.size());
   for (auto _ : state) {
     benchmark::DoNotOptimize(bench.lagrangian.lagrangian(bench.next_omega(), Penalty{}, gradient));

@@ -9,8 +9,6 @@
 namespace pdoik::bench {
 namespace {
 
-constexpr auto kSlack = JointLimitMap::Slack::Shared;  // what the solver uses
-
 void label(benchmark::State& state, const Evaluator& bench) {
   state.SetLabel(std::string(kArms[static_cast<std::size_t>(state.range(0))]) + ", " +
                  std::to_string(bench.robot.occupancy().size()) + " hulls");
@@ -22,7 +20,7 @@ Robot arm_of(const benchmark::State& state) {
 
 // Algorithm FWD: joint-limit map, frames, goal, constraints of all pairs that touch.
 void Rollout(benchmark::State& state) {
-  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)), kSlack);
+  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)));
   for (auto _ : state)
     benchmark::DoNotOptimize(bench.lagrangian.max_constraint(bench.next_omega()));
   label(state, bench);
@@ -31,7 +29,7 @@ void Rollout(benchmark::State& state) {
 // Algorithm Jacobian: forces of the goal and of the pairs that touch, to a gradient.
 void ReversePass(benchmark::State& state) {
   using detail::Constraint;
-  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)), kSlack);
+  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)));
   const Eigen::VectorXd omega = bench.next_omega();
   bench.lagrangian.max_constraint(omega);  // leaves rollout, goals and near pairs at omega
   JointLimitMap::State map_state = bench.map.make_state();
@@ -43,21 +41,22 @@ void ReversePass(benchmark::State& state) {
                                                    bench.scene.obstacles()[pair.obstacle]));
   }
   const auto push = [&](int point, const detail::Vec4& force) {
-    bench.rollout.add_force(bench.moving.body_of_point(point), bench.moving.position(point), force);
+    bench.problem.rollout.add_force(bench.moving.body_of_point(point), bench.moving.position(point),
+                                    force);
   };
   Eigen::VectorXd dq(bench.robot.dof()), gradient(bench.map.size());
   for (auto _ : state) {
-    bench.rollout.clear_wrenches();
+    bench.problem.rollout.clear_wrenches();
     detail::Vec4 force, moment;
     benchmark::DoNotOptimize(
-        bench.goals.front().point_objective(bench.options.point_distance, force, moment));
-    bench.rollout.add_wrench(bench.goals.front().body(), force, moment);
+        bench.problem.goals.front().point_objective(bench.options.point_distance, force, moment));
+    bench.problem.rollout.add_wrench(bench.problem.goals.front().body(), force, moment);
     for (std::size_t k = 0; k < constraints.size(); ++k) {
       const detail::Hull& hull = bench.moving.hull(bench.moving.near(static_cast<int>(k)));
       push(hull.a, constraints[k].dc_da);
       if (!hull.is_sphere()) push(hull.b, constraints[k].dc_db);
     }
-    bench.rollout.reverse(dq.data(), static_cast<int>(dq.size()));
+    bench.problem.rollout.reverse(dq.data(), static_cast<int>(dq.size()));
     bench.map.pull_back(map_state, dq, gradient);
     benchmark::DoNotOptimize(gradient.data());
     benchmark::ClobberMemory();
@@ -67,7 +66,7 @@ void ReversePass(benchmark::State& state) {
 
 // Both: Eq. AL and its gradient over the slack variables.
 void Evaluation(benchmark::State& state) {
-  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)), kSlack);
+  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)));
   Eigen::VectorXd gradient(bench.map.size());
   for (auto _ : state) {
     benchmark::DoNotOptimize(bench.lagrangian.lagrangian(bench.next_omega(), Penalty{}, gradient));
@@ -75,15 +74,15 @@ void Evaluation(benchmark::State& state) {
   label(state, bench);
 }
 
-// The same by bench/plain_paper.
+// The same by PlainProblem.
 void EvaluationPlain(benchmark::State& state) {
-  Evaluator bench(arm_of(state), 0, JointLimitMap::Slack::PerSubAngle);
-  PlainProblem plain(bench.robot, bench.options);
+  Evaluator bench(arm_of(state), 0);
+  testing::PlainProblem plain(bench.robot, bench.options);
   plain.set_obstacles(random_cloud(static_cast<int>(state.range(1))));
   Eigen::VectorXd gradient(plain.size());
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        plain.lagrangian(bench.next_omega(), Penalty{PenaltyForm::Printed}, gradient));
+        plain.lagrangian(bench.next_sub_angles(), Penalty{PenaltyForm::Printed}, gradient));
   }
   label(state, bench);
 }
@@ -91,7 +90,7 @@ void EvaluationPlain(benchmark::State& state) {
 // What the default method evaluates instead: residuals, and their Jacobian to a Hessian and a
 // gradient.
 void EvaluationLeastSquares(benchmark::State& state) {
-  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)), kSlack);
+  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)));
   Eigen::MatrixXd H(bench.robot.dof(), bench.robot.dof());
   Eigen::VectorXd g(bench.robot.dof());
   for (auto _ : state) {
@@ -104,7 +103,7 @@ void EvaluationLeastSquares(benchmark::State& state) {
 // One iteration of L-BFGS: the time of 20, evaluations in line searches included, over their
 // number.
 void LbfgsIteration(benchmark::State& state) {
-  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)), kSlack);
+  Evaluator bench(arm_of(state), static_cast<int>(state.range(1)));
   LbfgsOptions options = bench.options.lbfgs;
   options.max_iterations = 20;
   Lbfgs lbfgs(bench.map.size(), options);

@@ -41,7 +41,7 @@ Points table_and_balls(int count) {
 void SolveAmong(benchmark::State& state) {
   const Robot robot = Robot::builtin(kArms[static_cast<std::size_t>(state.range(0))]);
   Options options;
-  options.heed_fixed_hulls = false;
+  options.base_collision = false;
   Solver solver(robot, options);
   solver.set_obstacles(table_and_balls(1000000));
   testing::Random random(8);

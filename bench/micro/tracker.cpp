@@ -1,4 +1,4 @@
-// A humanoid's step and solve with all that it has to heed: its other foot's pose, balance,
+// A humanoid's step and solve with all that it has to keep: its other foot's pose, balance,
 // self-collision and 168 obstacle points. Steps' tails come from the tracker's own histogram, which
 // counts the cloud's intake apart: a step's time is that of Tracker::step.
 #include <benchmark/benchmark.h>

@@ -1,7 +1,7 @@
-// bench/plain_paper, Algorithm IK as printed, from one start. Its success is for Solver::judge to
+// Algorithm IK as printed, from one start. Its success is for Solver::judge to
 // say.
-#include "../plain_paper.hpp"
 #include "interface.hpp"
+#include "plain_paper.hpp"
 
 namespace pdoik::bench {
 namespace {
@@ -36,7 +36,7 @@ class Plain : public Peer {
 
  private:
   Robot robot;
-  PlainPaper plain;
+  testing::PlainPaper plain;
   Result result;
 };
 

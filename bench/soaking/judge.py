@@ -52,7 +52,7 @@ class Asked:
     rotation_tolerance: float = 1e-5
     clearance: float = 0.0
     clearance_tolerance: float = 1e-6
-    heed_fixed_hulls: bool = True
+    base_collision: bool = True
     self_collision: bool = False
     self_clearance: float = 0.0
     balance: Mapping[str, Any] | None = None  # arguments of pdoik.Balance
@@ -149,8 +149,8 @@ class Judge:
             a, b = self.hulls(placed)
             hollow = (np.linalg.norm(b - a, axis=2) >= 2 * self.A * (1 - 1e-12)).any(axis=1)
             if points is not None and points.size:
-                heeded = np.full(len(self.A), True) if asked.heed_fixed_hulls else ~self.fixed
-                clear = clearance(a[:, heeded], b[:, heeded], self.A[heeded], points)
+                counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
+                clear = clearance(a[:, counted], b[:, counted], self.A[counted], points)
             if asked.self_collision:
                 own = self.self_distance(a, b)
         balance = np.zeros(count)

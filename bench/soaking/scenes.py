@@ -133,7 +133,7 @@ def draw_options(
         "rotation_tolerance": float(rng.choice([1e-2, 1e-5, 1e-6, 1e-8], p=[0.2, 0.5, 0.2, 0.1])),
         "clearance": float(rng.choice([0.0, 0.005, 0.03])),
         "clearance_tolerance": float(rng.choice([1e-6, 1e-4, 0.0], p=[0.7, 0.2, 0.1])),
-        "heed_fixed_hulls": bool(rng.random() < 0.7),
+        "base_collision": bool(rng.random() < 0.7),
         "self_collision": bool(rng.random() < 0.25),
         "self_clearance": float(rng.choice([0.0, 0.01])),
         "max_restarts": int(rng.choice([0, 3, 10])),

@@ -94,7 +94,7 @@ def run(motion: Motion, robot: pdoik.Robot) -> Record:
     )
 
 
-def heeded_clouds(steps: Sequence[Step]) -> tuple[list[FloatArray], BoolArray]:
+def counted_clouds(steps: Sequence[Step]) -> tuple[list[FloatArray], BoolArray]:
     """The obstacles that count at each step, (N, 4), and whether its input makes sense."""
     now, is_sound = np.zeros((0, 4)), True
     clouds, sound = [], []
@@ -141,17 +141,17 @@ def passing_depth(
     looked at as can be afforded, in this order.
     """
     depth: dict[int, float] = {}
-    heeded = np.full(len(judge.A), True) if asked.heed_fixed_hulls else ~judge.fixed
+    counted = np.full(len(judge.A), True) if asked.base_collision else ~judge.fixed
     pairs = 0
     for k in ks:
         moved = record.q[k] - record.last[k]
         looks = int(np.clip(np.ceil(judge.travel(moved[None])[0] / EVERY), 2, LOOKS))
-        pairs += looks * (KINEMATICS + len(clouds[k]) * int(heeded.sum()))
+        pairs += looks * (KINEMATICS + len(clouds[k]) * int(counted.sum()))
         if pairs > PAIRS and depth:
             break
         way = record.last[k] + np.linspace(0.0, 1.0, looks + 1)[:, None] * moved
         a, b = judge.hulls(judge.kinematics.place(way))
-        gaps = clearance(a[:, heeded], b[:, heeded], judge.A[heeded], clouds[k])
+        gaps = clearance(a[:, counted], b[:, counted], judge.A[counted], clouds[k])
         allowed = min(gaps[0], gaps[-1], asked.clearance - asked.clearance_tolerance)
         depth[int(k)] = max(0.0, float(allowed - gaps.min()))
     return depth
@@ -167,7 +167,7 @@ def speed_class(speeds: FloatArray) -> str:
 def examine(motion: Motion, judge: Judge, record: Record) -> tuple[Row, dict[str, BoolArray]]:
     """Worst figures of a run, and which steps have which faults."""
     asked = Asked.of(motion.options)
-    clouds, sound = heeded_clouds(motion.steps)
+    clouds, sound = counted_clouds(motion.steps)
     verdicts = verdicts_of(judge, motion.goals, record.q, asked, clouds)
     tracks = record.status == "tracking"
     refused = record.status == "invalid_input"
@@ -223,7 +223,7 @@ def case_of(
     motion: Motion, robot: pdoik.Robot, judge: Judge, record: Record, k: int, fault: str
 ) -> dict[str, Any]:
     """What `replay` needs: as few steps up to the k-th as show the fault again."""
-    clouds, _ = heeded_clouds(motion.steps)
+    clouds, _ = counted_clouds(motion.steps)
     for window in WINDOWS:
         first = max(0, k + 1 - window)
         cloud = clouds[first] if len(clouds[first]) else None

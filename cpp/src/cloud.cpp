@@ -6,8 +6,8 @@
 #include <string>
 
 #include "detail/check_input.hpp"
+#include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
-#include "detail/collision.hpp"
 #include "detail/rows.hpp"
 
 namespace pdoik {

@@ -22,126 +22,112 @@ Sigmoid sigmoid(double omega) {
 
 }  // namespace
 
-JointLimitMap::JointLimitMap(const Robot& robot, Slack slack) {
+JointLimitMap::JointLimitMap(const Robot& robot, Variables variables) {
   for (Eigen::Index i = 0; i < robot.dof(); ++i) {
     Joint joint{};
-    joint.first = static_cast<int>(size_);
-    joint.count = joint.copies = 1;
+    joint.sub_angles = 1;
     joint.scale = joint.inverse_scale = 1.0;
     joint.lower = robot.lower()[i];
     joint.upper = robot.upper()[i];
     const double range = joint.upper - joint.lower;
     const JointType type = robot.joint_types()[static_cast<std::size_t>(i)];
-    if (!std::isfinite(range) || slack == Slack::None) {
+    if (!std::isfinite(range) || variables == Variables::Positions) {
       joint.kind = Kind::Direct;
     } else if (type == JointType::Prismatic || range > kWidestRange) {
       joint.kind = type == JointType::Prismatic ? Kind::Sigmoid : Kind::AngleSigmoid;
       joint.sub_range = range;
     } else {
       joint.kind = Kind::Distance;
-      const int K = std::max(1, static_cast<int>(std::ceil(range / M_PI - 1e-9)));
-      (slack == Slack::Shared ? joint.copies : joint.count) = K;
-      joint.scale = std::sqrt(joint.copies);
+      joint.sub_angles = std::max(1, static_cast<int>(std::ceil(range / M_PI - 1e-9)));
+      joint.scale = std::sqrt(joint.sub_angles);
       joint.inverse_scale = 1.0 / joint.scale;
-      joint.sub_range = std::min(range / K, M_PI);
+      joint.sub_range = std::min(range / joint.sub_angles, M_PI);
       const double half = std::sin(0.5 * joint.sub_range);
       joint.L_max = joint.sub_range > M_PI - 1e-9 ? 2.0 : 2.0 * half * half;
       joint.cos_lower = std::cos(joint.lower);
       joint.sin_lower = std::sin(joint.lower);
     }
-    size_ += joint.count;
     joints_.push_back(joint);
   }
 }
 
 JointLimitMap::State JointLimitMap::make_state() const {
-  const auto n = static_cast<Eigen::Index>(joints_.size());
   State state;
-  state.cosine.setOnes(n);
-  state.sine.setZero(n);
-  state.q.setZero(n);
-  state.slope.setZero(size_);
+  state.cosine.setOnes(size());
+  state.sine.setZero(size());
+  state.q.setZero(size());
+  state.slope.setZero(size());
   return state;
 }
 
 void JointLimitMap::forward(const Eigen::VectorXd& omega, State& state, bool angles) const {
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Joint& joint = joints_[j];
-    const auto i = static_cast<Eigen::Index>(j);
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const Joint& joint = joints_[static_cast<std::size_t>(i)];
     if (joint.kind == Kind::Direct) {
-      state.q[i] = omega[joint.first];
+      state.q[i] = omega[i];
       state.cosine[i] = std::cos(state.q[i]);
       state.sine[i] = std::sin(state.q[i]);
-      state.slope[joint.first] = 1.0;
+      state.slope[i] = 1.0;
       continue;
     }
-    if (joint.kind == Kind::Sigmoid || joint.kind == Kind::AngleSigmoid) {
-      const auto [s, complement] = sigmoid(omega[joint.first]);
+    const auto [s, complement] = sigmoid(omega[i] * joint.inverse_scale);
+    if (joint.kind != Kind::Distance) {
       state.q[i] = std::clamp(joint.lower + joint.sub_range * s, joint.lower, joint.upper);
-      state.slope[joint.first] = joint.sub_range * s * complement;
+      state.slope[i] = joint.sub_range * s * complement;
       if (joint.kind == Kind::Sigmoid) continue;
       state.cosine[i] = std::cos(state.q[i]);
       state.sine[i] = std::sin(state.q[i]);
       continue;
     }
-    double re = joint.cos_lower, im = joint.sin_lower, angle = joint.lower;
-    for (int m = joint.first; m < joint.first + joint.count; ++m) {
-      const auto [s, complement] = sigmoid(omega[m] * joint.inverse_scale);
-      const double L = joint.L_max * s;                                     // Eq. squash1
-      const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;  // 2 - L
-      const double root_L = std::sqrt(L), root_rest = std::sqrt(rest);
-      const double cosine = 1.0 - L, sine = root_L * root_rest;  // Eq. sin2dist
-      state.slope[m] =
-          joint.scale * (joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest);
-      for (int copy = 0; copy < joint.copies; ++copy) {
-        const double product = re * cosine - im * sine;
-        im = re * sine + im * cosine;
-        re = product;
-      }
-      if (angles)
-        angle += joint.copies * 2.0 * std::atan2(root_L, root_rest);  // arccos(1 - L), precisely
+    const double L = joint.L_max * s;                                     // Eq. squash1
+    const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;  // 2 - L
+    const double root_L = std::sqrt(L), root_rest = std::sqrt(rest);
+    const double cosine = 1.0 - L, sine = root_L * root_rest;  // Eq. sin2dist
+    state.slope[i] =
+        joint.scale * (joint.L_max == 2.0 ? 0.5 * sine : root_L * complement / root_rest);
+    double re = joint.cos_lower, im = joint.sin_lower;
+    for (int m = 0; m < joint.sub_angles; ++m) {
+      const double product = re * cosine - im * sine;
+      im = re * sine + im * cosine;
+      re = product;
     }
     state.cosine[i] = re;
     state.sine[i] = im;
-    if (angles) state.q[i] = std::clamp(angle, joint.lower, joint.upper);  // Eq. recovery
+    if (!angles) continue;
+    // Eq. recovery, with arccos(1 - L) written so that it is precise.
+    const double angle = joint.lower + joint.sub_angles * 2.0 * std::atan2(root_L, root_rest);
+    state.q[i] = std::clamp(angle, joint.lower, joint.upper);
   }
 }
 
 void JointLimitMap::positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) const {
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Joint& joint = joints_[j];
-    double position = joint.lower;
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const Joint& joint = joints_[static_cast<std::size_t>(i)];
     if (joint.kind == Kind::Direct) {
-      q[static_cast<Eigen::Index>(j)] = omega[joint.first];
+      q[i] = omega[i];
       continue;
     }
-    for (int m = joint.first; m < joint.first + joint.count; ++m) {
-      const auto [s, complement] = sigmoid(omega[m] * joint.inverse_scale);
-      const double L = joint.L_max * s;
-      const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
-      position += joint.kind != Kind::Distance
-                      ? joint.sub_range * s
-                      : joint.copies * 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
-    }
-    q[static_cast<Eigen::Index>(j)] = std::clamp(position, joint.lower, joint.upper);
+    const auto [s, complement] = sigmoid(omega[i] * joint.inverse_scale);
+    const double L = joint.L_max * s;
+    const double rest = joint.L_max == 2.0 ? 2.0 * complement : 2.0 - L;
+    const double way = joint.kind != Kind::Distance
+                           ? joint.sub_range * s
+                           : joint.sub_angles * 2.0 * std::atan2(std::sqrt(L), std::sqrt(rest));
+    q[i] = std::clamp(joint.lower + way, joint.lower, joint.upper);
   }
 }
 
 void JointLimitMap::pull_back(const State& state, const Eigen::VectorXd& dq,
                               Eigen::VectorXd& domega) const {
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    for (int m = joints_[j].first; m < joints_[j].first + joints_[j].count; ++m) {
-      domega[m] = dq[static_cast<Eigen::Index>(j)] * state.slope[m];
-    }
-  }
+  domega = dq.cwiseProduct(state.slope);
 }
 
 void JointLimitMap::inverse(VectorIn q, Eigen::VectorXd& omega, double inset) const {
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Joint& joint = joints_[j];
-    const double position = q[static_cast<Eigen::Index>(j)];
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const Joint& joint = joints_[static_cast<std::size_t>(i)];
+    const double position = q[i];
     if (joint.kind == Kind::Direct) {
-      omega[joint.first] = position;
+      omega[i] = position;
       continue;
     }
     const double range = joint.upper - joint.lower;
@@ -159,8 +145,7 @@ void JointLimitMap::inverse(VectorIn q, Eigen::VectorXd& omega, double inset) co
       slack = range > 0.0 ? std::log(low * low) - std::log(high) : 0.0;
     }
     constexpr double kSaturated = 700.0;  // exp of more overflows
-    slack = std::clamp(slack, -kSaturated, kSaturated);
-    for (int m = joint.first; m < joint.first + joint.count; ++m) omega[m] = joint.scale * slack;
+    omega[i] = joint.scale * std::clamp(slack, -kSaturated, kSaturated);
   }
 }
 

@@ -20,9 +20,9 @@ void check_variables(const Eigen::VectorXd& x, Eigen::Index size) {
                               std::to_string(size));
 }
 
-JointLimitMap::Slack slack_of(Lagrangian::Variables variables) {
-  return variables == Lagrangian::Variables::Slack ? JointLimitMap::Slack::Shared
-                                                   : JointLimitMap::Slack::None;
+JointLimitMap::Variables map_variables(Lagrangian::Variables variables) {
+  return variables == Lagrangian::Variables::Slack ? JointLimitMap::Variables::Slack
+                                                   : JointLimitMap::Variables::Positions;
 }
 
 }  // namespace
@@ -31,40 +31,30 @@ JointLimitMap::Slack slack_of(Lagrangian::Variables variables) {
 struct Lagrangian::Implementation {
   Implementation(const Robot& robot_in, const Options& options_in, Variables variables)
       : model(robot_in, options_in),
-        robot(model.robot),
-        options(model.options),
         scene(model),
-        collision(model.hulls, model.hulls.moving),
-        own(robot, options),
-        rollout(robot),
-        map(robot, slack_of(variables)),
-        problem(map, rollout, goals, collision, own, scene, options.point_distance, robot.dof()) {
-    goals.reserve(robot.tips().size());
+        problem(model, scene),
+        map(model.robot, map_variables(variables)),
+        form(map, problem) {
     Goal goal;  // until set_target or set_goals
-    goal.type = options.goal;
-    goal.axis = options.goal_axis;
-    goals.emplace_back(robot, goal);
+    goal.type = model.options.goal;
+    goal.axis = model.options.goal_axis;
+    problem.goals.emplace_back(model.robot, goal);
     set_obstacles(Points(0, 3));
   }
 
   void set_obstacles(const Obstacles& points) {
-    problem.reset_multipliers();
     scene.assign(points);
     scene.read();
-    collision.reserve(scene.obstacles()->padded());
-    problem.reserve(scene.obstacles()->padded());
+    problem.constraints.hulls.reserve(scene.obstacles()->padded());
+    form.reserve(scene.obstacles()->padded());
+    form.reset_multipliers();
   }
 
   detail::Model model;
-  const Robot& robot;
-  const Options& options;
   detail::Scene scene;
-  detail::CollisionState collision;
-  detail::OwnConstraints own;
-  detail::Rollout rollout;
-  std::vector<detail::GoalTerm> goals;
+  detail::Problem problem;
   JointLimitMap map;
-  detail::LagrangianProblem problem;
+  detail::LagrangianProblem form;
 };
 
 Lagrangian::Lagrangian(const Robot& robot, const Options& options, Variables variables) {
@@ -76,23 +66,22 @@ Lagrangian::Lagrangian(Lagrangian&&) noexcept = default;
 Lagrangian& Lagrangian::operator=(Lagrangian&&) noexcept = default;
 Lagrangian::~Lagrangian() = default;
 
-const Robot& Lagrangian::robot() const { return impl_->robot; }
-const Options& Lagrangian::options() const { return impl_->options; }
+const Robot& Lagrangian::robot() const { return impl_->model.robot; }
+const Options& Lagrangian::options() const { return impl_->model.options; }
 
 void Lagrangian::set_target(const Eigen::Isometry3d& T_base_tip) {
   detail::check_one_tip(robot());
   detail::check_target(T_base_tip);
-  impl_->goals.front().set_target(T_base_tip);
-  impl_->problem.reset_multipliers();
+  impl_->problem.goals.front().set_target(T_base_tip);
+  impl_->form.reset_multipliers();
 }
 
 void Lagrangian::set_goals(std::span<const Goal> goals) {
   Options points = options();  // its goals are points, which know no slack
   points.method = Method::Paper;
   detail::check_goals(goals, robot(), points);
-  impl_->goals.clear();
-  for (const Goal& goal : goals) impl_->goals.emplace_back(robot(), goal);
-  impl_->problem.reset_multipliers();
+  impl_->problem.set_goals(goals);
+  impl_->form.reset_multipliers();
 }
 
 void Lagrangian::set_obstacles(const Obstacles& points) {
@@ -103,15 +92,15 @@ void Lagrangian::set_obstacles(const Obstacles& points) {
 Eigen::Index Lagrangian::size() const { return impl_->map.size(); }
 
 Eigen::VectorXd Lagrangian::variables(VectorIn q) const {
-  detail::check_configuration(q, impl_->robot.dof(), "q");
+  detail::check_configuration(q, impl_->model.robot.dof(), "q");
   Eigen::VectorXd x(size());
-  impl_->map.inverse(q, x, impl_->options.start_inset);
+  impl_->map.inverse(q, x, impl_->model.options.start_inset);
   return x;
 }
 
 Eigen::VectorXd Lagrangian::positions(const Eigen::VectorXd& x) const {
   check_variables(x, size());
-  Eigen::VectorXd q(impl_->robot.dof());
+  Eigen::VectorXd q(impl_->model.robot.dof());
   impl_->map.positions(x, q);
   return q;
 }
@@ -120,33 +109,33 @@ double Lagrangian::lagrangian(const Eigen::VectorXd& x, const Penalty& penalty,
                               Eigen::VectorXd& gradient) {
   check_variables(x, size());
   gradient.resize(size());
-  return impl_->problem.lagrangian(x, penalty, gradient);
+  return impl_->form.lagrangian(x, penalty, gradient);
 }
 
 double Lagrangian::max_constraint(const Eigen::VectorXd& x) {
   check_variables(x, size());
-  return impl_->problem.max_constraint(x);
+  return impl_->form.max_constraint(x);
 }
 
-void Lagrangian::reset_multipliers() { impl_->problem.reset_multipliers(); }
+void Lagrangian::reset_multipliers() { impl_->form.reset_multipliers(); }
 
 void Lagrangian::update_multipliers(const Eigen::VectorXd& x, const Penalty& penalty) {
   check_variables(x, size());
-  impl_->problem.update_multipliers(x, penalty);
+  impl_->form.update_multipliers(x, penalty);
 }
 
 double Lagrangian::last_position_error() const {
   double worst = 0.0;
-  for (const auto& goal : impl_->goals) worst = std::max(worst, goal.position_distance());
+  for (const auto& goal : impl_->problem.goals) worst = std::max(worst, goal.position_distance());
   return worst;
 }
 
 double Lagrangian::last_rotation_error() const {
   double worst = 0.0;
-  for (const auto& goal : impl_->goals) worst = std::max(worst, goal.rotation_distance());
+  for (const auto& goal : impl_->problem.goals) worst = std::max(worst, goal.rotation_distance());
   return worst;
 }
 
-double Lagrangian::last_max_constraint() const { return impl_->problem.last_max_constraint(); }
+double Lagrangian::last_max_constraint() const { return impl_->form.last_max_constraint(); }
 
 }  // namespace pdoik

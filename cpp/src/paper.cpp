@@ -9,7 +9,7 @@ void solve_as_in_the_paper(Workspace& workspace, const Request& request, Result&
   const Scene& scene = workspace.scene();
   const Deadline deadline = workspace.deadline_in(model.options.max_time);
   workspace.watch(deadline);
-  workspace.set_goals(request.goals);
+  workspace.problem.set_goals(request.goals);
   begin_result(result);
   Eigen::VectorXd &omega = workspace.omega, &start = workspace.start, &q = workspace.q;
   if (request.q0 != nullptr) {

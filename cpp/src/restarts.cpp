@@ -147,7 +147,7 @@ void Restarts::search_in_turn(Attempt& attempt) {
     trial.reached = !attempt.deadline.struck();  // perhaps: the judge will say
     trial.value = 0.0;
   } else {
-    workspace_.least_squares.heed_none();
+    workspace_.least_squares.count_no_obstacles();
     trial.value = workspace_.minimise(attempt.stays_near(k) ? workspace_.patient : workspace_.brisk,
                                       trial.q, attempt.lower, attempt.upper, result);
     trial.reached = workspace_.least_squares.done();
@@ -232,7 +232,7 @@ void Restarts::restart_configuration(const Attempt& attempt, int k, Eigen::Vecto
 void Restarts::work_for(Attempt& attempt) {
   if (worked_for_ == &attempt) return;
   worked_for_ = &attempt;
-  workspace_.set_goals(attempt.request.goals);
+  workspace_.problem.set_goals(attempt.request.goals);
   workspace_.watch(attempt.deadline);
 }
 
@@ -268,7 +268,7 @@ bool Restarts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
   LeastSquaresProblem& problem = workspace_.least_squares;
   if (attempt.for_goals_alone || model_.options.inner == InnerMethod::Lbfgs)
     return !attempt.for_goals_alone;
-  if (!problem.can_touch()) return true;
+  if (!workspace_.problem.can_touch()) return true;
   if (attempt.deadline.passed()) return false;
   attempt.search_cost += cost_of_all();
   problem.place(trial.q);
@@ -277,13 +277,13 @@ bool Restarts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
     return false;
   Result& result = *attempt.result;
   const int before = result.evaluations;
-  problem.heed_those_about(kRepairMargin);
+  problem.count_obstacles_within(kRepairMargin);
   if (!attempt.deadline.passed()) {
     trial.value = workspace_.minimise(stay_near ? workspace_.patient : workspace_.brisk, trial.q,
                                       attempt.lower, attempt.upper, result);
   }
   model_.wrap(attempt.start, trial.q);
-  const double each = 1.0 + problem.heeded() / kObstaclesPerEvaluation;
+  const double each = 1.0 + problem.obstacle_count() / kObstaclesPerEvaluation;
   attempt.repair_cost += 2.0 * cost_of_all() + each * (result.evaluations - before);
   if (attempt.deadline.passed()) return false;
   problem.evaluate(trial.q);  // the last step may have been taken back
@@ -310,15 +310,14 @@ bool Restarts::repair_pays(const Attempt& attempt) const {
 void Restarts::keep_candidate(Attempt& attempt, const Trial& trial) {
   const bool by_lagrangian =
       model_.options.inner == InnerMethod::Lbfgs;  // whose shortfall nobody knows
-  bool measured =
-      attempt.for_goals_alone || (!workspace_.least_squares.can_touch() && !by_lagrangian);
+  bool measured = attempt.for_goals_alone || (!workspace_.problem.can_touch() && !by_lagrangian);
   double shortfall = trial.value;
   const double cost = 1.0 + cost_of_all();
   const bool pays =
       by_lagrangian || attempt.measure_cost + cost < kMeasureShare * attempt.search_cost;
   if (!measured && pays && !attempt.deadline.passed()) {
     attempt.measure_cost += cost;
-    workspace_.least_squares.heed_all();
+    workspace_.least_squares.count_all_obstacles();
     shortfall = workspace_.least_squares.evaluate(trial.q);
     measured = true;
   }
@@ -332,10 +331,10 @@ void Restarts::settle(Attempt& attempt) {
   saved = result;
   const double before = squared_distance(result.q, posture, model_.pull);
   q_ = result.q;
-  problem.heed_all();
-  problem.pull_towards(&posture, &model_.pull);
+  problem.count_all_obstacles();
+  problem.posture.set(&posture, &model_.pull);
   workspace_.minimise(workspace_.settling, q_, attempt.lower, attempt.upper, result);
-  problem.pull_towards(nullptr, nullptr);
+  problem.posture.set(nullptr, nullptr);
   workspace_.minimise(workspace_.patient, q_, attempt.lower, attempt.upper, result);
   model_.wrap(attempt.start, q_);
   workspace_.judge(attempt.request.goals, q_, result);
@@ -366,7 +365,7 @@ void Restarts::finish(Attempt& attempt) {
     }
     if (attempt.candidates.empty()) attempt.candidates.add(attempt.start, 0.0, true);
     if (!attempt.for_goals_alone) {
-      workspace_.least_squares.heed_all();
+      workspace_.least_squares.count_all_obstacles();
       attempt.candidates.measure(
           [&](const auto& q) { return workspace_.least_squares.evaluate(q); },
           [&] { return attempt.deadline.passed(); });

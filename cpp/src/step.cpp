@@ -27,20 +27,20 @@ Step::Step(Workspace& workspace)
 
 void Step::approach(const StepRequest& step, double margin, Result& result) {
   LeastSquaresProblem& problem = workspace_.least_squares;
-  workspace_.set_goals(step.goals);
+  workspace_.problem.set_goals(step.goals);
   q_ = *step.from;
-  problem.pull_towards(nullptr, nullptr);
-  problem.heed_none();
+  problem.posture.set(nullptr, nullptr);
+  problem.count_no_obstacles();
   problem.evaluate(q_);
   // A goal that is farther than a step can bring it is approached by what a step can.
-  for (GoalTerm& goal : workspace_.goals) goal.come_within(step.advance, step.turn);
-  if (workspace_.scene().within_reach() > 0) problem.heed_those_about(margin, true);
+  for (GoalTerm& goal : workspace_.problem.goals) goal.come_within(step.advance, step.turn);
+  if (workspace_.scene().within_reach() > 0) problem.count_obstacles_within(margin, true);
   problem.remember_next();
   if (deadline_->passed()) return;
   if (step.pull_to != nullptr) {
-    problem.pull_towards(step.pull_to, step.pull);
+    problem.posture.set(step.pull_to, step.pull);
     minimise(workspace_.settling, result);
-    problem.pull_towards(nullptr, nullptr);
+    problem.posture.set(nullptr, nullptr);
   }
   minimise(workspace_.patient, result);
   if (step.pull_to != nullptr && !deadline_->struck() && !problem.holds()) {

@@ -43,50 +43,33 @@ void restore(const Result& earlier, Result& result) {
 
 Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
     : model_(std::move(model_in)),
-      scene_(&scene),
-      moving_(model().hulls, model().hulls.moving),
-      fixed_(model().hulls, model().hulls.fixed),
-      own_(model().robot, model().options),
       judge_(model().robot, model().options, model().hulls),
       augmented_lagrangian_(model().robot.dof(), lagrangian_options(model().options),
                             model().options.lbfgs),
-      rollout(model().robot),
-      map(model().robot, JointLimitMap::Slack::Shared),
-      lagrangian(map, rollout, goals, moving_, own_, *scene_, model().options.point_distance,
-                 model().robot.dof()),
-      least_squares(rollout, goals, moving_, own_, *scene_, model().options, model().robot.dof()),
+      problem(model(), scene),
+      map(model().robot),
+      lagrangian(map, problem),
+      least_squares(problem),
       brisk(model().robot.dof(), model().options.levenberg_marquardt),
       patient(model().robot.dof(), detail::patient(model().options.levenberg_marquardt)),
       settling(model().robot.dof(), settling_options(model().options.levenberg_marquardt)),
       lanes(model().robot, model().options) {
-  goals.reserve(model().robot.tips().size());
   omega.setZero(map.size());
   for (Eigen::VectorXd* each : {&saved.q, &q, &start}) each->setZero(model().robot.dof());
   use(scene);
 }
 
 void Workspace::use(const Scene& scene) {
-  scene_ = &scene;
+  problem.scene = &scene;
   const Options& options = model().options;
   const int padded =
       std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
-  moving_.reserve(padded);
+  problem.constraints.hulls.reserve(padded);
   least_squares.reserve(padded);
-  least_squares.use(scene);
-  lagrangian.use(scene);
+  least_squares.count_all_obstacles();
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)
     lagrangian.reserve(padded);
-}
-
-void Workspace::set_goals(std::span<const Goal> asked) {
-  goals.clear();
-  for (const Goal& goal : asked) goals.emplace_back(model().robot, goal);
-}
-
-void Workspace::watch(const Deadline& deadline) {
-  deadline_ = &deadline;
-  least_squares.watch(&deadline);
-  lagrangian.watch(&deadline);
+  lagrangian.reset_multipliers();
 }
 
 Deadline Workspace::deadline_in(double max_time) const {
@@ -95,19 +78,19 @@ Deadline Workspace::deadline_in(double max_time) const {
 
 void Workspace::judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result,
                       double look) {
-  if (deadline_->struck()) ++result.late_evaluations;
-  const double began = deadline_->elapsed();
-  judge_(asked, at, *scene_, result, look);
-  const double took = deadline_->elapsed() - began;
+  if (problem.deadline->struck()) ++result.late_evaluations;
+  const double began = problem.deadline->elapsed();
+  judge_(asked, at, scene(), result, look);
+  const double took = problem.deadline->elapsed() - began;
   verdict_time_ = std::max(took, 0.5 * (took + verdict_time_));
 }
 
 double Workspace::minimise(LevenbergMarquardt& minimiser, Eigen::VectorXd& x,
                            const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                            Result& result) {
-  if (deadline_->struck()) return std::numeric_limits<double>::infinity();
-  const LevenbergMarquardtResult inner =
-      minimiser.minimize(least_squares, x, lower, upper, [&] { return deadline_->passed(); });
+  if (problem.deadline->struck()) return std::numeric_limits<double>::infinity();
+  const LevenbergMarquardtResult inner = minimiser.minimize(
+      least_squares, x, lower, upper, [&] { return problem.deadline->passed(); });
   result.iterations += inner.iterations;
   result.evaluations += inner.evaluations;
   return inner.value;
@@ -116,10 +99,10 @@ double Workspace::minimise(LevenbergMarquardt& minimiser, Eigen::VectorXd& x,
 void Workspace::minimise_lagrangian(Result& result) {
   const Options& options = model().options;
   const double p = options.position_tolerance, r = options.rotation_tolerance;
-  const auto struck = [&] { return deadline_->passed(); };
+  const auto struck = [&] { return problem.deadline->passed(); };
   const auto stop = [&](const Eigen::VectorXd&, double) {
     if (lagrangian.last_max_constraint() <= 0.5 * options.clearance_tolerance &&
-        std::all_of(goals.begin(), goals.end(), [&](const GoalTerm& goal) {
+        std::all_of(problem.goals.begin(), problem.goals.end(), [&](const GoalTerm& goal) {
           return goal.position_distance() < p && goal.rotation_distance() < r;
         })) {
       return true;

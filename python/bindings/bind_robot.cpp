@@ -228,13 +228,13 @@ void def_properties(py::class_<Robot>& robot) {
       .def_property("ignored_pairs", &Robot::ignored_pairs, &Robot::set_ignored_pairs,
                     R"(Pairs of links whose hulls may touch, besides links that are joined.
 
-Solvers made afterwards heed it. See `load_srdf_pairs`, `pairs_always_touching` and `pairs_touching_at`.
+Solvers made afterwards keep to it. See `load_srdf_pairs`, `pairs_always_touching` and `pairs_touching_at`.
 
 Raises:
     ValueError: On setting: a link is unknown.)")
       .def_property("occupancy", &Robot::occupancy, &Robot::set_occupancy,
                     py::return_value_policy::copy,
-                    R"(What the robot fills. Solvers made afterwards heed it.
+                    R"(What the robot fills. Solvers made afterwards keep to it.
 
 Raises:
     ValueError: On setting: a link is unknown, a radius is not positive and finite, or a semi-major axis is

@@ -362,7 +362,7 @@ class Robot:
         """
         Pairs of links whose hulls may touch, besides links that are joined.
         
-        Solvers made afterwards heed it. See `load_srdf_pairs`, `pairs_always_touching` and `pairs_touching_at`.
+        Solvers made afterwards keep to it. See `load_srdf_pairs`, `pairs_always_touching` and `pairs_touching_at`.
         
         Raises:
             ValueError: On setting: a link is unknown.
@@ -406,7 +406,7 @@ class Robot:
     @property
     def occupancy(self) -> Occupancy:
         """
-        What the robot fills. Solvers made afterwards heed it.
+        What the robot fills. Solvers made afterwards keep to it.
         
         Raises:
             ValueError: On setting: a link is unknown, a radius is not positive and finite, or a semi-major axis is
@@ -621,8 +621,8 @@ class Options:
     """
     augmented_lagrangian: AugmentedLagrangianOptions
     balance: BalanceOptions
+    base_collision: bool
     goal: str
-    heed_fixed_hulls: bool
     inner: str
     lbfgs: LbfgsOptions
     levenberg_marquardt: LevenbergMarquardtOptions

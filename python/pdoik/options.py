@@ -1,8 +1,9 @@
 """The options of a solver, with their defaults and units."""
 
 import dataclasses
+import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -157,7 +158,7 @@ class Options:
         clearance: Least distance wanted between obstacle points and hulls; negative: how deep they
             may lie inside, for method "default" with inner "levenberg_marquardt" [m].
         clearance_tolerance: By how much a success may miss `clearance` [m].
-        heed_fixed_hulls: Whether an obstacle in a hull that no joint moves, about which no answer
+        base_collision: Whether an obstacle in a hull that no joint moves, about which no answer
             can do anything, makes a solve fail. False for clouds that show the table the robot
             stands on; clearance is then that of the other hulls.
         balance: Where the centre of mass has to be.
@@ -200,7 +201,7 @@ class Options:
     clearance: float = _DEFAULT.clearance
     clearance_tolerance: float = _DEFAULT.clearance_tolerance
 
-    heed_fixed_hulls: bool = _DEFAULT.heed_fixed_hulls
+    base_collision: bool = _DEFAULT.base_collision
 
     balance: Balance = Balance()
     self_collision: bool = _DEFAULT.self_collision
@@ -226,8 +227,13 @@ class Options:
     augmented_lagrangian: AugmentedLagrangianOptions = AugmentedLagrangianOptions()
     levenberg_marquardt: LevenbergMarquardtOptions = LevenbergMarquardtOptions()
 
-    def __post_init__(self) -> None:
+    heed_fixed_hulls: InitVar[bool | None] = None  # what base_collision was called once
+
+    def __post_init__(self, heed_fixed_hulls: bool | None) -> None:
         """Check types and make goal_axis hashable."""
+        if heed_fixed_hulls is not None:
+            warnings.warn("heed_fixed_hulls is now base_collision", DeprecationWarning, 3)
+            object.__setattr__(self, "base_collision", heed_fixed_hulls)
         if not isinstance(self.goal_axis, str):
             object.__setattr__(self, "goal_axis", _to_vector(self.goal_axis, "goal_axis"))
         weights = np.asarray(self.joint_weights, dtype=np.float64)

@@ -72,7 +72,7 @@ TEST(Cloud, answers_are_those_of_a_solver_that_takes_the_points_in_itself) {
     EXPECT_EQ(cloud.size(), static_cast<std::size_t>(count));
     Options options = timeless();
     options.max_restarts = 5;
-    options.heed_fixed_hulls = false;
+    options.base_collision = false;
     Solver own(robot, options), shared(robot, options);
     own.set_obstacles(points);
     shared.set_obstacles(cloud);

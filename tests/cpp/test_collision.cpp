@@ -3,7 +3,7 @@
 #include <set>
 
 #include "brute_force.hpp"
-#include "detail/collision.hpp"
+#include "detail/clearance.hpp"
 #include "workbench.hpp"
 
 namespace pdoik::detail {

@@ -41,9 +41,7 @@ std::unique_ptr<Workbench> bench_of(const Case& c, Random& random) {
   options.goal = c.goal;
   options.goal_axis = random.direction();
   options.clearance = c.seed % 4 == 0 ? 0.02 : 0.0;
-  auto bench = std::make_unique<Workbench>(
-      robot, options,
-      c.seed % 5 == 0 ? JointLimitMap::Slack::Shared : JointLimitMap::Slack::PerSubAngle);
+  auto bench = std::make_unique<Workbench>(robot, options);
   bench->set_obstacles(random_obstacles(random, 20, 0.8, c.seed % 3 == 0 ? 0.15 : 0.0));
   bench->set_target(robot.fk(random_configuration(robot, random)));
   return bench;

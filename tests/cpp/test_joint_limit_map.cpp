@@ -3,6 +3,7 @@
 #include "finite_differences.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "random_robots.hpp"
+#include "sub_angles.hpp"
 
 namespace pdoik {
 namespace {
@@ -173,12 +174,10 @@ TEST(JointLimitMap, limits_hold_strictly_for_any_slack) {
 TEST(JointLimitMap, the_whole_range_is_reached_as_slack_grows) {
   for_ranges([&](const Robot& robot, double lower, double upper) {
     const JointLimitMap map(robot);
-    const double end =
-        1e-8 * (upper - lower) + cut(robot);  // sqrt(exp(-60)) is 1e-13, less where slack is scaled
-    EXPECT_NEAR(position(map, Eigen::VectorXd::Constant(map.size(), -60.0)), lower,
-                end + 1e-14 * std::abs(lower));
-    EXPECT_NEAR(position(map, Eigen::VectorXd::Constant(map.size(), 60.0)), upper,
-                end + 1e-14 * std::abs(upper));
+    const double end = 1e-8 * (upper - lower) + cut(robot);  // sqrt(exp(-60)) is 1e-13
+    const Eigen::VectorXd far = Eigen::VectorXd::Constant(1, 60.0 * std::sqrt(map.sub_angles(0)));
+    EXPECT_NEAR(position(map, -far), lower, end + 1e-14 * std::abs(lower));
+    EXPECT_NEAR(position(map, far), upper, end + 1e-14 * std::abs(upper));
   });
 }
 
@@ -229,20 +228,21 @@ TEST(JointLimitMap, pull_back_is_the_gradient_of_a_function_of_q_composed_with_t
 }
 
 TEST(JointLimitMap, the_ur10_has_24_slack_variables_however_its_turns_were_rounded) {
-  EXPECT_EQ(JointLimitMap(Robot::builtin("ur10")).size(), 24);
+  const JointLimitMap ur10(Robot::builtin("ur10"));
+  EXPECT_EQ(spread(ur10, Eigen::VectorXd::Zero(ur10.size())).size(), 24);
   for (const double turn : {2.0 * M_PI, 6.28318530718, 6.2831853, 6.283185}) {
-    EXPECT_EQ(JointLimitMap(one_joint(-turn, turn)).size(), 4) << turn;
+    EXPECT_EQ(JointLimitMap(one_joint(-turn, turn)).sub_angles(0), 4) << turn;
   }
-  EXPECT_EQ(JointLimitMap(one_joint(-6.2832, 6.2832)).size(), 5);
+  EXPECT_EQ(JointLimitMap(one_joint(-6.2832, 6.2832)).sub_angles(0), 5);
 }
 
 TEST(JointLimitMap, the_number_of_sub_angles_is_the_range_in_half_turns_rounded_up) {
-  EXPECT_EQ(JointLimitMap(one_joint(-0.1, 0.1)).size(), 1);
-  EXPECT_EQ(JointLimitMap(one_joint(-M_PI_2, M_PI_2)).size(), 1);
-  EXPECT_EQ(JointLimitMap(one_joint(-2.8973, 2.8973)).size(), 2);
-  EXPECT_EQ(JointLimitMap(one_joint(-7.0, 3.0)).size(), 4);
-  EXPECT_EQ(JointLimitMap(one_joint(-7.0, 3.0, true)).size(), 1);  // metres are not cut
-  EXPECT_EQ(JointLimitMap(one_joint(-kInfinity, kInfinity)).size(), 1);
+  EXPECT_EQ(JointLimitMap(one_joint(-0.1, 0.1)).sub_angles(0), 1);
+  EXPECT_EQ(JointLimitMap(one_joint(-M_PI_2, M_PI_2)).sub_angles(0), 1);
+  EXPECT_EQ(JointLimitMap(one_joint(-2.8973, 2.8973)).sub_angles(0), 2);
+  EXPECT_EQ(JointLimitMap(one_joint(-7.0, 3.0)).sub_angles(0), 4);
+  EXPECT_EQ(JointLimitMap(one_joint(-7.0, 3.0, true)).sub_angles(0), 1);  // metres are not cut
+  EXPECT_EQ(JointLimitMap(one_joint(-kInfinity, kInfinity)).sub_angles(0), 1);
 }
 
 TEST(JointLimitMap, limits_that_mean_no_limits_are_no_reason_to_run_out_of_memory_or_precision) {
@@ -250,23 +250,20 @@ TEST(JointLimitMap, limits_that_mean_no_limits_are_no_reason_to_run_out_of_memor
   for (const double wide : {300.0, 1e4, 1e9, 1e16}) {  // files write such numbers for "unlimited"
     SCOPED_TRACE(wide);
     const Robot robot = one_joint(-wide, 1.5 * wide);
-    for (const auto slack : {JointLimitMap::Slack::PerSubAngle, JointLimitMap::Slack::Shared}) {
-      const JointLimitMap map(robot, slack);
-      ASSERT_GE(map.size(), 1);
-      ASSERT_LT(map.size(), 1000);
-      JointLimitMap::State state = map.make_state();
-      Eigen::VectorXd omega(map.size());
-      for (int k = 0; k < 20; ++k) {
-        const double q = wide * random.uniform(-0.95, 1.4);
-        map.inverse(Eigen::VectorXd::Constant(1, q), omega);
-        EXPECT_NEAR(position(map, omega), q, 1e-12 * wide);
-        map.forward(omega, state, true);
-        EXPECT_NEAR(state.cosine[0], std::cos(state.q[0]), 1e-9);
-        EXPECT_NEAR(state.sine[0], std::sin(state.q[0]), 1e-9);
-        const auto recovered = [&](const Eigen::VectorXd& at) { return position(map, at); };
-        const Eigen::VectorXd difference = central_gradient(recovered, omega, 1e-4);
-        EXPECT_LT((state.slope - difference).lpNorm<Eigen::Infinity>(), 1e-7 * wide);
-      }
+    const JointLimitMap map(robot);
+    ASSERT_LT(map.sub_angles(0), 1000);
+    JointLimitMap::State state = map.make_state();
+    Eigen::VectorXd omega(map.size());
+    for (int k = 0; k < 20; ++k) {
+      const double q = wide * random.uniform(-0.95, 1.4);
+      map.inverse(Eigen::VectorXd::Constant(1, q), omega);
+      EXPECT_NEAR(position(map, omega), q, 1e-12 * wide);
+      map.forward(omega, state, true);
+      EXPECT_NEAR(state.cosine[0], std::cos(state.q[0]), 1e-9);
+      EXPECT_NEAR(state.sine[0], std::sin(state.q[0]), 1e-9);
+      const auto recovered = [&](const Eigen::VectorXd& at) { return position(map, at); };
+      const Eigen::VectorXd difference = central_gradient(recovered, omega, 1e-4);
+      EXPECT_LT((state.slope - difference).lpNorm<Eigen::Infinity>(), 1e-7 * wide);
     }
   }
 }

@@ -252,7 +252,7 @@ TEST(LeastSquares, touches_where_some_point_is_in_some_hull) {
     Workbench bench(Robot::builtin(k % 2 == 0 ? "panda" : "ur10"), Options{});
     bench.set_obstacles(random_obstacles(random, 12, 0.7, k % 3 == 0 ? 0.0 : 0.1));
     const Eigen::VectorXd q = random_configuration(bench.robot, random);
-    bench.least_squares.heed_none();
+    bench.least_squares.count_no_obstacles();
     const double alone = bench.least_squares.evaluate(q);
     const bool touches = bench.least_squares.touches();
     bench.roll_out(q);
@@ -263,7 +263,7 @@ TEST(LeastSquares, touches_where_some_point_is_in_some_hull) {
       EXPECT_EQ(touches, least.distance < 0.0);
     }
     (touches ? touched : clear) += 1;
-    bench.least_squares.heed_all();
+    bench.least_squares.count_all_obstacles();
     const double with_all = bench.least_squares.evaluate(q);
     if (touches) {
       EXPECT_GT(with_all, alone);
@@ -284,15 +284,15 @@ TEST(LeastSquares, about_a_configuration_counts_the_same_points_and_never_less) 
     bench.set_obstacles(random_obstacles(random, 120, 0.6, radii ? 0.05 : 0.0));
     const Eigen::VectorXd q = random_configuration(bench.robot, random);
     const double all = bench.least_squares.evaluate(q);
-    bench.least_squares.heed_those_about(0.1);
-    EXPECT_LE(bench.least_squares.heeded(), bench.scene.obstacles()->count());
+    bench.least_squares.count_obstacles_within(0.1);
+    EXPECT_LE(bench.least_squares.obstacle_count(), bench.scene.obstacles()->count());
     const double about = bench.least_squares.evaluate(q);
     if (radii) {
       EXPECT_GE(about, all * (1.0 - 1e-12)) << "the safe side";
     } else {
       EXPECT_NEAR(about, all, 1e-12 * (1.0 + all));
     }
-    counted += bench.least_squares.heeded();
+    counted += bench.least_squares.obstacle_count();
     Eigen::MatrixXd H(q.size(), q.size());
     Eigen::VectorXd g(q.size());
     bench.least_squares.linearise(H, g);

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "brute_force.hpp"
-#include "detail/collision.hpp"
+#include "detail/clearance.hpp"
 #include "detail/obstacle_set.hpp"
 #include "detail/scene.hpp"
 #include "detail/spheroid_distance.hpp"

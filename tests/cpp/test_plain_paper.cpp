@@ -7,14 +7,13 @@
 #include "finite_differences.hpp"
 #include "plain_paper.hpp"
 #include "random_robots.hpp"
+#include "sub_angles.hpp"
 #include "workbench.hpp"
 
-/// bench/plain_paper is the second implementation that the library's evaluation is compared with,
+/// PlainPaper is the second implementation that the library's evaluation is compared with,
 /// in time by bench/compare.py and in value here.
-namespace pdoik::bench {
+namespace pdoik::testing {
 namespace {
-
-using namespace pdoik::testing;
 
 constexpr PenaltyForm kPrinted = PenaltyForm::Printed;
 
@@ -35,13 +34,14 @@ struct Scenario {
     workbench->set_obstacles(points);
     plain->set_target(target);
     plain->set_obstacles(points);
-    omega = random.vector(plain->size(), -3.0, 3.0);
+    y = random.vector(workbench->map.size(), -3.0, 3.0);
+    omega = spread(workbench->map, y);
   }
 
   Random random;
   std::unique_ptr<Workbench> workbench;
   std::unique_ptr<PlainProblem> plain;
-  Eigen::VectorXd omega;
+  Eigen::VectorXd y, omega;  ///< the library's variables and the paper's, of the same positions
 };
 
 class PlainPaperOfGoal : public ::testing::TestWithParam<GoalType> {};
@@ -74,18 +74,20 @@ TEST_P(PlainPaperOfGoal, ValueAndGradientAreThoseOfTheLibrary) {
     detail::LagrangianProblem& library = s.workbench->lagrangian;
     for (double rho = 1.0; rho < 500.0; rho *= 10.0) {  // multipliers grow on the way
       const Penalty penalty{kPrinted, rho};
-      Eigen::VectorXd gradient(s.plain->size()), expected(s.plain->size());
+      Eigen::VectorXd gradient(s.plain->size()), expected(s.y.size());
       const double value = s.plain->lagrangian(s.omega, penalty, gradient);
-      EXPECT_NEAR(value, library.lagrangian(s.omega, penalty, expected), 1e-9 * (1.0 + value));
-      EXPECT_LT((gradient - expected).norm(), 1e-9 * (1.0 + expected.norm()));
+      EXPECT_NEAR(value, library.lagrangian(s.y, penalty, expected), 1e-9 * (1.0 + value));
+      EXPECT_LT((gathered(s.workbench->map, gradient) - expected).norm(),
+                1e-9 * (1.0 + expected.norm()));
       touching += library.last_max_constraint() > 0.0;
       s.plain->update_multipliers(s.omega, penalty);
-      library.update_multipliers(s.omega, penalty);
-      s.omega += s.random.vector(s.plain->size(), -0.3, 0.3);
+      library.update_multipliers(s.y, penalty);
+      s.y += s.random.vector(s.y.size(), -0.3, 0.3);
+      s.omega = spread(s.workbench->map, s.y);
     }
     Eigen::VectorXd q(s.workbench->robot.dof());
     s.plain->recover(s.omega, q);
-    EXPECT_LT((q - s.workbench->positions(s.omega)).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT((q - s.workbench->positions(s.y)).cwiseAbs().maxCoeff(), 1e-9);
   }
   EXPECT_GT(touching, 100);
 }
@@ -183,4 +185,4 @@ TEST(PlainPaper, RefusesWhatIsNoSerialChainOfRevoluteJoints) {
 }
 
 }  // namespace
-}  // namespace pdoik::bench
+}  // namespace pdoik::testing

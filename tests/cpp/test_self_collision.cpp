@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "detail/rollout.hpp"
 #include "detail/self_collision.hpp"
 #include "finite_differences.hpp"
 #include "random_robots.hpp"

@@ -97,7 +97,7 @@ TEST(SolverBehaviour, targets_out_of_reach_are_called_so_and_targets_in_reach_ar
 TEST(SolverBehaviour, a_point_in_a_hull_that_no_joint_moves_may_be_let_pass) {
   const Robot robot = Robot::builtin("panda");
   Options options;
-  options.heed_fixed_hulls = false;
+  options.base_collision = false;
   Solver solver(robot, options);
   ObstacleMatrix points(2, 3);
   points << 0.0, 0.0, 0.05, 0.5, 0.5, 0.9;  // in the foot, and somewhere

@@ -29,7 +29,7 @@ Case random_case(int seed, bool slack) {
   options.self_clearance = random.uniform(0.0, 0.1);
   c.bench = std::make_unique<Workbench>(robot, options);
   c.bench->set_obstacles(random_obstacles(random, 15, 0.8));
-  c.bench->set_goals(random_goals(robot, random, slack));
+  c.bench->problem.set_goals(random_goals(robot, random, slack));
   return c;
 }
 
@@ -52,7 +52,7 @@ TEST(TreeGradients, the_least_squares_gradient_is_the_central_difference_whateve
     Random random(static_cast<std::uint64_t>(1000 + seed));
     const Eigen::VectorXd posture = random_configuration(c.bench->robot, random),
                           pull = random.vector(n, 0.0, 0.3);
-    if (seed % 2 == 1) problem.pull_towards(&posture, &pull);
+    if (seed % 2 == 1) problem.posture.set(&posture, &pull);
     const auto f = [&](const Eigen::VectorXd& q) { return problem.evaluate(q); };
     if (!is_smooth(f, c.q)) continue;
     Eigen::MatrixXd H(n, n);
@@ -62,9 +62,8 @@ TEST(TreeGradients, the_least_squares_gradient_is_the_central_difference_whateve
     const Eigen::VectorXd expected = central_gradient(f, c.q, kStep);
     EXPECT_LT((g - expected).norm(), 3e-6 * (1.0 + expected.norm()));
     ++checked;
-    for (const auto& active : c.bench->own.active()) {
-      (active.slot < 14 && c.bench->options.balance.wanted() ? balanced : touching) += 1;
-    }
+    balanced += c.bench->problem.constraints.balance.count();
+    touching += c.bench->problem.constraints.self.count();
   }
   EXPECT_GT(checked, kSeeds * 3 / 4);
   EXPECT_GT(balanced, 30);
@@ -84,7 +83,10 @@ TEST(TreeGradients, the_augmented_lagrangian_gradient_is_the_central_difference_
       problem.reset_multipliers();
       problem.update_multipliers(omega, penalty);
       problem.update_multipliers(omega, penalty);
-      for (const auto& active : c.bench->own.active()) multiplied += active.c > 0.0 ? 1 : 0;
+      c.bench->problem.constraints.for_each([&](const auto& family, std::size_t number) {
+        if (number == 0) return;  // obstacles have tests of their own
+        for (int k = 0; k < family.count(); ++k) multiplied += family.at(k).c > 0.0 ? 1 : 0;
+      });
       Eigen::VectorXd gradient(omega.size()), unused(omega.size());
       const auto f = [&](const Eigen::VectorXd& x) {
         return problem.lagrangian(x, penalty, unused);

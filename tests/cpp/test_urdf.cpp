@@ -17,7 +17,7 @@ namespace {
 using namespace pdoik::testing;
 
 std::string urdf_path(const std::string& name) {
-  return std::string(PDOIK_SOURCE_DIR) + "/python/pdoik/robots/" + name + ".urdf";
+  return std::string(PDOIK_SOURCE_DIR) + "/cpp/robots/" + name + ".urdf";
 }
 
 std::string file_text(const std::string& path) {

@@ -189,7 +189,7 @@ inline Options options(Bytes& bytes, const Robot& robot) {
     o.clearance_tolerance = bytes.pick(kTolerances);
   }
   if (bytes.one_in(2)) o.clearance = bytes.number(-0.2, 0.2);
-  o.heed_fixed_hulls = !bytes.one_in(4);
+  o.base_collision = !bytes.one_in(4);
   if (bytes.one_in(4)) o.balance = balance(bytes, robot);
   o.self_collision = bytes.one_in(4);
   if (o.self_collision) o.self_clearance = bytes.number(-0.1, 0.1);

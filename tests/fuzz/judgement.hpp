@@ -69,7 +69,7 @@ inline void check_success(const Robot& robot, const Options& options, std::span<
     PDOIK_PROPERTY(rotation <= options.rotation_tolerance + rounding + 4e-6,
                    "tip " << goal.tip << ": " << rotation << ", told " << result.rotation_error);
   }
-  if (obstacles.rows() > 0 && options.heed_fixed_hulls) {
+  if (obstacles.rows() > 0 && options.base_collision) {
     const double clearance = testing::brute_force_clearance(robot, result.q, obstacles, 100);
     const double blur = 1e-7 + rounding + 1e-12 * obstacles.cwiseAbs().maxCoeff();
     PDOIK_PROPERTY(clearance >= options.clearance - options.clearance_tolerance - blur,

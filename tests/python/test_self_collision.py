@@ -83,7 +83,7 @@ def test_ignored_pairs_may_touch(h1: pdoik.Robot) -> None:
         assert frozenset(pair) in joined(h1)
 
 
-def test_an_srdf_s_pairs_are_read_and_heeded(tmp_path: Path) -> None:
+def test_an_srdf_s_pairs_are_read_and_kept(tmp_path: Path) -> None:
     pairs = [("left_hip_yaw_link", "left_hip_pitch_link"), ("torso_link", "left_elbow_link")]
     lines = [f'<disable_collisions link1="{a}" link2="{b}" reason="Never"/>' for a, b in pairs]
     text = f'<?xml version="1.0"?><robot name="h1">{"".join(lines)}</robot>'

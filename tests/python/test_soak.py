@@ -284,7 +284,7 @@ def motion_of(spec: Any, count: int, cloud: np.ndarray | None, **tracker: float)
 def record_of(judge: Any, motion: Any, path: np.ndarray, status: list[str]) -> Any:
     """As if a tracker had gone along a path (T + 1, n) and told the truth about each step."""
     asked = Asked.of(motion.options)
-    clouds, _ = tracking.heeded_clouds(motion.steps)
+    clouds, _ = tracking.counted_clouds(motion.steps)
     truth = tracking.verdicts_of(judge, motion.goals, path[1:], asked, clouds)
     zeros = np.zeros(len(status))
     return tracking.Record(

@@ -1,5 +1,6 @@
 """What a solver claims, Pinocchio and NumPy confirm; what it promises, it keeps."""
 
+import dataclasses
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -184,6 +185,13 @@ def test_a_target_beyond_the_links_is_out_of_reach(
         confirm(result, solver, pinocchio, target)
 
 
+def test_the_option_s_old_name_still_works_and_says_its_new_one() -> None:
+    with pytest.warns(DeprecationWarning, match="base_collision"):
+        options = pdoik.Options(heed_fixed_hulls=False)
+    assert options == pdoik.Options(base_collision=False)
+    assert dataclasses.replace(options, seed=3).base_collision is False
+
+
 def test_an_obstacle_in_the_foot_is_a_base_collision(
     robot: pdoik.Robot, pinocchio: PinocchioRobot, rng: np.random.Generator
 ) -> None:
@@ -216,7 +224,7 @@ def test_an_obstacle_in_the_foot_may_be_let_pass(
         spheres=[(robot.base_link, (0, 0, 0.05), 1.0), *robot.occupancy.spheres],
         spheroids=robot.occupancy.spheroids,
     )
-    solver = pdoik.Solver(robot, pdoik.Options(**PATIENT, heed_fixed_hulls=False))
+    solver = pdoik.Solver(robot, pdoik.Options(**PATIENT, base_collision=False))
     obstacles = np.array([[5.0, 0.0, 0.0], [0.9, 0.0, 0.06]])
     solved = 0
     for target in reachable_targets(robot, rng, 10):

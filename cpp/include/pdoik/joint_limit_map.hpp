@@ -7,8 +7,8 @@
 
 namespace pdoik {
 
-/// The paper's change of variables (Sec. joint-limit): unbounded slack omega, one per sub-angle, to
-/// joint positions inside their limits.
+/// The paper's change of variables (Sec. joint-limit): unbounded slack to joint positions inside
+/// their limits.
 ///
 /// A revolute joint of range k pi is cut into K = ceil(k - 1e-9) equal sub-angles theta_m in [0,
 /// range/K], each described by the squared distance L_m = 1 - cos(theta_m) between two points at
@@ -17,6 +17,11 @@ namespace pdoik {
 /// arccos(1 - L_m) (Eq. recovery). Its cosine and sine come from the product of the complex numbers
 /// (1 - L_m) + i sqrt(2 L_m - L_m^2), without any arccos. A prismatic joint is lower + range
 /// sigmoid(omega); joints without limits are omega itself.
+///
+/// The paper gives each sub-angle its own omega_m. Those of one joint have the same derivative, so
+/// a gradient method that starts them equal keeps them equal: they share one variable y = sqrt(K)
+/// omega_m. The factor keeps lengths and inner products, so L-BFGS takes the same steps (up to
+/// rounding) with M variables instead of M'.
 class JointLimitMap {
  public:
   /// Values and derivatives at one omega; its vectors are sized by `make_state`.
@@ -24,28 +29,23 @@ class JointLimitMap {
     Eigen::VectorXd cosine,
         sine;               ///< of each joint's angle, shape (n,); unused for prismatic joints
     Eigen::VectorXd q;      ///< joint positions, shape (n,); angles only if asked for
-    Eigen::VectorXd slope;  ///< d theta / d slack, shape (M',)
+    Eigen::VectorXd slope;  ///< d q / d slack, shape (n,)
   };
 
-  /// How the sub-angles of one joint get their slack.
-  enum class Slack {
-    PerSubAngle,  ///< one each: the paper's M' variables
-    /// One per joint, y = sqrt(K) omega with all its omega_m equal. They have the same derivative,
-    /// so a gradient method that starts them equal keeps them equal; the factor keeps lengths and
-    /// inner products, so L-BFGS takes the same steps (up to rounding) with M variables instead of
-    /// M'.
-    Shared,
-    /// The joint positions themselves, limits left to the caller: for comparison.
-    None,
+  enum class Variables {
+    Slack,
+    Positions,  ///< the joint positions themselves, limits left to the caller: for comparison
   };
 
-  explicit JointLimitMap(const Robot& robot, Slack slack = Slack::PerSubAngle);
+  explicit JointLimitMap(const Robot& robot, Variables variables = Variables::Slack);
 
-  /// The number of slack variables: M', or the number of joints if they are shared.
-  Eigen::Index size() const { return size_; }
+  /// The number of variables, one per joint.
+  Eigen::Index size() const { return static_cast<Eigen::Index>(joints_.size()); }
+  /// K, the sub-angles of a joint: 1 where it is no angle, or has no limits.
+  int sub_angles(int joint) const { return joints_[static_cast<std::size_t>(joint)].sub_angles; }
   State make_state() const;
 
-  /// Cosines, sines (or prismatic positions) and slopes at omega.
+  /// Cosines, sines (or prismatic positions) and slopes at omega, one per joint.
   ///     d theta_m / d omega_m = sqrt(L_max s) (1 - s) / sqrt(2 - L_max s),   s = sigmoid(omega_m),
   /// the composed derivative, which is finite everywhere. Allocates nothing.
   /// @param angles  Also recover q (needs an arcsine per sub-angle).
@@ -54,8 +54,8 @@ class JointLimitMap {
   /// Joint positions at omega, strictly inside the limits up to rounding, and never outside them.
   void positions(const Eigen::VectorXd& omega, Eigen::VectorXd& q) const;
 
-  /// Gradient with respect to omega from that with respect to q: dL/domega_m = dL/dq_i
-  /// dtheta_m/domega_m.
+  /// Gradient with respect to the slack from that with respect to q: dL/dy_i = dL/dq_i
+  /// dq_i/dy_i.
   void pull_back(const State& state, const Eigen::VectorXd& dq, Eigen::VectorXd& domega) const;
 
   /// A slack that maps to q, an angle being split evenly over its sub-angles.
@@ -69,17 +69,14 @@ class JointLimitMap {
   enum class Kind { Direct, Sigmoid, AngleSigmoid, Distance };
   struct Joint {
     Kind kind;
-    int first;                    // of its slack variables
-    int count;                    // of its slack variables
-    int copies;                   // sub-angles per slack variable
-    double scale, inverse_scale;  // sqrt(copies)
+    int sub_angles;               // K
+    double scale, inverse_scale;  // sqrt(K)
     double lower, upper;          // [rad] or [m]
     double sub_range;             // range / K
     double L_max;                 // of each sub-angle
     double cos_lower, sin_lower;
   };
   std::vector<Joint> joints_;
-  Eigen::Index size_ = 0;
 };
 
 }  // namespace pdoik

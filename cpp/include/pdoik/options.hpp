@@ -70,7 +70,7 @@ struct Options {
 
   /// Whether an obstacle in a hull that no joint moves, about which no answer can do anything,
   /// makes a solve fail. Off for clouds that show the table the robot stands on.
-  bool heed_fixed_hulls = true;
+  bool base_collision = true;
 
   BalanceOptions balance = {};
   bool self_collision = false;  ///< keep hulls of links that are not adjacent off one another

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "detail/collision.hpp"
+#include "detail/collision_state.hpp"
 #include "detail/spheroid_distance.hpp"
 
 namespace pdoik::detail {
@@ -13,7 +13,7 @@ struct Constraint {
   Vec4 dc_da{}, dc_db{};  ///< dc_db is unused for spheres
 };
 
-inline Vec4 unit_from(const Vec4& o, const Vec4& u, double& distance) {
+PDOIK_INLINE Vec4 unit_from(const Vec4& o, const Vec4& u, double& distance) {
   const Vec4 gap = u - o;
   distance = std::sqrt(dot3(gap, gap));
   return distance > 1e-12 ? broadcast(1.0 / distance) * gap : Vec4{};  // the guard of |u - o| = 0
@@ -23,7 +23,8 @@ inline Vec4 unit_from(const Vec4& o, const Vec4& u, double& distance) {
 /// and dc/du = -(u - o) / |u - o|. A point's radius R makes them r + R and 2(a + R), which keeps
 /// the ball out of the hull because the half sum of distances changes no faster than the point
 /// moves.
-inline Constraint paper_constraint(const CollisionState& state, const Hull& hull, const Vec4& o) {
+PDOIK_INLINE Constraint paper_constraint(const CollisionState& state, const Hull& hull,
+                                         const Vec4& o) {
   const double radius = o[3];
   Constraint result;
   double distance;
@@ -40,8 +41,8 @@ inline Constraint paper_constraint(const CollisionState& state, const Hull& hull
 
 /// The same zero set in metres of penetration. A point with a radius r is held off by the confocal
 /// spheroid whose axis is longer by r, which is at least r away from the hull everywhere.
-inline Constraint half_sum_constraint(const CollisionState& state, const Hull& hull,
-                                      const Vec4& o) {
+PDOIK_INLINE Constraint half_sum_constraint(const CollisionState& state, const Hull& hull,
+                                            const Vec4& o) {
   Constraint result = paper_constraint(state, hull, o);
   if (hull.is_sphere()) return result;
   const Vec4 half = broadcast(0.5);
@@ -55,8 +56,8 @@ inline Constraint half_sum_constraint(const CollisionState& state, const Hull& h
 /// spheroid, negative inside, whose derivative by a focus is that of its nearest surface point x
 /// (envelope theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.
 /// A negative radius says how deep a point may lie inside.
-inline Constraint distance_constraint(const CollisionState& state, const Hull& hull,
-                                      const Vec4& o) {
+PDOIK_INLINE Constraint distance_constraint(const CollisionState& state, const Hull& hull,
+                                            const Vec4& o) {
   const double radius = o[3];
   Constraint result = half_sum_constraint(state, hull, o);
   if (hull.is_sphere() || radius == 0.0) return result;

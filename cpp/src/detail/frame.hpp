@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "simd/vec4.hpp"
+#include "simd/frame.hpp"
 
 namespace pdoik::detail {
 

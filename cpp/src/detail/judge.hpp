@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detail/balance.hpp"
-#include "detail/collision.hpp"
+#include "detail/collision_state.hpp"
 #include "detail/scene.hpp"
 #include "detail/self_collision.hpp"
 #include "pdoik/options.hpp"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "detail/collision.hpp"
+#include "detail/hull_model.hpp"
 #include "detail/low_discrepancy.hpp"
 #include "detail/reach.hpp"
 #include "pdoik/options.hpp"

@@ -4,8 +4,8 @@
 #include <limits>
 #include <memory>
 
+#include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
-#include "detail/collision.hpp"
 #include "detail/model.hpp"
 
 namespace pdoik::detail {

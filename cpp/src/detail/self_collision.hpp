@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-#include "detail/collision.hpp"
+#include "detail/hull_model.hpp"
 
 namespace pdoik::detail {
 

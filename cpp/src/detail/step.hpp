@@ -10,8 +10,8 @@ namespace pdoik::detail {
 struct StepRequest {
   std::span<const Goal> goals;
   const Eigen::VectorXd *from, *lower, *upper;  ///< the last answer, and bounds about it
-  const Eigen::VectorXd *pull_to, *pull;  ///< see LeastSquaresProblem::pull_towards; may be null
-  double max_time;                        ///< [s]
+  const Eigen::VectorXd *pull_to, *pull;        ///< see PosturePull; may be null
+  double max_time;                              ///< [s]
   /// Obstacles farther than this from the hulls cannot be met within a step; may be infinite [m].
   double margin;
   double advance, turn;  ///< how far a tip may be asked to go in one step [m], [rad]

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "detail/collision.hpp"
+#include "detail/hull_model.hpp"
 
 namespace pdoik::detail {
 

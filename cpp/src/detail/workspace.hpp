@@ -6,15 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "detail/collision.hpp"
 #include "detail/deadline.hpp"
-#include "detail/goal_term.hpp"
 #include "detail/judge.hpp"
 #include "detail/lagrangian_problem.hpp"
 #include "detail/lane_search.hpp"
 #include "detail/least_squares_problem.hpp"
 #include "detail/model.hpp"
-#include "detail/own_constraints.hpp"
+#include "detail/problem.hpp"
 #include "detail/scene.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/result.hpp"
@@ -30,13 +28,12 @@ class Workspace {
   Workspace& operator=(const Workspace&) = delete;
 
   const Model& model() const { return *model_; }
-  const Scene& scene() const { return *scene_; }
+  const Scene& scene() const { return *problem.scene; }
   /// The scene of the solves that follow, which outlives them: asked again whenever it has changed.
   void use(const Scene& scene);
 
-  /// Goals, and the clock that everything looks at, from now on; both outlive what follows.
-  void set_goals(std::span<const Goal> asked);
-  void watch(const Deadline& deadline);
+  /// The clock that everything looks at from now on, which outlives what follows.
+  void watch(const Deadline& deadline) { problem.deadline = &deadline; }
 
   /// The clock of a solve that may take this long: time is kept for its verdict.
   Deadline deadline_in(double max_time) const;
@@ -45,7 +42,7 @@ class Workspace {
              double look = std::numeric_limits<double>::infinity());
   /// The same, of no solve.
   void judge_unwatched(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result) {
-    judge_(asked, at, *scene_, result);
+    judge_(asked, at, scene(), result);
   }
   /// Minimise least squares from x, which then holds the end. @returns The value there.
   double minimise(LevenbergMarquardt& minimiser, Eigen::VectorXd& x, const Eigen::VectorXd& lower,
@@ -55,17 +52,12 @@ class Workspace {
 
  private:
   std::shared_ptr<const Model> model_;
-  const Scene* scene_;
-  CollisionState moving_, fixed_;
-  OwnConstraints own_;
   Judge judge_;
   AugmentedLagrangian augmented_lagrangian_;
-  const Deadline* deadline_ = nullptr;
   double verdict_time_ = 0.0;  ///< what a verdict takes, by the last ones [s]
 
  public:
-  Rollout rollout;
-  std::vector<GoalTerm> goals;
+  Problem problem;
   JointLimitMap map;
   LagrangianProblem lagrangian;
   LeastSquaresProblem least_squares;

@@ -4,7 +4,7 @@
 
 namespace pdoik::detail {
 
-/// A robot's files in python/pdoik/robots, compiled in by cpp/cmake/embed_robots.cmake.
+/// A robot's files in cpp/robots, compiled in by cpp/cmake/embed_robots.cmake.
 struct EmbeddedRobot {
   const char* name;       ///< the files' stem, "panda" of panda.urdf
   const char* urdf;       ///< text of <name>.urdf

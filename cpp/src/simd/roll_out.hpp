@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simd/vec4.hpp"
+#include "simd/frame.hpp"
 
 namespace pdoik::detail {
 

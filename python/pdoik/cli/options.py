@@ -47,7 +47,7 @@ Clearance = Annotated[
         help="Least distance wanted between points and hulls, metres.", rich_help_panel=OBSTACLES
     ),
 ]
-HeedFixedHulls = Annotated[
+BaseCollision = Annotated[
     bool,
     typer.Option(
         help="Fail where a point is in a hull that no joint moves.", rich_help_panel=OBSTACLES

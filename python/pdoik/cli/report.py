@@ -178,7 +178,7 @@ def advice(solution: Solution) -> list[str]:
     elif result.status == "base_collision":
         tips.append(
             "removing the robot's own points from the cloud, and checking that the cloud is in the"
-            f" frame of {solution.robot.base_link}, in metres; or --no-heed-fixed-hulls, if the"
+            f" frame of {solution.robot.base_link}, in metres; or --no-base-collision, if the"
             " robot stands on what it shows"
         )
     else:

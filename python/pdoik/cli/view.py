@@ -20,7 +20,7 @@ from .options import (
     CloudFile,
     Goal,
     GoalAxis,
-    HeedFixedHulls,
+    BaseCollision,
     HullsFile,
     Leaf,
     Method,
@@ -82,7 +82,7 @@ def view(
     leaf: Leaf = 0.02,
     radii: Radii = True,
     clearance: Clearance = _DEFAULTS.clearance,
-    heed_fixed_hulls: HeedFixedHulls = _DEFAULTS.heed_fixed_hulls,
+    base_collision: BaseCollision = _DEFAULTS.base_collision,
     replay: Annotated[
         Path | None,
         typer.Option(
@@ -137,7 +137,7 @@ def view(
             goal_axis=goal_axis,
             method=method,
             clearance=clearance,
-            heed_fixed_hulls=heed_fixed_hulls,
+            base_collision=base_collision,
             max_time=max_time,
             self_collision=robot == "h1" if self_collision is None else self_collision,
         )

@@ -38,7 +38,7 @@ class SolveTab:
         )
         self.fixed = gui.add_checkbox(
             "Fixed hulls",
-            options.heed_fixed_hulls,
+            options.base_collision,
             hint="Fail where a point is in a hull that no joint moves",
         )
         self.self_collision: Any = gui.add_checkbox(
@@ -66,7 +66,7 @@ class SolveTab:
                 goal_axis=self.goal_axis.value,
                 method=self.method.value,
                 clearance=self.clearance.value / 1e3,
-                heed_fixed_hulls=self.fixed.value,
+                base_collision=self.fixed.value,
                 self_collision=self.self_collision.value,
                 balance=balance_over_feet() if self.balance.value else pdoik.Balance(),
             )

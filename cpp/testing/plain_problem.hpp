@@ -9,7 +9,7 @@
 #include "pdoik/robot.hpp"
 #include "pdoik/solver.hpp"
 
-namespace pdoik::bench {
+namespace pdoik::testing {
 
 /// Algorithms FWD and Jacobian as the paper prints them, its misprints corrected and nothing
 /// clever: 4x4 matrix products, one unit per sub-angle, dL/dT_i propagated as 4x4 matrices, and a
@@ -93,4 +93,4 @@ class PlainProblem {
   double max_constraint_ = 0.0;
 };
 
-}  // namespace pdoik::bench
+}  // namespace pdoik::testing

@@ -12,9 +12,9 @@
 
 #include "pdoik/robot.hpp"
 
-/// Everything random in the tests comes from here. The distributions are written out because the
-/// standard library's differ between implementations, and a printed seed must give the same numbers
-/// everywhere.
+/// Everything random in tests and benchmarks comes from here. The distributions are written out
+/// because the standard library's differ between implementations, and a printed seed must give the
+/// same numbers everywhere.
 namespace pdoik::testing {
 
 class Random {

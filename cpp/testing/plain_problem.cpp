@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace pdoik::bench {
+namespace pdoik::testing {
 namespace {
 
 double sigmoid(double omega) { return 1.0 / (1.0 + std::exp(-omega)); }  // Eq. sigmoid
@@ -256,4 +256,4 @@ void PlainProblem::start_from(const Eigen::VectorXd& q, double inset,
   }
 }
 
-}  // namespace pdoik::bench
+}  // namespace pdoik::testing

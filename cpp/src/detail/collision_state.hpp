@@ -1,80 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string>
 #include <vector>
 
-#include "detail/frame.hpp"
+#include "detail/coarse_hull.hpp"
+#include "detail/hull_model.hpp"
 #include "detail/obstacle_set.hpp"
 #include "detail/rollout.hpp"
-#include "pdoik/robot.hpp"
 #include "simd/cull.hpp"
 
 namespace pdoik::detail {
-
-/// A point of the robot that distances are measured from: u_i of the paper, or any further one.
-struct AttachedPoint {
-  int body;
-  Vec4 local;  ///< in the body's frame
-};
-
-/// A sphere (a == b, semi_major its radius) or a spheroid with foci at two attached points.
-struct Hull {
-  int a, b;
-  double semi_major;
-  int source;  ///< its place in the occupancy: spheres first, then spheroids
-  bool is_sphere() const { return a == b; }
-};
-
-/// The robot's hulls on their attached points, each point once. Points on a joint's own axis belong
-/// to the body before it, since that joint does not move them; hulls that no joint moves are kept
-/// apart.
-struct HullModel {
-  /// @param heed_fixed  Leave out the hulls that no joint moves if false.
-  explicit HullModel(const Robot& robot, bool heed_fixed = true);
-
-  std::vector<AttachedPoint> points;
-  std::vector<Hull> moving, fixed;
-  /// No obstacle farther than this and twice its radius from `reach_centre` can touch a moving
-  /// hull; infinite if
-  /// unknown.
-  Eigen::Vector3d reach_centre = Eigen::Vector3d::Zero();
-  double reach = std::numeric_limits<double>::infinity();
-};
-
-/// By how much a hull must grow so that rounding in the coarse test misses nothing [m].
-///
-/// Single precision errs in (|d|^2 - A^2 + |h|^2) A^2 - (d.h)^2 by at most E, say; growing A by s
-/// takes 2 A s (b^2 + 2 A s) from it at the tip, where it takes least. Either term alone gives an s
-/// that suffices.
-inline double coarse_slack(double A, double half_squared, double extent) {
-  constexpr double kEpsilon = 4.0 * 6e-8;
-  const double E = kEpsilon * A * A * A * (2.0 * A + extent);
-  const double b2 = A * A - half_squared;
-  const double thin = std::sqrt(E) / (2.0 * A);
-  return 1e-6 * extent + (b2 > 0.0 ? std::min(thin, E / (2.0 * A * b2)) : thin);
-}
-
-/// Where a spheroid is deeper than some depth: within the spheroid whose semi-axes are shorter by
-/// that much. (A ball of radius d fits into it about such a point, so that along any direction n
-/// the point lies at least d inside the support |diag(a, b) n|, which is at most
-/// |diag(a - d, b - d) n| + d.) Points with a radius r at that depth lie in it when its semi-major
-/// axis is grown by r.
-struct Core {
-  double depth;  ///< at most what was asked: a spheroid has no core deeper than its semi-minor axis
-  double foci;   ///< the core's half distance between foci, as a share of the spheroid's
-};
-
-/// @param half_squared  Half the distance between the foci, squared; zero for a sphere.
-inline Core core_of(double semi_major, double half_squared, double depth) {
-  const double minor2 = semi_major * semi_major - half_squared;
-  if (!(minor2 > 0.0)) return {0.0, 1.0};
-  const double minor = std::sqrt(minor2), d = std::min(depth, 0.99 * minor);
-  return {d, std::sqrt(1.0 - 2.0 * d / (semi_major + minor))};
-}
 
 /// Distances between the robot's points and the obstacles at one configuration.
 class CollisionState {
@@ -262,27 +198,5 @@ class CollisionState {
   CullFunction cull_;
   BoundFunction bound_distances_ = best_bound_distances();
 };
-
-/// The least distance from an obstacle (less its radius) to a hull, and which.
-struct Clearance {
-  double distance = std::numeric_limits<double>::infinity();
-  int source = -1;    ///< the hull's place in the occupancy
-  int obstacle = -1;  ///< the obstacle's original row
-};
-
-/// Exact Euclidean clearance of the state's hulls where it is placed, if below `than`, among the
-/// pairs that are within g of each other, at least. Changes the state's near pairs.
-Clearance least_clearance_within(CollisionState& state, const ObstacleView& obstacles, double g,
-                                 Clearance than = {});
-
-/// Add to `places` those of the obstacles that are within a distance of the state's hulls, some
-/// more than once. Changes the state's near pairs.
-void find_within(CollisionState& state, const ObstacleView& obstacles, double distance,
-                 std::vector<int>& places);
-
-/// The same among all, by growing the hulls until obstacles come to lie in them: points nearer than
-/// g to a hull lie in it when it is grown by g, so once the least is below g it is found.
-Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles,
-                          Clearance than = {});
 
 }  // namespace pdoik::detail

@@ -4,13 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "detail/collision.hpp"
-#include "detail/constraint.hpp"
-#include "detail/goal_term.hpp"
 #include "detail/lagrangian_problem.hpp"
 #include "detail/least_squares_problem.hpp"
-#include "detail/rollout.hpp"
-#include "detail/scene.hpp"
+#include "detail/problem.hpp"
 #include "detail/spheroid_distance.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/options.hpp"
@@ -25,24 +21,22 @@ using ObstacleMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 
 class Workbench {
  public:
-  Workbench(const Robot& robot_in, const Options& options_in,
-            JointLimitMap::Slack slack = JointLimitMap::Slack::PerSubAngle)
+  Workbench(const Robot& robot_in, const Options& options_in)
       : model(robot_in, options_in),
         robot(model.robot),
         options(model.options),
         hulls(model.hulls),
         scene(model),
-        moving(hulls, hulls.moving),
+        problem(model, scene),
+        moving(problem.constraints.hulls),
         fixed(hulls, hulls.fixed),
-        own(robot, options),
-        rollout(robot),
-        map(robot, slack),
-        lagrangian(map, rollout, goals, moving, own, scene, options.point_distance, robot.dof()),
-        least_squares(rollout, goals, moving, own, scene, options, robot.dof()) {
+        map(robot),
+        lagrangian(map, problem),
+        least_squares(problem) {
     Goal goal;
     goal.type = options.goal;
     goal.axis = options.goal_axis;
-    goals.emplace_back(robot, goal);
+    problem.goals.emplace_back(robot, goal);
     set_obstacles(ObstacleMatrix(0, 3));
   }
   Workbench(const Workbench&) = delete;
@@ -53,22 +47,18 @@ class Workbench {
     scene.read();
     moving.reserve(scene.obstacles()->padded());
     lagrangian.reserve(scene.obstacles()->padded());
-    lagrangian.use(scene);
+    lagrangian.reset_multipliers();
     least_squares.reserve(scene.obstacles()->padded());
-    least_squares.use(scene);
+    least_squares.count_all_obstacles();
   }
   void set_target(const Eigen::Isometry3d& T) {
     target = T;
-    goals.front().set_target(T);
-  }
-  void set_goals(const std::vector<Goal>& asked) {
-    goals.clear();
-    for (const Goal& goal : asked) goals.emplace_back(robot, goal);
+    problem.goals.front().set_target(T);
   }
   void roll_out(const Eigen::VectorXd& q) {
     const Eigen::VectorXd cosine = q.array().cos(), sine = q.array().sin();
-    rollout.forward(cosine.data(), sine.data(), q.data());
-    moving.place(rollout);
+    problem.rollout.forward(cosine.data(), sine.data(), q.data());
+    moving.place(problem.rollout);
   }
   Eigen::VectorXd positions(const Eigen::VectorXd& omega) const {
     Eigen::VectorXd q(robot.dof());
@@ -83,10 +73,8 @@ class Workbench {
   ObstacleMatrix obstacles;
   Eigen::Isometry3d target = Eigen::Isometry3d::Identity();
   detail::Scene scene;
-  detail::CollisionState moving, fixed;
-  detail::OwnConstraints own;
-  detail::Rollout rollout;
-  std::vector<detail::GoalTerm> goals;
+  detail::Problem problem;
+  detail::CollisionState &moving, fixed;
   JointLimitMap map;
   detail::LagrangianProblem lagrangian;
   detail::LeastSquaresProblem least_squares;

@@ -8,7 +8,7 @@
 #include "pdoik/result.hpp"
 #include "plain_problem.hpp"
 
-namespace pdoik::bench {
+namespace pdoik::testing {
 
 /// Algorithm IK on PlainProblem, with the same minimisers, options and stop rule as Method::Paper.
 class PlainPaper {
@@ -27,4 +27,4 @@ class PlainPaper {
   Eigen::VectorXd omega_;
 };
 
-}  // namespace pdoik::bench
+}  // namespace pdoik::testing

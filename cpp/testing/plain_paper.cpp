@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace pdoik::bench {
+namespace pdoik::testing {
 namespace {
 
 AugmentedLagrangianOptions as_printed(AugmentedLagrangianOptions options) {
@@ -42,4 +42,4 @@ void PlainPaper::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorX
   result.time = elapsed();
 }
 
-}  // namespace pdoik::bench
+}  // namespace pdoik::testing

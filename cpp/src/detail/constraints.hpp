@@ -1,0 +1,49 @@
+#pragma once
+
+#include <tuple>
+#include <utility>
+
+#include "detail/balance_constraints.hpp"
+#include "detail/obstacle_constraints.hpp"
+#include "detail/self_constraints.hpp"
+
+namespace pdoik::detail {
+
+/// All constraints on a robot but its joints' limits, which both forms of the problem keep by their
+/// variables: slack that is squashed, and joint positions within bounds.
+class Constraints {
+ public:
+  explicit Constraints(const Model& model)
+      : hulls(model.hulls, model.hulls.moving),
+        obstacles(hulls),
+        self(model, hulls),
+        balance(model) {}
+  Constraints(const Constraints&) = delete;
+
+  auto families() { return std::tie(obstacles, self, balance); }
+  static constexpr std::size_t kFamilies = 3;
+
+  /// visit(family, its number).
+  template <class Visit>
+  void for_each(Visit&& visit) {
+    std::size_t number = 0;
+    std::apply([&](ConstraintFamily auto&... family) { (visit(family, number++), ...); },
+               families());
+  }
+
+  /// Find those that act where a rollout is: c > -reach(family's number, group).
+  template <class Reach>
+  void find(const Rollout& rollout, Reach&& reach) {
+    if (obstacles.wants_points() || self.wants_points()) hulls.place(rollout);
+    for_each([&](auto& family, std::size_t number) {
+      family.find(rollout, [&](int group) { return reach(number, group); });
+    });
+  }
+
+  CollisionState hulls;
+  ObstacleConstraints obstacles;
+  SelfConstraints self;
+  BalanceConstraints balance;
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "detail/constraints.hpp"
+#include "detail/deadline.hpp"
+#include "detail/goal_term.hpp"
+#include "detail/model.hpp"
+#include "detail/rollout.hpp"
+#include "detail/scene.hpp"
+
+namespace pdoik::detail {
+
+/// A robot, its goals and its constraints: what both forms of the problem, LagrangianProblem and
+/// LeastSquaresProblem, evaluate. One thread's.
+struct Problem {
+  /// Both outlive it.
+  Problem(const Model& model_in, const Scene& scene_in)
+      : model(model_in), rollout(model.robot), constraints(model), scene(&scene_in) {
+    goals.reserve(model.robot.tips().size());
+  }
+  Problem(const Problem&) = delete;
+
+  void set_goals(std::span<const Goal> asked) {
+    goals.clear();
+    for (const Goal& goal : asked) goals.emplace_back(model.robot, goal);
+  }
+
+  /// Whether there is anything that hulls could touch.
+  bool can_touch() const { return scene->within_reach() > 0 || constraints.self.wants_points(); }
+  /// Whether whoever evaluates should give up: asked for each constraint.
+  bool is_late(int constraint) const { return passed_in(constraint, deadline); }
+
+  const Model& model;
+  Rollout rollout;
+  std::vector<GoalTerm> goals;
+  Constraints constraints;
+  const Scene* scene;
+  /// Evaluations look at this now and then, and are cut short once it has struck: what they give is
+  /// then of no use. Null for none.
+  const Deadline* deadline = nullptr;
+};
+
+}  // namespace pdoik::detail
