@@ -1,4 +1,4 @@
-"""Algorithm IK from one start: the library's `method="paper"` and the plain implementation in cpp/testing."""
+"""Algorithm IK from one start: the library's `method="paper"` and cpp/testing's plain one."""
 
 from __future__ import annotations
 

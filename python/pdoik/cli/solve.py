@@ -17,12 +17,12 @@ from .obstacles import Obstacles, load_obstacles
 from .options import (
     GOAL,
     ROBOT,
+    BaseCollision,
     BaseLink,
     Clearance,
     CloudFile,
     Goal,
     GoalAxis,
-    BaseCollision,
     HullsFile,
     Leaf,
     Method,

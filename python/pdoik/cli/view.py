@@ -15,12 +15,12 @@ from .obstacles import load_obstacles
 from .options import (
     GOAL,
     ROBOT,
+    BaseCollision,
     BaseLink,
     Clearance,
     CloudFile,
     Goal,
     GoalAxis,
-    BaseCollision,
     HullsFile,
     Leaf,
     Method,
