@@ -1,0 +1,42 @@
+#pragma once
+
+#include "detail/attempt.hpp"
+#include "detail/workspace.hpp"
+
+namespace pdoik::detail {
+
+/// Makes what a start came to an answer, or a candidate for the best that there is. An answer that
+/// touches something is brought clear of it if that pays.
+class Verdicts {
+ public:
+  /// The workspace outlives it.
+  explicit Verdicts(Workspace& workspace);
+
+  /// Of the k-th start. @returns Whether the attempt has ended.
+  bool take(Attempt& attempt, int k);
+  /// Of an attempt that has ended. Some of its starts may be under way.
+  void finish(Attempt& attempt);
+  /// Have the workspace work for this attempt.
+  void work_for(Attempt& attempt);
+  /// To be told whenever an attempt begins anew.
+  void forget(const Attempt& attempt) {
+    if (worked_for_ == &attempt) worked_for_ = nullptr;
+  }
+
+ private:
+  /// Whether the trial solves, in the minimiser's opinion; brings it clear if that pays.
+  bool is_clear(Attempt& attempt, Trial& trial, bool stay_near);
+  bool repair_pays(const Attempt& attempt) const;
+  void keep_candidate(Attempt& attempt, const Trial& trial);
+  /// Go from the solution that the result holds downhill to the posture as long as it solves.
+  void settle(Attempt& attempt);
+  /// What looking at all obstacles costs, in evaluations of the goal.
+  double cost_of_all() const;
+
+  Workspace& workspace_;
+  const Model& model_;
+  Attempt* worked_for_ = nullptr;
+  Eigen::VectorXd q_;
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,165 @@
+#include "detail/verdicts.hpp"
+
+#include <algorithm>
+
+#include "detail/outcome.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// What a solve may spend on bringing answers clear of obstacles, of what it spends on finding
+/// answers.
+constexpr double kRepairShare = 0.1;
+/// What it may spend on finding out by how much those that do not solve fall short.
+constexpr double kMeasureShare = 0.02;
+/// Obstacles this far from the hulls are left out while answers are brought clear [m].
+constexpr double kRepairMargin = 0.1;
+/// Looking at this many obstacles costs about as much as evaluating the goal.
+constexpr double kObstaclesPerEvaluation = 60.0;
+
+}  // namespace
+
+Verdicts::Verdicts(Workspace& workspace) : workspace_(workspace), model_(workspace.model()) {
+  q_.setZero(model_.robot.dof());
+}
+
+void Verdicts::work_for(Attempt& attempt) {
+  if (worked_for_ == &attempt) return;
+  worked_for_ = &attempt;
+  workspace_.problem.set_goals(attempt.request.goals);
+  workspace_.watch(attempt.deadline);
+}
+
+bool Verdicts::take(Attempt& attempt, int k) {
+  work_for(attempt);
+  Trial& trial = attempt.trial(k);
+  Result& result = *attempt.result;
+  result.iterations += trial.iterations;
+  result.evaluations += trial.evaluations;
+  result.restarts = k;
+  attempt.search_cost += trial.evaluations;
+  model_.wrap(attempt.start, trial.q);
+  if (trial.reached && is_clear(attempt, trial, attempt.stays_near(k))) {
+    workspace_.judge(attempt.request.goals, trial.q, result);
+    if (result.success) {
+      if (attempt.request.posture != nullptr || attempt.nearest) settle(attempt);
+      if (!attempt.nearest) return true;
+      const double distance = attempt.distance_to_wanted(result.q);
+      if (!attempt.found || distance < attempt.least) {
+        attempt.found = true;
+        attempt.least = distance;
+        attempt.best = result;
+      }
+      return false;
+    }
+  }
+  if (!attempt.found) keep_candidate(attempt, trial);
+  if (attempt.for_goals_alone && trial.reached) return true;  // nothing better can be found
+  return false;
+}
+
+bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
+  LeastSquaresProblem& problem = workspace_.least_squares;
+  if (attempt.for_goals_alone || model_.options.inner == InnerMethod::Lbfgs)
+    return !attempt.for_goals_alone;
+  if (!workspace_.problem.can_touch()) return true;
+  if (attempt.deadline.passed()) return false;
+  attempt.search_cost += cost_of_all();
+  problem.place(trial.q);
+  if (!problem.touches()) return true;
+  if (!attempt.redundant || !(stay_near || repair_pays(attempt)) || attempt.deadline.passed())
+    return false;
+  Result& result = *attempt.result;
+  const int before = result.evaluations;
+  problem.count_obstacles_within(kRepairMargin);
+  if (!attempt.deadline.passed()) {
+    trial.value = workspace_.minimise(stay_near ? workspace_.patient : workspace_.brisk, trial.q,
+                                      attempt.lower, attempt.upper, result);
+  }
+  model_.wrap(attempt.start, trial.q);
+  const double each = 1.0 + problem.obstacle_count() / kObstaclesPerEvaluation;
+  attempt.repair_cost += 2.0 * cost_of_all() + each * (result.evaluations - before);
+  if (attempt.deadline.passed()) return false;
+  problem.evaluate(trial.q);  // the last step may have been taken back
+  trial.reached = problem.reached();
+  return trial.reached && !problem.touches();
+}
+
+double Verdicts::cost_of_all() const {
+  const Scene& scene = workspace_.scene();
+  // Of a cloud in order most is passed by in blocks.
+  return scene.obstacles()->in_order()
+             ? 20.0 + 0.01 * scene.within_reach() / kObstaclesPerEvaluation
+             : scene.within_reach() / kObstaclesPerEvaluation;
+}
+
+bool Verdicts::repair_pays(const Attempt& attempt) const {
+  constexpr int kUsualEvaluations = 8, kUsuallyAbout = 200;
+  const int about = std::min(workspace_.scene().within_reach(), kUsuallyAbout);
+  const double usual =
+      2.0 * cost_of_all() + kUsualEvaluations * (1.0 + about / kObstaclesPerEvaluation);
+  return attempt.repair_cost + usual < kRepairShare * attempt.search_cost;
+}
+
+void Verdicts::keep_candidate(Attempt& attempt, const Trial& trial) {
+  const bool by_lagrangian =
+      model_.options.inner == InnerMethod::Lbfgs;  // whose shortfall nobody knows
+  bool measured = attempt.for_goals_alone || (!workspace_.problem.can_touch() && !by_lagrangian);
+  double shortfall = trial.value;
+  const double cost = 1.0 + cost_of_all();
+  const bool pays =
+      by_lagrangian || attempt.measure_cost + cost < kMeasureShare * attempt.search_cost;
+  if (!measured && pays && !attempt.deadline.passed()) {
+    attempt.measure_cost += cost;
+    workspace_.least_squares.count_all_obstacles();
+    shortfall = workspace_.least_squares.evaluate(trial.q);
+    measured = true;
+  }
+  attempt.candidates.add(trial.q, shortfall, measured);
+}
+
+void Verdicts::settle(Attempt& attempt) {
+  Result &result = *attempt.result, &saved = workspace_.saved;
+  LeastSquaresProblem& problem = workspace_.least_squares;
+  const Eigen::VectorXd& posture = attempt.wanted();
+  saved = result;
+  const double before = attempt.distance_to_wanted(result.q);
+  q_ = result.q;
+  problem.count_all_obstacles();
+  problem.posture.set(&posture, &model_.pull);
+  workspace_.minimise(workspace_.settling, q_, attempt.lower, attempt.upper, result);
+  problem.posture.set(nullptr, nullptr);
+  workspace_.minimise(workspace_.patient, q_, attempt.lower, attempt.upper, result);
+  model_.wrap(attempt.start, q_);
+  workspace_.judge(attempt.request.goals, q_, result);
+  if (result.success && attempt.distance_to_wanted(q_) < before) return;
+  restore(saved, result);
+}
+
+void Verdicts::finish(Attempt& attempt) {
+  Result& result = *attempt.result;
+  work_for(attempt);
+  if (attempt.found) {
+    restore(attempt.best, result);
+  } else if (!result.success) {
+    // What waits for an earlier start may be the best there is.
+    for (int k = attempt.next_verdict; k < attempt.next_start; ++k) {
+      Trial& trial = attempt.trial(k);
+      if (!trial.is_known) continue;
+      model_.wrap(attempt.start, trial.q);
+      attempt.candidates.add(trial.q, trial.value, attempt.for_goals_alone);
+    }
+    if (attempt.candidates.empty()) attempt.candidates.add(attempt.start, 0.0, true);
+    if (!attempt.for_goals_alone) {
+      workspace_.least_squares.count_all_obstacles();
+      attempt.candidates.measure(
+          [&](const auto& q) { return workspace_.least_squares.evaluate(q); },
+          [&] { return attempt.deadline.passed(); });
+    }
+    // May solve by a tolerance's breadth.
+    workspace_.judge(attempt.request.goals, attempt.candidates.best(), result);
+  }
+  end_result(attempt.hopeless, attempt.deadline, workspace_.scene().intake, result);
+}
+
+}  // namespace pdoik::detail
