@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <vector>
 
 #include "arrays.hpp"
 #include "bind.hpp"
@@ -30,10 +31,38 @@ struct SharedSolver {
   Solver solver;
   std::mutex mutex;
 
-  Solver copy() {
+  /// Batches run beside solves and one another, each with a copy: of those of past batches one is
+  /// used again, for making its memory takes longer than a short batch.
+  std::unique_ptr<Solver> take_copy() {
     const std::lock_guard<std::mutex> lock(mutex);
-    return solver;
+    if (copies.empty()) return std::make_unique<Solver>(solver);
+    std::unique_ptr<Solver> copy = std::move(copies.back());
+    copies.pop_back();
+    return copy;
   }
+  void give_back(std::unique_ptr<Solver> copy) {
+    copy->clear_obstacles();  // which may be a cloud that nobody else holds any more
+    const std::lock_guard<std::mutex> lock(mutex);
+    copies.push_back(std::move(copy));
+  }
+
+ private:
+  std::vector<std::unique_ptr<Solver>> copies;
+};
+
+/// A copy of the solver, until the batch ends.
+class BatchSolver {
+ public:
+  explicit BatchSolver(SharedSolver& of) : of_(of), solver_(of.take_copy()) {}
+  ~BatchSolver() { of_.give_back(std::move(solver_)); }
+  BatchSolver(const BatchSolver&) = delete;
+  BatchSolver& operator=(const BatchSolver&) = delete;
+
+  Solver& operator*() { return *solver_; }
+
+ private:
+  SharedSolver& of_;
+  std::unique_ptr<Solver> solver_;
 };
 
 NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
@@ -104,9 +133,10 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
   batch.dof = self.solver.robot().dof();
 
   const py::gil_scoped_release release;
-  Solver solver = self.copy();
+  BatchSolver batch_solver(self);
+  Solver& solver = *batch_solver;
   given.give_to(solver);
-  std::size_t done = 0, slice = 64;
+  std::size_t done = 0, slice = 128;
   do {
     const Clock::time_point started = Clock::now();
     const std::size_t count = std::min(slice, goals.size() - done);
@@ -136,7 +166,8 @@ py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
       q.mutable_data(), count, self.solver.robot().dof());
   const py::gil_scoped_release release;
-  Solver solver = self.copy();
+  BatchSolver batch_solver(self);
+  Solver& solver = *batch_solver;
   given.give_to(solver);
   constexpr std::size_t kSlice = 4096;  // results take memory until they are written down
   for (std::size_t done = 0; done < targets.size(); done += kSlice) {
