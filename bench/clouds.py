@@ -1,0 +1,143 @@
+"""Clouds of a thousand to a million points: intake, update, memory, questions and solves.
+
+    .venv/bin/python bench/clouds.py --out build/bench/clouds
+
+Beside coal's octree and k-d trees, on one processor; every job runs in a process of its own.
+Peers whose packages are missing are left out with a line. Results are kept as they come, and the
+same command continues where it was stopped. --quick takes a minute.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Annotated, Any
+
+import pandas as pd
+import typer
+from rich.progress import track
+
+from campaign import Campaign
+from campaign_cli import (
+    BUILD,
+    OutFolder,
+    Quick,
+    Seed,
+    console,
+    plain_errors,
+    show,
+    write_report,
+)
+from cloud_picture import draw
+from cloud_structures import OURS, STRUCTURES, missing
+from cloud_tables import all_tables
+from cloud_trials import run_job
+from experiment import ARMS
+from whole_files import write_text
+
+COUNTS = (1_000, 10_000, 100_000, 1_000_000)
+SOLVE_COUNTS = (136, 10_000, 100_000, 1_000_000)
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def main(
+    out: OutFolder = BUILD / "clouds",
+    quick: Quick = False,
+    most: Annotated[int, typer.Option(min=1000, help="Points of the largest cloud.")] = COUNTS[-1],
+    repeats: Annotated[int, typer.Option(min=3, help="Intakes of a cloud, and updates.")] = 101,
+    seconds: Annotated[
+        float, typer.Option(help="For the repeats of one cloud at most; three at least.")
+    ] = 4.0,
+    configurations: Annotated[
+        int, typer.Option(min=3, help="Asked about, per arm and cloud; a third touch.")
+    ] = 240,
+    targets: Annotated[int, typer.Option(min=1, help="Solves per arm and cloud.")] = 256,
+    seed: Seed = 7,
+    processor: Annotated[int, typer.Option(min=0, help="Which one runs it all.")] = 0,
+    as_markdown: Annotated[
+        Path | None, typer.Option("--markdown", help="Write the tables there, too.")
+    ] = None,
+) -> None:
+    """Measure what clouds cost."""
+    if quick:
+        most, seconds, out = min(most, 100_000), 0.2, out.with_name(out.name + "-quick")
+        configurations, targets = min(configurations, 24), min(targets, 20)
+    with plain_errors():
+        settings = {
+            "experiment": "clouds",
+            "repeats": repeats,
+            "seconds": seconds,
+            "configurations": configurations,
+            "targets": targets,
+            "seed": seed,
+        }
+        rows = measured(Campaign(out, settings), plan(settings, most, available()), processor)
+        text = all_tables(rows, seed)
+        write_report(out / "clouds.md", text)
+        draw(rows, out / "clouds.png")
+    show(text)
+    if as_markdown is not None:
+        write_text(as_markdown, text)
+    console.print(f"tables and picture: {out}/clouds.md, clouds.png; rows: trials.parquet")
+
+
+def available() -> list[str]:
+    """The structures that can be made here; a line for each other."""
+    reasons = {name: missing(name) for name in STRUCTURES}
+    for name, reason in reasons.items():
+        if reason is not None:
+            console.print(f"without {name}: {reason}", highlight=False)
+    return [name for name, reason in reasons.items() if reason is None]
+
+
+def plan(settings: Mapping[str, Any], most: int, names: list[str]) -> dict[str, dict[str, Any]]:
+    """All jobs, by a name that is good for a file."""
+    counts = [count for count in COUNTS if count <= most]
+    jobs = []
+    for count in counts:
+        jobs += [{"kind": "intake", "name": name, "robot": "", "points": count} for name in names]
+        jobs.append({"kind": "update", "name": OURS, "robot": "", "points": count})
+        jobs += [{"kind": "query", "name": "", "robot": arm, "points": count} for arm in ARMS]
+    sizes = [count for count in SOLVE_COUNTS if count <= most]
+    jobs += [
+        {"kind": "solve", "name": OURS, "robot": arm, "points": 0, "sizes": sizes} for arm in ARMS
+    ]
+    return {_file_name(job): {**settings, **job} for job in jobs}
+
+
+def measured(
+    campaign: Campaign, jobs: Mapping[str, Mapping[str, Any]], processor: int
+) -> pd.DataFrame:
+    """The rows of all jobs, run where they are not there yet."""
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))  # for the processes of the jobs
+    left = [name for name in jobs if not campaign.has(name)]
+    if len(left) < len(jobs):
+        console.print(f"{len(jobs) - len(left)} of {len(jobs)} jobs are done already")
+    with ProcessPoolExecutor(
+        max_workers=1,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_stay_on,
+        initargs=(processor,),
+        max_tasks_per_child=1,
+    ) as pool:
+        for name in track(left, "jobs", console=console, transient=True):
+            campaign.keep(name, pool.submit(run_job, jobs[name]).result())
+    return campaign.gather(list(jobs))
+
+
+def _stay_on(processor: int) -> None:
+    allowed = sorted(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {allowed[processor % len(allowed)]})
+
+
+def _file_name(job: Mapping[str, Any]) -> str:
+    words = [job["kind"], job["name"], job["robot"], job["points"]]
+    text = "-".join(str(word) for word in words if word != "")
+    return "".join(letter if letter.isalnum() or letter in "-." else "_" for letter in text)
+
+
+if __name__ == "__main__":
+    typer.run(main)
