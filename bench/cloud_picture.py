@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.axes import Axes
 
-from cloud_structures import COAL, NANOFLANN, OURS, OURS_SINGLE, SCIPY
+from cloud_capt import CAPT, FILTERED
+from cloud_structures import COAL, NANOFLANN, OURS, OURS_SINGLE, OURS_THINNED, SCIPY
 from cloud_tables import questions
 from experiment import ARMS
 from whole_files import write_whole
@@ -19,9 +20,12 @@ from whole_files import write_whole
 COLOURS = {
     OURS: "#0b6e4f",
     OURS_SINGLE: "#5fb49c",
+    OURS_THINNED: "#9bc53d",
     COAL: "#c8553d",
     SCIPY: "#3d5a98",
     NANOFLANN: "#8d6a9f",
+    CAPT: "#b07d12",
+    FILTERED: "#d9b44a",
 }
 ARM_COLOURS = dict(zip(ARMS, ("#0b6e4f", "#b07d12", "#3d5a98"), strict=True))
 OTHER = "#666666"
@@ -29,13 +33,14 @@ OTHER = "#666666"
 
 def draw(rows: pd.DataFrame, path: Path) -> None:
     """Three panels, logarithmic both ways but for the solves' ratio."""
-    figure, axes = plt.subplots(1, 3, figsize=(14, 4.6), layout="constrained")
+    figure, axes = plt.subplots(1, 3, figsize=(14, 5.6), layout="constrained")
     _intake(axes[0], rows)
     _questions(axes[1], rows)
     _solves(axes[2], rows)
     for panel in axes:
         panel.set_xscale("log")
         panel.set_xlabel("points")
+        panel.legend(fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.13))
         panel.grid(alpha=0.3, which="major")
     write_whole(path, lambda temporary: figure.savefig(temporary, dpi=110))
     plt.close(figure)
@@ -50,7 +55,6 @@ def _intake(panel: Axes, rows: pd.DataFrame) -> None:
     panel.set_yscale("log")
     panel.set_ylabel("median [ms]")
     panel.set_title("Intake")
-    panel.legend(fontsize=8)
 
 
 def _questions(panel: Axes, rows: pd.DataFrame) -> None:
@@ -62,10 +66,13 @@ def _questions(panel: Axes, rows: pd.DataFrame) -> None:
         panel.plot(medians.free_time, "o-", color=colour, label=f"{method}: {label}")
         if method != OURS and medians.clearance_time.notna().any():
             panel.plot(medians.clearance_time, "o--", color=colour, label=f"{method}: clearance")
+    vamp = rows[(rows.kind == "capt") & (rows.method == "one") & (rows.free == True)]  # noqa: E712
+    for name, group in vamp.groupby("name", sort=False):
+        medians = 1e6 * group.groupby("points").free_time.median()
+        panel.plot(medians, "s-", color=COLOURS[name], label=f"{name}: is it free? (Panda)")
     panel.set_yscale("log")
     panel.set_ylabel("median of free configurations [us]")
     panel.set_title("One configuration's questions, three arms")
-    panel.legend(fontsize=8)
 
 
 def _solves(panel: Axes, rows: pd.DataFrame) -> None:
@@ -74,9 +81,11 @@ def _solves(panel: Axes, rows: pd.DataFrame) -> None:
         medians = group.groupby("points").time.median()
         first = medians.iloc[0]
         panel.plot(
-            medians / first, "o-", color=ARM_COLOURS[arm], label=f"{arm}, {1e6 * first:.0f} us"
+            medians / first,
+            "o-",
+            color=ARM_COLOURS[arm],
+            label=f"{arm}, {1e6 * first:.0f} us at first",
         )
     panel.set_ylim(bottom=0)
     panel.set_ylabel(f"median time over that among {some.points.min()} points")
     panel.set_title("A solve")
-    panel.legend(fontsize=8, title=f"among {some.points.min()} points", title_fontsize=8)

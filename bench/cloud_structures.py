@@ -19,12 +19,18 @@ FloatArray = npt.NDArray[np.float64]
 Build = Callable[[npt.NDArray[Any]], Any]
 
 VOXEL = 0.01  # edge of the octree's [m]
+THINNED_LEAF = 0.02  # [m]
 LEAF_SIZE = 10  # of nanoflann's
 
 
 def cloud(points: npt.NDArray[Any]) -> pdoik.Cloud:
     """Ours; it reads single and double precision in place."""
     return pdoik.Cloud(points)
+
+
+def thinned(points: FloatArray) -> pdoik.Cloud:
+    """Ours, one point for each cell of a grid."""
+    return pdoik.Cloud(points, leaf=THINNED_LEAF)
 
 
 def octree(points: FloatArray, voxel: float = VOXEL) -> Any:
@@ -46,6 +52,7 @@ def nanoflann_tree(points: FloatArray) -> Any:
 
 OURS = "pdoik.Cloud"
 OURS_SINGLE = "pdoik.Cloud, float32"
+OURS_THINNED = f"pdoik.Cloud, {1e3 * THINNED_LEAF:.0f} mm leaf"
 COAL = f"coal octree, {1e3 * VOXEL:.0f} mm"
 SCIPY = "SciPy cKDTree"
 NANOFLANN = "nanoflann"
@@ -53,6 +60,7 @@ NANOFLANN = "nanoflann"
 STRUCTURES: Mapping[str, Build] = {
     OURS: cloud,
     OURS_SINGLE: cloud,
+    OURS_THINNED: thinned,
     COAL: octree,
     SCIPY: scipy_tree,
     NANOFLANN: nanoflann_tree,

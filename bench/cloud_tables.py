@@ -23,6 +23,8 @@ def all_tables(rows: pd.DataFrame, seed: int) -> str:
         "Do free and touching agree with ours?": agreement_table(rows),
         "A solve, in C++": solve_table(rows),
     }
+    if (rows.kind == "capt").any():
+        parts["VAMP: Panda as its 59 spheres, by points or by itself"] = capt_table(rows)
     return "\n".join(f"**{title}**\n\n{table}" for title, table in parts.items())
 
 
@@ -166,6 +168,25 @@ def solve_table(rows: pd.DataFrame) -> str:
     table.sort(key=lambda row: ARMS.index(row[0]))
     header = ["arm", "points", "solved", "median", "mean", "p95", "median x", "mean x", "p95 x"]
     return markdown_table([*header, "restarts"], table)
+
+
+def capt_table(rows: pd.DataFrame) -> str:
+    """A row per setting and size; the time by which a configuration's own spheres stop it is in."""
+    some = rows[rows.kind == "capt"].astype({"free": bool})
+    kept = rows[rows.kind == "intake"].groupby(["name", "points"]).kept.first()
+    table = []
+    for (name, points), group in some.groupby(["name", "points"], sort=False):
+        one, lanes = group[group.method == "one"], group[group.method == "lanes"]
+        medians = [
+            one[one.free].free_time.median(),
+            one[~one.free].free_time.median(),
+            lanes[lanes.free].free_time.median(),
+        ]
+        left = f"{kept[name, points]:,.0f}"
+        free = f"{one.free.sum()} of {len(one)}"
+        table.append([f"{points:,}", name, left, free, *(duration(time) for time in medians)])
+    header = ["points", "structure", "points kept", "free", "is it free? yes", "no"]
+    return markdown_table([*header, "yes, lanes full, each"], table)
 
 
 def _by_arm(some: pd.DataFrame) -> list[tuple[tuple[str, int, str], pd.DataFrame]]:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from cloud_capt import Capt
 from cloud_hulls import Capsule
 from cloud_queries import Judge, queries
 from cloud_scene import hundredth, random_configurations, table_and_balls
@@ -46,6 +47,48 @@ def intake(job: Job) -> list[Row]:
     times = timed(lambda: build(points), job["repeats"], job["seconds"])
     stated = build(points).nbytes if isinstance(build(points[:1]), pdoik.Cloud) else np.nan
     return [{"time": t, "held": float(held), "stated": float(stated)} for t in times]
+
+
+def capt(job: Job) -> list[Row]:
+    """VAMP's structure: making it, its memory, and Panda's configurations one by one and in lanes.
+
+    Its spheres are other hulls than ours, and it asks for self-collision, too: only times compare.
+    """
+    points = table_and_balls(job["points"], job["seed"]).astype(np.float32)
+    robot = pdoik.Robot.builtin("panda")
+    chosen = random_configurations(robot, 8 * job["configurations"], job["seed"] + 1)
+    Capt(job["library"], job["name"], points[:100])
+    before = _resident()
+    kept = Capt(job["library"], job["name"], points)
+    facts = {"held": float(_resident() - before), "kept": kept.kept, "stated": np.nan}
+    asked = [kept.validate(chosen) for _ in range(PASSES)]
+    rows = [
+        {"kind": "capt", "method": "one", "index": index, "free": bool(free), "free_time": seconds}
+        for index, (free, seconds) in enumerate(
+            zip(asked[0][0], np.median([times for _, times in asked], axis=0), strict=True)
+        )
+    ]
+    # A planner's edge: a lane's neighbours differ by little.
+    steps = np.linspace(0.0, 0.1, kept.lanes)[None, :, None]
+    edges = (chosen[:, None, :] + steps).reshape(-1, robot.dof)
+    lanes = [kept.validate_lanes(edges) for _ in range(PASSES)]
+    rows += [
+        {
+            "kind": "capt",
+            "method": "lanes",
+            "index": index,
+            "free": bool(free),
+            "free_time": seconds / kept.lanes,
+        }
+        for index, (free, seconds) in enumerate(
+            zip(lanes[0][0], np.median([times for _, times in lanes], axis=0), strict=True)
+        )
+    ]
+    del kept
+    times: list[float] = []
+    while len(times) < 3 or (len(times) < job["repeats"] and sum(times) < job["seconds"]):
+        times.append(Capt(job["library"], job["name"], points).time)
+    return rows + [{"kind": "intake", "time": seconds, **facts} for seconds in times]
 
 
 def update(job: Job) -> list[Row]:
@@ -125,6 +168,7 @@ def solve(job: Job) -> list[Row]:
 
 JOBS: Mapping[str, Callable[[Job], list[Row]]] = {
     "intake": intake,
+    "capt": capt,
     "update": update,
     "query": query,
     "solve": solve,

@@ -2,7 +2,8 @@
 
     .venv/bin/python bench/clouds.py --out build/bench/clouds
 
-Beside coal's octree and k-d trees, on one processor; every job runs in a process of its own.
+Beside coal's octree and k-d trees, on one processor; every job runs in a process of its own. With
+--vamp DIR, where the sources of PyPI's vamp-planner are unpacked, beside VAMP's CAPT, too.
 Peers whose packages are missing are left out with a line. Results are kept as they come, and the
 same command continues where it was stopped. --quick takes a minute.
 """
@@ -23,6 +24,7 @@ from rich.progress import track
 from campaign import Campaign
 from campaign_cli import (
     BUILD,
+    BuildFolder,
     OutFolder,
     Quick,
     Seed,
@@ -31,6 +33,7 @@ from campaign_cli import (
     show,
     write_report,
 )
+from cloud_capt import build_capt, settings_for
 from cloud_picture import draw
 from cloud_structures import OURS, STRUCTURES, missing
 from cloud_tables import all_tables
@@ -55,7 +58,11 @@ def main(
         int, typer.Option(min=3, help="Asked about, per arm and cloud; a third touch.")
     ] = 240,
     targets: Annotated[int, typer.Option(min=1, help="Solves per arm and cloud.")] = 256,
+    vamp: Annotated[
+        Path | None, typer.Option(help="Where the sources of PyPI's vamp-planner are unpacked.")
+    ] = None,
     seed: Seed = 7,
+    build: BuildFolder = BUILD,
     processor: Annotated[int, typer.Option(min=0, help="Which one runs it all.")] = 0,
     as_markdown: Annotated[
         Path | None, typer.Option("--markdown", help="Write the tables there, too.")
@@ -66,6 +73,10 @@ def main(
         most, seconds, out = min(most, 100_000), 0.2, out.with_name(out.name + "-quick")
         configurations, targets = min(configurations, 24), min(targets, 20)
     with plain_errors():
+        library = None
+        if vamp is not None:
+            with console.status("building VAMP's structure"):
+                library = str(build_capt(build, vamp))
         settings = {
             "experiment": "clouds",
             "repeats": repeats,
@@ -74,7 +85,8 @@ def main(
             "targets": targets,
             "seed": seed,
         }
-        rows = measured(Campaign(out, settings), plan(settings, most, available()), processor)
+        jobs = plan(settings, most, available(), library)
+        rows = measured(Campaign(out, settings), jobs, processor)
         text = all_tables(rows, seed)
         write_report(out / "clouds.md", text)
         draw(rows, out / "clouds.png")
@@ -93,14 +105,26 @@ def available() -> list[str]:
     return [name for name, reason in reasons.items() if reason is None]
 
 
-def plan(settings: Mapping[str, Any], most: int, names: list[str]) -> dict[str, dict[str, Any]]:
-    """All jobs, by a name that is good for a file."""
+def plan(
+    settings: Mapping[str, Any], most: int, names: list[str], capt: str | None
+) -> dict[str, dict[str, Any]]:
+    """All jobs, by a name that is good for a file.
+
+    Args:
+        settings: What all have in common.
+        most: Points of the largest cloud.
+        names: Structures.
+        capt: The library of VAMP's, None without.
+    """
     counts = [count for count in COUNTS if count <= most]
     jobs = []
     for count in counts:
         jobs += [{"kind": "intake", "name": name, "robot": "", "points": count} for name in names]
         jobs.append({"kind": "update", "name": OURS, "robot": "", "points": count})
         jobs += [{"kind": "query", "name": "", "robot": arm, "points": count} for arm in ARMS]
+        if capt is not None:
+            vamp = {"kind": "capt", "robot": "panda", "points": count, "library": capt}
+            jobs += [{**vamp, "name": name} for name in settings_for(count)]
     sizes = [count for count in SOLVE_COUNTS if count <= most]
     jobs += [
         {"kind": "solve", "name": OURS, "robot": arm, "points": 0, "sizes": sizes} for arm in ARMS
