@@ -52,9 +52,8 @@ def intake_table(rows: pd.DataFrame) -> str:
 
 def memory_table(rows: pd.DataFrame) -> str:
     """Bytes a point, of the largest clouds: those of small ones drown in whole pages."""
-    some = rows[(rows.kind == "intake") & (rows.points >= 100_000)]
-    if some.empty:
-        some = rows[(rows.kind == "intake") & (rows.points == rows.points.max())]
+    some = rows[rows.kind == "memory"]
+    some = some[some.points >= min(100_000, some.points.max())]
     table = []
     for (name, points), group in some.groupby(["name", "points"], sort=False):
         stated = group.stated.iloc[0]
@@ -173,7 +172,6 @@ def solve_table(rows: pd.DataFrame) -> str:
 def capt_table(rows: pd.DataFrame) -> str:
     """A row per setting and size; the time by which a configuration's own spheres stop it is in."""
     some = rows[rows.kind == "capt"].astype({"free": bool})
-    kept = rows[rows.kind == "intake"].groupby(["name", "points"]).kept.first()
     table = []
     for (name, points), group in some.groupby(["name", "points"], sort=False):
         one, lanes = group[group.method == "one"], group[group.method == "lanes"]
@@ -182,7 +180,7 @@ def capt_table(rows: pd.DataFrame) -> str:
             one[~one.free].free_time.median(),
             lanes[lanes.free].free_time.median(),
         ]
-        left = f"{kept[name, points]:,.0f}"
+        left = f"{one.kept.iloc[0]:,.0f}"
         free = f"{one.free.sum()} of {len(one)}"
         table.append([f"{points:,}", name, left, free, *(duration(time) for time in medians)])
     header = ["points", "structure", "points kept", "free", "is it free? yes", "no"]

@@ -10,10 +10,11 @@ same command continues where it was stopped. --quick takes a minute.
 
 from __future__ import annotations
 
-import multiprocessing
+import json
 import os
+import subprocess
+import sys
 from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,12 +38,12 @@ from cloud_capt import build_capt, settings_for
 from cloud_picture import draw
 from cloud_structures import OURS, STRUCTURES, missing
 from cloud_tables import all_tables
-from cloud_trials import run_job
 from experiment import ARMS
 from whole_files import write_text
 
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 SOLVE_COUNTS = (136, 10_000, 100_000, 1_000_000)
+PROGRAM = Path(__file__).with_name("cloud_trials.py")
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -84,6 +85,7 @@ def main(
             "configurations": configurations,
             "targets": targets,
             "seed": seed,
+            "vamp": vamp is not None,
         }
         jobs = plan(settings, most, available(), library)
         rows = measured(Campaign(out, settings), jobs, processor)
@@ -119,42 +121,51 @@ def plan(
     counts = [count for count in COUNTS if count <= most]
     jobs = []
     for count in counts:
-        jobs += [{"kind": "intake", "name": name, "robot": "", "points": count} for name in names]
+        vamps = settings_for(count) if capt is not None else []
+        made = [*names, *vamps]
+        jobs.append({"kind": "intake", "name": "", "robot": "", "points": count, "names": made})
+        jobs += [{"kind": "memory", "name": name, "robot": "", "points": count} for name in made]
         jobs.append({"kind": "update", "name": OURS, "robot": "", "points": count})
         jobs += [{"kind": "query", "name": "", "robot": arm, "points": count} for arm in ARMS]
-        if capt is not None:
-            vamp = {"kind": "capt", "robot": "panda", "points": count, "library": capt}
-            jobs += [{**vamp, "name": name} for name in settings_for(count)]
+        jobs += [{"kind": "capt", "name": n, "robot": "panda", "points": count} for n in vamps]
     sizes = [count for count in SOLVE_COUNTS if count <= most]
     jobs += [
         {"kind": "solve", "name": OURS, "robot": arm, "points": 0, "sizes": sizes} for arm in ARMS
     ]
-    return {_file_name(job): {**settings, **job} for job in jobs}
+    return {_file_name(job): {**settings, "library": capt, **job} for job in jobs}
 
 
 def measured(
     campaign: Campaign, jobs: Mapping[str, Mapping[str, Any]], processor: int
 ) -> pd.DataFrame:
     """The rows of all jobs, run where they are not there yet."""
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))  # for the processes of the jobs
     left = [name for name in jobs if not campaign.has(name)]
     if len(left) < len(jobs):
         console.print(f"{len(jobs) - len(left)} of {len(jobs)} jobs are done already")
-    with ProcessPoolExecutor(
-        max_workers=1,
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_stay_on,
-        initargs=(processor,),
-        max_tasks_per_child=1,
-    ) as pool:
-        for name in track(left, "jobs", console=console, transient=True):
-            campaign.keep(name, pool.submit(run_job, jobs[name]).result())
+    for name in track(left, "jobs", console=console, transient=True):
+        campaign.keep(name, fresh_process(jobs[name], processor))
     return campaign.gather(list(jobs))
 
 
-def _stay_on(processor: int) -> None:
-    allowed = sorted(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {allowed[processor % len(allowed)]})
+def fresh_process(job: Mapping[str, Any], processor: int) -> list[dict[str, Any]]:
+    """The rows of one job.
+
+    Raises:
+        RuntimeError: It failed.
+    """
+    command = [sys.executable, str(PROGRAM), str(processor)]
+    environment = {**os.environ, **dict.fromkeys(ONE_THREAD, "1")}
+    done = subprocess.run(
+        command,
+        input=json.dumps(job),
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        raise RuntimeError(f"{_file_name(job)}: status {done.returncode} {done.stderr.strip()}")
+    return list(json.loads(done.stdout))
 
 
 def _file_name(job: Mapping[str, Any]) -> str:

@@ -97,7 +97,7 @@ def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     run()
     folder = tmp_path / "c-quick"
     trials = pd.read_parquet(folder / "trials.parquet")
-    assert {"intake", "update", "query", "solve"} == set(trials.kind)
+    assert {"intake", "memory", "update", "query", "solve"} == set(trials.kind)
     assert trials[trials.kind == "solve"].solved.astype(bool).all()
     assert (folder / "clouds.png").stat().st_size > 20_000
     assert "**A solve, in C++**" in (tmp_path / "tables.md").read_text()
