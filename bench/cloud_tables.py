@@ -16,10 +16,10 @@ DIAGONAL = np.sqrt(3.0) * VOXEL  # how far a voxel may reach beyond the point in
 def all_tables(rows: pd.DataFrame, seed: int) -> str:
     """One text."""
     parts = {
-        f"Intake, median, seed {seed}": intake_table(rows),
+        f"Intake, processor time, seed {seed}": intake_table(rows),
         "Memory": memory_table(rows),
         "Update of a hundredth": update_table(rows),
-        "Questions about a configuration, medians": query_table(rows),
+        "Questions about a configuration, median processor time": query_table(rows),
         "Do free and touching agree with ours?": agreement_table(rows),
         "A solve, in C++": solve_table(rows),
     }
