@@ -17,7 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 
 CAPT = "VAMP's CAPT"
 FILTERED = "VAMP's CAPT, 20 mm filter"
-MOST_UNFILTERED = 100_000  # a million points of this scene took more than 8 GB
+MOST_UNFILTERED = 100_000  # a million of this scene do not fit into 8 GB of address space
 # The filter's distance and a point's radius [m]: none, and those of VAMP's own benchmark.
 SETTINGS = {CAPT: (0.0, 0.0), FILTERED: (0.02, 0.0025)}
 
