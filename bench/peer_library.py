@@ -27,14 +27,20 @@ def build_peers(directory: Path) -> Path:
     return build(directory, "pdoik_peers") / "peers"
 
 
-def build(directory: Path, target: str) -> Path:
+def build(directory: Path, target: str, **definitions: object) -> Path:
     """Build what benchmarks run, and say in which folder.
+
+    Args:
+        directory: CMake's folder.
+        target: What to build.
+        definitions: For CMake's cache.
 
     Raises:
         RuntimeError: CMake or the compiler failed.
     """
     configure = ["cmake", "-S", str(ROOT), "-B", str(directory), "--log-level=WARNING"]
     options = ["-D", "PDOIK_BUILD_BENCH=ON", "-D", f"Python3_EXECUTABLE={sys.executable}"]
+    options += [word for name, value in definitions.items() for word in ("-D", f"{name}={value}")]
     build = ["cmake", "--build", str(directory), "--parallel", "2", "--target", target]
     for command in (configure + options, build):
         run = subprocess.run(command, capture_output=True, text=True, check=False)
