@@ -43,16 +43,16 @@ void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {
   changed_.clear();
 }
 
-void ObstacleSet::put(int place, const Vec4& point, int id) {
+void ObstacleSet::put(int place, double x, double y, double z, double radius, int id) {
   const auto k = static_cast<std::size_t>(place);
-  points_[k] = point;
+  points_[k] = Vec4{x, y, z, radius};
   index_[k] = id;
-  coarse_x_[k] = static_cast<float>(point[0] - origin_[0]);
-  coarse_y_[k] = static_cast<float>(point[1] - origin_[1]);
-  coarse_z_[k] = static_cast<float>(point[2] - origin_[2]);
+  coarse_x_[k] = static_cast<float>(x - origin_[0]);
+  coarse_y_[k] = static_cast<float>(y - origin_[1]);
+  coarse_z_[k] = static_cast<float>(z - origin_[2]);
   // A negative radius lets a point into a hull by its distance from the surface, which reaches
   // deeper than a smaller spheroid's border does: the coarse test takes the hull as it is.
-  coarse_radius_[k] = point[3] > 0.0 ? static_cast<float>(point[3]) : 0.0F;
+  coarse_radius_[k] = radius > 0.0 ? static_cast<float>(radius) : 0.0F;
 }
 
 void ObstacleSet::clear(int place) {

@@ -36,7 +36,7 @@ class CellOrder {
   }
   void add(const Vec4& point) {
     const auto cell = [&](int axis) {
-      return static_cast<std::uint32_t>(
+      return static_cast<std::int32_t>(
           std::min(std::max((point[axis] - centre_[axis]) * scale_ + half_, 0.0), last_));
     };
     const std::uint32_t key = spread(cell(0)) | spread(cell(1)) << 1U | spread(cell(2)) << 2U;
@@ -56,13 +56,14 @@ class CellOrder {
 
  private:
   void begin(int count, std::array<std::span<double>, 3> sample);
-  /// The eight lowest bits of v with two zeros between each.
-  static std::uint32_t spread(std::uint32_t v) {
-    v = (v | (v << 16U)) & 0x030000FFU;
-    v = (v | (v << 8U)) & 0x0300F00FU;
-    v = (v | (v << 4U)) & 0x030C30C3U;
-    return (v | (v << 2U)) & 0x09249249U;
-  }
+  /// The binary digits of v, at most eight, with two zeros between each.
+  static std::uint32_t spread(std::int32_t v) { return kSpread[static_cast<std::size_t>(v)]; }
+  static constexpr std::array<std::uint32_t, 256> kSpread = [] {
+    std::array<std::uint32_t, 256> spread{};
+    for (std::uint32_t v = 0; v < 256; ++v)
+      for (std::uint32_t bit = 0; bit < 8; ++bit) spread[v] |= (v >> bit & 1U) << (3U * bit);
+    return spread;
+  }();
 
   LargeVector<Entry> entries_, halfway_;
   std::vector<int> low_digits_, high_digits_;  ///< how often each comes, then where it goes next

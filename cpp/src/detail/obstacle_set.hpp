@@ -96,7 +96,11 @@ class ObstacleSet {
               padded};
     }
   };
-  void put(int place, const Vec4& point, int id);
+  /// Numbers, not a vector of them: it would be written to memory and read back in other pieces.
+  void put(int place, double x, double y, double z, double radius, int id);
+  void put(int place, const Vec4& point, int id) {
+    put(place, point[0], point[1], point[2], point[3], id);
+  }
   void clear(int place);
   /// Forget the places from the last one on up to the next full block.
   void pad();
@@ -136,11 +140,7 @@ struct ObstacleView {
   const ObstacleSet* operator->() const { return points; }
   const ObstacleSet& operator*() const { return *points; }
   /// x, y, z, radius.
-  Vec4 operator[](int place) const {
-    Vec4 point = (*points)[place];
-    point[3] += margin;
-    return point;
-  }
+  Vec4 operator[](int place) const { return (*points)[place] + Vec4{0.0, 0.0, 0.0, margin}; }
 
   const ObstacleSet* points;
   double margin;
@@ -162,7 +162,7 @@ void ObstacleSet::assign(int count, CellOrder& order, const Source& source) {
   begin(count, order.centre());
   for (int k = 0; k < count; ++k) {
     // Rows are fetched ahead of their turn, since their order in memory is another.
-    constexpr int kAhead = 16;
+    constexpr int kAhead = 64;
     source.prefetch(sorted[static_cast<std::size_t>(std::min(k + kAhead, count - 1))].row);
     const int row = sorted[static_cast<std::size_t>(k)].row;
     add(source(row), source.id(row));
