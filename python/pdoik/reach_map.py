@@ -169,7 +169,7 @@ class Reachability:
             LoadError: The file is missing or is something else.
         """
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
                 grid = Grid(data["positions"], data["orientations"])
                 statuses, q = data["statuses"], data["q"]
                 shape = len(grid.positions), len(grid.orientations)

@@ -99,7 +99,7 @@ def default_box(robot: pdoik.Robot) -> tuple[FloatArray, FloatArray]:
     margin = 0.03 * np.ptp(reached, axis=0)
     low = np.floor((reached.min(axis=0) - margin) / _BOX_STEP)
     high = np.ceil((reached.max(axis=0) + margin) / _BOX_STEP)
-    return low * _BOX_STEP, high * _BOX_STEP
+    return (low * _BOX_STEP).round(3), (high * _BOX_STEP).round(3)
 
 
 def box_grid(low: npt.ArrayLike, high: npt.ArrayLike, step: float, orientations: int) -> pdoik.Grid:
@@ -110,7 +110,8 @@ def box_grid(low: npt.ArrayLike, high: npt.ArrayLike, step: float, orientations:
     """
     a, b = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     if step > 0 and np.isfinite([a, b]).all() and (a <= b).all():
-        poses = float(np.prod(np.floor((b - a) / step + 1e-9) + 1)) * orientations
+        with np.errstate(over="ignore"):
+            poses = float(np.prod(np.floor((b - a) / step + 1e-9) + 1)) * orientations
         if poses > MOST_POSES:
             raise ValueError(
                 f"the grid has {poses:,.0f} poses, the page takes up to {MOST_POSES:,}; "

@@ -1,7 +1,4 @@
-"""The places of a reachability map as cubes: how large, of what colour, which of them can be seen.
-
-Most of a map lies inside it. A cube whose six neighbours are there hides behind them.
-"""
+"""The places of a reachability map as cubes, and which of their faces can be seen."""
 
 from __future__ import annotations
 
@@ -16,12 +13,22 @@ import pdoik
 
 FloatArray = npt.NDArray[np.float64]
 ByteArray = npt.NDArray[np.uint8]
+IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 COLORS = colormaps["viridis"]  # even to the eye, and in print and to the colour-blind
 _EDGE_ALONE = 0.05  # of a cube that has no neighbour [m]
 _WIDEST = 1 << 20  # a lattice along an axis
-_NEIGHBOURS = np.concatenate([np.eye(3, dtype=np.int64), -np.eye(3, dtype=np.int64)])
+_WAYS = np.concatenate([np.eye(3, dtype=np.int64), -np.eye(3, dtype=np.int64)])  # out of a cube
+_AXES = np.abs(_WAYS).argmax(axis=1)
+_ROUND = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+_CORNERS = np.array(  # of the faces of a cube from -1 to 1, (6, 4, 3)
+    [
+        way + np.outer(u, np.roll(way, 1)) + np.outer(v, np.abs(np.roll(way, 2)))
+        for way in _WAYS
+        for u, v in [_ROUND.T]
+    ]
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +44,21 @@ class Cut:
         beyond = centers[:, self.axis] - self.at
         kept: BoolArray = (beyond if self.keep_above else -beyond) >= -1e-6
         return kept
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Squares:
+    """Faces of cubes that can be seen.
+
+    Attributes:
+        corners: Counterclockwise from outside, base frame, shape (F, 4, 3) [m].
+        shares: Of the cubes they belong to, shape (F,).
+        axes: Of x, y, z, the one that each is normal to, shape (F,).
+    """
+
+    corners: FloatArray
+    shares: FloatArray
+    axes: IntArray
 
 
 class ReachCells:
@@ -55,17 +77,29 @@ class ReachCells:
         self.edge = _spacing(result.grid.positions)
         self._lattice = _lattice(self.centers, self.edge)
 
-    def visible(self, cut: Cut | None) -> npt.NDArray[np.intp]:
-        """Which cubes stay after a cut and have a face that no other covers."""
-        kept = np.ones(len(self.centers), dtype=bool) if cut is None else cut.keeps(self.centers)
+    def visible(self, cut: Cut | None) -> Squares:
+        """The faces of the cubes that a cut leaves, without those that a neighbour covers."""
+        there = np.arange(len(self.centers))
+        if cut is not None:
+            there = there[cut.keeps(self.centers)]
+        cubes, ways = [], []
+        for way in range(len(_WAYS)):
+            bare = there[~self._covered(there, way)]
+            cubes.append(bare)
+            ways.append(np.full(len(bare), way))
+        cube, of = np.concatenate(cubes), np.concatenate(ways)
+        return Squares(
+            corners=self.centers[cube][:, None] + self.edge / 2 * _CORNERS[of],
+            shares=self.shares[cube],
+            axes=np.asarray(_AXES[of]),
+        )
+
+    def _covered(self, there: IntArray, way: int) -> BoolArray:
+        """Which of some cubes have one of them next to them that way, (K,)."""
         if self._lattice is None:
-            return np.flatnonzero(kept)
-        there = np.flatnonzero(kept)
-        keys = np.unique(_key(self._lattice[there]))
-        covered = np.ones(len(there), dtype=bool)
-        for way in _NEIGHBOURS:
-            covered &= np.isin(_key(self._lattice[there] + way), keys)
-        return there[~covered]
+            return np.zeros(len(there), dtype=bool)
+        at = self._lattice[there]
+        return np.isin(_key(at + _WAYS[way]), _key(at))
 
 
 def share_colors(shares: npt.ArrayLike) -> ByteArray:
@@ -83,7 +117,7 @@ def _spacing(positions: FloatArray) -> float:
     return float(np.median(apart)) if len(apart) else _EDGE_ALONE
 
 
-def _lattice(centers: FloatArray, edge: float) -> npt.NDArray[np.int64] | None:
+def _lattice(centers: FloatArray, edge: float) -> IntArray | None:
     """Whole numbers, from 1, that count edges along each axis, (K, 3); None if some lie between."""
     if not len(centers):
         return None
@@ -93,7 +127,7 @@ def _lattice(centers: FloatArray, edge: float) -> npt.NDArray[np.int64] | None:
     return np.asarray(count.round(), dtype=np.int64) + 1
 
 
-def _key(lattice: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _key(lattice: IntArray) -> IntArray:
     """One number for each, (K,)."""
-    key: npt.NDArray[np.int64] = lattice @ np.array([_WIDEST * _WIDEST, _WIDEST, 1])
+    key: IntArray = lattice @ np.array([_WIDEST * _WIDEST, _WIDEST, 1])
     return key

@@ -40,10 +40,15 @@ class ReachRun:
         """Whether it has ended or was cancelled."""
         return self._over
 
-    def cancel(self) -> None:
-        """Tell nothing any more, and end after the slice it is in; does not wait for that."""
+    def cancel(self) -> bool:
+        """Tell nothing any more, and end after the slice it is in; does not wait for that.
+
+        Returns:
+            Whether it was not over yet.
+        """
         with self._lock:
-            self._over = True
+            was_over, self._over = self._over, True
+            return not was_over
 
     def _run(self) -> None:
         outcome: pdoik.Reachability | Exception
@@ -53,8 +58,10 @@ class ReachRun:
             outcome = error
         with self._lock:
             if not self._over:
-                self._over = True
-                self._on_end(outcome)
+                try:
+                    self._on_end(outcome)
+                finally:
+                    self._over = True
 
     def _tell(self, done: int) -> None:
         with self._lock:

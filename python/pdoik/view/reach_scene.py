@@ -8,8 +8,13 @@ from typing import Any
 import numpy as np
 import trimesh
 import viser
+from PIL import Image
+from trimesh.visual.material import PBRMaterial
 
-from .reach_cells import Cut, ReachCells, share_colors
+from .reach_cells import Cut, ReachCells, Squares, share_colors
+
+_SHADES = (1.0, 0.88, 0.76)  # of faces along the cut and of the other two kinds
+_COLORS = 256
 
 
 class ReachScene:
@@ -34,19 +39,28 @@ class ReachScene:
             self._drawn = wanted
 
     def _add(self, cells: ReachCells, cut: Cut | None) -> Any:
-        seen = cells.visible(cut)
-        if not len(seen):
+        squares = cells.visible(cut)
+        if not len(squares.shares):
             return None
-        cube = trimesh.creation.box(extents=[cells.edge] * 3)
-        return self._server.scene.add_batched_meshes_simple(
-            "/reach",
-            np.asarray(cube.vertices),
-            np.asarray(cube.faces),
-            batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (len(seen), 1)),
-            batched_positions=cells.centers[seen],
-            batched_colors=share_colors(cells.shares[seen]),
-            flat_shading=True,
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
+        glb = _glb(squares, bright_axis=2 if cut is None else cut.axis)
+        return self._server.scene.add_glb("/reach", glb, cast_shadow=False, receive_shadow=False)
+
+
+def _glb(squares: Squares, bright_axis: int) -> bytes:
+    """Squares that shine in the legend's colours, whatever the light, but for a shade by axis."""
+    count = len(squares.shares)
+    first = 4 * np.arange(count)[:, None, None]
+    triangles = first + np.array([[0, 1, 2], [0, 2, 3]])  # (F, 2, 3)
+    u = (squares.shares * (_COLORS - 1) + 0.5) / _COLORS
+    v = 1 - ((squares.axes - bright_axis) % 3 + 0.5) / len(_SHADES)
+    colors = share_colors(np.linspace(0, 1, _COLORS))
+    palette = np.stack([colors * shade for shade in _SHADES]).astype(np.uint8)
+    material = PBRMaterial(  # type: ignore[no-untyped-call]
+        baseColorFactor=(0, 0, 0, 255), metallicFactor=1.0, roughnessFactor=1.0,
+        emissiveFactor=(1.0, 1.0, 1.0), emissiveTexture=Image.fromarray(palette),
+    )  # fmt: skip
+    mesh = trimesh.Trimesh(squares.corners.reshape(-1, 3), triangles.reshape(-1, 3), process=False)
+    mesh.visual = trimesh.visual.TextureVisuals(  # type: ignore[no-untyped-call]
+        uv=np.repeat(np.column_stack([u, v]), 4, axis=0), material=material
+    )
+    return bytes(trimesh.Scene(mesh).export(file_type="glb"))  # type: ignore[no-untyped-call]

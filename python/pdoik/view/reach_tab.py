@@ -58,7 +58,7 @@ class ReachTab:
         self.stop()
         self.map.forget()
         low, high = default_box(robot)
-        self.low.value, self.high.value = tuple(low.round(3)), tuple(high.round(3))
+        self.low.value, self.high.value = tuple(low.tolist()), tuple(high.tolist())
         longest = 1e3 * float((high - low).max())  # [mm]
         self.step.value = max(5.0 * round(longest / _STEPS / 5), 5.0)
         self.obstacles.visible = len(robot.occupancy) > 0
@@ -80,9 +80,7 @@ class ReachTab:
 
     def stop(self) -> None:
         """Cancel what is being computed, if anything is; the map that is there stays."""
-        run = self._run
-        if run is not None and not run.over:
-            run.cancel()
+        if self._run is not None and self._run.cancel():
             self._show_running(False)
             self.progress.content = "cancelled"
 
