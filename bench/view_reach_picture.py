@@ -18,7 +18,7 @@ from view_picture import panda_model, table_session
 
 STEP = 50.0  # of the grid [mm]
 CUT = 0.15  # y of the plane [m]
-LOOK_AT, CAMERA = np.array([0.27, 0.0, 0.38]), np.array([1.0, -2.3, 1.3])  # [m]
+LOOK_AT, CAMERA = np.array([0.31, 0.0, 0.42]), np.array([1.05, -2.3, 1.35])  # [m]
 
 
 def main(out: Path) -> None:
@@ -27,13 +27,15 @@ def main(out: Path) -> None:
         viewer.solve_tab.hulls.value = False
         viewer.server.initial_camera.look_at = LOOK_AT
         viewer.server.initial_camera.position = CAMERA
+        for target in viewer.targets.by_tip.values():
+            target.show(False)
         tab = viewer.reach_tab
         tab.step.value = STEP
         tab.map.at.value = CUT
         tab.start()  # before there is a browser, which would take its time
         while tab.computing:
             time.sleep(0.5)
-        with opened(viewer, height=1000) as page:
+        with opened(viewer, height=930) as page:
             page.get_by_role("tab", name="Reach").click()
             page.wait_for_timeout(12000)  # software rendering trails behind
             save(page.screenshot(), out)
