@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -176,6 +179,7 @@ def test_several_tips_a_free_tip_and_a_cloud_that_cannot_be_thinned_are_told(
     viewer.reach_tab.start()
     wait(lambda: not viewer.reach_tab.computing)
     assert "cells" in message(viewer)
+    assert viewer.reach_tab.progress.content == "45 places, 540 poses"
     assert viewer.reach_tab.compute.visible
     viewer.session.set_goal("panda_link8", "free")
     viewer.reach_tab.start()
@@ -293,6 +297,21 @@ def test_a_map_comes_back_from_its_file(viewer: Viewer, tmp_path: Path) -> None:
     assert again is not None
     np.testing.assert_array_equal(again.statuses, result.statuses)
     assert "from wall.npz" in viewer.reach_tab.map.facts.content
+
+
+def test_the_command_shows_a_file_until_ctrl_c(tmp_path: Path) -> None:
+    path = tmp_path / "map.npz"
+    grid = box_grid([0.3, 0.0, 0.3], [0.6, 0.0, 0.6], 0.1, 4)
+    pdoik.reachability(PANDA, None, grid).save(path)
+    command = [sys.executable, "-m", "pdoik.cli", "view", "panda", "--no-open", "--port=0"]
+    with subprocess.Popen(
+        [*command, "--reach", path], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("http://127.0.0.1:")
+        process.send_signal(signal.SIGINT)
+        rest, complaints = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, rest, complaints) == (0, "", "")
 
 
 @pytest.fixture(scope="module")

@@ -92,11 +92,11 @@ class ReachTab:
     def _take(self, outcome: pdoik.Reachability | Exception, origin: str) -> None:
         """What a run ended with."""
         self._show_running(False)
+        self._show_size()
         with self._page.complaints():
             if isinstance(outcome, Exception):
                 raise outcome
             self.map.show(outcome, origin)
-            self._show_size()
 
     def _grid_changed(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is not None and not self.computing:  # a hand, not `follow_robot`
