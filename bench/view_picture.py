@@ -64,19 +64,30 @@ def way() -> Iterator[FloatArray]:
         yield downward((1 - t) * np.array(START) + t * np.array(GOAL))
 
 
-def main(out: Path) -> None:
+def panda_model() -> Model:
+    """The shipped Panda as it looks, without the hand, which its hulls leave out."""
     share = _example_robot_data_share()
     urdf = share / "example-robot-data/robots/panda_description/urdf/panda.urdf"
-    robot = pdoik.Robot.builtin("panda")
     visuals, _ = load_visuals(urdf, [share])
-    covered = {f"panda_link{i}" for i in range(8)}  # the hulls leave out the hand
-    model = Model(
-        robot=robot, visuals={link: glb for link, glb in visuals.items() if link in covered}
+    covered = {f"panda_link{i}" for i in range(8)}
+    return Model(
+        robot=pdoik.Robot.builtin("panda"),
+        visuals={link: glb for link, glb in visuals.items() if link in covered},
     )
+
+
+def table_session(robot: pdoik.Robot) -> Session:
+    """The robot at the scanned table, its tip above it."""
     session = Session(robot, pdoik.Options(max_time=0.02, clearance=0.01, base_collision=False))
     session.set_thinning(0.02, True)
     session.set_cloud(scanned_table(Path(os.environ["PDOIK_YCB"])))
     session.set_target(TIP, downward(START))
+    return session
+
+
+def main(out: Path) -> None:
+    model = panda_model()
+    session = table_session(model.robot)
     with served(model, session) as viewer:
         viewer.obstacle_scene.ball.place(pose_of([1.0, 0.0, 0.0, 0.0], BALL))
         with opened(viewer, height=850) as page:

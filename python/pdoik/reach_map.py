@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import time
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,8 +22,14 @@ from pdoik.solver import Solver
 
 FloatArray = npt.NDArray[np.float64]
 
+_UNREADABLE = (OSError, EOFError, zipfile.BadZipFile, zlib.error)
 STATUSES = ("solved", "time_limit", "exhausted", "out_of_reach", "base_collision")  # of the core
-_CHUNK = 50_000  # poses
+SEARCH: dict[str, Any] = {  # options that find nearly all poses that have an answer
+    "position_tolerance": 1e-3,
+    "rotation_tolerance": 1e-3,
+    "max_restarts": 16,
+    "max_time": 1.0,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +88,8 @@ class Grid:
                 f"positions and orientations have shapes {shapes[0]} and {shapes[1]}, "
                 "expected (P, 3) and (R, 3, 3), none empty"
             )
+        if not (np.isfinite(self.positions).all() and np.isfinite(self.orientations).all()):
+            raise ValueError("positions or orientations have NaN or infinity, expected numbers")
 
     def __len__(self) -> int:
         return len(self.positions) * len(self.orientations)
@@ -159,14 +169,14 @@ class Reachability:
             LoadError: The file is missing or is something else.
         """
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
                 grid = Grid(data["positions"], data["orientations"])
                 statuses, q = data["statuses"], data["q"]
                 shape = len(grid.positions), len(grid.orientations)
-                if statuses.shape != shape or q.shape[:2] != shape:
+                if statuses.shape != shape or q.ndim != 3 or q.shape[:2] != shape:
                     raise ValueError("its arrays do not belong together")
                 return cls(grid, statuses, q, float(data["seconds"]))
-        except (OSError, ValueError, KeyError, EOFError) as error:
+        except (*_UNREADABLE, ValueError, TypeError, KeyError) as error:
             raise LoadError(f"{path}: not a reachability file: {error}") from error
 
     def __repr__(self) -> str:
@@ -186,6 +196,7 @@ def reachability(
     threads: int = 0,
     client: Any = None,
     progress: Callable[[int], None] | None = None,
+    chunk: int = 50_000,
 ) -> Reachability:
     """Which poses of a grid the robot's tip reaches: inside limits, clear of the scene.
 
@@ -199,22 +210,23 @@ def reachability(
         robot: With one tip.
         scene: Obstacles as `Solver.solve` takes them; None for none.
         grid: The poses.
-        options: None for tolerances of 1 mm and 1 mrad and 16 restarts, which is enough for nearly
-            all poses that have an answer; of given ones all counts.
+        options: None for tolerances of 1 mm and 1 mrad and 16 restarts (`SEARCH`), which is enough
+            for nearly all poses that have an answer; of given ones all counts.
         threads: 0 for one per processor.
         client: A Dask client: its workers share the work, each with `threads` threads.
-        progress: Told how many poses are done, now and then.
+        progress: Told how many poses are done after each chunk; what it raises ends the work.
+        chunk: Poses that are asked for at once.
 
     Raises:
-        ValueError: As `Solver` and `Solver.solve` do.
+        ValueError: As `Solver` and `Solver.solve` do, or chunk is below 1.
     """
-    options = options or Options(
-        position_tolerance=1e-3, rotation_tolerance=1e-3, max_restarts=16, max_time=1.0
-    )
+    if chunk < 1:
+        raise ValueError(f"chunk is {chunk}, expected at least 1 pose")
+    options = options or Options(**SEARCH)
     began = time.perf_counter()
     statuses = np.empty(len(grid), dtype=np.uint8)
     q = np.empty((len(grid), robot.dof), dtype=np.float32)
-    chunks = [(k, min(k + _CHUNK, len(grid))) for k in range(0, len(grid), _CHUNK)]
+    chunks = [(k, min(k + chunk, len(grid))) for k in range(0, len(grid), chunk)]
     if client is None:
         solver = Solver(robot, options)
         cloud = _taken_in(scene)

@@ -49,10 +49,36 @@ def test_a_file_gives_back_what_was_saved_and_others_are_refused(tmp_path: Path)
     assert np.array_equal(again.statuses, result.statuses)
     assert np.array_equal(again.grid.positions, grid.positions)
     assert np.array_equal(again.q, result.q, equal_nan=True)
+    whole = (tmp_path / "map.npz").read_bytes()
     (tmp_path / "other.npz").write_bytes(b"nothing of the kind")
-    for name in ("other.npz", "missing.npz"):
-        with pytest.raises(pdoik.LoadError):
+    (tmp_path / "half.npz").write_bytes(whole[: len(whole) // 2])
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    np.savez(tmp_path / "others.npz", q=np.zeros(3))
+    lost = {**np.load(tmp_path / "map.npz"), "positions": np.full((3, 3), np.nan)}
+    np.savez(tmp_path / "nan.npz", **lost)
+    flat = {**np.load(tmp_path / "map.npz"), "q": np.zeros((3, 4))}
+    np.savez(tmp_path / "flat.npz", **flat)
+    for name in ("other.npz", "half.npz", "array.npy", "others.npz", "nan.npz", "flat.npz", "no"):
+        with pytest.raises(pdoik.LoadError, match=f"{name}.*not a reachability file"):
             pdoik.Reachability.load(tmp_path / name)
+
+
+def test_chunks_change_nothing_and_what_progress_raises_ends_the_work() -> None:
+    grid = pdoik.Grid.box([0.3, -0.2, 0.2], [0.6, 0.2, 0.5], 0.1, orientations=6)
+    told: list[int] = []
+    whole = pdoik.reachability(ROBOT, None, grid)
+    chunked = pdoik.reachability(ROBOT, None, grid, chunk=50, progress=told.append)
+    assert np.array_equal(chunked.q, whole.q, equal_nan=True)
+    assert told == [*range(50, len(grid), 50), len(grid)]
+
+    def enough(done: int) -> None:
+        if done >= 100:
+            raise InterruptedError(done)
+
+    with pytest.raises(InterruptedError, match=r"^100$"):
+        pdoik.reachability(ROBOT, None, grid, chunk=50, progress=enough)
+    with pytest.raises(ValueError, match="chunk is 0"):
+        pdoik.reachability(ROBOT, None, grid, chunk=0)
 
 
 def test_dask_workers_find_what_one_process_finds() -> None:
@@ -88,6 +114,8 @@ def test_grids_that_make_no_sense_are_refused() -> None:
         lambda: pdoik.Grid.box([0, 0, 0], [1, 1, 1], 0.5, orientations=0),
         lambda: pdoik.Grid(np.zeros((0, 3)), np.eye(3)[None]),
         lambda: pdoik.Grid(np.zeros((4, 2)), np.eye(3)[None]),
+        lambda: pdoik.Grid(np.full((4, 3), np.nan), np.eye(3)[None]),
+        lambda: pdoik.Grid(np.zeros((4, 3)), np.full((1, 3, 3), np.inf)),
     ):
         with pytest.raises(ValueError, match="expected"):
             make()

@@ -1,5 +1,6 @@
 """pdoik view in a real browser: what the mouse does reaches the solver, and nothing leaves."""
 
+import io
 import shutil
 import time
 from collections.abc import Callable, Iterator
@@ -10,6 +11,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import pdoik
 from pdoik.view import Session
@@ -22,6 +24,7 @@ if CHROMIUM is None:
 
 from pdoik.view.gizmos import Gizmo  # noqa: E402  # these need viser
 from pdoik.view.model import shipped_model  # noqa: E402
+from pdoik.view.reach_cells import ReachCells  # noqa: E402
 from pdoik.view.server import start_server  # noqa: E402
 from pdoik.view.viewer import Viewer  # noqa: E402
 
@@ -107,6 +110,11 @@ class Page:
             return not np.array_equal(gizmo.pose, T)
 
         self.wait(once, f"{gizmo.name} to be dragged")
+
+    def upload(self, button: str, file: Path) -> None:
+        with self.page.expect_file_chooser(timeout=1e3 * PATIENCE) as chooser:
+            self.page.get_by_role("button", name=button).click()
+        chooser.value.set_files(file)
 
     def settled(self) -> None:
         """Until the solver has granted the last wish."""
@@ -224,22 +232,17 @@ def test_a_slider_poses_the_robot_and_the_target_jumps_to_the_tip(opened: Page) 
 
 
 def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
-    def upload(button: str, file: Path) -> None:
-        with opened.page.expect_file_chooser(timeout=1e3 * PATIENCE) as chooser:
-            opened.page.get_by_role("button", name=button).click()
-        chooser.value.set_files(file)
-
     session = opened.viewer.session
     cloud = tmp_path / "points.xyz"
     cloud.write_text("1.5 0 0.1\n1.5 0 0.2\n1.5 0 0.3\n")
     opened.page.get_by_role("tab", name="Files").click()
-    upload("Cloud (", cloud)
+    opened.upload("Cloud (", cloud)
     opened.wait(lambda: len(session.obstacles.surface) == 3, "the cloud")
     opened.page.get_by_text("points.xyz: 3 points").wait_for(timeout=1e3 * PATIENCE)
 
     broken = tmp_path / "broken.ply"
     broken.write_text("nothing")
-    upload("Cloud (", broken)
+    opened.upload("Cloud (", broken)
     opened.page.get_by_text("broken.ply: not a .ply file").wait_for(timeout=1e3 * PATIENCE)
     assert len(session.obstacles.surface) == 3
 
@@ -249,7 +252,7 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     rows += [",".join(f"{x:.3f}" for x in [t, *(0.3 + t * np.arange(7))]) for t in (0.0, 0.1, 0.2)]
     log.write_text("\n".join(rows))
     opened.page.get_by_role("tab", name="Replay").click()
-    upload("Log (", log)
+    opened.upload("Log (", log)
     opened.wait(lambda: np.allclose(opened.q, 0.3), "the log's first row")
     opened.page.get_by_role("button", name="Play", exact=True).click()
     opened.wait(lambda: np.allclose(opened.q, 0.3 + 0.2 * np.arange(7)), "the log's last row")
@@ -257,10 +260,59 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     arm = tmp_path / "arm.urdf"
     arm.write_text(ARM)
     opened.page.get_by_role("tab", name="Files").click()
-    upload("Robot (", arm)
+    opened.upload("Robot (", arm)
     opened.wait(lambda: opened.viewer.session.robot.name == "arm", "the robot")
     opened.page.get_by_text("arm: 2 joints, 0 hulls").wait_for(timeout=1e3 * PATIENCE)
     opened.settled()
+
+
+def test_a_map_is_computed_drawn_in_its_colours_cancelled_saved_and_taken_back(
+    opened: Page, tmp_path: Path
+) -> None:
+    opened.settled()
+    page, tab = opened.page, opened.viewer.reach_tab
+    page.get_by_role("tab", name="Reach").click()
+    page.get_by_text("7,938 places, 238,140 poses").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_label("Orientations").fill("8")
+    page.get_by_text("7,938 places, 63,504 poses").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_role("button", name="Compute").click()
+    opened.wait(lambda: tab.map.result is not None, "the map")
+    page.get_by_text("of 63,504 poses reached").wait_for(timeout=1e3 * PATIENCE)
+    result = tab.map.result
+    assert result is not None
+
+    squares = ReachCells(result).visible(tab.map.cut)
+    middles = squares.corners.mean(axis=1)
+    on_cut = np.isclose(middles[:, 1], middles[:, 1].min())
+
+    def blue_minus_red(chosen: np.ndarray[Any, Any]) -> float:
+        """Of the pixels in the middle of such faces on the cut, the median."""
+        shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+        at = [opened.pixel(middle) for middle in middles[chosen & on_cut]]
+        inside = [xy for xy in at if 0 <= xy[0] < WIDTH / 2 and 0 <= xy[1] < HEIGHT]
+        assert len(inside) > 10
+        pixels = np.array([shot.getpixel((int(x), int(y))) for x, y in inside], dtype=int)
+        return float(np.median(pixels[:, 2] - pixels[:, 0]))
+
+    opened.wait(lambda: blue_minus_red(squares.shares >= 0.9) < -80, "yellow")
+    opened.wait(lambda: blue_minus_red(squares.shares <= 0.5) > 40, "blue and green")
+
+    page.get_by_label("Orientations").fill("400")
+    page.get_by_role("button", name="Compute").click()
+    page.get_by_text("s to go").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_text("cancelled", exact=True).wait_for(timeout=1e3 * PATIENCE)
+    assert tab.map.result is result
+
+    with page.expect_download(timeout=1e3 * PATIENCE) as download:
+        page.get_by_role("button", name="Save").click()
+    saved = tmp_path / download.value.suggested_filename
+    assert saved.name == "panda_reach.npz"
+    download.value.save_as(saved)
+    np.testing.assert_array_equal(pdoik.Reachability.load(saved).statuses, result.statuses)
+    opened.upload("Map (", saved)
+    opened.wait(lambda: tab.map.result is not result, "the file's map")
+    page.get_by_text("from panda_reach.npz").wait_for(timeout=1e3 * PATIENCE)
 
 
 def test_one_tip_of_the_h1_is_dragged_while_its_foot_stays_until_it_is_let_go(

@@ -1,4 +1,4 @@
-"""pdoik view: drag targets and obstacles in a browser, replay logs."""
+"""pdoik view: drag targets and obstacles in a browser, replay logs, see what is reached."""
 
 from __future__ import annotations
 
@@ -90,6 +90,13 @@ def view(
             rich_help_panel=_PAGE,
         ),
     ] = None,
+    reach: Annotated[
+        Path | None,
+        typer.Option(
+            help="Reachability map to show, as Reachability.save or the page wrote it.",
+            rich_help_panel=_PAGE,
+        ),
+    ] = None,
     host: Annotated[
         str,
         typer.Option(
@@ -110,7 +117,8 @@ def view(
     """Open a page to drag targets and obstacles, while the solver follows live.
 
     Where there are several tips, each has its target, and the others hold while one is dragged.
-    Sliders pose the joints; robots, clouds and logs can be uploaded there. Ctrl-C ends it.
+    Sliders pose the joints; robots, clouds and logs can be uploaded there, and maps of what the
+    robot reaches computed. Ctrl-C ends it.
 
     [bold]Example[/]: pdoik view panda --cloud scan.pcd
     """
@@ -122,6 +130,7 @@ def view(
         fail("pdoik view needs viser: pip install 'pdoik[view]'")
     from pdoik.view import Session, load_log
     from pdoik.view.model import shipped_model, urdf_model
+    from pdoik.view.reach import load_map
     from pdoik.view.server import open_browser, start_server
     from pdoik.view.viewer import Viewer
 
@@ -150,12 +159,16 @@ def view(
         session.set_cloud(load_obstacles(cloud, leaf, radii).surface)
     with misuse_fails("--replay" if replay is not None else ""):
         log = None if replay is None else load_log(replay, loaded.joint_names)
+    with misuse_fails("--reach" if reach is not None else ""):
+        reach_map = None if reach is None else load_map(reach, loaded)
     with noted() as stop:  # from before it listens: the page answers before start_server returns
         with misuse_fails(f"--host {host}" if port is None else f"--host {host} --port {port}"):
             server = start_server(host, port)
         viewer = Viewer(server, model, session)
         if log is not None:
             viewer.replay_tab.load(log)
+        if reach is not None and reach_map is not None:
+            viewer.reach_tab.map.show(reach_map, f"from {reach.name}")
         out.print(f"{server.url}  (Ctrl-C ends it)", highlight=False)
         if not no_open and stop.empty():
             open_browser(server.url)

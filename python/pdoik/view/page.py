@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
 import viser
@@ -58,3 +59,9 @@ class Page(Protocol):
 
     def take_log(self, file: viser.UploadedFile) -> None:
         """A log to replay."""
+
+    def take_map(self, file: viser.UploadedFile) -> None:
+        """A reachability map to show."""
+
+    def complaints(self) -> AbstractContextManager[None]:
+        """Say on the page what was wrong in the block, and leave things as they were."""

@@ -25,6 +25,8 @@ from .joints_tab import JointsTab
 from .log import load_log
 from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
 from .obstacle_scene import ObstacleScene
+from .reach import load_map
+from .reach_tab import ReachTab
 from .replay_tab import ReplayTab
 from .scene import RobotScene, camera_of, robot_size
 from .session import Session
@@ -85,6 +87,8 @@ class Viewer:
         self._joints_container = tabs.add_tab("Joints")
         with tabs.add_tab("Replay"):
             self.replay_tab = ReplayTab(gui, self)
+        with tabs.add_tab("Reach"):
+            self.reach_tab = ReachTab(gui, self)
         with tabs.add_tab("Files"):
             self.files_tab = FilesTab(gui, self)
         self.joints_tab: JointsTab | None = None
@@ -95,6 +99,7 @@ class Viewer:
     def close(self) -> None:
         """End the threads; the server is the caller's."""
         self.replay_tab.player.stop()
+        self.reach_tab.stop()
         self.worker.stop()
         self.forget_uploads()
 
@@ -141,12 +146,12 @@ class Viewer:
     # What the Solve tab changes.
 
     def change_options(self, **changes: Any) -> None:
-        with self._complaints():
+        with self.complaints():
             self.session.set_options(**changes)
             self.worker.wake()
 
     def change_goal(self, tip: str, kind: Any) -> None:
-        with self._complaints():
+        with self.complaints():
             self.session.set_goal(tip, kind)
             self.targets.by_tip[tip].place(self.session.targets[tip])
             self.targets.follow(self.session.goals)
@@ -168,11 +173,11 @@ class Viewer:
         if name in pdoik.Robot.builtin_names() and (
             self.model.urdf is not None or name != self.model.robot.name
         ):
-            with self._complaints():
+            with self.complaints():
                 self._replace_robot(builtin_model(name))
 
     def take_urdf(self, file: viser.UploadedFile) -> None:
-        with self._complaints():
+        with self.complaints():
             path = self._keep(file)
             robot = read_robot(path)
             model = urdf_model(robot, path, self.model.package_dirs)
@@ -183,11 +188,11 @@ class Viewer:
 
     def take_tip(self, tip_link: str | None) -> None:
         if self.model.urdf is not None:
-            with self._complaints():
+            with self.complaints():
                 self._replace_robot(self.model.with_tip(tip_link))
 
     def take_hulls(self, file: viser.UploadedFile) -> None:
-        with self._complaints():
+        with self.complaints():
             self._replace_robot(self.model.with_hulls(pdoik.Occupancy.load(self._keep(file))))
 
     def fit_hulls(self) -> None:
@@ -197,7 +202,7 @@ class Viewer:
         model = self.model
         if model.urdf is None:
             return
-        with self._complaints():
+        with self.complaints():
             self.status.say("fitting hulls ...")
             fit = fit_occupancy(model.urdf, model.package_dirs)
             known = set(model.robot.link_names)
@@ -206,7 +211,7 @@ class Viewer:
                 self._replace_robot(model.with_hulls(_of_links(pdoik.Occupancy.load(text), known)))
 
     def take_cloud(self, file: viser.UploadedFile) -> None:
-        with self._complaints():
+        with self.complaints():
             points = load_cloud(self._keep(file))
             self.session.set_cloud(points)
             self.status.say(f"{file.name}: {len(points)} points")
@@ -218,8 +223,13 @@ class Viewer:
         self.worker.wake()
 
     def take_log(self, file: viser.UploadedFile) -> None:
-        with self._complaints():
+        with self.complaints():
             self.replay_tab.load(load_log(self._keep(file), self.session.robot.joint_names))
+
+    def take_map(self, file: viser.UploadedFile) -> None:
+        with self.complaints():
+            path = self._keep(file)
+            self.reach_tab.map.show(load_map(path, self.session.robot), f"from {file.name}")
 
     def _keep(self, file: viser.UploadedFile) -> Path:
         path = Path(self._folder.name) / Path(file.name).name
@@ -227,8 +237,8 @@ class Viewer:
         return path
 
     @contextmanager
-    def _complaints(self) -> Iterator[None]:
-        """Say on the page what was wrong, and leave things as they were."""
+    def complaints(self) -> Iterator[None]:
+        """Say on the page what was wrong in the block, and leave things as they were."""
         try:
             yield
         except (PdoikError, ValueError, TypeError, OSError) as error:
@@ -270,6 +280,7 @@ class Viewer:
         self.joints_tab.show(self.session.q)
         with self._solve_container:
             self.solve_tab.follow_robot()
+        self.reach_tab.follow_robot()
         self.files_tab.show(robot, from_file=self.model.urdf is not None)
         self.solve_tab.apply_parts(self)
         facts = f"{robot.name}: {robot.dof} joints, {len(robot.occupancy)} hulls"
