@@ -33,16 +33,31 @@ struct Meridian {
   /// At most the point's signed distance from the surface: that from a plane which the spheroid
   /// touches, near the point where it is nearest.
   double distance_bound() const {
+    const Plane plane = touching_plane();
+    if (!(plane.length > 0.0)) return -std::sqrt(minor2);  // the centre itself
+    return (std::sqrt(along2) * plane.along + std::sqrt(aside2) * plane.aside - plane.support) /
+           plane.length;
+  }
+  /// How far that plane is from the centre, 0 if there is none.
+  double support() const {
+    const Plane plane = touching_plane();
+    return plane.length > 0.0 ? plane.support / plane.length : 0.0;
+  }
+
+ private:
+  struct Plane {
+    double along, aside, length;  // its normal
+    double support;               // of the spheroid, times the length
+  };
+  Plane touching_plane() const {
     const double along = std::sqrt(along2), aside = std::sqrt(aside2), major2 = major * major;
     const double share =
         std::sqrt(along2 / major2 + aside2 / minor2);  // of the point's way outside
     const double beyond =
         share > 1.0 ? std::sqrt(minor2 * (along2 + aside2)) * (1.0 - 1.0 / share) : 0.0;
     const double n_along = along / (major2 + beyond), n_aside = aside / (minor2 + beyond);
-    const double length = std::sqrt(n_along * n_along + n_aside * n_aside);
-    if (!(length > 0.0)) return -std::sqrt(minor2);  // the centre itself
-    const double support = std::sqrt(major2 * n_along * n_along + minor2 * n_aside * n_aside);
-    return (along * n_along + aside * n_aside - support) / length;
+    return {n_along, n_aside, std::sqrt(n_along * n_along + n_aside * n_aside),
+            std::sqrt(major2 * n_along * n_along + minor2 * n_aside * n_aside)};
   }
 
   double major, minor2, along2, aside2;
@@ -109,6 +124,7 @@ void find_within(CollisionState& state, const ObstacleView& obstacles, double di
 
 Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles, Clearance least) {
   if (state.hulls().empty() || obstacles->count() == 0) return least;
+  if (obstacles->few() == nullptr) state.expect_anywhere();
   if (const ObstacleSet* few = obstacles->few()) {  // whose nearest bounds how far others may be
     least = least_clearance(state, {few, obstacles.margin}, least);
     return least_clearance_within(state, obstacles, least.distance, least);
@@ -132,7 +148,12 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleView& obst
     if (reach > 0.0 && from_centre(state, hull, o) >= reach * reach) return;
     const double distance =
         hull_distance(hull, state.position(hull.a), state.position(hull.b), o, least.distance);
-    if (distance < least.distance) least = {distance, hull.source, obstacles->id(pair.obstacle)};
+    if (!(distance < least.distance)) return;
+    least = {distance, hull.source, obstacles->id(pair.obstacle)};
+    // What is nearer still lies near it.
+    if (hull.is_sphere()) return;
+    state.expect_at(static_cast<std::size_t>(pair.hull),
+                    Meridian(hull, state.position(hull.a), state.position(hull.b), o).support());
   };
   // What is farther than the least so far need not be found: hulls grow by no more than that, or
   // shrink.

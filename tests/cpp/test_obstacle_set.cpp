@@ -41,9 +41,22 @@ Robot random_arm(Random& random) {
   return robot;
 }
 
-std::vector<std::pair<int, int>> pairs_of(CollisionState& state, const ObstacleView& set,
-                                          double grow) {
-  std::vector<std::pair<int, int>> found;
+using Pairs = std::vector<std::pair<int, int>>;
+
+/// Hull and obstacle of those whose half sum of distances may be below the semi-major axis grown.
+Pairs near_pairs(CollisionState& state, const ObstacleView& set, double grow) {
+  Pairs found;
+  state.find_near(set, [grow](std::size_t) { return grow; });
+  for (int k = 0; k < state.near_count(); ++k) {
+    EXPECT_GE(set->id(state.near(k).obstacle), 0) << "a padding point";
+    found.emplace_back(state.near(k).hull, set->id(state.near(k).obstacle));
+  }
+  return found;
+}
+
+/// Of those that may be within a distance.
+Pairs pairs_of(CollisionState& state, const ObstacleView& set, double grow) {
+  Pairs found;
   state.visit_near(
       set, [grow](std::size_t) { return grow; },
       [&](const NearPair* begin, const NearPair* end) {
@@ -54,6 +67,76 @@ std::vector<std::pair<int, int>> pairs_of(CollisionState& state, const ObstacleV
         return true;
       });
   return found;
+}
+
+TEST(ObstacleSet, what_is_within_a_distance_is_visited_and_little_else) {
+  std::size_t visited = 0, within = 0, by_half_sums = 0;
+  for (int seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    Workbench bench(random_arm(random), {});
+    const double radius = seed % 2 == 0 ? 0.05 : 0.0;
+    bench.set_obstacles(patches(random, 3 * ObstacleSet::kLarge, 0.8, radius));
+    const ObstacleView set = bench.scene.obstacles();
+    ASSERT_TRUE(set->in_order());
+    bench.roll_out(random_configuration(bench.robot, random));
+    for (const double distance : {0.01, 0.1, 0.4}) {
+      visited += pairs_of(bench.moving, set, distance).size();
+      by_half_sums += near_pairs(bench.moving, set, distance).size();
+      for (std::size_t h = 0; h < bench.hulls.moving.size(); ++h) {
+        // Wherever it is expected: along the axis, aside, anywhere.
+        const double supports[] = {0.0, 0.02, 0.1, 0.5};
+        bench.moving.expect_at(h, supports[(h + static_cast<std::size_t>(seed)) % 4]);
+      }
+      const Pairs found = pairs_of(bench.moving, set, distance);
+      const std::set<std::pair<int, int>> visits(found.begin(), found.end());
+      EXPECT_EQ(visits.size(), found.size()) << "twice";
+      bench.moving.expect_anywhere();
+      for (std::size_t h = 0; h < bench.hulls.moving.size(); ++h) {
+        const Hull& hull = bench.hulls.moving[h];
+        const Eigen::Vector3d a = to_vector3(bench.moving.position(hull.a)),
+                              b = to_vector3(bench.moving.position(hull.b));
+        if (!hull.is_sphere() && (a - b).norm() >= 2.0 * hull.semi_major) continue;
+        for (int j = 0; j < set->count(); ++j) {
+          const Eigen::Vector3d o = to_vector3(set[j]);
+          const double gap = hull.is_sphere()
+                                 ? (o - a).norm() - hull.semi_major
+                                 : spheroid_distance(o, a, b, hull.semi_major).distance;
+          if (gap - set[j][3] > distance) continue;
+          ++within;
+          EXPECT_TRUE(visits.contains({static_cast<int>(h), set->id(j)})) << "hull " << h;
+        }
+      }
+    }
+  }
+  EXPECT_GT(within, 30000U);
+  EXPECT_LT(visited, 1.4 * static_cast<double>(within));
+  EXPECT_LT(visited, by_half_sums);
+}
+
+TEST(ObstacleSet, the_spheroid_about_a_distance_holds_it_and_touches_where_it_is_expected) {
+  Random random(3);
+  for (int k = 0; k < 2000; ++k) {
+    const double a = random.uniform(0.01, 0.6), b = a * random.uniform(0.02, 1.0),
+                 g = random.uniform(1e-4, 2.0);
+    const auto support = [](double major, double minor, double angle) {
+      return std::hypot(major * std::cos(angle), minor * std::sin(angle));
+    };
+    const double expected_at = support(a, b, random.uniform(0.0, M_PI_2));
+    const Offset about = offset_of(a, a * a - b * b, g, k % 3 == 0 ? 0.0 : expected_at);
+    const double half = about.foci * std::sqrt(a * a - b * b),
+                 minor = std::sqrt(about.semi_major * about.semi_major - half * half);
+    for (double angle = 0.0; angle < M_PI_2; angle += 0.05) {
+      const double S = support(a, b, angle);
+      EXPECT_GE(support(about.semi_major, minor, angle), (S + g) * (1.0 - 1e-12));
+    }
+    if (k % 3 == 0) continue;
+    const double angle = std::asin(std::sqrt(
+        std::max(0.0, (a * a - expected_at * expected_at) / std::max(a * a - b * b, 1e-300))));
+    if (std::isfinite(angle)) {
+      EXPECT_NEAR(support(about.semi_major, minor, angle), expected_at + g, 1e-9);
+    }
+  }
 }
 
 TEST(ObstacleSet, a_large_cloud_in_order_gives_the_pairs_that_it_gives_in_no_order) {
@@ -76,9 +159,9 @@ TEST(ObstacleSet, a_large_cloud_in_order_gives_the_pairs_that_it_gives_in_no_ord
     for (const bool baseline : {false, true}) {
       if (baseline) bench.moving.use_baseline();
       bench.roll_out(random_configuration(bench.robot, random));
-      for (const double grow : {0.0, 0.05, 0.3, 10.0}) {
-        const auto boxed = pairs_of(bench.moving, bench.scene.obstacles(), grow);
-        EXPECT_EQ(boxed, pairs_of(bench.moving, plain, grow)) << grow;
+      for (const double grow : {0.0, 0.05, 0.3}) {
+        const Pairs boxed = near_pairs(bench.moving, bench.scene.obstacles(), grow);
+        EXPECT_EQ(boxed, near_pairs(bench.moving, plain, grow)) << grow;
         found_in_all += static_cast<int>(boxed.size());
       }
     }

@@ -36,4 +36,26 @@ inline Core core_of(double semi_major, double half_squared, double depth) {
   return {d, std::sqrt(1.0 - 2.0 * d / (semi_major + minor))};
 }
 
+/// A spheroid about all that lies within a distance of another one.
+struct Offset {
+  double semi_major;
+  double foci;  ///< half the distance between its foci, as a multiple of the other's
+};
+
+/// With semi-axes a' and b', where for some s > 0
+///     a'^2 = a^2 (1 + g / s) + g (g + s)    and likewise b'.
+/// Along a direction in which the spheroid's support is S, that of all within g is S + g, and
+/// (S + g)^2 <= S^2 + g (S^2 / s + s) + g^2, which is the support of the new one, squared: equal
+/// where S = s, so that it touches there.
+///
+/// @param half_squared  Half the distance between the foci, squared; zero for a sphere.
+/// @param support  s; 0 for one that wastes little anywhere.
+inline Offset offset_of(double semi_major, double half_squared, double g, double support) {
+  const double minor2 = semi_major * semi_major - half_squared;
+  if (!(half_squared > 0.0) || !(minor2 > 0.0) || !std::isfinite(g)) return {semi_major + g, 1.0};
+  const double s = support > 0.0 ? support : std::sqrt(semi_major * std::sqrt(minor2));
+  const double share = 1.0 + g / s;
+  return {std::sqrt(semi_major * semi_major * share + g * (g + s)), std::sqrt(share)};
+}
+
 }  // namespace pdoik::detail

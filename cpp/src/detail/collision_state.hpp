@@ -26,6 +26,7 @@ class CollisionState {
         hulls_(tested),
         positions_(model.points.size()),
         queries_(tested.size()),
+        supports_(tested.size(), 0.0),
         pairs_(static_cast<std::size_t>(kLanes)),
         cull_(best_cull()) {
     for (std::size_t k = 0; k < positions_.size(); ++k)
@@ -69,14 +70,18 @@ class CollisionState {
                         pairs_.data(), capacity(), at);
   }
 
-  /// All of these pairs, ordered by hull, some at a time: visit(const NearPair* begin, const
-  /// NearPair* end) returns false to stop. grow(h) is asked before each search for more, and may be
-  /// negative: then pairs that reach deeper than that count. Changes the near pairs. @returns
-  /// Whether nobody stopped it.
+  /// The pairs that may be within a distance grow(h) of each other, ordered by hull, some at a
+  /// time: visit(const NearPair* begin, const NearPair* end) returns false to stop. grow(h) is
+  /// asked before each search for more, and may be negative: then pairs that reach deeper than that
+  /// count. Changes the near pairs. @returns Whether nobody stopped it.
   template <class Grow, class Visit>
   bool visit_near(const ObstacleView& obstacles, Grow&& grow, Visit&& visit) {
     return visit_hulls(0, queries_.size(), obstacles, grow, visit);
   }
+  /// A hint that what is visited next of a hull lies where a plane at this distance from its centre
+  /// touches it [m]; 0 for nobody knows where.
+  void expect_at(std::size_t h, double support) { supports_[h] = support; }
+  void expect_anywhere() { std::fill(supports_.begin(), supports_.end(), 0.0); }
 
   /// Whether `test` holds for any pair that may touch. Hulls are asked one after the other, the one
   /// that answered yes last time first, and of each hull's pairs first those that `surely` holds
@@ -141,7 +146,7 @@ class CollisionState {
     const int room = std::min(kFewPairs, capacity());
     while (at.hull < static_cast<int>(end)) {
       for (auto h = static_cast<std::size_t>(at.hull); h < end; ++h)
-        set_query(h, obstacles, grow(h));
+        set_query(h, obstacles, grow(h), true);
       const int count = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(end),
                               pairs_.data(), room, at);
       if (count > 0 && !visit(pairs_.data(), pairs_.data() + count)) return false;
@@ -149,15 +154,26 @@ class CollisionState {
     return true;
   }
 
-  void set_query(std::size_t h, const ObstacleView& obstacles, double grow) {
+  /// @param by_distance  Whether what lies within a distance `grow` is meant, not half a sum of
+  /// distances that is larger by as much.
+  void set_query(std::size_t h, const ObstacleView& obstacles, double grow,
+                 bool by_distance = false) {
     const Hull& hull = hulls_[h];
     const Vec4 centre =
         broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles->origin();
     Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
+    double semi_major = hull.semi_major;
     if (grow < 0.0) [[unlikely]] {
-      const Core core = core_of(hull.semi_major, dot3(half, half), -grow);
+      const Core core = core_of(semi_major, dot3(half, half), -grow);
       half *= broadcast(core.foci);
-      grow = -core.depth;
+      semi_major -= core.depth;
+    } else if (by_distance && grow > 0.0 && grow < obstacles->extent() &&
+               obstacles->in_order()) {  // of few it saves little
+      const Offset offset = offset_of(semi_major, dot3(half, half), grow, supports_[h]);
+      half *= broadcast(offset.foci);
+      semi_major = offset.semi_major;
+    } else {
+      semi_major += grow;
     }
     HullQuery& query = queries_[h];
     for (int i = 0; i < 3; ++i) {
@@ -165,8 +181,7 @@ class CollisionState {
       query.half[i] = static_cast<float>(half[i]);
     }
     // What lets points in is seen to by who measures: the coarse test takes hulls as they are.
-    const double A = hull.semi_major + grow + std::max(obstacles.margin, 0.0),
-                 extent = obstacles->extent();
+    const double A = semi_major + std::max(obstacles.margin, 0.0), extent = obstacles->extent();
     double grown = A + coarse_slack(A, dot3(half, half), extent);
     if (!(grown < extent)) [[unlikely]]
       grown = bounded(grown, centre, half, extent);
@@ -192,6 +207,7 @@ class CollisionState {
   const std::vector<Hull>& hulls_;
   std::vector<Vec4> positions_;
   std::vector<HullQuery> queries_;
+  std::vector<double> supports_;
   std::vector<NearPair> pairs_;
   int near_count_ = 0;
   std::size_t first_asked_ = 0;
