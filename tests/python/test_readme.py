@@ -63,7 +63,7 @@ def test_the_cpp_example_is_the_one_that_the_consumer_compiles() -> None:
     (example,) = blocks("cpp")
     compiled = (REPOSITORY / "tests/consumer/readme.cpp").read_text()
     lines = [line.strip() for line in example.splitlines() if line.strip()]
-    program = [line.strip() for line in compiled.splitlines()]
+    program = [line.strip() for line in compiled.splitlines() if line.strip()]
     at = program.index(lines[1])
     assert lines[0] in program
     assert program[at : at + len(lines) - 1] == lines[1:]
