@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -54,7 +55,13 @@ struct SharedSolver {
 class BatchSolver {
  public:
   explicit BatchSolver(SharedSolver& of) : of_(of), solver_(of.take_copy()) {}
-  ~BatchSolver() { of_.give_back(std::move(solver_)); }
+  ~BatchSolver() {
+    try {
+      of_.give_back(std::move(solver_));
+    } catch (const std::bad_alloc&) {
+      // Another will be made.
+    }
+  }
   BatchSolver(const BatchSolver&) = delete;
   BatchSolver& operator=(const BatchSolver&) = delete;
 
