@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace pdoik::detail {
+namespace {
+
+/// Steps of all lanes between looks at the clock, each of which takes a tenth of a step.
+constexpr unsigned kBetweenLooks = 4;
+
+}  // namespace
 
 Restarts::Restarts(Workspace& workspace)
     : workspace_(workspace),
@@ -21,7 +27,8 @@ void Restarts::run(Requests& requests) {
   Request request;
   Result* result = nullptr;
   bool more = requests.next(request, result);
-  while (true) {
+  std::chrono::steady_clock::time_point now;
+  for (unsigned turn = 0;; ++turn) {
     bool busy = std::any_of(attempts_.begin(), attempts_.end(),
                             [](const Attempt& attempt) { return attempt.in_use(); });
     for (Attempt& attempt : attempts_) {
@@ -38,7 +45,7 @@ void Restarts::run(Requests& requests) {
       continue;
     }
     search_in_lanes();
-    const auto now = std::chrono::steady_clock::now();
+    if (turn % kBetweenLooks == 0) now = std::chrono::steady_clock::now();
     for (Attempt& attempt : attempts_) {
       if (!attempt.in_use()) continue;
       if (attempt.deadline.passed_at(now))
