@@ -38,6 +38,7 @@ def viewer() -> Iterator[Viewer]:
     server = start_server("127.0.0.1", 0)
     viewer = Viewer(server, shipped_model(PANDA), session)
     set_grid(viewer, [0.3, -0.3, 0.2], [0.6, 0.3, 0.5], step=150, orientations=12)
+    wait(lambda: bool(viewer.status.text))  # the worker rests
     yield viewer
     viewer.close()
     server.stop()
@@ -184,6 +185,7 @@ def test_several_tips_a_free_tip_and_a_cloud_that_cannot_be_thinned_are_told(
     viewer.session.set_goal("panda_link8", "free")
     viewer.reach_tab.start()
     assert "free" in message(viewer)
+    viewer.drop_cloud()  # of which the worker complains too
     viewer.take_builtin("h1")
     viewer.reach_tab.start()
     assert "one tip" in message(viewer)
