@@ -7,9 +7,7 @@ from pathlib import Path
 import numpy as np
 from bench.concealed.arm import Arm, Array, Joint, Link, pose, read_chain, rotation_rpy
 
-import pdoik
-
-FOLDER = Path(pdoik.__file__).parent / "robots"
+FOLDER = Path(__file__).parents[2] / "cpp" / "robots"
 KNOWN = {
     "panda": ("panda.urdf", "panda_link0", "panda_link8"),
     "ur10": ("ur10.urdf", "base_link", "tool0"),
