@@ -63,8 +63,28 @@ struct Meridian {
   double major, minor2, along2, aside2;
 };
 
-/// Distance from a ball to a hull's surface, or any number not below `than` where that is larger.
-double hull_distance(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than) {
+/// Distance from a ball to what a hull stands for, or any number not below `than` where that is
+/// larger, and whose it is.
+struct HullDistance {
+  double distance;
+  int source;
+};
+
+double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o,
+                        double than);
+
+HullDistance hull_distance(const CollisionState& state, const Hull& hull, const Vec4& o,
+                           double than) {
+  const Vec4 &a = state.position(hull.a), &b = state.position(hull.b);
+  if (!hull.has_capsules()) return {distance_to_foci(hull, a, b, o, than), hull.source};
+  const double least = half_sum_gap(hull, a, b, o) - hull.excess - o[3];
+  if (least >= than) return {than, hull.source};
+  const Depth deepest = state.depth_in_capsules(hull, o);
+  return {-deepest.depth - o[3], state.block(hull, deepest.block).source[deepest.lane]};
+}
+
+double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o,
+                        double than) {
   const double radius = o[3];
   if (hull.is_sphere()) return half_sum_gap(hull, a, b, o) - radius;
   const Meridian meridian(hull, a, b, o);
@@ -113,9 +133,9 @@ void find_within(CollisionState& state, const ObstacleView& obstacles, double di
   state.visit_near(obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
     for (const NearPair* pair = begin; pair != end; ++pair) {
       const Hull& hull = state.hull(*pair);
-      const double gap =
-          hull_distance(hull, state.position(hull.a), state.position(hull.b),
-                        obstacles[pair->obstacle], std::numeric_limits<double>::infinity());
+      const double gap = hull_distance(state, hull, obstacles[pair->obstacle],
+                                       std::numeric_limits<double>::infinity())
+                             .distance;
       if (gap <= distance) places.push_back(pair->obstacle);
     }
     return true;
@@ -144,12 +164,11 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleView& obst
     const Hull& hull = state.hull(pair);
     const Vec4 o = obstacles[pair.obstacle];
     // The ball around a hull says of most pairs that they are not the nearest, without a root.
-    const double reach = least.distance + hull.semi_major + o[3];
+    const double reach = least.distance + hull.semi_major + hull.excess + o[3];
     if (reach > 0.0 && from_centre(state, hull, o) >= reach * reach) return;
-    const double distance =
-        hull_distance(hull, state.position(hull.a), state.position(hull.b), o, least.distance);
-    if (!(distance < least.distance)) return;
-    least = {distance, hull.source, obstacles->id(pair.obstacle)};
+    const HullDistance found = hull_distance(state, hull, o, least.distance);
+    if (!(found.distance < least.distance)) return;
+    least = {found.distance, found.source, obstacles->id(pair.obstacle)};
     // What is nearer still lies near it.
     if (hull.is_sphere()) return;
     state.expect_at(static_cast<std::size_t>(pair.hull),

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "detail/collision_state.hpp"
 #include "detail/self_collision.hpp"
 
 namespace pdoik {
@@ -22,16 +23,12 @@ class TouchFinder {
         hulls_(robot_),
         self_(robot_, hulls_, 0.0),
         T_base_body_(robot_.bodies().size()),
-        positions_(hulls_.points.size()) {}
+        placed_(hulls_, hulls_.moving) {}
 
   std::set<Pair> touching_at(VectorIn q) {
     robot_.body_poses(q, T_base_body_);
-    for (std::size_t k = 0; k < positions_.size(); ++k) {
-      const detail::AttachedPoint& point = hulls_.points[k];
-      positions_[k] = detail::to_vec4(T_base_body_[static_cast<std::size_t>(point.body)] *
-                                      detail::to_vector3(point.local));
-    }
-    self_.place(positions_.data());
+    placed_.place(T_base_body_);
+    self_.place(placed_.positions(), placed_.frames());
     self_.find_near([](int) { return 0.0; });
     std::set<Pair> links;
     for (int k = 0; k < self_.near_count(); ++k) {
@@ -57,7 +54,7 @@ class TouchFinder {
   detail::HullModel hulls_;
   detail::SelfCollision self_;
   std::vector<Eigen::Isometry3d> T_base_body_;
-  std::vector<detail::Vec4> positions_;
+  detail::CollisionState placed_;
 };
 
 Eigen::VectorXd random_configuration(const Robot& robot, std::mt19937_64& engine) {

@@ -9,6 +9,10 @@ std::string hull_name(const Occupancy& occupancy, int index) {
   if (hull < occupancy.spheres.size())
     return occupancy.spheres[hull].link + " (sphere " + std::to_string(hull) + ")";
   const std::size_t k = hull - occupancy.spheres.size();
+  if (k >= occupancy.spheroids.size()) {
+    const std::size_t c = k - occupancy.spheroids.size();
+    return occupancy.capsules[c].link + " (capsule " + std::to_string(c) + ")";
+  }
   const Spheroid& s = occupancy.spheroids[k];
   return s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
          std::to_string(k) + ")";

@@ -1,6 +1,8 @@
 #include "detail/hull_model.hpp"
 
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "detail/reach.hpp"
 
@@ -27,9 +29,172 @@ int add_point(std::vector<AttachedPoint>& points, const AttachedPoint& point) {
   return static_cast<int>(points.size()) - 1;
 }
 
+/// The link that a hull is given on and is rigid to; -1 for a spheroid whose foci move apart.
+int link_of(const Robot& robot, const HullModel& model, const Hull& hull) {
+  const Occupancy& occupancy = robot.occupancy();
+  const auto source = static_cast<std::size_t>(hull.source);
+  if (source < occupancy.spheres.size()) return robot.link_index(occupancy.spheres[source].link);
+  const Spheroid& s = occupancy.spheroids[source - occupancy.spheres.size()];
+  const int a = robot.link_index(s.link_a), b = robot.link_index(s.link_b);
+  const auto settled = [&](int point) { return model.points[static_cast<std::size_t>(point)].body; };
+  for (const int link : {a, b}) {
+    const int body = robot.body_of_link(link);
+    if (moves_with(robot, a, settled(hull.a), body) && moves_with(robot, b, settled(hull.b), body))
+      return link;
+  }
+  return -1;
+}
+
+/// The capsules of one link and the hulls that say where to look for them.
+class LinkCapsules {
+ public:
+  LinkCapsules(const Robot& robot, int link)
+      : body_(robot.body_of_link(link)), T_body_link_(robot.T_body_link(link)) {}
+
+  void add(const Capsule& capsule, int source) {
+    ends_.push_back({T_body_link_ * capsule.a, T_body_link_ * capsule.b});
+    radii_.push_back(capsule.radius);
+    sources_.push_back(source);
+  }
+  int body() const { return body_; }
+  std::size_t count() const { return ends_.size(); }
+  int first_source() const { return sources_.front(); }
+
+  /// By how much a hull with foci at p and q, in the body's frame, must grow to hold capsule k: the
+  /// half sum of distances is convex, and changes no faster than the point moves.
+  double excess(std::size_t k, const Eigen::Vector3d& p, const Eigen::Vector3d& q,
+                double semi_major) const {
+    double farthest = 0.0;
+    for (const Eigen::Vector3d& end : ends_[k])
+      farthest = std::max(farthest, 0.5 * ((end - p).norm() + (end - q).norm()));
+    return farthest + radii_[k] - semi_major;
+  }
+
+  /// A ball that holds all.
+  Eigen::Vector3d centre() const {
+    Eigen::AlignedBox3d box;
+    for (const auto& [a, b] : ends_) box.extend(a).extend(b);
+    return box.center();
+  }
+  double radius_about(const Eigen::Vector3d& centre) const {
+    double radius = 0.0;
+    for (std::size_t k = 0; k < count(); ++k)
+      radius = std::max(radius, excess(k, centre, centre, 0.0));
+    return radius;
+  }
+
+  /// Put some of them into blocks.
+  void write(const std::vector<std::size_t>& chosen, std::vector<CapsuleBlock>& blocks) const {
+    for (std::size_t n = 0; n < chosen.size(); ++n) {
+      if (n % 4 == 0) blocks.emplace_back();
+      CapsuleBlock& block = blocks.back();
+      const std::size_t k = chosen[n], i = n % 4;
+      const Eigen::Vector3d &a = ends_[k][0], v = ends_[k][1] - a;
+      block.ax[i] = a.x(), block.ay[i] = a.y(), block.az[i] = a.z();
+      block.vx[i] = v.x(), block.vy[i] = v.y(), block.vz[i] = v.z();
+      block.inverse[i] = v.squaredNorm() > 1e-24 ? 1.0 / v.squaredNorm() : 0.0;
+      block.radius[i] = radii_[k];
+      block.source[i] = sources_[k];
+    }
+  }
+
+ private:
+  int body_;
+  Eigen::Isometry3d T_body_link_;
+  std::vector<std::array<Eigen::Vector3d, 2>> ends_;
+  std::vector<double> radii_;
+  std::vector<int> sources_;
+};
+
 }  // namespace
 
+bool moves_with(const Robot& robot, int link, int settled, int body) {
+  for (int b = robot.body_of_link(link); b >= 0;
+       b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
+    if (b == body) return true;
+    if (b == settled) break;
+  }
+  return false;
+}
+
+namespace {
+
+/// Whether some body carries both of a hull's foci.
+bool is_rigid(const Robot& robot, const HullModel& model, const Hull& hull, int link_a,
+              int link_b) {
+  const int a = model.points[static_cast<std::size_t>(hull.a)].body,
+            b = model.points[static_cast<std::size_t>(hull.b)].body;
+  for (int body = robot.body_of_link(link_a); body >= 0;
+       body = robot.bodies()[static_cast<std::size_t>(body)].parent) {
+    if (moves_with(robot, link_a, a, body) && moves_with(robot, link_b, b, body)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void HullModel::give_capsules(const Robot& robot, std::vector<Hull>& hulls) {
+  const Occupancy& occupancy = robot.occupancy();
+  std::map<int, LinkCapsules> links;
+  int source = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());
+  for (const Capsule& capsule : occupancy.capsules) {
+    const int link = robot.link_index(capsule.link);
+    links.try_emplace(link, robot, link).first->second.add(capsule, source++);
+  }
+  if (links.empty()) return;
+  std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
+  robot.body_poses(robot.mid_configuration(), T_base_body);
+  std::vector<Hull> kept;
+  std::map<int, std::vector<Hull>> of_link;
+  for (const Hull& hull : hulls) {
+    const int link = link_of(robot, *this, hull);
+    (links.contains(link) ? of_link[link] : kept).push_back(hull);
+  }
+  for (const auto& [link, capsules] : links) {
+    std::vector<Hull>& around = of_link[link];
+    if (around.empty()) {  // nobody said where to look
+      const Eigen::Vector3d centre = capsules.centre();
+      points.push_back({capsules.body(), to_vec4(centre)});
+      const int at = static_cast<int>(points.size()) - 1;
+      around.push_back({at, at, capsules.radius_about(centre), capsules.first_source()});
+    }
+    const Eigen::Isometry3d T_body_base =
+        T_base_body[static_cast<std::size_t>(capsules.body())].inverse();
+    const auto focus = [&](int point) {
+      const AttachedPoint& p = points[static_cast<std::size_t>(point)];
+      return Eigen::Vector3d(T_body_base * T_base_body[static_cast<std::size_t>(p.body)] *
+                             to_vector3(p.local));
+    };
+    // Each goes to the hull that must grow least.
+    std::vector<std::vector<std::size_t>> chosen(around.size());
+    for (std::size_t k = 0; k < capsules.count(); ++k) {
+      std::size_t best = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t h = 0; h < around.size(); ++h) {
+        const Hull& hull = around[h];
+        const double excess = capsules.excess(k, focus(hull.a), focus(hull.b), hull.semi_major);
+        if (excess >= least) continue;
+        least = excess;
+        best = h;
+      }
+      chosen[best].push_back(k);
+      around[best].excess = std::max(around[best].excess, least);
+    }
+    for (std::size_t h = 0; h < around.size(); ++h) {
+      if (chosen[h].empty()) continue;  // what it holds is held by the others' capsules
+      Hull& hull = around[h];
+      hull.body = capsules.body();
+      hull.first_block = static_cast<int>(blocks.size());
+      capsules.write(chosen[h], blocks);
+      hull.blocks = static_cast<int>(blocks.size()) - hull.first_block;
+      kept.push_back(hull);
+    }
+  }
+  hulls = std::move(kept);
+}
+
 HullModel::HullModel(const Robot& robot, bool with_fixed) {
+  std::vector<Hull> hulls;
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
     const int index = robot.link_index(link);
     return add_point(points,
@@ -37,10 +202,7 @@ HullModel::HullModel(const Robot& robot, bool with_fixed) {
   };
   int source = 0;
   const auto add = [&](int a, int b, double semi_major) {
-    const AttachedPoint &one = points[static_cast<std::size_t>(a)],
-                        &other = points[static_cast<std::size_t>(b)];
-    const bool is_fixed = one.body == 0 && other.body == 0;
-    (is_fixed ? fixed : moving).push_back({a, b, semi_major, source++});
+    hulls.push_back({a, b, semi_major, source++});
   };
   for (const Sphere& sphere : robot.occupancy().spheres) {
     const int at = attach(sphere.link, sphere.center);
@@ -49,22 +211,33 @@ HullModel::HullModel(const Robot& robot, bool with_fixed) {
   for (const Spheroid& s : robot.occupancy().spheroids) {
     const int a = attach(s.link_a, s.focus_a), b = attach(s.link_b, s.focus_b);
     add(a, b, s.semi_major);
+    hulls.back().rigid = is_rigid(robot, *this, hulls.back(), robot.link_index(s.link_a),
+                                  robot.link_index(s.link_b));
   }
 
-  if (!with_fixed) fixed.clear();
+  give_capsules(robot, hulls);
+  for (const Hull& hull : hulls) {
+    const bool stays = points[static_cast<std::size_t>(hull.a)].body == 0 &&
+                       points[static_cast<std::size_t>(hull.b)].body == 0 && hull.body == 0;
+    if (!stays)
+      moving.push_back(hull);
+    else if (with_fixed)
+      fixed.push_back(hull);
+  }
 
   double farthest = 0.0;
   int root = -1;
+  bool common = true;
   for (const Hull& hull : moving) {
-    for (const int k : {hull.a, hull.b}) {
-      const AttachedPoint& point = points[static_cast<std::size_t>(k)];
-      if (point.body == 0) continue;
-      const Reach r = reach_of(robot, point.body, std::sqrt(dot3(point.local, point.local)));
-      if (root >= 0 && r.root != root) return;  // several branches at the base: no common centre
+    for_each_arm(hull, [&](int body, double arm) {
+      if (body == 0) return;
+      const Reach r = reach_of(robot, body, arm);
+      common = common && (root < 0 || r.root == root);
       root = r.root;
-      farthest = std::max(farthest, r.distance + 2.0 * hull.semi_major);
-    }
+      farthest = std::max(farthest, r.distance);
+    });
   }
+  if (!common) return;  // several branches at the base
   if (root < 0) return;
   reach_centre = Reach{root}.centre(robot);
   reach = farthest * (1.0 + 1e-9);

@@ -128,11 +128,12 @@ void Judge::judge_balance(Verdict& verdict, Result& result) {
 
 void Judge::judge_hulls(Verdict& verdict, Result& result) {
   if (!self_) return;
-  self_->place(collision_.positions());
+  self_->place(collision_.positions(), collision_.frames());
   const SelfCollision::Least least = self_->least();
   result.self_distance = least.distance;
   if (least.pair < 0) return;
-  const auto& [one, other] = self_->pair(least.pair).source;
+  const auto& [one, other] = least.source;
+  if (one < 0) return;  // none is anywhere near
   verdict.add(WorstConstraint::Kind::SelfCollision,
               options_.self_clearance - least.distance - options_.clearance_tolerance, one, other);
 }

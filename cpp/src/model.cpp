@@ -23,6 +23,7 @@ std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls,
   };
   for (const int tip : robot.tips()) mark(robot.body_of_link(tip));
   for (const AttachedPoint& point : hulls.points) mark(point.body);
+  for (const Hull& hull : hulls.moving) mark(hull.body);
   return matters;
 }
 

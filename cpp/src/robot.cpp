@@ -256,6 +256,17 @@ void Robot::set_occupancy(Occupancy occupancy) {
                                   std::to_string(half));
     }
   }
+  for (std::size_t i = 0; i < occupancy.capsules.size(); ++i) {
+    const Capsule& capsule = occupancy.capsules[i];
+    const std::string what = "capsules[" + std::to_string(i) + "] on '" + capsule.link + "'";
+    link_index(capsule.link);
+    check_point(capsule.a, what + ": a");
+    check_point(capsule.b, what + ": b");
+    if (!is_size(capsule.radius)) {
+      throw std::invalid_argument(what + ": radius is " + std::to_string(capsule.radius) +
+                                  ", expected a positive length of at most 1e6 m");
+    }
+  }
   auto parts = std::make_shared<Parts>(*parts_);
   parts->occupancy = std::move(occupancy);
   parts_ = std::move(parts);

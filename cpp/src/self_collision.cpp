@@ -8,7 +8,6 @@ namespace pdoik::detail {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double clamp_to_segment(double t) { return std::clamp(t, -1.0, 1.0); }
 
@@ -44,17 +43,6 @@ SegmentDistance segment_distance(const Vec4& c1, const Vec4& v1, const Vec4& c2,
 
 namespace {
 
-/// The bodies that a point moves with: its link's and, as long as it lies on the axis of a body's
-/// joint, the body before. HullModel has settled it on the last of them.
-bool moves_with(const Robot& robot, int link, int settled, int body) {
-  for (int b = robot.body_of_link(link); b >= 0;
-       b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
-    if (b == body) return true;
-    if (b == settled) break;
-  }
-  return false;
-}
-
 /// Which links a hull sits on, and which bodies all of it moves with.
 class Seat {
  public:
@@ -62,10 +50,15 @@ class Seat {
     const Occupancy& occupancy = robot.occupancy();
     const auto source = static_cast<std::size_t>(hull.source);
     const std::size_t spheres = occupancy.spheres.size();
-    given_a_ = robot.link_index(source < spheres ? occupancy.spheres[source].link
-                                                 : occupancy.spheroids[source - spheres].link_a);
-    given_b_ = source < spheres ? given_a_
-                                : robot.link_index(occupancy.spheroids[source - spheres].link_b);
+    const std::size_t spheroids = occupancy.spheroids.size();
+    if (source < spheres) {
+      given_a_ = given_b_ = robot.link_index(occupancy.spheres[source].link);
+    } else if (source < spheres + spheroids) {
+      given_a_ = robot.link_index(occupancy.spheroids[source - spheres].link_a);
+      given_b_ = robot.link_index(occupancy.spheroids[source - spheres].link_b);
+    } else {
+      given_a_ = given_b_ = robot.link_index(occupancy.capsules[source - spheres - spheroids].link);
+    }
     settled_a_ = model.points[static_cast<std::size_t>(hull.a)].body;
     settled_b_ = model.points[static_cast<std::size_t>(hull.b)].body;
     first_ = given_a_;
@@ -138,77 +131,84 @@ class Seat {
 
 }  // namespace
 
-SelfCollision::SelfCollision(const Robot& robot, const HullModel& hulls, double margin)
-    : margin_(margin) {
-  std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
-  robot.body_poses(robot.mid_configuration(), T_base_body);
-  const auto position = [&](int point) {
-    const AttachedPoint& p = hulls.points[static_cast<std::size_t>(point)];
-    return Eigen::Vector3d(T_base_body[static_cast<std::size_t>(p.body)] * to_vector3(p.local));
-  };
+namespace {
+
+std::vector<Hull> all_hulls(const HullModel& model) {
+  std::vector<Hull> hulls = model.moving;
+  hulls.insert(hulls.end(), model.fixed.begin(), model.fixed.end());
+  return hulls;
+}
+
+}  // namespace
+
+SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double margin)
+    : capsules_(robot, model, all_hulls(model)), margin_(margin) {
   std::vector<Seat> seats;
-  std::vector<int> sources;
-  for (const std::vector<Hull>* group : {&hulls.moving, &hulls.fixed}) {
-    for (const Hull& each : *group) {
-      seats.emplace_back(robot, hulls, each);
-      sources.push_back(each.source);
-      const double A = each.semi_major, h = 0.5 * (position(each.b) - position(each.a)).norm();
-      const double B = std::sqrt(std::max((A - h) * (A + h), 0.0));
-      hulls_.push_back(
-          {each.a, each.b, A, seats.back().rigid(), B, h / (A + B), Vec4{}, Capsule{}});
-    }
-  }
+  const std::vector<Hull> hulls = all_hulls(model);
+  for (const Hull& hull : hulls) seats.emplace_back(robot, model, hull);
   for (std::size_t i = 0; i < seats.size(); ++i) {
     for (std::size_t j = i + 1; j < seats.size(); ++j) {
       const Seat &one = seats[i], &two = seats[j];
       if (one.is_neighbour_of(two) || one.is_rigid_to(two) || one.ignores(two)) continue;
-      pairs_.push_back({{sources[i], sources[j]},
+      const int a = static_cast<int>(i), b = static_cast<int>(j);
+      pairs_.push_back({{hulls[i].source, hulls[j].source},
                         {one.first(), two.first()},
-                        {static_cast<int>(i), static_cast<int>(j)},
-                        hulls_[i].semi_major + hulls_[j].semi_major});
+                        {a, b},
+                        capsules_.semi_major(a) + capsules_.semi_major(b)});
     }
   }
   near_.resize(pairs_.size());
 }
 
-void SelfCollision::place(const Vec4* positions) {
+void SelfCollision::place(const Vec4* positions, const Frame* frames) {
   near_count_ = 0;
-  for (PlacedHull& hull : hulls_) {
-    const Vec4 &a = positions[hull.a], &b = positions[hull.b];
-    if (hull.a == hull.b) {
-      hull.capsule = {a, Vec4{}, hull.semi_major};
-      continue;
-    }
-    hull.between = broadcast(0.5) * (b - a);
-    if (!hull.rigid) {
-      const double A = hull.semi_major, h = std::sqrt(dot3(hull.between, hull.between));
-      hull.minor = h < A ? std::sqrt((A - h) * (A + h)) : 0.0;
-      hull.shape = h / (A + hull.minor);
-    }
-    const bool hollow = !(hull.minor > 0.0);
-    hull.capsule = {hollow ? broadcast(kNaN) : broadcast(0.5) * (a + b),
-                    broadcast(hull.shape) * hull.between, hull.minor};
+  capsules_.place(positions, frames);
+}
+
+SelfCollision::Nearest SelfCollision::nearest(const Pair& pair, double than) {
+  const auto [one, two] = pair.hull;
+  Nearest nearest;
+  nearest.distance = than;
+  const auto try_pair = [&](const PlacedCapsule& a, const PlacedCapsule& b, double excess) {
+    const SegmentDistance found = segment_distance(a.middle, a.half, b.middle, b.half);
+    const double distance = found.distance - a.radius - b.radius - excess;
+    if (!(distance < nearest.distance)) return false;
+    if (excess == 0.0) nearest = {distance, found, &a, &b};
+    return true;
+  };
+  if (!capsules_.has_its_own(one) && !capsules_.has_its_own(two)) {
+    try_pair(capsules_.around(one), capsules_.around(two), 0.0);
+    return nearest;
   }
+  // Capsules lie within the ones that hold their hulls, but for their excess.
+  const double excess = capsules_.excess(one) + capsules_.excess(two) + 1e-12;
+  if (!try_pair(capsules_.around(one), capsules_.around(two), excess)) return nearest;
+  for (const PlacedCapsule& a : capsules_.of(one)) {
+    const double reach = std::sqrt(dot3(a.half, a.half)) + a.radius;
+    for (const PlacedCapsule& b : capsules_.of(two)) {
+      const Vec4 apart = a.middle - b.middle;
+      const double bound =
+          nearest.distance + reach + b.radius + std::sqrt(dot3(b.half, b.half));
+      if (!(bound > 0.0) || dot3(apart, apart) >= bound * bound) continue;
+      try_pair(a, b, 0.0);
+    }
+  }
+  return nearest;
 }
 
-SegmentDistance SelfCollision::measure(const Pair& pair) const {
-  const Capsule &one = hull(pair.hull[0]).capsule, &two = hull(pair.hull[1]).capsule;
-  return segment_distance(one.middle, one.half, two.middle, two.half);
-}
-
-double SelfCollision::distance(int k) const {
+double SelfCollision::distance(int k) {
   const Pair& p = pair(k);
   if (!middles_within(p, kInfinity)) return kInfinity;
-  return measure(p).distance - hull(p.hull[0]).capsule.radius - hull(p.hull[1]).capsule.radius;
+  return nearest(p, kInfinity).distance;
 }
 
-SelfCollision::Least SelfCollision::least() const {
+SelfCollision::Least SelfCollision::least() {
   // The most promising pair first: most of the others need no exact distance then.
   Least least;
   double lowest = kInfinity;
   for (int k = 0; k < pair_count(); ++k) {
     const Pair& p = pair(k);
-    const Vec4 apart = hull(p.hull[0]).capsule.middle - hull(p.hull[1]).capsule.middle;
+    const Vec4 apart = capsules_.around(p.hull[0]).middle - capsules_.around(p.hull[1]).middle;
     const double promise = dot3(apart, apart) - p.semi_major * p.semi_major;
     if (promise < lowest) {
       lowest = promise;
@@ -216,11 +216,16 @@ SelfCollision::Least SelfCollision::least() const {
     }
   }
   if (least.pair < 0) return least;
-  least.distance = distance(least.pair);
+  const auto try_pair = [&](int k) {
+    const Nearest found = nearest(pair(k), least.distance);
+    if (found.one == nullptr) return;
+    least = {found.distance, k, {found.one->source, found.two->source}};
+  };
+  const int promising = least.pair;
+  if (middles_within(pair(promising), kInfinity)) try_pair(promising);
   for (int k = 0; k < pair_count(); ++k) {
-    if (!middles_within(pair(k), pair(k).semi_major + least.distance)) continue;
-    const double d = distance(k);
-    if (d < least.distance) least = {d, k};
+    if (k != promising && middles_within(pair(k), pair(k).semi_major + least.distance))
+      try_pair(k);
   }
   return least;
 }
@@ -247,39 +252,17 @@ Vec4 way_out(const Vec4& v1, const Vec4& v2) {
 
 void SelfCollision::add_if_near(int k, double within) {
   const Pair& p = pair(k);
-  const PlacedHull &one = hull(p.hull[0]), &two = hull(p.hull[1]);
-  const SegmentDistance nearest = measure(p);
-  const double c = one.capsule.radius + two.capsule.radius + margin_ - nearest.distance;
-  if (!(c > -within)) return;
-  const Vec4 away = nearest.distance > 1e-12 ? broadcast(1.0 / nearest.distance) * nearest.gap
-                                             : way_out(one.capsule.half, two.capsule.half);
+  const Nearest found = nearest(p, margin_ + within);
+  if (found.one == nullptr) return;
+  const SegmentDistance& segments = found.segments;
+  const Vec4 away = segments.distance > 1e-12 ? broadcast(1.0 / segments.distance) * segments.gap
+                                              : way_out(found.one->half, found.two->half);
   Near& near = near_[static_cast<std::size_t>(near_count_++)];
   near.pair = k;
-  near.c = c;
-  pull(near, 0, one, nearest.t1, -away);
-  pull(near, 1, two, nearest.t2, away);
-}
-
-void SelfCollision::pull(Near& near, int side, const PlacedHull& hull, double t,
-                         const Vec4& force) const {
-  const int i = 2 * side, j = i + 1;
-  near.point[i] = hull.a;
-  near.dc_dpoint[i] = force;
-  near.point[j] = -1;
-  near.dc_dpoint[j] = Vec4{};
-  if (hull.a == hull.b) return;
-  // The nearest point is m + t s g. By the envelope theorem t may be held.
-  const double lean = t * hull.shape;
-  near.point[j] = hull.b;
-  near.dc_dpoint[i] = broadcast(0.5 * (1.0 - lean)) * force;
-  near.dc_dpoint[j] = broadcast(0.5 * (1.0 + lean)) * force;
-  if (hull.rigid) return;
-  const double A = hull.semi_major, B = hull.minor, h = std::sqrt(dot3(hull.between, hull.between));
-  if (!(h > 1e-12 * A)) return;  // the derivative with respect to h vanishes with it
-  const double dc_dh = t * dot3(force, hull.between) * A / (B * (A + B)) - h / B;
-  const Vec4 stretch = broadcast(0.5 * dc_dh / h) * hull.between;  // dh/db = g / 2h = -dh/da
-  near.dc_dpoint[i] -= stretch;
-  near.dc_dpoint[j] += stretch;
+  near.c = margin_ - found.distance;
+  near.pulls.count = 0;
+  capsules_.pull(p.hull[0], *found.one, segments.t1, -away, near.pulls);
+  capsules_.pull(p.hull[1], *found.two, segments.t2, away, near.pulls);
 }
 
 }  // namespace pdoik::detail

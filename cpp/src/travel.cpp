@@ -26,17 +26,21 @@ void for_each_arm(const Robot& robot, int body, double arm, const Eigen::VectorX
 
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step) {
   double farthest = 0.0;
-  for (const AttachedPoint& point : hulls.points) {
+  const auto visit = [&](int body, double local) {
     double sum = 0.0;
-    const double local = std::sqrt(dot3(point.local, point.local));
     const auto add = [&](const Body& joint, double arm) {
       if (joint.multiplier == 0.0) return;  // it follows nothing
       const double moves = std::abs(joint.multiplier) * step[joint.dof];
       // However far a point turns, it ends within two arms of where it was.
       sum += joint.prismatic ? moves : arm > 0.0 ? std::min(moves, 2.0) * arm : 0.0;
     };
-    for_each_arm(robot, point.body, local, robot.lower(), robot.upper(), add);
+    for_each_arm(robot, body, local, robot.lower(), robot.upper(), add);
     farthest = std::max(farthest, sum);
+  };
+  for (const AttachedPoint& point : hulls.points)
+    visit(point.body, std::sqrt(dot3(point.local, point.local)));
+  for (const Hull& hull : hulls.moving) {
+    if (hull.has_capsules()) hulls.for_each_arm(hull, visit);
   }
   return farthest;
 }
@@ -45,15 +49,12 @@ void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::Vector
                  const Eigen::VectorXd& to, Eigen::VectorXd& levers) {
   levers.setZero(robot.dof());
   for (const Hull& hull : hulls.moving) {
-    for (const int k : {hull.a, hull.b}) {
-      const AttachedPoint& point = hulls.points[static_cast<std::size_t>(k)];
-      // A hull lies within twice its semi-major axis of each of its foci.
-      const double local = std::sqrt(dot3(point.local, point.local)) + 2.0 * hull.semi_major;
-      for_each_arm(robot, point.body, local, from, to, [&](const Body& joint, double arm) {
+    hulls.for_each_arm(hull, [&](int body, double local) {
+      for_each_arm(robot, body, local, from, to, [&](const Body& joint, double arm) {
         const double lever = std::abs(joint.multiplier) * (joint.prismatic ? 1.0 : arm);
         levers[joint.dof] = std::max(levers[joint.dof], lever);
       });
-    }
+    });
   }
 }
 
@@ -66,6 +67,11 @@ double thinnest_hull(const Robot& robot, const HullModel& hulls) {
   };
   double thinnest = std::numeric_limits<double>::infinity();
   for (const Hull& hull : hulls.moving) {
+    for (int k = 0; k < 4 * hull.blocks; ++k) {
+      const double radius = hulls.capsules(hull)[k / 4].radius[k % 4];
+      if (radius > 0.0) thinnest = std::min(thinnest, radius);
+    }
+    if (hull.has_capsules()) continue;
     const double A = hull.semi_major,
                  minor2 = A * A - 0.25 * (place(hull.b) - place(hull.a)).squaredNorm();
     if (minor2 > 0.0) thinnest = std::min(thinnest, std::sqrt(minor2));

@@ -50,6 +50,21 @@ inline double brute_force_spheroid_distance(const Eigen::Vector3d& o, const Eige
                                       y, samples);
 }
 
+/// The distance from a point to a segment's nearest point.
+inline double brute_force_segment_distance(const Eigen::Vector3d& o, const Eigen::Vector3d& a,
+                                           const Eigen::Vector3d& b) {
+  const double square = (b - a).squaredNorm();
+  const double t = square > 0.0 ? std::clamp((o - a).dot(b - a) / square, 0.0, 1.0) : 0.0;
+  return (o - a - t * (b - a)).norm();
+}
+
+/// Whether what is given on one link is told closer by the link's capsules.
+inline bool has_capsules(const Robot& robot, const std::string& link) {
+  const auto& capsules = robot.occupancy().capsules;
+  return std::any_of(capsules.begin(), capsules.end(),
+                     [&](const Capsule& capsule) { return capsule.link == link; });
+}
+
 /// The least distance of any obstacle (rows x y z or x y z radius) to any hull, by Robot::fk.
 template <class Obstacles>
 double brute_force_clearance(const Robot& robot, const Eigen::VectorXd& q,
@@ -61,13 +76,22 @@ double brute_force_clearance(const Robot& robot, const Eigen::VectorXd& q,
       least = std::min(least, distance(o, obstacles.cols() > 3 ? obstacles(j, 3) : 0.0));
     }
   };
+  for (const Capsule& capsule : robot.occupancy().capsules) {
+    const Eigen::Isometry3d T = robot.fk(q, capsule.link);
+    for_obstacles([&](const Eigen::Vector3d& o, double radius) {
+      return brute_force_segment_distance(o, T * capsule.a, T * capsule.b) - capsule.radius -
+             radius;
+    });
+  }
   for (const Sphere& sphere : robot.occupancy().spheres) {
+    if (has_capsules(robot, sphere.link)) continue;
     const Eigen::Vector3d centre = robot.fk(q, sphere.link) * sphere.center;
     for_obstacles([&](const Eigen::Vector3d& o, double radius) {
       return (centre - o).norm() - sphere.radius - radius;
     });
   }
   for (const Spheroid& s : robot.occupancy().spheroids) {
+    if (s.link_a == s.link_b && has_capsules(robot, s.link_a)) continue;
     const Eigen::Vector3d a = robot.fk(q, s.link_a) * s.focus_a,
                           b = robot.fk(q, s.link_b) * s.focus_b;
     for_obstacles([&](const Eigen::Vector3d& o, double radius) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -188,6 +189,30 @@ inline Occupancy random_occupancy(const Robot& robot, Random& random, int sphere
     s.semi_major = half + random.uniform(0.02, 0.15);
     occupancy.spheroids.push_back(s);
   }
+  return occupancy;
+}
+
+/// Capsules and balls on some of the links, whose spheres and spheroids then only say where to
+/// look; spheroids from such links to others are taken out. The wide hulls need not hold them.
+inline Occupancy with_capsules(const Robot& robot, Occupancy occupancy, Random& random, int count) {
+  const auto last = static_cast<int>(robot.link_names().size()) - 1;
+  std::vector<std::string> links;
+  for (int i = 0; i < 3; ++i)
+    links.push_back(robot.link_names()[static_cast<std::size_t>(random.integer(0, last))]);
+  for (int i = 0; i < count; ++i) {
+    Capsule capsule;
+    capsule.link = links[static_cast<std::size_t>(random.integer(0, 2))];
+    capsule.a = random.point(0.15);
+    capsule.b = random.chance(0.3) ? capsule.a : random.point(0.15);
+    capsule.radius = random.uniform(0.01, 0.06);
+    occupancy.capsules.push_back(capsule);
+  }
+  std::erase_if(occupancy.spheroids, [&](const Spheroid& s) {
+    const auto is_one = [&](const std::string& link) {
+      return std::find(links.begin(), links.end(), link) != links.end();
+    };
+    return s.link_a != s.link_b && (is_one(s.link_a) || is_one(s.link_b));
+  });
   return occupancy;
 }
 

@@ -20,7 +20,11 @@ using SpheroidOut = std::tuple<std::string, Point, std::string, Point, double>;
 
 Point to_point(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidIn>& spheroids) {
+using CapsuleIn = std::tuple<std::string, ArrayLike, ArrayLike, double>;
+using CapsuleOut = std::tuple<std::string, Point, Point, double>;
+
+Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidIn>& spheroids,
+               const std::vector<CapsuleIn>& capsules) {
   Occupancy result;
   for (const auto& [link, center, radius] : spheres) {
     result.spheres.push_back({link, to_vector3(center, "spheres: xyz"), radius});
@@ -28,6 +32,10 @@ Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidI
   for (const auto& [link_a, focus_a, link_b, focus_b, semi_major] : spheroids) {
     result.spheroids.push_back({link_a, to_vector3(focus_a, "spheroids: xyz_a"), link_b,
                                 to_vector3(focus_b, "spheroids: xyz_b"), semi_major});
+  }
+  for (const auto& [link, a, b, radius] : capsules) {
+    result.capsules.push_back(
+        {link, to_vector3(a, "capsules: xyz_a"), to_vector3(b, "capsules: xyz_b"), radius});
   }
   return result;
 }
@@ -47,9 +55,17 @@ std::vector<SpheroidOut> spheroids_of(const Occupancy& occupancy) {
   return result;
 }
 
+std::vector<CapsuleOut> capsules_of(const Occupancy& occupancy) {
+  std::vector<CapsuleOut> result;
+  for (const Capsule& c : occupancy.capsules)
+    result.emplace_back(c.link, to_point(c.a), to_point(c.b), c.radius);
+  return result;
+}
+
 AnyTuple state(const Occupancy& occupancy) {
   return py::make_tuple(py::tuple(py::cast(spheres_of(occupancy))),
-                        py::tuple(py::cast(spheroids_of(occupancy))));
+                        py::tuple(py::cast(spheroids_of(occupancy))),
+                        py::tuple(py::cast(capsules_of(occupancy))));
 }
 
 }  // namespace
@@ -61,13 +77,19 @@ void bind_occupancy(py::module_& module) {
 
 A sphere keeps obstacle points at least its radius from its centre (Eq. joint_coll_avoid). A spheroid keeps
 the half sum of an obstacle point's distances to its two foci at or above its semi-major axis
-(Eq. link_coll_avoid); its foci may sit on different links. An occupancy does not change.)")
+(Eq. link_coll_avoid); its foci may sit on different links.
+
+A capsule is what lies within its radius of a segment, on one link. A link that has any fills these, and its
+spheres and spheroids only say where to look (and are what method "paper" and inner "lbfgs" know): few wide
+hulls for speed, many tight ones for the verdict. Hulls are numbered spheres first, then spheroids, then
+capsules. An occupancy does not change.)")
       .def(py::init(&make), py::kw_only(), py::arg("spheres") = py::tuple(),
-           py::arg("spheroids") = py::tuple(),
+           py::arg("spheroids") = py::tuple(), py::arg("capsules") = py::tuple(),
            R"(Args:
     spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
     spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
         semi-major axis [m].
+    capsules: Tuples (link, xyz_a, xyz_b, radius): the segment's ends in the link's frame and radius [m].
 
 Raises:
     ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.)")
@@ -94,6 +116,8 @@ Raises:
       .def_property_readonly(
           "spheroids", &spheroids_of,
           "Tuples (link_a, xyz_a, link_b, xyz_b, semi_major), lengths in metres.")
+      .def_property_readonly("capsules", &capsules_of,
+                             "Tuples (link, xyz_a, xyz_b, radius), lengths in metres.")
       .def("__len__", &Occupancy::size)
       .def(
           "__eq__",
@@ -105,12 +129,14 @@ Raises:
       .def("__hash__", [](const Occupancy& self) { return py::hash(state(self)); })
       .def("__repr__",
            [](const Occupancy& self) {
-             return py::str("<Occupancy of {} spheres and {} spheroids>")
-                 .format(self.spheres.size(), self.spheroids.size());
+             return py::str("<Occupancy of {} spheres, {} spheroids and {} capsules>")
+                 .format(self.spheres.size(), self.spheroids.size(), self.capsules.size());
            })
       .def(py::pickle(&state, [](const AnyTuple& state) {
         return make(state[0].cast<std::vector<SphereIn>>(),
-                    state[1].cast<std::vector<SpheroidIn>>());
+                    state[1].cast<std::vector<SpheroidIn>>(),
+                    state.size() > 2 ? state[2].cast<std::vector<CapsuleIn>>()
+                                     : std::vector<CapsuleIn>());
       }));
 }
 

@@ -377,16 +377,24 @@ TEST(Allocation, minimisers_and_kinematics_take_their_memory_at_construction) {
 }
 
 TEST(Allocation, self_collision_takes_its_memory_at_construction) {
-  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Robot robot = with_hulls(Robot::builtin("panda"));
+  Occupancy occupancy = robot.occupancy();
+  for (const char* link : {"panda_link0", "panda_link2", "panda_link5", "panda_link7"}) {
+    for (const double x : {-0.05, 0.0, 0.05})
+      occupancy.capsules.push_back({link, {x, 0.0, 0.0}, {x, 0.05, 0.0}, 0.03});
+  }
+  robot.set_occupancy(occupancy);
   const detail::HullModel model(robot);
   detail::SelfCollision self(robot, model, 0.01);
+  std::vector<detail::Frame> frames(robot.bodies().size(),
+                                    detail::to_frame(Eigen::Isometry3d::Identity()));
   std::vector<detail::Vec4> positions(model.points.size());
   Random random(6);
   int near = 0;
   for (int k = 0; k < 20; ++k) {
     for (detail::Vec4& position : positions) position = detail::to_vec4(random.point(0.5));
     EXPECT_EQ(allocations([&] {
-                self.place(positions.data());
+                self.place(positions.data(), frames.data());
                 self.find_near([](int) { return 10.0; });
                 near += self.near_count();
                 near += self.least().pair >= 0;

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "detail/collision_state.hpp"
 #include "detail/self_collision.hpp"
 #include "pdoik/collision_pairs.hpp"
 #include "random_robots.hpp"
@@ -84,16 +85,13 @@ double share_of_collisions(const Robot& robot) {
   const detail::HullModel model(robot);
   detail::SelfCollision self(robot, model, 0.0);
   std::vector<Eigen::Isometry3d> poses(robot.bodies().size());
-  std::vector<detail::Vec4> positions(model.points.size());
+  detail::CollisionState placed(model, model.moving);
   Random random(11);
   int touching = 0;
   for (int k = 0; k < 2000; ++k) {
     robot.body_poses(random_configuration(robot, random), poses);
-    for (std::size_t p = 0; p < positions.size(); ++p) {
-      const auto body = static_cast<std::size_t>(model.points[p].body);
-      positions[p] = detail::to_vec4(poses[body] * detail::to_vector3(model.points[p].local));
-    }
-    self.place(positions.data());
+    placed.place(poses);
+    self.place(placed.positions(), placed.frames());
     touching += self.least().distance < 0.0;
   }
   return touching / 2000.0;

@@ -129,7 +129,7 @@ class Workbench {
     rollout_.forward(cosine.data(), sine.data(), q.data());
     for (std::size_t k = 0; k < positions_.size(); ++k)
       positions_[k] = transform(rollout_.frame(model.points[k].body), model.points[k].local);
-    pairs.place(positions_.data());
+    pairs.place(positions_.data(), &rollout_.frame(0));
   }
   double c(int pair, const Eigen::VectorXd& q) {
     place(q);
@@ -138,11 +138,8 @@ class Workbench {
   Eigen::VectorXd gradient(const SelfCollision::Near& near) {
     Eigen::VectorXd dq(robot.dof());
     rollout_.clear_wrenches();
-    for (int i = 0; i < 4; ++i) {
-      if (near.point[i] < 0) continue;
-      const auto point = static_cast<std::size_t>(near.point[i]);
-      rollout_.add_force(model.points[point].body, positions_[point], near.dc_dpoint[i]);
-    }
+    for (const auto& [body, point, dc_dpoint] : near.pulls)
+      rollout_.add_force(body, point, dc_dpoint);
     rollout_.reverse(dq.data(), robot.dof());
     return dq;
   }
@@ -266,7 +263,7 @@ TEST(SelfCollision, gradients_are_central_differences) {
           << gradients[k].transpose() << "\n"
           << expected.transpose();
       ++checked;
-      spheres += nears[k].point[1] < 0 && nears[k].point[3] < 0;
+      spheres += nears[k].pulls.count == 2;
       for (const int source : bench.pairs.pair(pair).source) {
         const int s = source - static_cast<int>(bench.robot.occupancy().spheres.size());
         if (s < 0) continue;
@@ -483,8 +480,7 @@ TEST(SelfCollision, foci_of_one_link_stay_rigid_when_one_of_them_lies_on_its_joi
     // Forces on rigid foci share out one unit force: nothing pulls them apart.
     const SelfCollision::Near& near = bench.pairs.near(0);
     double sum = 0.0;
-    for (int i = 0; i < 4; ++i)
-      sum += near.point[i] < 0 ? 0.0 : std::sqrt(dot3(near.dc_dpoint[i], near.dc_dpoint[i]));
+    for (const Pull& pull : near.pulls) sum += std::sqrt(dot3(pull.dc_dpoint, pull.dc_dpoint));
     EXPECT_NEAR(sum, 2.0, 1e-12);
   }
 }

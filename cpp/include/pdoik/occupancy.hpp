@@ -26,13 +26,27 @@ struct Spheroid {
   double semi_major = 0.0;                            ///< [m]
 };
 
-/// What a robot fills: hulls that obstacle points must stay out of. Any number per link.
-struct Occupancy {
-  std::vector<Sphere> spheres;
-  std::vector<Spheroid> spheroids;
+/// What lies within `radius` of the segment from a to b, fixed to a link; a ball where they
+/// coincide.
+struct Capsule {
+  std::string link;
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();  ///< link frame [m]
+  double radius = 0.0;                                                       ///< [m]
+};
 
-  bool empty() const { return spheres.empty() && spheroids.empty(); }
-  std::size_t size() const { return spheres.size() + spheroids.size(); }
+/// What a robot fills: hulls that obstacle points must stay out of. Any number per link.
+///
+/// Hulls come in two levels. Spheres and spheroids are the paper's, few and wide. A link that has
+/// capsules as well is what these fill: its spheres and spheroids then only say where to look, and
+/// are all that Method::Paper and InnerMethod::Lbfgs know.
+struct Occupancy {
+  std::vector<Sphere> spheres = {};
+  std::vector<Spheroid> spheroids = {};
+  std::vector<Capsule> capsules = {};
+
+  bool empty() const { return size() == 0; }
+  /// Hulls are numbered spheres first, then spheroids, then capsules.
+  std::size_t size() const { return spheres.size() + spheroids.size() + capsules.size(); }
 };
 
 /// Read an occupancy file. In pdoik::io.

@@ -31,7 +31,12 @@ class CollisionState {
         cull_(best_cull()) {
     for (std::size_t k = 0; k < positions_.size(); ++k)
       positions_[k] = model.points[k].local;  // right for body 0
+    int bodies = 1;
+    for (const Hull& hull : tested) bodies = std::max(bodies, hull.body + 1);
+    own_frames_.assign(static_cast<std::size_t>(bodies), to_frame(Eigen::Isometry3d::Identity()));
+    frames_ = own_frames_.data();
   }
+  CollisionState(const CollisionState&) = delete;
 
   /// Room for the pairs of hulls and this many obstacles, or for `most` if that is less: called at
   /// set-up so that nothing allocates later.
@@ -45,6 +50,7 @@ class CollisionState {
     for (std::size_t k = 0; k < positions_.size(); ++k) {
       positions_[k] = transform(rollout.frame(model_.points[k].body), model_.points[k].local);
     }
+    frames_ = &rollout.frame(0);
   }
   /// Or where the bodies are.
   void place(const std::vector<Eigen::Isometry3d>& T_base_body) {
@@ -53,6 +59,9 @@ class CollisionState {
       positions_[k] =
           to_vec4(T_base_body[static_cast<std::size_t>(point.body)] * to_vector3(point.local));
     }
+    if (model_.blocks.empty()) return;
+    for (std::size_t b = 0; b < own_frames_.size(); ++b) own_frames_[b] = to_frame(T_base_body[b]);
+    frames_ = own_frames_.data();
   }
   /// Or where they are by other means.
   void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
@@ -118,10 +127,19 @@ class CollisionState {
     query.semi_major = static_cast<float>(hull.semi_major);
     bound_distances_(obstacles->arrays(), first, query, bounds);
     // Rounding, and radii that are less than they are in the set.
-    const double slack = 4e-6 * (obstacles->extent() + hull.semi_major);
+    const double slack = hull.excess + 4e-6 * (obstacles->extent() + hull.semi_major);
     for (float& bound : bounds) bound -= static_cast<float>(slack);
     return true;
   }
+
+  /// How deep a point lies in a hull's capsules.
+  Depth depth_in_capsules(const Hull& hull, const Vec4& o) const {
+    return depth_in(model_.capsules(hull), hull.blocks, to_local(frame(hull), o));
+  }
+  const CapsuleBlock& block(const Hull& hull, int k) const { return model_.capsules(hull)[k]; }
+  /// Of the body that a hull's capsules move with.
+  const Frame& frame(const Hull& hull) const { return frames_[hull.body]; }
+  const Frame* frames() const { return frames_; }
 
   int near_count() const { return near_count_; }
   const NearPair& near(int k) const { return pairs_[static_cast<std::size_t>(k)]; }
@@ -163,6 +181,7 @@ class CollisionState {
         broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles->origin();
     Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
     double semi_major = hull.semi_major;
+    grow += hull.excess;
     if (grow < 0.0) [[unlikely]] {
       const Core core = core_of(semi_major, dot3(half, half), -grow);
       half *= broadcast(core.foci);
@@ -206,6 +225,8 @@ class CollisionState {
   const HullModel& model_;
   const std::vector<Hull>& hulls_;
   std::vector<Vec4> positions_;
+  std::vector<Frame> own_frames_;  ///< of those bodies that have capsules
+  const Frame* frames_;
   std::vector<HullQuery> queries_;
   std::vector<double> supports_;
   std::vector<NearPair> pairs_;

@@ -52,6 +52,33 @@ PDOIK_INLINE Constraint half_sum_constraint(const CollisionState& state, const H
   return result;
 }
 
+/// A point off a hull's capsules: c = r + R - |p - o| of the capsule that it is deepest in, by p, the
+/// point of its segment that is nearest.
+struct CapsuleConstraint {
+  double c = 0.0;
+  Vec4 p{};     ///< which moves with the hull's body
+  Vec4 dc_dp{};
+};
+
+PDOIK_INLINE double capsule_violation(const CollisionState& state, const Hull& hull,
+                                      const Vec4& o) {
+  return state.depth_in_capsules(hull, o).depth + o[3];
+}
+
+inline CapsuleConstraint capsule_constraint(const CollisionState& state, const Hull& hull,
+                                            const Vec4& o) {
+  const Frame& frame = state.frame(hull);
+  const Depth deepest = state.depth_in_capsules(hull, o);
+  const Vec4 local = to_local(frame, o);
+  CapsuleConstraint result;
+  result.c = deepest.depth + o[3];
+  result.p =
+      transform(frame, nearest_on(state.block(hull, deepest.block), deepest.lane, local));
+  double distance;
+  result.dc_dp = -unit_from(o, result.p, distance);
+  return result;
+}
+
 /// The same, but points with a radius are held off by their true Euclidean distance d to the
 /// spheroid, negative inside, whose derivative by a focus is that of its nearest surface point x
 /// (envelope theorem): dd/df = (f - x) / |f - x| / |grad g(x)|, g the sum of distances to the foci.

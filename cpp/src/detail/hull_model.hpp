@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
+#include "detail/capsule_block.hpp"
 #include "detail/frame.hpp"
 #include "pdoik/robot.hpp"
 
@@ -15,13 +18,23 @@ struct AttachedPoint {
   Vec4 local;  ///< in the body's frame
 };
 
-/// A sphere (a == b, semi_major its radius) or a spheroid with foci at two attached points.
+/// A sphere (a == b, semi_major its radius) or a spheroid with foci at two attached points. One
+/// that has capsules only says where to look: they, and not it, are what the link fills.
 struct Hull {
   int a, b;
   double semi_major;
-  int source;  ///< its place in the occupancy: spheres first, then spheroids
+  int source;  ///< its place in the occupancy, or that of its first capsule if it was made for them
+  int body = 0, first_block = 0, blocks = 0;  ///< its capsules, which move with a body
+  double excess = 0.0;  ///< how much it must grow to hold them all [m]
+  bool rigid = true;    ///< its foci to each other
+
   bool is_sphere() const { return a == b; }
+  bool has_capsules() const { return blocks > 0; }
 };
+
+/// Whether a point moves with a body: its link's and, as long as it lies on the axis of a body's
+/// joint, the body before. HullModel has settled it on the last of them.
+bool moves_with(const Robot& robot, int link, int settled, int body);
 
 /// The robot's hulls on their attached points, each point once. Points on a joint's own axis belong
 /// to the body before it, since that joint does not move them; hulls that no joint moves are kept
@@ -30,12 +43,39 @@ struct HullModel {
   /// @param with_fixed  Whether hulls that no joint moves are any.
   explicit HullModel(const Robot& robot, bool with_fixed = true);
 
+  const CapsuleBlock* capsules(const Hull& hull) const {
+    return blocks.data() + hull.first_block;
+  }
+  /// Calls visit(body, a bound on how far what a hull fills is from the body's origin).
+  template <class Visit>
+  void for_each_arm(const Hull& hull, Visit&& visit) const {
+    for (const int k : {hull.a, hull.b}) {
+      const AttachedPoint& point = points[static_cast<std::size_t>(k)];
+      // A hull lies within twice its semi-major axis of each of its foci.
+      visit(point.body, std::sqrt(dot3(point.local, point.local)) + 2.0 * hull.semi_major);
+    }
+    for (int k = 0; k < 4 * hull.blocks; ++k) {
+      const double length = capsule_arm(capsules(hull)[k / 4], k % 4);
+      if (length > 0.0) visit(hull.body, length);
+    }
+  }
+
   std::vector<AttachedPoint> points;
   std::vector<Hull> moving, fixed;
+  std::vector<CapsuleBlock> blocks;
   /// No obstacle farther than this and twice its radius from `reach_centre` can touch a moving
   /// hull; infinite if unknown.
   Eigen::Vector3d reach_centre = Eigen::Vector3d::Zero();
   double reach = std::numeric_limits<double>::infinity();
+
+ private:
+  /// How far a capsule reaches from its body's origin; not positive for padding.
+  static double capsule_arm(const CapsuleBlock& block, int lane) {
+    const Vec4 a{block.ax[lane], block.ay[lane], block.az[lane], 0.0},
+        b = a + Vec4{block.vx[lane], block.vy[lane], block.vz[lane], 0.0};
+    return std::sqrt(std::max(dot3(a, a), dot3(b, b))) + block.radius[lane];
+  }
+  void give_capsules(const Robot& robot, std::vector<Hull>& hulls);
 };
 
 }  // namespace pdoik::detail

@@ -60,10 +60,15 @@ class LeastSquaresProblem {
         all,
         [&](const NearPair& pair) {  // the point itself, whatever its radius
           const Vec4 o = all[pair.obstacle];
-          return o[3] >= 0.0 && paper_constraint(hulls(), hulls().hull(pair), o).c > 2.0 * o[3];
+          const Hull& hull = hulls().hull(pair);
+          return !hull.has_capsules() && o[3] >= 0.0 &&
+                 paper_constraint(hulls(), hull, o).c > 2.0 * o[3];
         },
         [&](const NearPair& pair) {
-          return distance_constraint(hulls(), hulls().hull(pair), all[pair.obstacle]).c > 0.0;
+          const Vec4 o = all[pair.obstacle];
+          const Hull& hull = hulls().hull(pair);
+          return hull.has_capsules() ? capsule_violation(hulls(), hull, o) > 0.0
+                                     : distance_constraint(hulls(), hull, o).c > 0.0;
         });
   }
 

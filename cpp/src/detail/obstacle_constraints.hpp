@@ -38,35 +38,45 @@ class ObstacleConstraints {
     return constraint_key(hulls_.near(k).hull, hulls_.near(k).obstacle);
   }
 
+  /// By the hull's foci, or if it counts by its capsules by dc_da of a point a of their body.
   struct At : Constraint {
     const Hull* hull;
+    bool by_capsules = false;
+    Vec4 a{};
   };
   PDOIK_INLINE At at(int k) const {  // so that nobody computes the derivatives who asks for c alone
     const NearPair& pair = hulls_.near(k);
     const Hull& hull = hulls_.hull(pair);
     const Vec4 o = obstacles_[pair.obstacle];
     if (form_ == Form::Paper) return {paper_constraint(hulls_, hull, o), &hull};
+    if (hull.has_capsules()) {
+      const CapsuleConstraint found = capsule_constraint(hulls_, hull, o);
+      return {{found.c, found.dc_dp, Vec4{}}, &hull, true, found.p};
+    }
     if (form_ == Form::HalfSum && o[3] >= 0.0) return {half_sum_constraint(hulls_, hull, o), &hull};
     return {distance_constraint(hulls_, hull, o), &hull};
   }
   void add_row(const At& at, const Rollout& rollout, double* row) const {
-    for_each_point(at, [&](int point, const Vec4& direction) {
-      rollout.add_row(hulls_.body_of_point(point), direction,
-                      cross3(hulls_.position(point), direction), row);
+    for_each_point(at, [&](int body, const Vec4& point, const Vec4& direction) {
+      rollout.add_row(body, direction, cross3(point, direction), row);
     });
   }
   void add_wrenches(const At& at, double slope, Rollout& rollout) const {
-    for_each_point(at, [&](int point, const Vec4& direction) {
-      rollout.add_force(hulls_.body_of_point(point), hulls_.position(point),
-                        broadcast(slope) * direction);
+    for_each_point(at, [&](int body, const Vec4& point, const Vec4& direction) {
+      rollout.add_force(body, point, broadcast(slope) * direction);
     });
   }
 
  private:
   template <class Visit>
-  static void for_each_point(const At& at, Visit&& visit) {
-    visit(at.hull->a, at.dc_da);
-    if (!at.hull->is_sphere()) visit(at.hull->b, at.dc_db);
+  void for_each_point(const At& at, Visit&& visit) const {
+    if (at.by_capsules) {
+      visit(at.hull->body, at.a, at.dc_da);
+      return;
+    }
+    visit(hulls_.body_of_point(at.hull->a), hulls_.position(at.hull->a), at.dc_da);
+    if (!at.hull->is_sphere())
+      visit(hulls_.body_of_point(at.hull->b), hulls_.position(at.hull->b), at.dc_db);
   }
 
   CollisionState& hulls_;

@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-#include "detail/hull_model.hpp"
+#include "detail/hull_capsules.hpp"
 
 namespace pdoik::detail {
 
@@ -21,26 +21,8 @@ struct SegmentDistance {
 /// side by side.
 SegmentDistance segment_distance(const Vec4& c1, const Vec4& v1, const Vec4& c2, const Vec4& v2);
 
-/// A hull as self-collision sees it: all points within `radius` of the segment middle +- half.
-///
-/// A spheroid with semi-axes A > B lies in the capsule of radius B around -(A - B) to +(A - B) on
-/// its axis, and touches it at its tips and its waist. Proof, at x >= 0 along the axis, where the
-/// spheroid reaches out to y^2 = B^2 (1 - x^2 / A^2). Beside the segment, x <= A - B, the distance
-/// from it is y <= B. Beyond its end it is (t^2 + y^2)^(1/2) with t = x - (A - B) > 0, which is at
-/// most B if t <= B x / A; and B x / A - t = (A - B)(1 - x / A) >= 0 since x <= A.
-struct Capsule {
-  Vec4 middle{}, half{};
-  double radius = 0.0;
-};
-
-/// Distances between the robot's own hulls, each held in a capsule (the paper leaves this open:
-/// "constraining distances between points attached on the robot").
-///
-/// A spheroid's capsule has its middle at m = (a + b) / 2 and half s g, where g = (b - a) / 2 is
-/// half of what joins the foci, h = |g|, B = (A^2 - h^2)^(1/2) and s = (A - B) / h = h / (A + B).
-/// Foci that are rigid to each other leave s and B constant. Otherwise dB/dh = -h / B and
-/// ds/dh = A / (B (A + B)); where such foci are farther apart than 2 A the hull holds nothing and
-/// its pairs are nowhere near.
+/// Distances between the robot's own hulls, each as its capsules or held in one (the paper leaves
+/// this open: "constraining distances between points attached on the robot").
 ///
 /// The state of one thread. Allocates at construction only.
 class SelfCollision {
@@ -50,7 +32,7 @@ class SelfCollision {
     int source[2];      ///< their places in the occupancy: spheres first, then spheroids
     int link[2];        ///< the links they sit on; of a hull that spans two links, the first
     int hull[2];        ///< their places among the model's moving hulls, then fixed ones
-    double semi_major;  ///< the sum of both
+    double semi_major;  ///< the sum of both, and of what their capsules stand beyond them
   };
 
   /// Pairs of hulls on links that are neither the same, nor rigidly connected, nor adjacent (joined
@@ -65,16 +47,15 @@ class SelfCollision {
   int pair_count() const { return static_cast<int>(pairs_.size()); }
   const Pair& pair(int k) const { return pairs_[static_cast<std::size_t>(k)]; }
 
-  /// Take the attached points from where a rollout or judge has put them, in the order of
-  /// HullModel::points.
-  void place(const Vec4* positions);
+  /// Take the attached points, in the order of HullModel::points, and the bodies' frames from where
+  /// a rollout or judge has put them. Both are read until they are placed again.
+  void place(const Vec4* positions, const Frame* frames);
 
-  /// A pair's constraint c <= 0 and its derivatives with respect to the attached points.
+  /// A pair's constraint c <= 0 and its derivatives.
   struct Near {
     int pair;
-    double c;             ///< radii + margin - distance of the segments [m]
-    int point[4];         ///< foci of the first hull, then of the second; -1 is unused
-    Vec4 dc_dpoint[4]{};  ///< a point may be there twice: the sum counts
+    double c;  ///< radii + margin - distance of the segments [m]
+    Pulls pulls;
   };
 
   /// Find the pairs with c > -reach(pair).
@@ -93,37 +74,35 @@ class SelfCollision {
 
   /// Distance between a pair's capsules where they are placed, without margin [m]; negative by how
   /// much of their radii overlap, infinite if one holds nothing.
-  double distance(int pair) const;
+  double distance(int pair);
 
   struct Least {
     double distance = std::numeric_limits<double>::infinity();
     int pair = -1;
+    int source[2] = {-1, -1};  ///< the places of both in the occupancy
   };
   /// The least of all pairs' distances, and whose it is.
-  Least least() const;
+  Least least();
 
  private:
-  struct PlacedHull {
-    int a, b;
-    double semi_major;
-    bool rigid;           // its foci to each other: the rest is then constant
-    double minor, shape;  // B and s = h / (A + B)
-    Vec4 between{};       // g
-    Capsule capsule;
+  /// The nearest of two hulls' capsules.
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();  // less their radii
+    SegmentDistance segments{};
+    const PlacedCapsule *one = nullptr, *two = nullptr;
   };
 
-  const PlacedHull& hull(int k) const { return hulls_[static_cast<std::size_t>(k)]; }
   /// False for hulls that hold nothing: their middle is not a number.
   bool middles_within(const Pair& pair, double bound) const {
-    const Vec4 apart = hull(pair.hull[0]).capsule.middle - hull(pair.hull[1]).capsule.middle;
+    const Vec4 apart =
+        capsules_.around(pair.hull[0]).middle - capsules_.around(pair.hull[1]).middle;
     return bound > 0.0 && dot3(apart, apart) < bound * bound;
   }
-  SegmentDistance measure(const Pair& pair) const;
+  /// The nearest of a pair's capsules, if nearer than `than`.
+  Nearest nearest(const Pair& pair, double than);
   void add_if_near(int pair, double within);
-  /// Add to a near pair how it changes with one hull, from dc/d(nearest point of its segment).
-  void pull(Near& near, int side, const PlacedHull& hull, double t, const Vec4& force) const;
 
-  std::vector<PlacedHull> hulls_;
+  HullCapsules capsules_;
   std::vector<Pair> pairs_;
   std::vector<Near> near_;
   int near_count_ = 0;

@@ -24,7 +24,7 @@ class SelfConstraints {
   template <class Reach>
   void find(const Rollout&, Reach&& reach) {
     if (!self_) return;
-    self_->place(hulls_.positions());
+    self_->place(hulls_.positions(), hulls_.frames());
     self_->find_near(reach);
   }
   int count() const { return self_ ? self_->near_count() : 0; }
@@ -32,25 +32,15 @@ class SelfConstraints {
   const SelfCollision::Near& at(int k) const { return self_->near(k); }
 
   void add_row(const SelfCollision::Near& at, const Rollout& rollout, double* row) const {
-    for_each_point(at, [&](int point, const Vec4& direction) {
-      rollout.add_row(hulls_.body_of_point(point), direction,
-                      cross3(hulls_.position(point), direction), row);
-    });
+    for (const auto& [body, point, direction] : at.pulls)
+      rollout.add_row(body, direction, cross3(point, direction), row);
   }
   void add_wrenches(const SelfCollision::Near& at, double slope, Rollout& rollout) const {
-    for_each_point(at, [&](int point, const Vec4& direction) {
-      rollout.add_force(hulls_.body_of_point(point), hulls_.position(point),
-                        broadcast(slope) * direction);
-    });
+    for (const auto& [body, point, direction] : at.pulls)
+      rollout.add_force(body, point, broadcast(slope) * direction);
   }
 
  private:
-  template <class Visit>
-  static void for_each_point(const SelfCollision::Near& at, Visit&& visit) {
-    for (int k = 0; k < 4; ++k)
-      if (at.point[k] >= 0) visit(at.point[k], at.dc_dpoint[k]);
-  }
-
   const CollisionState& hulls_;
   std::optional<SelfCollision> self_;
 };

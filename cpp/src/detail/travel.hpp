@@ -6,7 +6,7 @@
 
 namespace pdoik::detail {
 
-/// A bound on how far any attached point of a hull gets when each joint makes up to a step, shape
+/// A bound on how far any attached point of a hull, or any part of its capsules, gets when each joint makes up to a step, shape
 /// (n,), from anywhere within the limits [m]: infinite if a joint slides without bound.
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step);
 

@@ -110,8 +110,9 @@ void check_keys(const YAML::Node& root, const std::string& source) {
   for (const auto& item : root) {
     const std::string key =
         item.first.IsScalar() ? item.first.Scalar() : "a key that is not a word";
-    if (key != "spheres" && key != "spheroids") {
-      throw LoadError(source + ": '" + key + "' is unknown, expected 'spheres' and 'spheroids'");
+    if (key != "spheres" && key != "spheroids" && key != "capsules") {
+      throw LoadError(source + ": '" + key +
+                      "' is unknown, expected 'spheres', 'spheroids' and 'capsules'");
     }
     if (!seen.insert(key).second) throw LoadError(source + ": '" + key + "' is there twice");
     if (!item.second.IsSequence() && !item.second.IsNull())
@@ -138,6 +139,11 @@ Occupancy load_occupancy(const std::string& path_or_text) {
                                    entry.text("link_b"), entry.point("focus_b"),
                                    entry.length("semi_major")});
   }
+  for (std::size_t i = 0; root["capsules"] && i < root["capsules"].size(); ++i) {
+    const Entry entry(root["capsules"][i], source + ": capsules[" + std::to_string(i) + "]");
+    occupancy.capsules.push_back(
+        {entry.text("link"), entry.point("a"), entry.point("b"), entry.length("radius")});
+  }
   return occupancy;
 }
 
@@ -162,7 +168,18 @@ std::string to_yaml(const Occupancy& occupancy) {
     point("focus_b", s.focus_b);
     out << YAML::Key << "semi_major" << YAML::Value << s.semi_major << YAML::EndMap;
   }
-  out << YAML::EndSeq << YAML::EndMap;
+  out << YAML::EndSeq;
+  if (!occupancy.capsules.empty()) {
+    out << YAML::Key << "capsules" << YAML::Value << YAML::BeginSeq;
+    for (const Capsule& capsule : occupancy.capsules) {
+      out << YAML::Flow << YAML::BeginMap << YAML::Key << "link" << YAML::Value << capsule.link;
+      point("a", capsule.a);
+      point("b", capsule.b);
+      out << YAML::Key << "radius" << YAML::Value << capsule.radius << YAML::EndMap;
+    }
+    out << YAML::EndSeq;
+  }
+  out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
 }
 

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "detail/hull_model.hpp"
+
+namespace pdoik::detail {
+
+/// What lies within `radius` of the segment middle +- half, where the robot is.
+struct PlacedCapsule {
+  Vec4 middle{}, half{};
+  double radius = 0.0;
+  int source = -1;  ///< the hull's or capsule's place in the occupancy
+};
+
+/// dc/dpoint of a constraint c, by a point that moves with a body.
+struct Pull {
+  int body;
+  Vec4 point, dc_dpoint;
+};
+
+/// What pulls at a constraint: a point may be there twice, and the sum counts.
+struct Pulls {
+  Pull each[4];
+  int count = 0;
+
+  const Pull* begin() const { return each; }
+  const Pull* end() const { return each + count; }
+};
+
+/// The robot's hulls as capsules: those that a hull has, or else the one that holds it.
+///
+/// A spheroid with semi-axes A > B lies in the capsule of radius B around -(A - B) to +(A - B) on
+/// its axis, and touches it at its tips and its waist. Proof, at x >= 0 along the axis, where the
+/// spheroid reaches out to y^2 = B^2 (1 - x^2 / A^2). Beside the segment, x <= A - B, the distance
+/// from it is y <= B. Beyond its end it is (t^2 + y^2)^(1/2) with t = x - (A - B) > 0, which is at
+/// most B if t <= B x / A; and B x / A - t = (A - B)(1 - x / A) >= 0 since x <= A.
+///
+/// That capsule has its middle at m = (a + b) / 2 and half s g, where g = (b - a) / 2 is half of
+/// what joins the foci, h = |g|, B = (A^2 - h^2)^(1/2) and s = (A - B) / h = h / (A + B). Foci that
+/// are rigid to each other leave s and B constant. Otherwise dB/dh = -h / B and ds/dh = A / (B (A +
+/// B)); where such foci are farther apart than 2 A the hull holds nothing: its middle is not a
+/// number.
+///
+/// The state of one thread. Allocates at construction only.
+class HullCapsules {
+ public:
+  HullCapsules(const Robot& robot, const HullModel& model, const std::vector<Hull>& hulls);
+
+  /// Take the attached points, in the order of HullModel::points, and the bodies' frames from where
+  /// a rollout or judge has put them. Both are read until they are placed again.
+  void place(const Vec4* positions, const Frame* frames);
+
+  int count() const { return static_cast<int>(hulls_.size()); }
+  /// The capsule that holds a hull, but for its excess.
+  const PlacedCapsule& around(int k) const { return hull(k).around; }
+  /// By how much what the hull is may stand beyond that [m].
+  double excess(int k) const { return hull(k).excess; }
+  bool has_its_own(int k) const { return hull(k).count > 0; }
+  /// What a hull is: placed when first asked for.
+  std::span<const PlacedCapsule> of(int k);
+  /// No part of a hull is farther than this from the middle of `around` [m].
+  double semi_major(int k) const { return hull(k).semi_major + hull(k).excess; }
+
+  /// Add how a constraint changes with one hull, from dc/d(point middle + t half of one of its
+  /// capsules), -1 <= t <= 1.
+  void pull(int k, const PlacedCapsule& capsule, double t, const Vec4& force, Pulls& pulls) const;
+
+ private:
+  struct PlacedHull {
+    int a, b;
+    double semi_major;
+    bool rigid;           // its foci to each other: the rest is then constant
+    double minor, shape;  // B and s = h / (A + B)
+    Vec4 between{};       // g
+    PlacedCapsule around;
+    int body, first_block;  // of its capsules
+    double excess;
+    int first = 0, count = 0;  // of them where they are placed
+    bool is_placed = false;    // since the bodies were
+  };
+  const PlacedHull& hull(int k) const { return hulls_[static_cast<std::size_t>(k)]; }
+
+  const Vec4* positions_ = nullptr;
+  const Frame* frames_ = nullptr;
+  std::vector<int> body_of_point_;
+  std::vector<CapsuleBlock> blocks_;
+  std::vector<PlacedCapsule> capsules_;
+  std::vector<PlacedHull> hulls_;
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,110 @@
+#include "detail/hull_capsules.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace pdoik::detail {
+
+HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
+                           const std::vector<Hull>& hulls)
+    : blocks_(model.blocks) {
+  for (const AttachedPoint& point : model.points) body_of_point_.push_back(point.body);
+  std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
+  robot.body_poses(robot.mid_configuration(), T_base_body);
+  const auto position = [&](int point) {
+    const AttachedPoint& p = model.points[static_cast<std::size_t>(point)];
+    return Eigen::Vector3d(T_base_body[static_cast<std::size_t>(p.body)] * to_vector3(p.local));
+  };
+  for (const Hull& each : hulls) {
+    const double A = each.semi_major, h = 0.5 * (position(each.b) - position(each.a)).norm();
+    const double B = std::sqrt(std::max((A - h) * (A + h), 0.0));
+    hulls_.push_back({each.a, each.b, A, each.rigid, B, h / (A + B), Vec4{},
+                      PlacedCapsule{}, each.body, each.first_block, each.excess});
+    PlacedHull& hull = hulls_.back();
+    hull.around.source = each.source;
+    hull.first = static_cast<int>(capsules_.size());
+    for (int k = 0; k < 4 * each.blocks; ++k) {
+      const CapsuleBlock& block = blocks_[static_cast<std::size_t>(each.first_block + k / 4)];
+      if (block.source[k % 4] < 0) continue;  // padding, which comes last
+      capsules_.push_back({Vec4{}, Vec4{}, block.radius[k % 4], block.source[k % 4]});
+      ++hull.count;
+    }
+  }
+}
+
+void HullCapsules::place(const Vec4* positions, const Frame* frames) {
+  positions_ = positions;
+  frames_ = frames;
+  for (PlacedHull& hull : hulls_) {
+    hull.is_placed = false;
+    const Vec4 &a = positions[hull.a], &b = positions[hull.b];
+    const int source = hull.around.source;
+    if (hull.a == hull.b) {
+      hull.around = {a, Vec4{}, hull.semi_major, source};
+      continue;
+    }
+    hull.between = broadcast(0.5) * (b - a);
+    if (!hull.rigid) {
+      const double A = hull.semi_major, h = std::sqrt(dot3(hull.between, hull.between));
+      hull.minor = h < A ? std::sqrt((A - h) * (A + h)) : 0.0;
+      hull.shape = h / (A + hull.minor);
+    }
+    const bool hollow = !(hull.minor > 0.0);
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    hull.around = {hollow ? broadcast(kNaN) : broadcast(0.5) * (a + b),
+                   broadcast(hull.shape) * hull.between, hull.minor, source};
+  }
+}
+
+std::span<const PlacedCapsule> HullCapsules::of(int k) {
+  PlacedHull& hull = hulls_[static_cast<std::size_t>(k)];
+  if (hull.count == 0) return {&hull.around, 1};
+  const std::span<PlacedCapsule> capsules(capsules_.data() + hull.first,
+                                          static_cast<std::size_t>(hull.count));
+  if (hull.is_placed) return capsules;
+  hull.is_placed = true;
+  const Frame& frame = frames_[hull.body];
+  for (std::size_t n = 0; n < capsules.size(); ++n) {
+    const CapsuleBlock& block = blocks_[static_cast<std::size_t>(hull.first_block) + n / 4];
+    const std::size_t i = n % 4;
+    const Vec4 half = broadcast(0.5) * Vec4{block.vx[i], block.vy[i], block.vz[i], 0.0};
+    capsules[n].middle =
+        transform(frame, Vec4{block.ax[i], block.ay[i], block.az[i], 0.0} + half);
+    capsules[n].half = rotate(frame, half);
+  }
+  return capsules;
+}
+
+void HullCapsules::pull(int k, const PlacedCapsule& capsule, double t, const Vec4& force,
+                        Pulls& pulls) const {
+  const PlacedHull& hull = this->hull(k);
+  const auto add = [&](int body, const Vec4& point, const Vec4& dc_dpoint) -> Vec4& {
+    Pull& each = pulls.each[pulls.count++];
+    each = {body, point, dc_dpoint};
+    return each.dc_dpoint;
+  };
+  const auto add_focus = [&](int point, const Vec4& dc_dpoint) -> Vec4& {
+    return add(body_of_point_[static_cast<std::size_t>(point)], positions_[point], dc_dpoint);
+  };
+  if (hull.count > 0) {
+    add(hull.body, capsule.middle + broadcast(t) * capsule.half, force);
+    return;
+  }
+  if (hull.a == hull.b) {
+    add_focus(hull.a, force);
+    return;
+  }
+  // The point is m + t s g. By the envelope theorem t may be held.
+  const double lean = t * hull.shape;
+  Vec4& by_a = add_focus(hull.a, broadcast(0.5 * (1.0 - lean)) * force);
+  Vec4& by_b = add_focus(hull.b, broadcast(0.5 * (1.0 + lean)) * force);
+  if (hull.rigid) return;
+  const double A = hull.semi_major, B = hull.minor, h = std::sqrt(dot3(hull.between, hull.between));
+  if (!(h > 1e-12 * A)) return;  // the derivative with respect to h vanishes with it
+  const double dc_dh = t * dot3(force, hull.between) * A / (B * (A + B)) - h / B;
+  const Vec4 stretch = broadcast(0.5 * dc_dh / h) * hull.between;  // dh/db = g / 2h = -dh/da
+  by_a -= stretch;
+  by_b += stretch;
+}
+
+}  // namespace pdoik::detail
