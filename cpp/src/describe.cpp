@@ -27,7 +27,7 @@ std::string balance_name(int index) {
 
 }  // namespace
 
-std::string describe(const WorstConstraint& worst, const Robot& robot) {
+std::string describe(const WorstConstraint& worst, const Robot& robot, const ShapePairs& shapes) {
   using Kind = WorstConstraint::Kind;
   const Occupancy& occupancy = robot.occupancy();
   const auto of_tip = [&] {  // where there is but one, all know which
@@ -47,6 +47,9 @@ std::string describe(const WorstConstraint& worst, const Robot& robot) {
     case Kind::Clearance:
       return "clearance of " + hull_name(occupancy, worst.index) + " to obstacle " +
              std::to_string(worst.obstacle);
+    case Kind::Shape:
+      return "clearance of " + hull_name(occupancy, worst.index) + " to " +
+             (worst.obstacle < shapes.count() ? shapes.shape(worst.obstacle).name : "a shape");
     case Kind::Balance:
       return balance_name(worst.index);
     case Kind::SelfCollision:

@@ -66,6 +66,7 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
       T_base_body_(robot.bodies().size()),
       collision_(hulls, hulls.moving),
       fixed_hulls_(hulls, hulls.fixed),
+      capsules_(robot, hulls, hulls.moving),
       balance_(robot, options.balance) {
   for (CollisionState* state : {&collision_, &fixed_hulls_})
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
@@ -126,6 +127,20 @@ void Judge::judge_balance(Verdict& verdict, Result& result) {
                     });
 }
 
+void Judge::judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result) {
+  if (scene.shapes().count() == 0) return;
+  capsules_.place(collision_.positions(), collision_.frames());
+  ShapeClearance least = scene.fixed_to_shapes();
+  const double than = std::min(look, least.distance);
+  const ShapeClearance moving = least_clearance(capsules_, scene.shapes(), than);
+  if (moving.shape >= 0 || look < least.distance) least = moving;
+  result.clearance = std::min(result.clearance, least.distance);
+  if (least.shape < 0) return;
+  verdict.add(WorstConstraint::Kind::Shape,
+              options_.clearance - least.distance - options_.clearance_tolerance, least.source,
+              least.shape);
+}
+
 void Judge::judge_hulls(Verdict& verdict, Result& result) {
   if (!self_) return;
   self_->place(collision_.positions(), collision_.frames());
@@ -154,6 +169,7 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
     verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
                 least.source, least.obstacle);
   }
+  judge_shapes(scene, look, verdict, result);
   result.position_error = result.rotation_error = 0.0;
   for (const Goal& goal : goals) judge_goal(goal, verdict, result);
   judge_balance(verdict, result);

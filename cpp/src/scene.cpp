@@ -6,7 +6,8 @@
 
 namespace pdoik::detail {
 Scene::Scene(const Model& model)
-    : hulls_(model.hulls),
+    : model_(model),
+      hulls_(model.hulls),
       fixed_hulls_(model.hulls, model.hulls.fixed),
       margin_(model.options.clearance),
       tolerance_(model.options.clearance_tolerance),
@@ -20,12 +21,15 @@ Scene::Scene(const Model& model)
 }
 
 Scene::Scene(const Model& model, const Scene& other)
-    : hulls_(model.hulls),
+    : model_(model),
+      hulls_(model.hulls),
       fixed_hulls_(model.hulls, model.hulls.fixed),
       margin_(other.margin_),
       tolerance_(other.tolerance_),
       own_(other.own_),
-      cloud_(other.cloud_) {
+      cloud_(other.cloud_),
+      shapes_(other.shapes_),
+      fixed_to_shapes_(other.fixed_to_shapes_) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   intake = other.intake;
 }
@@ -45,6 +49,16 @@ void Scene::use(std::shared_ptr<const CloudState> cloud) {
   own_ = nullptr;
   cloud_ = std::move(cloud);
   version_ = -1;
+}
+
+void Scene::use(std::shared_ptr<const ShapeSet> shapes) {
+  if (shapes == shapes_.set()) return;
+  shapes_ = ShapePairs(std::move(shapes), model_.robot);
+  HullCapsules fixed(model_.robot, hulls_, hulls_.fixed);
+  fixed.place(fixed_hulls_.positions(), fixed_hulls_.frames());
+  fixed_to_shapes_ = least_clearance(fixed, shapes_);
+  fixed_to_shapes_.capsule = nullptr;  // which ends here
+  changed_ = true;
 }
 
 std::shared_lock<std::shared_mutex> Scene::read() {

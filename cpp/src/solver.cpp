@@ -168,6 +168,8 @@ void Solver::set_obstacles(const Obstacles& points) {
 
 void Solver::set_obstacles(const Cloud& cloud) { impl_->scene.use(cloud.state_); }
 
+void Solver::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
+
 void Solver::set_interrupt(std::function<bool()> wanted) {
   impl_->own.workspace.interrupt = std::move(wanted);
 }
@@ -175,6 +177,7 @@ void Solver::set_interrupt(std::function<bool()> wanted) {
 void Solver::clear_obstacles() {
   impl_->scene.assign(Points(0, 3));
   impl_->scene.intake = 0.0;
+  set_shapes(Shapes());
 }
 
 Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
@@ -268,7 +271,7 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
 }
 
 std::string Solver::describe(const WorstConstraint& worst) const {
-  return detail::describe(worst, robot());
+  return detail::describe(worst, robot(), impl_->scene.shapes());
 }
 
 }  // namespace pdoik

@@ -34,7 +34,10 @@ void Step::approach(const StepRequest& step, double margin, Result& result) {
   problem.evaluate(q_);
   // A goal that is farther than a step can bring it is approached by what a step can.
   for (GoalTerm& goal : workspace_.problem.goals) goal.come_within(step.advance, step.turn);
-  if (workspace_.scene().within_reach() > 0) problem.count_obstacles_within(margin, true);
+  if (workspace_.scene().within_reach() > 0)
+    problem.count_obstacles_within(margin, true);
+  else
+    problem.count_shapes_alone();
   problem.remember_next();
   if (deadline_->passed()) return;
   if (step.pull_to != nullptr) {

@@ -180,7 +180,7 @@ const Eigen::VectorXd& Tracker::q() const { return impl_->last; }
 const LatencyHistogram& Tracker::latency() const { return impl_->latency; }
 void Tracker::clear_latency() { impl_->latency.clear(); }
 std::string Tracker::describe(const WorstConstraint& worst) const {
-  return detail::describe(worst, robot());
+  return detail::describe(worst, robot(), impl_->scene.shapes());
 }
 
 void Tracker::reset(VectorIn q) {
@@ -215,6 +215,8 @@ void Tracker::set_obstacles(const Cloud& cloud) {
   impl_->cloud_complaint.clear();
   impl_->scene.use(cloud.state_);
 }
+
+void Tracker::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
 
 void Tracker::refuse_obstacles(const std::string& complaint) {
   impl_->cloud_complaint.say("%s", complaint.c_str());

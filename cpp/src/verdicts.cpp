@@ -16,6 +16,8 @@ constexpr double kMeasureShare = 0.02;
 constexpr double kRepairMargin = 0.1;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
 constexpr double kObstaclesPerEvaluation = 60.0;
+/// ... or at this many pairs of a hull and a shape, most of which are far from each other.
+constexpr double kShapesPerEvaluation = 60.0;
 
 }  // namespace
 
@@ -87,10 +89,12 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
 
 double Verdicts::cost_of_all() const {
   const Scene& scene = workspace_.scene();
+  const double pairs = static_cast<double>(scene.shapes().count() * model_.hulls.moving.size());
   // Of a cloud in order most is passed by in blocks.
-  return scene.obstacles()->in_order()
-             ? 20.0 + 0.01 * scene.within_reach() / kObstaclesPerEvaluation
-             : scene.within_reach() / kObstaclesPerEvaluation;
+  return pairs / kShapesPerEvaluation +
+         (scene.obstacles()->in_order()
+              ? 20.0 + 0.01 * scene.within_reach() / kObstaclesPerEvaluation
+              : scene.within_reach() / kObstaclesPerEvaluation);
 }
 
 bool Verdicts::repair_pays(const Attempt& attempt) const {

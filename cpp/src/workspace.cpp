@@ -65,6 +65,7 @@ void Workspace::use(const Scene& scene) {
   const int padded =
       std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
+  problem.constraints.shapes.reserve(scene.shapes().count());
   least_squares.reserve(padded);
   least_squares.count_all_obstacles();
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)

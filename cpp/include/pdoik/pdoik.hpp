@@ -19,6 +19,8 @@
 #include "pdoik/point_cloud.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
+#include "pdoik/shape.hpp"
+#include "pdoik/shapes.hpp"
 #include "pdoik/simd.hpp"
 #include "pdoik/solver.hpp"
 #include "pdoik/tracker.hpp"

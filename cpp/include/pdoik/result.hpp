@@ -23,13 +23,14 @@ const char* to_string(Status status);
 
 /// What keeps a configuration from being a solution by most, or comes nearest to that.
 struct WorstConstraint {
-  enum class Kind { None, Position, Rotation, Limit, Clearance, Balance, SelfCollision };
+  enum class Kind { None, Position, Rotation, Limit, Clearance, Balance, SelfCollision, Shape };
   Kind kind = Kind::None;
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
-  /// spheroids) for Clearance and SelfCollision; for Balance 0 to 5 the box's lower and upper x, y,
+  /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's lower and upper x, y,
   /// z, then 6 the support polygon.
   int index = -1;
-  int obstacle = -1;  ///< the obstacle's row for Clearance, the other hull for SelfCollision
+  /// The point's row for Clearance, the shape's place for Shape, the other hull for SelfCollision.
+  int obstacle = -1;
   double violation =
       0.0;  ///< by how much it is missed beyond its tolerance [m] or [rad]; at most 0 if it holds
 };

@@ -11,6 +11,7 @@
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
+#include "pdoik/shapes.hpp"
 
 namespace pdoik {
 
@@ -70,6 +71,10 @@ class Solver {
   void set_obstacles(const Obstacles& points);
   /// Those of a cloud, as they are whenever a solve begins. Solvers share it.
   void set_obstacles(const Cloud& cloud);
+  /// The solids of the solves that follow, beside the points; Shapes() for none. Allocates.
+  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
+  void set_shapes(const Shapes& shapes);
+  /// Neither points nor solids.
   void clear_obstacles();
 
   /// Ask `wanted` about ten times a second whether to end a solve early, with the status TimeLimit:

@@ -99,6 +99,9 @@ class Tracker {
   /// Those of a cloud, as they are whenever a step begins. A step then waits for an update that has
   /// begun; and it allocates when the cloud has become larger than max_obstacles.
   void set_obstacles(const Cloud& cloud);
+  /// The solids from now on, beside the points; Shapes() for none. Allocates.
+  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
+  void set_shapes(const Shapes& shapes);
   /// What set_obstacles does with a cloud that makes no sense, for one that is refused outside.
   void refuse_obstacles(const std::string& complaint);
 

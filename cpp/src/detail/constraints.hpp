@@ -6,6 +6,7 @@
 #include "detail/balance_constraints.hpp"
 #include "detail/obstacle_constraints.hpp"
 #include "detail/self_constraints.hpp"
+#include "detail/shape_constraints.hpp"
 
 namespace pdoik::detail {
 
@@ -17,11 +18,12 @@ class Constraints {
       : hulls(model.hulls, model.hulls.moving),
         obstacles(hulls),
         self(model, hulls),
-        balance(model) {}
+        balance(model),
+        shapes(model.robot, model.hulls) {}
   Constraints(const Constraints&) = delete;
 
-  auto families() { return std::tie(obstacles, self, balance); }
-  static constexpr std::size_t kFamilies = 3;
+  auto families() { return std::tie(obstacles, self, balance, shapes); }
+  static constexpr std::size_t kFamilies = 4;
 
   /// visit(family, its number).
   template <class Visit>
@@ -34,7 +36,9 @@ class Constraints {
   /// Find those that act where a rollout is: c > -reach(family's number, group).
   template <class Reach>
   void find(const Rollout& rollout, Reach&& reach) {
-    if (obstacles.wants_points() || self.wants_points()) hulls.place(rollout);
+    if (obstacles.wants_points() || self.wants_points() || shapes.wants_points())
+      hulls.place(rollout);
+    if (shapes.wants_points()) shapes.place(hulls);
     for_each([&](auto& family, std::size_t number) {
       family.find(rollout, [&](int group) { return reach(number, group); });
     });
@@ -44,6 +48,7 @@ class Constraints {
   ObstacleConstraints obstacles;
   SelfConstraints self;
   BalanceConstraints balance;
+  ShapeConstraints shapes;
 };
 
 }  // namespace pdoik::detail

@@ -34,12 +34,14 @@ class Judge {
   void judge_limits(const Eigen::VectorXd& q, Result& result) const;
   void judge_balance(Verdict& verdict, Result& result);
   void judge_hulls(Verdict& verdict, Result& result);
+  void judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result);
 
   const Robot& robot_;
   const Options& options_;
   const HullModel& hulls_;
   std::vector<Eigen::Isometry3d> T_base_body_;
   CollisionState collision_, fixed_hulls_;
+  HullCapsules capsules_;
   Balance balance_;
   std::optional<SelfCollision> self_;
 };

@@ -28,6 +28,8 @@ class LagrangianProblem {
       const auto groups = static_cast<std::size_t>(family.groups());
       multipliers_[number].reserve(family.groups(), groups);
     });
+    const ShapeConstraints& shapes = problem_.constraints.shapes;
+    multipliers_[3].reserve(shapes.groups(), shapes.most());
     const ObstacleConstraints& obstacles = problem_.constraints.obstacles;
     const auto groups = static_cast<std::size_t>(obstacles.groups());
     multipliers_[0].reserve(
@@ -106,6 +108,7 @@ class LagrangianProblem {
       obstacles.use(scene.obstacles(), ObstacleConstraints::Form::Paper);
     else
       obstacles.use_none();
+    problem_.constraints.shapes.use(scene.shapes(), problem_.model.options.clearance);
   }
 
   /// Find the constraints whose penalty acts: in the smooth form up to mu / rho before contact.

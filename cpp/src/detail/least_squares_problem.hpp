@@ -35,6 +35,7 @@ class LeastSquaresProblem {
 
   void count_all_obstacles() { counted_ = Counted::All; }
   void count_no_obstacles() { counted_ = Counted::None; }
+  void count_shapes_alone() { counted_ = Counted::Shapes; }
   /// Count those that are within `margin` of a hull where f was last evaluated [m]. If not `exact`,
   /// points with a radius are then held off by half_sum_constraint, which errs to the safe side.
   void count_obstacles_within(double margin, bool exact = false) {
@@ -48,13 +49,16 @@ class LeastSquaresProblem {
 
   PosturePull posture;  ///< of the evaluations that follow
 
-  /// Whether a hull touches one of the scene's near obstacles or another hull, where f was last
+  /// Whether a hull touches one of the scene's shapes or near points or another hull, where f was last
   /// evaluated or the robot was last placed.
   bool touches() {
     hulls().place(problem_.rollout);
     SelfConstraints& self = problem_.constraints.self;
     self.find(problem_.rollout, [](int) { return 0.0; });
     if (self.count() > 0) return true;
+    if (problem_.constraints.shapes.any_touches(problem_.scene->shapes(), options_.clearance,
+                                                hulls()))
+      return true;
     const ObstacleView all = problem_.scene->obstacles();
     return hulls().any_near(
         all,
@@ -156,10 +160,10 @@ class LeastSquaresProblem {
 
   CollisionState& hulls() { return problem_.constraints.hulls; }
 
-  enum class Counted { All, Near, NearSafely, None };
+  enum class Counted { All, Near, NearSafely, Shapes, None };
   ObstacleView obstacles() const {
     if (counted_ == Counted::All) return problem_.scene->obstacles();
-    return counted_ == Counted::None ? ObstacleView(none_) : nearby_.view();
+    return counted_ >= Counted::Shapes ? ObstacleView(none_) : nearby_.view();
   }
 
   /// The sum of squares of what is violated.
@@ -167,6 +171,10 @@ class LeastSquaresProblem {
     problem_.constraints.obstacles.use(obstacles(), counted_ == Counted::NearSafely
                                                         ? ObstacleConstraints::Form::HalfSum
                                                         : ObstacleConstraints::Form::Distance);
+    if (counted_ == Counted::None)
+      problem_.constraints.shapes.use_none();
+    else
+      problem_.constraints.shapes.use(problem_.scene->shapes(), options_.clearance);
     problem_.constraints.find(problem_.rollout, [](std::size_t, int) { return kContactGap; });
     double sum = 0.0, worst = 0.0;
     bool cut = false;

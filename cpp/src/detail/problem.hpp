@@ -28,7 +28,10 @@ struct Problem {
   }
 
   /// Whether there is anything that hulls could touch.
-  bool can_touch() const { return scene->within_reach() > 0 || constraints.self.wants_points(); }
+  bool can_touch() const {
+    return scene->within_reach() > 0 || scene->shapes().count() > 0 ||
+           constraints.self.wants_points();
+  }
   /// Whether whoever evaluates should give up: asked for each constraint.
   bool is_late(int constraint) const { return passed_in(constraint, deadline); }
 

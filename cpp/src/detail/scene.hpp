@@ -7,6 +7,7 @@
 #include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
 #include "detail/model.hpp"
+#include "detail/shape_clearance.hpp"
 
 namespace pdoik::detail {
 
@@ -28,6 +29,10 @@ class Scene {
   /// Take those of a cloud, as they are whenever `read` is asked.
   void use(std::shared_ptr<const CloudState> cloud);
 
+  /// Take in shapes, beside the points.
+  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
+  void use(std::shared_ptr<const ShapeSet> shapes);
+
   /// Held while a solve reads the obstacles: brings up to date what follows from them.
   std::shared_lock<std::shared_mutex> read();
   /// Whether `read` has found them changed since this was last asked.
@@ -35,12 +40,17 @@ class Scene {
 
   /// Radii grow by the clearance that is wanted.
   ObstacleView obstacles() const { return {&cloud_->points(), margin_}; }
-  /// At most how many are within the reach of moving hulls; none of the others can touch any.
+  const ShapePairs& shapes() const { return shapes_; }
+  /// At most how many points are within the reach of moving hulls; none of the others can touch any.
   int within_reach() const { return within_reach_; }
   /// The deepest obstacle in a hull that no joint moves, if there is any.
   const Clearance& fixed() const { return fixed_; }
+  /// The same among shapes, their distance without the clearance that is wanted.
+  const ShapeClearance& fixed_to_shapes() const { return fixed_to_shapes_; }
   /// Whether there is one.
-  bool base_collides() const { return fixed_.distance < -tolerance_; }
+  bool base_collides() const {
+    return fixed_.distance < -tolerance_ || fixed_to_shapes_.distance - margin_ < -tolerance_;
+  }
 
   /// Clearance of every hull, the margin included, where the states are placed. Leaves their near
   /// pairs changed.
@@ -53,6 +63,7 @@ class Scene {
  private:
   void refresh();
 
+  const Model& model_;
   const HullModel& hulls_;
   CollisionState fixed_hulls_;
   double margin_, tolerance_;
@@ -60,6 +71,8 @@ class Scene {
   std::shared_ptr<const CloudState> cloud_;
   CellOrder order_;
   Clearance fixed_;
+  ShapePairs shapes_;
+  ShapeClearance fixed_to_shapes_;
   int within_reach_ = 0, version_ = -1;
   bool changed_ = true;
 };

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "detail/hull_capsules.hpp"
+#include "detail/shape_set.hpp"
+
+namespace pdoik::detail {
+
+/// A scene's shapes as one robot's hulls see them: which pairs may not touch.
+class ShapePairs {
+ public:
+  ShapePairs() : set_(no_shapes()) {}
+  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
+  ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot);
+
+  int count() const { return set_->count(); }
+  const Solid& solid(int shape) const { return set_->solids[static_cast<std::size_t>(shape)]; }
+  const Shape& shape(int k) const { return set_->shapes[static_cast<std::size_t>(k)]; }
+  /// @param source  A hull's or capsule's place in the occupancy.
+  bool may_touch(int source, int shape) const {
+    return !allowed_.empty() && allowed_[static_cast<std::size_t>(source * count() + shape)];
+  }
+  const std::shared_ptr<const ShapeSet>& set() const { return set_; }
+
+ private:
+  std::shared_ptr<const ShapeSet> set_;
+  std::vector<bool> allowed_;  ///< by source and shape; empty if none is
+};
+
+/// The least distance from what a hull is to a shape.
+struct ShapeClearance {
+  double distance = std::numeric_limits<double>::infinity();
+  int source = -1, shape = -1;  ///< -1: nothing is nearer than was asked
+  const PlacedCapsule* capsule = nullptr;
+  double t = 0.0;    ///< where on its segment, -1 to 1
+  Vec4 gradient{};   ///< of the distance by that point
+};
+
+/// The least distance of hull k to a shape, if less than `than`.
+ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int shape,
+                              double than);
+
+/// The least of all hulls to all shapes, if less than `than`.
+ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs,
+                               double than = std::numeric_limits<double>::infinity());
+
+/// Whether any hull is nearer than this to a shape.
+bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than);
+
+}  // namespace pdoik::detail

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <vector>
+
+#include "detail/collision_state.hpp"
+#include "detail/constraint_family.hpp"
+#include "detail/shape_clearance.hpp"
+
+namespace pdoik::detail {
+
+/// Hulls off shapes, each pair of a hull and a shape by what of the hull is deepest: one group per
+/// hull.
+class ShapeConstraints {
+ public:
+  /// The model outlives it.
+  ShapeConstraints(const Robot& robot, const HullModel& model)
+      : capsules_(robot, model, model.moving) {}
+
+  void use_none() { pairs_ = nullptr; }
+  /// The shapes of what follows, which outlive it; hulls keep `margin` off them [m].
+  void use(const ShapePairs& pairs, double margin) {
+    pairs_ = pairs.count() > 0 ? &pairs : nullptr;
+    margin_ = margin;
+  }
+  /// Room for so many shapes: called at set-up.
+  void reserve(int shapes) {
+    near_.reserve(static_cast<std::size_t>(capsules_.count()) * static_cast<std::size_t>(shapes));
+  }
+
+  std::size_t most() const { return near_.capacity(); }
+
+  bool wants_points() const { return pairs_ != nullptr; }
+  int groups() const { return capsules_.count(); }
+  void place(const CollisionState& hulls) { capsules_.place(hulls.positions(), hulls.frames()); }
+  /// Whether any hull touches a shape of these where the hulls are.
+  bool any_touches(const ShapePairs& pairs, double margin, const CollisionState& hulls) {
+    if (pairs.count() == 0) return false;
+    place(hulls);
+    return any_nearer(capsules_, pairs, margin);
+  }
+
+  template <class Reach>
+  void find(const Rollout&, Reach&& reach) {
+    near_.clear();
+    if (pairs_ == nullptr) return;
+    for (int k = 0; k < capsules_.count(); ++k) {
+      const double within = margin_ + reach(k);
+      for (int shape = 0; shape < pairs_->count(); ++shape) {
+        const ShapeClearance found = hull_clearance(capsules_, k, *pairs_, shape, within);
+        if (found.shape < 0) continue;
+        Near& near = near_.emplace_back();
+        near.hull = k;
+        near.shape = shape;
+        near.c = margin_ - found.distance;
+        capsules_.pull(k, *found.capsule, found.t, -found.gradient, near.pulls);
+      }
+    }
+  }
+  int count() const { return static_cast<int>(near_.size()); }
+  ConstraintKey key(int k) const { return constraint_key(at(k).hull, at(k).shape); }
+
+  struct Near {
+    int hull, shape;
+    double c;
+    Pulls pulls;
+  };
+  const Near& at(int k) const { return near_[static_cast<std::size_t>(k)]; }
+  void add_row(const Near& at, const Rollout& rollout, double* row) const {
+    for (const auto& [body, point, direction] : at.pulls)
+      rollout.add_row(body, direction, cross3(point, direction), row);
+  }
+  void add_wrenches(const Near& at, double slope, Rollout& rollout) const {
+    for (const auto& [body, point, direction] : at.pulls)
+      rollout.add_force(body, point, broadcast(slope) * direction);
+  }
+
+ private:
+  HullCapsules capsules_;
+  const ShapePairs* pairs_ = nullptr;
+  double margin_ = 0.0;
+  std::vector<Near> near_;
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "detail/solid.hpp"
+#include "pdoik/shapes.hpp"
+
+namespace pdoik::detail {
+
+/// What Shapes shares.
+struct ShapeSet {
+  std::vector<Shape> shapes;
+  std::vector<AllowedContact> allowed;
+  std::vector<Solid> solids;
+
+  int count() const { return static_cast<int>(solids.size()); }
+};
+
+/// The one without any.
+std::shared_ptr<const ShapeSet> no_shapes();
+
+}  // namespace pdoik::detail

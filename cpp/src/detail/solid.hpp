@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "detail/frame.hpp"
+#include "pdoik/shape.hpp"
+
+namespace pdoik::detail {
+
+/// The signed distance of a point from a solid's surface, negative inside, and its derivative.
+struct SolidDistance {
+  double distance;
+  Vec4 gradient;  ///< a unit vector, away from the solid
+};
+
+/// Where a segment comes nearest to a solid, or lies deepest in it by the signed distance of its
+/// points: exact outside; inside, no less deep than a way out of the solid for each of its points.
+struct SegmentSolidDistance {
+  double distance;
+  Vec4 point;     ///< on the segment
+  Vec4 gradient;  ///< how the distance changes as the segment's body moves that point
+};
+
+/// A shape made ready for distances.
+class Solid {
+ public:
+  /// @throws std::invalid_argument  As check_shape.
+  explicit Solid(const Shape& shape);
+
+  SolidDistance distance(const Vec4& p) const;
+  /// @param middle, half  The segment's points are middle + t half, -1 <= t <= 1.
+  /// @param than  Where nothing is nearer than this, any number not below it may come back.
+  SegmentSolidDistance distance(const Vec4& middle, const Vec4& half, double than) const;
+
+  /// At most the distance of all within `radius` of p.
+  double bound(const Vec4& p, double radius) const {
+    if (kind_ == Shape::Kind::HalfSpace) return dot3(T_.z, p - T_.p) - radius;
+    const Vec4 from = p - centre_;
+    return std::sqrt(dot3(from, from)) - radius_ - radius;
+  }
+
+ private:
+  struct Face {
+    Vec4 a, ab, ac;   ///< a corner and two edges
+    Vec4 normal;      ///< out of the solid, of length 1
+    double offset;    ///< normal . a
+    double ab2, abac, ac2, determinant;
+  };
+  SolidDistance local_distance(const Vec4& p) const;
+  SolidDistance mesh_distance(const Vec4& p) const;
+
+  Shape::Kind kind_;
+  Frame T_;                ///< its frame, or the base's for a mesh
+  Vec4 half_{};            ///< half the edges; or radius and half length
+  Vec4 centre_{};          ///< of a ball that holds it
+  double radius_ = 0.0;
+  std::vector<Face> faces_;
+};
+
+}  // namespace pdoik::detail

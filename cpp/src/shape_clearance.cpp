@@ -1,0 +1,73 @@
+#include "detail/shape_clearance.hpp"
+
+#include <cmath>
+
+namespace pdoik::detail {
+
+ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot)
+    : set_(std::move(set)) {
+  if (set_->allowed.empty()) return;
+  const Occupancy& occupancy = robot.occupancy();
+  const auto shapes = static_cast<std::size_t>(count());
+  allowed_.assign(occupancy.size() * shapes, false);
+  for (const AllowedContact& contact : set_->allowed) {
+    robot.link_index(contact.link);
+    std::size_t shape = 0;
+    while (set_->shapes[shape].name != contact.shape) ++shape;
+    std::size_t source = 0;
+    const auto allow = [&](bool is_on_link) {
+      if (is_on_link) allowed_[source * shapes + shape] = true;
+      ++source;
+    };
+    for (const Sphere& s : occupancy.spheres) allow(s.link == contact.link);
+    for (const Spheroid& s : occupancy.spheroids)
+      allow(s.link_a == contact.link || s.link_b == contact.link);
+    for (const Capsule& c : occupancy.capsules) allow(c.link == contact.link);
+  }
+}
+
+ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int shape,
+                              double than) {
+  ShapeClearance least;
+  least.distance = than;
+  const Solid& solid = pairs.solid(shape);
+  const PlacedCapsule& around = hulls.around(k);
+  // Nothing of a hull that is hollow, whose middle is not a number, is near anything.
+  if (!(solid.bound(around.middle, hulls.semi_major(k)) < than)) return least;
+  for (const PlacedCapsule& capsule : hulls.of(k)) {
+    if (pairs.may_touch(capsule.source, shape)) continue;
+    const double length = std::sqrt(dot3(capsule.half, capsule.half));
+    if (!(solid.bound(capsule.middle, length + capsule.radius) < least.distance)) continue;
+    const SegmentSolidDistance found =
+        solid.distance(capsule.middle, capsule.half, least.distance + capsule.radius);
+    const double distance = found.distance - capsule.radius;
+    if (!(distance < least.distance)) continue;
+    const double t = length > 0.0 ? dot3(found.point - capsule.middle, capsule.half) /
+                                        (length * length)
+                                  : 0.0;
+    least = {distance, capsule.source, shape, &capsule, t, found.gradient};
+  }
+  return least;
+}
+
+ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs, double than) {
+  ShapeClearance least;
+  least.distance = than;
+  for (int k = 0; k < hulls.count(); ++k) {
+    for (int shape = 0; shape < pairs.count(); ++shape) {
+      const ShapeClearance found = hull_clearance(hulls, k, pairs, shape, least.distance);
+      if (found.shape >= 0) least = found;
+    }
+  }
+  return least;
+}
+
+bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than) {
+  for (int k = 0; k < hulls.count(); ++k) {
+    for (int shape = 0; shape < pairs.count(); ++shape)
+      if (hull_clearance(hulls, k, pairs, shape, than).shape >= 0) return true;
+  }
+  return false;
+}
+
+}  // namespace pdoik::detail

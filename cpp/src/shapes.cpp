@@ -1,0 +1,42 @@
+#include "pdoik/shapes.hpp"
+
+#include <set>
+#include <stdexcept>
+
+#include "detail/shape_set.hpp"
+
+namespace pdoik {
+
+namespace detail {
+
+std::shared_ptr<const ShapeSet> no_shapes() {
+  static const auto none = std::make_shared<const ShapeSet>();
+  return none;
+}
+
+}  // namespace detail
+
+Shapes::Shapes() : set_(detail::no_shapes()) {}
+
+Shapes::Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed) {
+  auto set = std::make_shared<detail::ShapeSet>();
+  set->shapes = std::move(shapes);
+  set->allowed = std::move(allowed);
+  std::set<std::string> names;
+  for (const Shape& shape : set->shapes) {
+    set->solids.emplace_back(shape);
+    if (!names.insert(shape.name).second)
+      throw std::invalid_argument("two shapes are called '" + shape.name + "'");
+  }
+  for (const AllowedContact& contact : set->allowed) {
+    if (!names.contains(contact.shape))
+      throw std::invalid_argument("contact is allowed with '" + contact.shape +
+                                  "', which is no shape's name");
+  }
+  set_ = std::move(set);
+}
+
+std::span<const Shape> Shapes::shapes() const { return set_->shapes; }
+std::span<const AllowedContact> Shapes::allowed() const { return set_->allowed; }
+
+}  // namespace pdoik

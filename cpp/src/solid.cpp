@@ -1,0 +1,226 @@
+#include "detail/solid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "detail/segment_distance.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// The signed distance of a point from all whose coordinates' excess over bounds is `over`, at most
+/// 0 in each: by how much each is beyond, where none is the least that it is within.
+SolidDistance beyond(const Vec4& over, int count, const Vec4* directions) {
+  double square = 0.0, deepest = -std::numeric_limits<double>::infinity();
+  int nearest = 0;
+  Vec4 sum{};
+  for (int i = 0; i < count; ++i) {
+    if (over[i] > 0.0) {
+      square += over[i] * over[i];
+      sum += broadcast(over[i]) * directions[i];
+    }
+    if (over[i] > deepest) {
+      deepest = over[i];
+      nearest = i;
+    }
+  }
+  if (!(square > 0.0)) return {deepest, directions[nearest]};
+  const double distance = std::sqrt(square);
+  return {distance, broadcast(1.0 / distance) * sum};
+}
+
+Vec4 unit(const Vec4& v, const Vec4& otherwise) {
+  const double length = std::sqrt(dot3(v, v));
+  return length > 1e-12 ? broadcast(1.0 / length) * v : otherwise;
+}
+
+/// The convex function of t is at its minimum to this [m].
+constexpr double kPrecise = 1e-10;
+constexpr int kMostSteps = 60;
+
+/// Beside a face that looks at a point the nearest one may look this much away, as a share of the
+/// mesh's radius.
+constexpr double kUneven = 2.5e-4;
+
+}  // namespace
+
+Solid::Solid(const Shape& shape) : kind_(shape.kind), T_(to_frame(shape.T_base_shape)) {
+  check_shape(shape);
+  centre_ = T_.p;
+  switch (kind_) {
+    case Shape::Kind::Sphere:
+      half_[0] = radius_ = shape.size[0];
+      break;
+    case Shape::Kind::Box:
+      half_ = broadcast(0.5) * to_vec4(shape.size);
+      radius_ = 0.5 * shape.size.norm();
+      break;
+    case Shape::Kind::Cylinder:
+    case Shape::Kind::Capsule:
+      half_[0] = shape.size[0];
+      half_[1] = 0.5 * shape.size[1];
+      radius_ = kind_ == Shape::Kind::Capsule ? half_[0] + half_[1] : std::hypot(half_[0], half_[1]);
+      break;
+    case Shape::Kind::HalfSpace:
+      radius_ = std::numeric_limits<double>::infinity();
+      break;
+    case Shape::Kind::ConvexMesh: {
+      T_ = to_frame(Eigen::Isometry3d::Identity());
+      std::vector<Eigen::Vector3d> vertices;
+      Eigen::AlignedBox3d box;
+      for (const Eigen::Vector3d& vertex : shape.vertices) {
+        vertices.emplace_back(shape.T_base_shape * vertex);
+        box.extend(vertices.back());
+      }
+      centre_ = to_vec4(box.center());
+      for (const Eigen::Vector3d& vertex : vertices)
+        radius_ = std::max(radius_, (vertex - box.center()).norm());
+      for (const auto& [i, j, k] : shape.triangles) {
+        const auto at = [&](int n) { return vertices[static_cast<std::size_t>(n)]; };
+        const Eigen::Vector3d ab = at(j) - at(i), ac = at(k) - at(i), across = ab.cross(ac);
+        if (!(across.norm() > 1e-12 * radius_ * radius_)) continue;  // of no area
+        const Eigen::Vector3d normal = across.normalized();
+        faces_.push_back({to_vec4(at(i)), to_vec4(ab), to_vec4(ac), to_vec4(normal),
+                          normal.dot(at(i)), ab.squaredNorm(), ab.dot(ac), ac.squaredNorm(),
+                          across.squaredNorm()});
+      }
+      break;
+    }
+  }
+}
+
+SolidDistance Solid::distance(const Vec4& p) const {
+  if (kind_ == Shape::Kind::ConvexMesh) return mesh_distance(p);
+  SolidDistance result = local_distance(to_local(T_, p));
+  result.gradient = rotate(T_, result.gradient);
+  return result;
+}
+
+SolidDistance Solid::local_distance(const Vec4& p) const {
+  const Vec4 x{1.0, 0.0, 0.0, 0.0}, y{0.0, 1.0, 0.0, 0.0}, z{0.0, 0.0, 1.0, 0.0};
+  const auto side = [](double v) { return std::copysign(1.0, v); };
+  switch (kind_) {
+    case Shape::Kind::Sphere:
+      return {std::sqrt(dot3(p, p)) - half_[0], unit(p, z)};
+    case Shape::Kind::Box: {
+      const Vec4 directions[] = {broadcast(side(p[0])) * x, broadcast(side(p[1])) * y,
+                                 broadcast(side(p[2])) * z};
+      const Vec4 over{std::abs(p[0]) - half_[0], std::abs(p[1]) - half_[1],
+                      std::abs(p[2]) - half_[2], 0.0};
+      return beyond(over, 3, directions);
+    }
+    case Shape::Kind::Cylinder: {
+      const Vec4 aside{p[0], p[1], 0.0, 0.0};
+      const Vec4 directions[] = {unit(aside, x), broadcast(side(p[2])) * z};
+      const Vec4 over{std::sqrt(dot3(aside, aside)) - half_[0], std::abs(p[2]) - half_[1], 0.0,
+                      0.0};
+      return beyond(over, 2, directions);
+    }
+    case Shape::Kind::Capsule: {
+      const Vec4 from{p[0], p[1], p[2] - std::clamp(p[2], -half_[1], half_[1]), 0.0};
+      return {std::sqrt(dot3(from, from)) - half_[0], unit(from, x)};
+    }
+    case Shape::Kind::HalfSpace:
+    case Shape::Kind::ConvexMesh:
+      break;
+  }
+  return {p[2], z};
+}
+
+SolidDistance Solid::mesh_distance(const Vec4& p) const {
+  double deepest = -std::numeric_limits<double>::infinity();
+  const Face* nearest = nullptr;
+  for (const Face& face : faces_) {
+    const double above = dot3(face.normal, p) - face.offset;
+    if (above <= deepest) continue;
+    deepest = above;
+    nearest = &face;
+  }
+  if (!(deepest > 0.0)) return {deepest, nearest->normal};
+  // The nearest point lies on a face that looks at p (Ericson, "Real-Time Collision Detection",
+  // 5.1.5, by the triangle's inside or the nearest of its edges).
+  double least = std::numeric_limits<double>::infinity();
+  Vec4 from{};
+  const auto try_point = [&](const Vec4& q) {
+    const Vec4 gap = p - q;
+    const double square = dot3(gap, gap);
+    if (square >= least) return;
+    least = square;
+    from = gap;
+  };
+  const auto try_edge = [&](const Vec4& a, const Vec4& ab, double ab2) {
+    try_point(a + broadcast(std::clamp(dot3(p - a, ab) / ab2, 0.0, 1.0)) * ab);
+  };
+  for (const Face& face : faces_) {
+    const double above = dot3(face.normal, p) - face.offset;
+    // Triangles of one flat face differ by rounding, those of a mesh that is not quite convex more.
+    if (!(above > -kUneven * radius_) || above * std::abs(above) >= least) continue;
+    const Vec4 ap = p - face.a;
+    const double d1 = dot3(ap, face.ab), d2 = dot3(ap, face.ac);
+    const double u = face.ac2 * d1 - face.abac * d2, v = face.ab2 * d2 - face.abac * d1;
+    if (u >= 0.0 && v >= 0.0 && u + v <= face.determinant) {
+      try_point(p - broadcast(above) * face.normal);
+      continue;
+    }
+    const Vec4 bc = face.ac - face.ab;
+    try_edge(face.a, face.ab, face.ab2);
+    try_edge(face.a, face.ac, face.ac2);
+    try_edge(face.a + face.ab, bc, dot3(bc, bc));
+  }
+  const double distance = std::sqrt(least);
+  return {distance, distance > 1e-12 ? broadcast(1.0 / distance) * from : nearest->normal};
+}
+
+SegmentSolidDistance Solid::distance(const Vec4& middle, const Vec4& half, double than) const {
+  const auto at = [&](double t) { return middle + broadcast(t) * half; };
+  const auto ending = [&](double t, const SolidDistance& found) -> SegmentSolidDistance {
+    return {found.distance, at(t), found.gradient};
+  };
+  if (!(dot3(half, half) > 0.0)) return ending(0.0, distance(middle));
+  if (kind_ == Shape::Kind::Sphere || kind_ == Shape::Kind::Capsule) {
+    const Vec4 axis = kind_ == Shape::Kind::Capsule ? broadcast(half_[1]) * T_.z : Vec4{};
+    const SegmentDistance found = segment_distance(middle, half, T_.p, axis);
+    const SolidDistance there = distance(at(found.t1));
+    return {found.distance - half_[0], at(found.t1), there.gradient};
+  }
+  // The distance from a convex solid is convex along the segment: between two points that it falls
+  // from and rises to it lies above both tangents, and the next look is where they meet.
+  double low = -1.0, high = 1.0;
+  SolidDistance below = distance(at(low)), above = distance(at(high));
+  double falls = dot3(below.gradient, half), rises = dot3(above.gradient, half);
+  if (falls >= 0.0) return ending(low, below);
+  if (rises <= 0.0) return ending(high, above);
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double meet =
+        (above.distance - below.distance + falls * low - rises * high) / (falls - rises);
+    const double floor = below.distance + falls * (meet - low);
+    const double best = std::min(below.distance, above.distance);
+    if (best - floor < kPrecise || floor >= than) break;
+    // Tangents of what is curved meet nearer to one end than to the minimum: halve now and then.
+    const double width = high - low;
+    const double t = step % 3 == 2 ? 0.5 * (low + high)
+                                   : std::clamp(meet, low + 1e-3 * width, high - 1e-3 * width);
+    const SolidDistance found = distance(at(t));
+    const double slope = dot3(found.gradient, half);
+    if (slope == 0.0) return ending(t, found);
+    if (slope < 0.0) {
+      low = t;
+      below = found;
+      falls = slope;
+    } else {
+      high = t;
+      above = found;
+      rises = slope;
+    }
+  }
+  // Where the distance has a kink the least changes by that mean of both sides' gradients along
+  // which it is level.
+  const double share = rises / (rises - falls);
+  SegmentSolidDistance result =
+      below.distance < above.distance ? ending(low, below) : ending(high, above);
+  result.gradient = broadcast(share) * below.gradient + broadcast(1.0 - share) * above.gradient;
+  return result;
+}
+
+}  // namespace pdoik::detail
