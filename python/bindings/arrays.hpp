@@ -71,7 +71,7 @@ class PointsView {
   Rows<float> single_{nullptr, 0, 3, Eigen::OuterStride<>(3)};
 };
 
-/// Obstacles of a solve: an array of points, or a Cloud.
+/// Obstacles of a solve: an array of points, a Cloud, shapes, or a Scene of both.
 struct ObstaclesLike {
   py::object value;
 };
@@ -91,7 +91,8 @@ struct pybind11::detail::type_caster<pdoik::python::ArrayLike> {
 template <>
 struct pybind11::detail::type_caster<pdoik::python::ObstaclesLike> {
   PYBIND11_TYPE_CASTER(pdoik::python::ObstaclesLike,
-                       const_name("numpy.typing.ArrayLike | pdoik._core.Cloud"));
+                       const_name("numpy.typing.ArrayLike | pdoik._core.Cloud | pdoik._core.Scene | "
+                                  "collections.abc.Sequence[pdoik._core.Shape]"));
   bool load(handle source, bool) {
     if (!source || source.is_none()) return false;
     value.value = reinterpret_borrow<object>(source);

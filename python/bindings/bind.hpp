@@ -7,6 +7,8 @@ namespace pdoik::python {
 namespace py = pybind11;
 
 void bind_cloud(py::module_& module);
+void bind_shape(py::module_& module);
+void bind_scene(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_occupancy(py::module_& module);
 void bind_robot(py::module_& module);

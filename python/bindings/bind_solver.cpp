@@ -13,10 +13,10 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
-#include "cloud.hpp"
 #include "goals.hpp"
 #include "pdoik/solver.hpp"
 #include "result.hpp"
+#include "scene.hpp"
 
 namespace pdoik::python {
 namespace {
@@ -215,9 +215,9 @@ Args:
     q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
         None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
         answers are within pi of it.
-    obstacles: A Cloud; or points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m], taken
-        in by each call anew. Float64 in C order is read in place. None or empty: there are none, whatever
-        the call before had.
+    obstacles: A Cloud; a list of Shapes; a Scene of both; or points x y z, or x y z radius, in the base frame,
+        shape (N, 3) or (N, 4) [m], taken in by each call anew. Float64 in C order is read in place. None or
+        empty: there are none, whatever the call before had.
     posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
         the first solution found, shape (n,) [rad] or [m].
     max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.

@@ -4,11 +4,11 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
-#include "cloud.hpp"
 #include "goals.hpp"
 #include "names.hpp"
 #include "pdoik/tracker.hpp"
 #include "result.hpp"
+#include "scene.hpp"
 
 namespace pdoik::python {
 namespace {

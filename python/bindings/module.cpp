@@ -7,6 +7,8 @@ PYBIND11_MODULE(_core, module) {
   bind_errors(module);
   bind_occupancy(module);
   bind_cloud(module);
+  bind_shape(module);
+  bind_scene(module);
   bind_robot(module);
   bind_options(module);
   bind_goal(module);

@@ -1,0 +1,206 @@
+#include <pybind11/stl.h>
+#include <pybind11/typing.h>
+
+#include "arrays.hpp"
+#include "bind.hpp"
+#include "names.hpp"
+#include "pdoik/shape.hpp"
+
+namespace pdoik::python {
+
+template <>
+inline constexpr std::array names<Shape::Kind>{std::pair{Shape::Kind::Sphere, "sphere"},
+                                               std::pair{Shape::Kind::Box, "box"},
+                                               std::pair{Shape::Kind::Cylinder, "cylinder"},
+                                               std::pair{Shape::Kind::Capsule, "capsule"},
+                                               std::pair{Shape::Kind::HalfSpace, "half_space"},
+                                               std::pair{Shape::Kind::ConvexMesh, "convex_mesh"}};
+
+namespace {
+
+using KindName = py::typing::Literal<"'sphere'", "'box'", "'cylinder'", "'capsule'",
+                                     "'half_space'", "'convex_mesh'">;
+using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+Eigen::Isometry3d pose(const std::optional<ArrayLike>& T) {
+  return T ? to_isometry(*T, "T_base_shape") : Eigen::Isometry3d::Identity();
+}
+
+Shape checked(Shape shape) {
+  check_shape(shape);
+  return shape;
+}
+
+std::vector<Eigen::Vector3d> to_vertices(const ArrayLike& values) {
+  const Array array = to_float64(values, "vertices");
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw std::invalid_argument("vertices has another shape than (N, 3)");
+  std::vector<Eigen::Vector3d> vertices;
+  for (py::ssize_t i = 0; i < array.shape(0); ++i)
+    vertices.emplace_back(array.at(i, 0), array.at(i, 1), array.at(i, 2));
+  return vertices;
+}
+
+Shape convex_mesh(const std::string& name, const ArrayLike& vertices,
+                  const std::optional<ArrayLike>& T_base_shape,
+                  const std::optional<std::vector<std::array<int, 3>>>& triangles) {
+  const Eigen::Isometry3d T = pose(T_base_shape);
+  if (triangles) return checked(Shape::convex_mesh(name, T, to_vertices(vertices), *triangles));
+  const auto hull = py::module_::import("pdoik._convex")
+                        .attr("hull")(to_float64(vertices, "vertices"), name)
+                        .cast<py::tuple>();
+  return checked(Shape::convex_mesh(name, T, to_vertices(ArrayLike{hull[0]}),
+                                    hull[1].cast<std::vector<std::array<int, 3>>>()));
+}
+
+Vertices vertices_of(const Shape& shape) {
+  Vertices rows(static_cast<Eigen::Index>(shape.vertices.size()), 3);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    rows.row(i) = shape.vertices[static_cast<std::size_t>(i)].transpose();
+  return rows;
+}
+
+Triangles triangles_of(const Shape& shape) {
+  Triangles rows(static_cast<Eigen::Index>(shape.triangles.size()), 3);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    for (int k = 0; k < 3; ++k) rows(i, k) = shape.triangles[static_cast<std::size_t>(i)][k];
+  }
+  return rows;
+}
+
+std::vector<double> size_of(const Shape& shape) {
+  switch (shape.kind) {
+    case Shape::Kind::Sphere:
+      return {shape.size[0]};
+    case Shape::Kind::Box:
+      return {shape.size[0], shape.size[1], shape.size[2]};
+    case Shape::Kind::Cylinder:
+    case Shape::Kind::Capsule:
+      return {shape.size[0], shape.size[1]};
+    case Shape::Kind::HalfSpace:
+    case Shape::Kind::ConvexMesh:
+      break;
+  }
+  return {};
+}
+
+py::tuple state(const Shape& shape) {
+  return py::make_tuple(shape.name, static_cast<int>(shape.kind),
+                        Matrix4(shape.T_base_shape.matrix()), shape.size, vertices_of(shape),
+                        triangles_of(shape));
+}
+
+}  // namespace
+
+void bind_shape(py::module_& module) {
+  const char* const kPose =
+      "    T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.\n";
+  const auto doc = [&](const std::string& first, const std::string& arguments, bool has_pose) {
+    return first + "\n\nArgs:\n    name: What results call it.\n" + arguments +
+           (has_pose ? kPose : "") +
+           "\nRaises:\n    ValueError: Names the shape and what is wrong with it.";
+  };
+  py::class_<Shape>(
+      module, "Shape",
+      R"(A convex solid that the robot has to keep off, beside points. It does not change.)")
+      .def_static(
+          "sphere",
+          [](const std::string& name, const ArrayLike& center, double radius) {
+            return checked(Shape::sphere(name, to_vector3(center, "center"), radius));
+          },
+          py::arg("name"), py::arg("center"), py::arg("radius"),
+          doc("A ball.", "    center: In the base frame, shape (3,) [m].\n    radius: [m].\n", false)
+              .c_str())
+      .def_static(
+          "box",
+          [](const std::string& name, const ArrayLike& size, const std::optional<ArrayLike>& T) {
+            return checked(Shape::box(name, pose(T), to_vector3(size, "size")));
+          },
+          py::arg("name"), py::arg("size"), py::arg("T_base_shape") = py::none(),
+          doc("A box along its frame's axes, with the origin in its middle.",
+              "    size: The lengths of its edges, shape (3,) [m].\n", true)
+              .c_str())
+      .def_static(
+          "cylinder",
+          [](const std::string& name, double radius, double length,
+             const std::optional<ArrayLike>& T) {
+            return checked(Shape::cylinder(name, pose(T), radius, length));
+          },
+          py::arg("name"), py::arg("radius"), py::arg("length"),
+          py::arg("T_base_shape") = py::none(),
+          doc("A cylinder about its frame's z axis, with the origin in its middle.",
+              "    radius: [m].\n    length: [m].\n", true)
+              .c_str())
+      .def_static(
+          "capsule",
+          [](const std::string& name, double radius, double length,
+             const std::optional<ArrayLike>& T) {
+            return checked(Shape::capsule(name, pose(T), radius, length));
+          },
+          py::arg("name"), py::arg("radius"), py::arg("length"),
+          py::arg("T_base_shape") = py::none(),
+          doc("A cylinder between two half balls, about its frame's z axis.",
+              "    radius: [m].\n    length: Without the half balls [m].\n", true)
+              .c_str())
+      .def_static(
+          "half_space",
+          [](const std::string& name, const ArrayLike& normal, const ArrayLike& point) {
+            return checked(Shape::half_space(name, to_vector3(normal, "normal"),
+                                             to_vector3(point, "point")));
+          },
+          py::arg("name"), py::arg("normal"), py::arg("point"),
+          doc("All behind a plane: a table, a floor, a wall.",
+              "    normal: Out of the solid, of any length, shape (3,).\n"
+              "    point: On the plane, shape (3,) [m].\n",
+              false)
+              .c_str())
+      .def_static("convex_mesh", &convex_mesh, py::arg("name"), py::arg("vertices"),
+                  py::arg("T_base_shape") = py::none(), py::arg("triangles") = py::none(),
+                  doc("A convex solid by its corners.",
+                      "    vertices: In its frame, shape (N, 3) [m].\n"
+                      "    triangles: Its surface, closed and convex, each three places in `vertices`,"
+                      " counter-clockwise\n        seen from outside, shape (T, 3). None for the convex"
+                      " hull of the vertices.\n",
+                      true)
+                      .c_str())
+      .def_readonly("name", &Shape::name, "What results call it.")
+      .def_property_readonly(
+          "kind", [](const Shape& self) { return KindName(py::str(to_name(self.kind))); },
+          "What it is, by the name of what makes it.")
+      .def_property_readonly(
+          "T_base_shape", [](const Shape& self) { return Matrix4(self.T_base_shape.matrix()); },
+          "Its frame in the base frame, shape (4, 4) [m].")
+      .def_property_readonly("size", &size_of,
+                             "Edges of a box; radius, and length if it has one [m]. Else empty.")
+      .def_property_readonly("vertices", &vertices_of, "Of a mesh, shape (N, 3) [m]; else empty.")
+      .def_property_readonly("triangles", &triangles_of, "Of a mesh, shape (T, 3); else empty.")
+      .def(
+          "moved",
+          [](const Shape& self, const ArrayLike& T_base_shape) {
+            Shape shape = self;
+            shape.T_base_shape = to_isometry(T_base_shape, "T_base_shape");
+            return checked(std::move(shape));
+          },
+          py::arg("T_base_shape"), "The same solid with its frame elsewhere, shape (4, 4) [m].")
+      .def("__repr__",
+           [](const Shape& self) {
+             return py::str("<Shape '{}', a {}>").format(self.name, to_name(self.kind));
+           })
+      .def(py::pickle(&state, [](const py::tuple& state) {
+        Shape shape;
+        shape.name = state[0].cast<std::string>();
+        shape.kind = static_cast<Shape::Kind>(state[1].cast<int>());
+        shape.T_base_shape.matrix() = state[2].cast<Matrix4>();
+        shape.size = state[3].cast<Eigen::Vector3d>();
+        const auto vertices = state[4].cast<Vertices>();
+        for (Eigen::Index i = 0; i < vertices.rows(); ++i)
+          shape.vertices.emplace_back(vertices.row(i).transpose());
+        const auto triangles = state[5].cast<Triangles>();
+        for (Eigen::Index i = 0; i < triangles.rows(); ++i)
+          shape.triangles.push_back({triangles(i, 0), triangles(i, 1), triangles(i, 2)});
+        return shape;
+      }));
+}
+
+}  // namespace pdoik::python
