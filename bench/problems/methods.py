@@ -121,7 +121,7 @@ def surface_cloud(solids: Sequence[Solid], leaf: float = LEAF) -> FloatArray:
 
 
 def _cloud() -> Callable[[Problem], Any]:
-    return lambda problem: pdoik.Cloud(surface_cloud(problem.solids))
+    return lambda problem: pdoik.Cloud(surface_cloud(problem.solids)) if problem.solids else None
 
 
 def _shapes() -> Callable[[Problem], Any]:

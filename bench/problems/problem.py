@@ -1,4 +1,4 @@
-"""A problem: what stands around the robot, where its tips shall be, and an answer known to be good."""
+"""A problem: what stands around a robot, where its tips shall be, and a known good answer."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Problem:
     solids: tuple[Solid, ...]
     targets: dict[str, FloatArray]  # by tip link, T_base_tip (4, 4)
     goal_q: FloatArray | None = None
-    """The configuration that defines the targets, (n,) in the robot's order; None if none is known."""
+    """What defines the targets, (n,) in the order of the robot's joints; None if none is known."""
     allowed: frozenset[Contact] = frozenset()
     """What may touch: the tool and the object that carries the target, the base and its table."""
 

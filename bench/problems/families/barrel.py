@@ -29,7 +29,7 @@ def draw(rng: np.random.Generator, placement: Placement) -> Draft:
     """A point of the bottom (one in five) or of a wall's inner side."""
     if rng.random() < 0.2:
         around, out = rng.uniform(0, 2 * np.pi), APOTHEM * np.sqrt(rng.random())
-        point = CENTER + [out * np.cos(around), out * np.sin(around), FLOOR]
+        point = CENTER + np.array([out * np.cos(around), out * np.sin(around), FLOOR])
         return Draft(
             solids=tuple(barrel()),
             grasp=facing(point, np.array([0, 0, 1.0])),

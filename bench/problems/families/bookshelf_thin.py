@@ -1,4 +1,4 @@
-"""A rack of six boards on four legs with an upright in the middle: cells 0.5 m wide, 0.25 m high."""
+"""A rack: six boards on four legs, an upright in the middle, cells 0.5 m wide and 0.25 m high."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MotionBenchMaker's sets: scene0001.yaml (PlanningScene) and request0001.yaml, as robowflex writes."""
+"""MotionBenchMaker's sets: scene0001.yaml (a PlanningScene) beside request0001.yaml."""
 
 from __future__ import annotations
 
