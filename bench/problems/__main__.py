@@ -19,8 +19,8 @@ from bench.problems.families import FAMILIES
 from bench.problems.hulls import fitted_robot
 from bench.problems.judge import Judge
 from bench.problems.loaders import read_problems
-from bench.problems.make import problems_of
-from bench.problems.methods import make_method
+from bench.problems.make import CEILING_STARTS, problems_of, with_valid_configuration
+from bench.problems.methods import Method
 from bench.problems.problem import Problem
 from bench.problems.robots import RobotFiles, robot_files
 from bench.problems.trials import COLUMNS, Row, cells, to_json
@@ -70,22 +70,21 @@ def run(
     """Solve problem sets and judge every answer by meshes."""
     with plain_errors():
         files = _files(robot, urdf, srdf, packages, tip, base, hold)
-        sets = _sets(files, families, source, count, seed)
         solver_robot = fitted_robot(files, hull_meshes)  # type: ignore[arg-type]
         judge = Judge(files, meshes, solver_robot.joint_names)  # type: ignore[arg-type]
+        sets = _sets(judge, families, source, count, seed)
         rows, records = [], []
+        budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
                 for way in method or ["cloud"]:
-                    for milliseconds in budget or [10.0, 100.0]:
-                        task = progress.add_task(f"{name} {way}", total=len(problems))
-                        trials = run_trials(
-                            problems,
-                            make_method(way, solver_robot, milliseconds / 1e3),
-                            judge,
-                            lambda task=task: progress.advance(task),
-                        )
-                        row = Row.of(name, files.name, way, milliseconds / 1e3, trials)
+                    answering = Method(way, solver_robot, budgets, problems[0].contacts)
+                    task = progress.add_task(f"{name} {way}", total=len(problems))
+                    done = run_trials(
+                        problems, answering, judge, lambda task=task: progress.advance(task)
+                    )
+                    for seconds, trials in done.items():
+                        row = Row.of(name, files.name, way, seconds, trials)
                         rows.append(row)
                         records.append(to_json(row, trials))
         table = markdown_table(COLUMNS, [cells(row) for row in rows])
@@ -102,7 +101,6 @@ def run(
 def draw(
     out: Annotated[Path, typer.Option(help="The picture.")] = OUT / "families.png",
     seed: Annotated[int, typer.Option(min=0)] = 0,
-    kept: Annotated[bool, typer.Option(help="Only from problems that are kept.")] = False,
 ) -> None:
     """One problem of each family, drawn with its defining configuration."""
     from bench.problems.draw import draw_sheet
@@ -144,17 +142,24 @@ def _files(
 
 
 def _sets(
-    files: RobotFiles,
+    judge: Judge,
     families: list[str] | None,
     source: list[Path] | None,
     count: int,
     seed: int,
 ) -> dict[str, list[Problem]]:
     """Problems by the name of their set."""
+    files = judge.files
     sets: dict[str, list[Problem]] = {}
     for path in source or []:
         for name, problems in read_problems(path, files).items():
-            sets[name] = problems[:count]
+            with console.status(f"looking for valid configurations of {name}"):
+                sets[name] = [
+                    problem
+                    if problem.goal_q is not None
+                    else with_valid_configuration(problem, judge, CEILING_STARTS)
+                    for problem in problems[:count]
+                ]
     if source and not families:
         return sets
     mine = families or [name for name, family in FAMILIES.items() if files.name in family.robots]

@@ -16,12 +16,14 @@ import pinocchio
 from bench.problems.problem import Contact, Problem
 from bench.problems.robots import Meshes, RobotFiles
 from bench.problems.solids import Solid
+from scipy.spatial import ConvexHull
 
 from mesh_judge import is_inside
 
 FloatArray = npt.NDArray[np.float64]
-POSES = 200  # random ones, that tell which pairs of links always touch, where no SRDF does
+POSES = 100  # random ones, that tell which pairs of links always touch, where no SRDF does
 ALWAYS = 0.95  # of them
+BALANCE = 1e-3  # how far outside the feet the centre of mass may be [m]
 KIND = {"visual": pinocchio.VISUAL, "collision": pinocchio.COLLISION}
 
 
@@ -91,11 +93,37 @@ class Judge:
 
     def jacobian(self, q: FloatArray, link: str) -> FloatArray:
         """Of a link's frame in that frame: linear rows first, (6, n) in q's order."""
+        frame, full_q = self._frame(link), self._expand(q)
         full = pinocchio.computeFrameJacobian(
-            self._model, self._data, self._expand(q), self._frame(link), pinocchio.LOCAL
+            self._model, self._data, full_q, frame, pinocchio.LOCAL
         )
+        self._move(q)
+        if self._base:  # which moves against the description's root
+            of_base = pinocchio.computeFrameJacobian(
+                self._model, self._data, full_q, self._base, pinocchio.LOCAL
+            )
+            T_link_base = self._data.oMf[frame].inverse() * self._data.oMf[self._base]
+            full = full - T_link_base.action @ of_base
         columns = [self._model.joints[self._model.getJointId(n)].idx_v for n in self.joint_names]
         return np.asarray(full[:, columns])
+
+    def off_balance(self, q: FloatArray, contacts: Mapping[str, FloatArray]) -> float:
+        """How far the centre of mass is outside the contacts' hull, seen from above [m].
+
+        Args:
+            q: (n,) [rad] or [m].
+            contacts: Points by which links stand, (K, 3) in each link's frame [m]; empty for a
+                robot that stands otherwise. The base frame's z is up.
+        """
+        if not contacts:
+            return 0.0
+        self._move(q)
+        center = pinocchio.centerOfMass(self._model, self._data, self._expand(q))
+        center = self._T_base_root.act(center)[:2]
+        places = [(self._in_base(self._frame(link)), points) for link, points in contacts.items()]
+        ground = np.concatenate([points @ T[:3, :3].T + T[:3, 3] for T, points in places])
+        edges = ConvexHull(ground[:, :2]).equations
+        return max(0.0, float((edges[:, :2] @ center + edges[:, 2]).max()))
 
     def touching(
         self, q: FloatArray, solids: Sequence[Solid], allowed: Collection[Contact] = ()
@@ -158,8 +186,15 @@ class Judge:
         return None
 
     def is_good(self, problem: Problem, q: FloatArray) -> bool:
-        """Whether a configuration touches nothing that it may not."""
-        return self.touching(q, problem.solids, problem.allowed) is None
+        """Whether a configuration touches nothing that it may not, and stands."""
+        return self.fault(problem, q) is None
+
+    def fault(self, problem: Problem, q: FloatArray) -> str | None:
+        """What is wrong with a configuration but for the targets, in words; None for nothing."""
+        off = self.off_balance(q, problem.contacts)
+        if off > BALANCE:
+            return f"the centre of mass is {off:.2g} m outside the feet"
+        return self.touching(q, problem.solids, problem.allowed)
 
     def link_surfaces(self, q: FloatArray) -> list[tuple[str, FloatArray]]:
         """Triangles of each link that is a mesh, (T, 3, 3) in the base frame, for pictures."""
@@ -197,44 +232,53 @@ class Judge:
     def _self_pairs(self) -> list[tuple[int, int]]:
         """Pairs of pieces to look at: not joined, and not left out by the SRDF.
 
-        Without an SRDF, pairs of links that touch in nearly all of POSES random configurations
-        are left out, as MoveIt's assistant does.
+        Without an SRDF, links two joints apart and pairs that touch in nearly all of POSES random
+        configurations are left out, as MoveIt's assistant leaves them out.
         """
         geometry, model = self._geometry, self._model
         geometry.addAllCollisionPairs()
         if self.files.srdf is not None:
             pinocchio.removeCollisionPairs(model, geometry, str(self.files.srdf))
-        parents = {link.name: link.parent for link in self._links}
+        near = 1 if self.files.srdf is not None else 2
         pairs = [
             (pair.first, pair.second)
             for pair in geometry.collisionPairs
-            if not _joined(self._links[pair.first].name, self._links[pair.second].name, parents)
-            and self._links[pair.first].joint != self._links[pair.second].joint
+            if self._joints_between(pair.first, pair.second) > near
         ]
-        if self.files.srdf is not None:
-            return pairs
+        return pairs if self.files.srdf is not None else self._not_always_touching(pairs)
+
+    def _joints_between(self, a: int, b: int) -> int:
+        """How many joints lie between two pieces' links."""
+        up, other = (list(self._model.supports[self._links[k].joint]) for k in (a, b))
+        return len(set(up) ^ set(other))
+
+    def _not_always_touching(self, pairs: list[tuple[int, int]]) -> list[tuple[int, int]]:
         rng = np.random.default_rng(0)
-        counts = dict.fromkeys(pairs, 0)
+        open_pairs, clear, kept = set(pairs), dict.fromkeys(pairs, 0), set()
         for _ in range(POSES):
             self._move(self.random(rng))
             poses = [self._pose(link) for link in self._links]
-            for a, b in pairs:
-                if not self._links[a].far_from(self._links[b], poses[a], poses[b]):
-                    shapes = (self._links[a].shape, poses[a], self._links[b].shape, poses[b])
-                    counts[a, b] += _collide(*shapes)
-        return [pair for pair in pairs if counts[pair] < ALWAYS * POSES]
+            for a, b in sorted(open_pairs):
+                first, second = self._links[a], self._links[b]
+                if first.far_from(second, poses[a], poses[b]) or not _collide(
+                    first.shape, poses[a], second.shape, poses[b]
+                ):
+                    clear[a, b] += 1
+                    if clear[a, b] > (1 - ALWAYS) * POSES:
+                        kept.add((a, b))
+            open_pairs -= kept
+        return [pair for pair in pairs if pair in kept]
 
 
 class _Link:
     """A piece of a link's geometry."""
 
-    def __init__(self, name: str, parent: str, joint: int, T_joint: Any, shape: Any) -> None:
-        self.name, self.parent, self.joint, self.T_joint = name, parent, joint, T_joint
+    def __init__(self, name: str, joint: int, T_joint: Any, shape: Any) -> None:
+        self.name, self.joint, self.T_joint = name, joint, T_joint
         self.shape = shape
         shape.computeLocalAABB()
         self.center, self.radius = np.asarray(shape.aabb_center), float(shape.aabb_radius)
         self.triangles: FloatArray | None = None
-        self.inside: FloatArray | None = None
         if isinstance(shape, coal.BVHModelBase):
             vertices = np.asarray(shape.vertices())
             triangles = [shape.tri_indices(i) for i in range(shape.num_tris)]
@@ -243,10 +287,8 @@ class _Link:
 
     @classmethod
     def of(cls, model: Any, item: Any) -> _Link:
-        frame = model.frames[item.parentFrame]
-        parent = model.frames[frame.parentFrame].name
-        above = model.frames[model.frames[frame.parentFrame].parentFrame].name
-        return cls(frame.name, above or parent, item.parentJoint, item.placement, item.geometry)
+        name = model.frames[item.parentFrame].name
+        return cls(name, item.parentJoint, item.placement, item.geometry)
 
     def far_from(self, other: _Link, T: Any, T_other: Any) -> bool:
         gap = np.linalg.norm(T.transform(self.center) - T_other.transform(other.center))
@@ -294,7 +336,3 @@ def _collide(a: Any, T_a: Any, b: Any, T_b: Any) -> bool:
     result = coal.CollisionResult()
     coal.collide(a, T_a, b, T_b, coal.CollisionRequest(), result)
     return bool(result.isCollision())
-
-
-def _joined(a: str, b: str, parents: Mapping[str, str]) -> bool:
-    return a == b or parents[a] == b or parents[b] == a

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from bench.problems.families import FAMILIES
-from bench.problems.families.family import Draft, Family, Placement
+from bench.problems.families.family import Draft, Family
 from bench.problems.judge import Judge
 from bench.problems.problem import Problem, load, save
 from bench.problems.robots import robot_files
@@ -66,29 +67,44 @@ def problems_of(
     return problems[:count]
 
 
+def with_valid_configuration(problem: Problem, judge: Judge, starts: int) -> Problem:
+    """The problem with a configuration that meets its targets and touches nothing, if one is found.
+
+    Args:
+        problem: Without goal_q.
+        judge: Of its robot; goal_q is in its order of joints.
+        starts: Random ones of the search; the same problem is always searched alike.
+    """
+    rng = np.random.default_rng(sum(problem.name.encode()))
+    for q in configurations(judge, problem.targets, rng, starts):
+        if judge.is_good(problem, q):
+            return replace(problem, goal_q=q)
+    return problem
+
+
 def _make(family: Family, robot: str, judge: Judge, seed: int, k: int) -> Problem:
     name = f"{family.name}-{robot}-{k:04d}"
     rng = np.random.default_rng([seed, sum(family.name.encode()), sum(robot.encode()), k])
-    tip = judge.files.tips[0]
+    tips = judge.files.tips
     for _ in range(DRAWS):
         draft = family.draw(rng, family.robots[robot])
-        if draft.grasp is None:
-            q = _valid_posture(draft, judge, rng)
-            targets = {} if q is None else {tip: judge.fk(q, tip)}
-        else:
-            wanted = {tip: draft.grasp @ _grasp_to_tip(judge, robot, tip)}
-            starts = CEILING_STARTS if family.contact else STARTS
-            q = _valid(draft, judge, wanted, rng, starts)
-            targets = wanted if q is None else {tip: judge.fk(q, tip)}
-        if q is not None or family.contact:
-            return Problem(
-                name=name,
-                robot=robot,
-                solids=draft.solids,
-                targets=targets,
-                goal_q=q,
-                allowed=draft.allowed,
-            )
+        wanted = {}
+        if draft.grasp is not None:
+            wanted = {tips[0]: draft.grasp @ _grasp_to_tip(judge, robot, tips[0])}
+        problem = Problem(
+            name=name,
+            robot=robot,
+            solids=draft.solids,
+            targets=wanted,
+            allowed=draft.allowed,
+            contacts=dict(draft.contacts),
+        )
+        starts = CEILING_STARTS if family.contact else STARTS
+        for q in _candidates(draft, judge, wanted, rng, starts):
+            if judge.is_good(problem, q):
+                return replace(problem, goal_q=q, targets={tip: judge.fk(q, tip) for tip in tips})
+        if family.contact:
+            return problem
     raise FamilyError(f"{name}: none of {DRAWS} scenes has a valid configuration")
 
 
@@ -98,25 +114,21 @@ def _grasp_to_tip(judge: Judge, robot: str, tip: str) -> FloatArray:
     return np.asarray(np.linalg.inv(judge.fk(q, GRASP_LINK[robot])) @ judge.fk(q, tip))
 
 
-def _valid(
+def _candidates(
     draft: Draft,
     judge: Judge,
     targets: dict[str, FloatArray],
     rng: np.random.Generator,
     starts: int,
-) -> FloatArray | None:
-    for q in configurations(judge, targets, rng, starts):
-        if judge.touching(q, draft.solids, draft.allowed) is None:
-            return q
-    return None
-
-
-def _valid_posture(draft: Draft, judge: Judge, rng: np.random.Generator) -> FloatArray | None:
-    for _ in range(STARTS):
-        q = judge.random(rng)
-        if judge.touching(q, draft.solids, draft.allowed) is None:
-            return q
-    return None
-
-
-__all__ = ["FamilyError", "Placement", "problems_of"]
+) -> Iterator[FloatArray]:
+    """Configurations that meet the targets; where there are none, postures to take them from."""
+    if draft.grasp is not None:
+        yield from configurations(judge, targets, rng, starts)
+        return
+    for _ in range(starts):
+        if draft.posture is None:
+            yield judge.random(rng)
+        else:
+            q = draft.posture(rng, judge.joint_names)
+            if (q >= judge.lower).all() and (q <= judge.upper).all():
+                yield q

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,78 +31,77 @@ class Answer:
     claimed: bool
     q: FloatArray  # (n,) [rad] or [m]
     time: float  # of the solve alone [s]
-    intake: float  # of taking in the scene before it [s]
     reason: str  # its status and worst constraint
 
 
-class Method(Protocol):
-    """Answers problems of one robot."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TakenIn:
+    """A problem's obstacles as the solver has them; they serve any number of solves."""
 
-    def answer(self, problem: Problem) -> Answer:
-        """Within the budget that the method was made with."""
-
-    def touches(self, problem: Problem) -> bool | None:
-        """Whether the defining configuration touches by the method's own account."""
+    obstacles: Any
+    time: float  # that it took [s]
 
 
-def make_method(name: str, robot: pdoik.Robot, budget: float) -> Method:
-    """A method for a robot with hulls.
+class Method:
+    """pdoik's default method with obstacles given in one of the ways of WAYS.
 
     Args:
-        name: One of METHODS.
+        way: How the solids are given.
         robot: With its hulls.
-        budget: max_time [s].
+        budgets: max_time of each solve of a problem [s].
+        contacts: By which links the robot stands, as Problem has them.
 
     Raises:
-        MethodError: It is unknown, or needs what this pdoik does not have.
+        MethodError: The way is unknown, or needs what this pdoik does not have.
     """
-    if name not in METHODS:
-        raise MethodError(f"method {name!r} is not one of {sorted(METHODS)}")
-    return _Solving(robot, budget, METHODS[name]())
-
-
-class _Solving:
-    """pdoik's default method; `prepare` turns solids into what `solve` takes."""
 
     def __init__(
-        self, robot: pdoik.Robot, budget: float, prepare: Callable[[Problem], Any]
+        self,
+        way: str,
+        robot: pdoik.Robot,
+        budgets: Sequence[float],
+        contacts: Mapping[str, FloatArray] | None = None,
     ) -> None:
-        options = pdoik.Options(
-            max_time=budget,
-            max_restarts=1_000_000,
-            position_tolerance=MILLIMETRE,
-            rotation_tolerance=MILLIRADIAN,
-            self_collision=True,
-        )
-        self._solver, self._prepare = pdoik.Solver(robot, options), prepare
-        self._last: tuple[Problem, Any] | None = None
+        if way not in WAYS:
+            raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
+        self.name, self.budgets, self._prepare = way, tuple(budgets), WAYS[way]()
+        balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
+        self._solvers = {
+            budget: pdoik.Solver(
+                robot,
+                pdoik.Options(
+                    max_time=budget,
+                    max_restarts=1_000_000,
+                    position_tolerance=MILLIMETRE,
+                    rotation_tolerance=MILLIRADIAN,
+                    self_collision=True,
+                    balance=balance,
+                ),
+            )
+            for budget in self.budgets
+        }
 
-    def answer(self, problem: Problem) -> Answer:
+    def take_in(self, problem: Problem) -> TakenIn:
+        """What the solver needs of the scene, made before the clock runs."""
         begun = time.perf_counter()
-        obstacles = self._obstacles(problem)
-        intake = time.perf_counter() - begun
-        result = self._solver.solve(_goals(problem), obstacles=obstacles)
+        obstacles = self._prepare(problem)
+        return TakenIn(obstacles=obstacles, time=time.perf_counter() - begun)
+
+    def answer(self, problem: Problem, scene: TakenIn, budget: float) -> Answer:
+        """Within one of the budgets."""
+        result = self._solvers[budget].solve(_goals(problem), obstacles=scene.obstacles)
         return Answer(
             claimed=result.success,
             q=np.asarray(result.q),
             time=result.time,
-            intake=intake + result.intake,
             reason=f"{result.status}: {result.worst_constraint}",
         )
 
-    def touches(self, problem: Problem) -> bool | None:
-        if problem.goal_q is None:
-            return None
-        verdict = self._solver.judge(
-            _goals(problem), problem.goal_q, obstacles=self._obstacles(problem)
-        )
+    def touches(self, problem: Problem, scene: TakenIn) -> bool:
+        """Whether the defining configuration touches, by the hulls' own account."""
+        solver = self._solvers[self.budgets[0]]
+        verdict = solver.judge(_goals(problem), problem.goal_q, obstacles=scene.obstacles)
         return not verdict.success
-
-    def _obstacles(self, problem: Problem) -> Any:
-        """Kept between the solves of one problem."""
-        if self._last is None or self._last[0] is not problem:
-            self._last = (problem, self._prepare(problem))
-        return self._last[1]
 
 
 def _goals(problem: Problem) -> Any:
@@ -148,4 +147,4 @@ def _shape(solid: Solid) -> Any:
     raise MethodError(f"{solid.name}: no shape for a {solid.kind}")
 
 
-METHODS = {"cloud": _cloud, "shapes": _shapes}
+WAYS = {"cloud": _cloud, "shapes": _shapes}

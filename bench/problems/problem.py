@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,8 @@ class Problem:
     """What defines the targets, (n,) in the order of the robot's joints; None if none is known."""
     allowed: frozenset[Contact] = frozenset()
     """What may touch: the tool and the object that carries the target, the base and its table."""
+    contacts: dict[str, FloatArray] = field(default_factory=dict)
+    """By which links the robot stands: points (K, 3) in the link's frame [m]; empty if bolted."""
 
 
 def save(path: Path, problems: Sequence[Problem]) -> None:
@@ -61,6 +63,7 @@ def _to_json(problem: Problem) -> dict[str, Any]:
         "targets": {tip: T.tolist() for tip, T in problem.targets.items()},
         "goal_q": None if problem.goal_q is None else problem.goal_q.tolist(),
         "allowed": sorted(problem.allowed),
+        "contacts": {link: points.tolist() for link, points in problem.contacts.items()},
     }
 
 
@@ -82,4 +85,5 @@ def _from_json(entry: dict[str, Any]) -> Problem:
         targets={tip: np.array(T) for tip, T in entry["targets"].items()},
         goal_q=None if entry["goal_q"] is None else np.array(entry["goal_q"]),
         allowed=frozenset((link, solid) for link, solid in entry["allowed"]),
+        contacts={link: np.array(points) for link, points in entry.get("contacts", {}).items()},
     )

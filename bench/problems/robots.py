@@ -148,4 +148,20 @@ def _ur10() -> RobotFiles:
     )
 
 
-_ROBOTS = {"panda": _panda, "ur5": _ur5, "ur10": _ur10}
+def _g1() -> RobotFiles:
+    """Unitree's G1 on its left foot, hands open and still."""
+    share = _example_robot_data_share()
+    folder = share / "example-robot-data/robots/g1_description"
+    fingers = ("index_0", "index_1", "middle_0", "middle_1", "thumb_0", "thumb_1", "thumb_2")
+    return RobotFiles(
+        name="g1",
+        urdf=folder / "urdf/g1_29dof_with_hand_rev_1_0.urdf",
+        srdf=None,
+        package_dirs=(folder / "urdf", share),
+        tips=("right_ankle_roll_link", "left_hand_palm_link", "right_hand_palm_link"),
+        base="left_ankle_roll_link",
+        held={f"{side}_hand_{f}_joint": 0.0 for side in ("left", "right") for f in fingers},
+    )
+
+
+_ROBOTS = {"panda": _panda, "ur5": _ur5, "ur10": _ur10, "g1": _g1}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from bench.problems.judge import Judge
-from bench.problems.methods import MILLIMETRE, MILLIRADIAN, Method
+from bench.problems.methods import MILLIMETRE, MILLIRADIAN, Answer, Method
 from bench.problems.problem import Problem
 
 
@@ -115,8 +115,8 @@ def run(
     method: Method,
     judge: Judge,
     advance: Callable[[], object] = lambda: None,
-) -> list[Trial]:
-    """Every problem answered and judged.
+) -> dict[float, list[Trial]]:
+    """Every problem answered within every budget of the method, and judged: by budget [s].
 
     Args:
         problems: Of the robot that method and judge are for.
@@ -124,30 +124,37 @@ def run(
         judge: In the method's order of joints.
         advance: Called after each problem.
     """
-    trials = []
-    if problems:
-        method.answer(problems[0])  # the first solve pays for what is loaded only once
-    for problem in problems:
-        answer = method.answer(problem)
-        fault = None
-        if answer.claimed:
-            fault = judge.misses(
-                answer.q, problem.targets, MILLIMETRE, MILLIRADIAN
-            ) or judge.touching(answer.q, problem.solids, problem.allowed)
-        trials.append(
-            Trial(
-                problem=problem.name,
-                claimed=answer.claimed,
-                fault=fault,
-                known=problem.goal_q is not None and judge.is_good(problem, problem.goal_q),
-                hulls_touch=method.touches(problem),
-                time=answer.time,
-                intake=answer.intake,
-                reason=answer.reason,
+    trials: dict[float, list[Trial]] = {budget: [] for budget in method.budgets}
+    for k, problem in enumerate(problems):
+        scene = method.take_in(problem)
+        if k == 0:  # the first solve pays for what is loaded only once
+            method.answer(problem, scene, method.budgets[0])
+        known = problem.goal_q is not None and judge.is_good(problem, problem.goal_q)
+        touch = method.touches(problem, scene) if known else None
+        for budget in method.budgets:
+            answer = method.answer(problem, scene, budget)
+            trials[budget].append(
+                Trial(
+                    problem=problem.name,
+                    claimed=answer.claimed,
+                    fault=_fault(judge, problem, answer),
+                    known=known,
+                    hulls_touch=touch,
+                    time=answer.time,
+                    intake=scene.time,
+                    reason=answer.reason,
+                )
             )
-        )
         advance()
     return trials
+
+
+def _fault(judge: Judge, problem: Problem, answer: Answer) -> str | None:
+    """What is wrong with a claimed answer."""
+    if not answer.claimed:
+        return None
+    missed = judge.misses(answer.q, problem.targets, MILLIMETRE, MILLIRADIAN)
+    return missed or judge.fault(problem, answer.q)
 
 
 def to_json(row: Row, trials: Sequence[Trial]) -> dict[str, Any]:

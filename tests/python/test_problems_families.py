@@ -1,4 +1,4 @@
-"""Our own problem sets: valid by coal, the same for the same seed, and solved or not by the table."""
+"""Our own problem sets: valid by coal, the same for a seed, and counted as they should be."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ pytest.importorskip("pinocchio")
 from bench.problems.families import FAMILIES
 from bench.problems.judge import Judge
 from bench.problems.make import FamilyError, problems_of
-from bench.problems.methods import MethodError, make_method, surface_cloud
+from bench.problems.methods import Method, MethodError, surface_cloud
 from bench.problems.problem import Problem
 from bench.problems.robots import robot_files
 from bench.problems.solids import box, pose
@@ -89,7 +89,7 @@ def test_shapes_say_what_they_need_where_they_are_not() -> None:
     if hasattr(pdoik, "Shape"):
         pytest.skip("this pdoik has shapes")
     with pytest.raises(MethodError, match=r"needs pdoik\.Shape"):
-        make_method("shapes", pdoik.Robot.builtin("panda"), 0.01)
+        Method("shapes", pdoik.Robot.builtin("panda"), [0.01])
 
 
 def test_a_wrong_answer_and_a_missed_one_are_counted(judge: Judge) -> None:
@@ -105,8 +105,8 @@ def test_a_wrong_answer_and_a_missed_one_are_counted(judge: Judge) -> None:
         Problem(name="walled", robot="panda", solids=(wall,), targets=targets, goal_q=q),
         Problem(name="far", robot="panda", solids=(), targets=far),
     ]
-    method = make_method("cloud", robot, 0.05)
-    trials = run(problems[1:], method, judge)
+    method = Method("cloud", robot, [0.05])
+    trials = run(problems[1:], method, judge)[0.05]
     row = Row.of("set", "panda", "cloud", 0.05, trials)
     assert (row.solved, row.wrong, row.none, row.missed, row.ceiling) == (0, 1, 1, 0, 0)
     assert "and wall" in trials[0].fault

@@ -83,7 +83,7 @@ def test_an_arm_folded_into_itself_touches_itself(judge: Judge) -> None:
 def test_misses_says_how_far_and_which_limit(judge: Judge) -> None:
     target = {"panda_hand_tcp": judge.fk(Q, "panda_hand_tcp")}
     assert judge.misses(Q, target, 1e-6, 1e-6) is None
-    nudged = Q + [1e-3, 0, 0, 0, 0, 0, 0]
+    nudged = np.array([1e-3, *READY[1:]])
     assert "panda_hand_tcp misses by" in judge.misses(nudged, target, 1e-6, 1e-6)
     assert "panda_joint4 is 0.1" in judge.misses(np.where(Q[3] == Q, 0.03, Q), target, 9, 9)
 

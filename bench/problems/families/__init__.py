@@ -19,6 +19,7 @@ from bench.problems.families import (
     cage,
     cubby_shelf,
     flat_table,
+    humanoid_table,
     table_pick,
     table_top,
     table_under_pick,
@@ -40,6 +41,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
             cubby_shelf.FAMILY,
             barrel.FAMILY,
             flat_table.FAMILY,
+            humanoid_table.FAMILY,
         )
     }
 )

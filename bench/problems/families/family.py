@@ -21,6 +21,9 @@ class Draft:
     solids: tuple[Solid, ...]
     grasp: FloatArray | None  # T_base_grasp of the robot's grasp link, (4, 4); None for fk(random)
     allowed: frozenset[Contact] = frozenset()
+    posture: Callable[[np.random.Generator, Sequence[str]], FloatArray] | None = None
+    """Draws the configuration where there is no grasp, for joints of these names; None: uniform."""
+    contacts: Mapping[str, FloatArray] = field(default_factory=dict)  # as Problem has them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
