@@ -78,7 +78,7 @@ def run(
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
                 for way in method or ["cloud"]:
-                    answering = Method(way, solver_robot, budgets, problems[0].contacts)
+                    answering = Method(way, solver_robot, budgets, problems[0])
                     task = progress.add_task(f"{name} {way}", total=len(problems))
                     done = run_trials(
                         problems, answering, judge, lambda task=task: progress.advance(task)

@@ -21,7 +21,6 @@ STARTS = 60  # of the search for a valid configuration
 CEILING_STARTS = 300  # the same where the share that can be reached at all is asked for
 DRAWS = 200  # scenes in a row without a valid configuration, then it gives up
 GRASP_LINK = {"panda": "panda_link8", "ur5": "ee_link", "ur10": "tool0"}  # whose pose drafts give
-VERSION = 1  # of what is made; counts up when the same seed gives other problems
 
 
 class FamilyError(RuntimeError):
@@ -56,7 +55,7 @@ def problems_of(
     kind = FAMILIES[family]
     if robot not in kind.robots:
         raise FamilyError(f"{family} has the robots {sorted(kind.robots)}, not {robot!r}")
-    file = kept / f"{family}-{robot}-seed{seed}-v{VERSION}.json"
+    file = kept / f"{family}-{robot}-seed{seed}-v{kind.version}.json"
     problems = load(file) if file.is_file() else []
     if len(problems) < count:
         judge = Judge(robot_files(robot), "visual")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,7 +49,8 @@ class Method:
         way: How the solids are given.
         robot: With its hulls.
         budgets: max_time of each solve of a problem [s].
-        contacts: By which links the robot stands, as Problem has them.
+        like: A problem of the set: by which links its robots stand, and whether the base may touch
+            (what else may touch cannot be said to the solver yet).
 
     Raises:
         MethodError: The way is unknown, or needs what this pdoik does not have.
@@ -60,12 +61,14 @@ class Method:
         way: str,
         robot: pdoik.Robot,
         budgets: Sequence[float],
-        contacts: Mapping[str, FloatArray] | None = None,
+        like: Problem | None = None,
     ) -> None:
         if way not in WAYS:
             raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
         self.name, self.budgets, self._prepare = way, tuple(budgets), WAYS[way]()
+        contacts = like.contacts if like else {}
         balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
+        may_touch = {link for link, _ in like.allowed} if like else set()
         self._solvers = {
             budget: pdoik.Solver(
                 robot,
@@ -76,6 +79,7 @@ class Method:
                     rotation_tolerance=MILLIRADIAN,
                     self_collision=True,
                     balance=balance,
+                    base_collision=robot.base_link not in may_touch,
                 ),
             )
             for budget in self.budgets

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from bench.problems.families.family import Draft, Family, Placement
 from bench.problems.families.on_surface import allow, facing
-from bench.problems.solids import Solid, box, pose
+from bench.problems.solids import Solid, box, cylinder, pose
 from scipy.spatial.transform import Rotation
 
 APOTHEM, HEIGHT, WALL = 0.1444, 0.35, 0.02  # of the inner hexagon [m]
@@ -21,7 +21,7 @@ def barrel() -> list[Solid]:
         R = Rotation.from_euler("z", k * np.pi / 3).as_matrix()
         at = CENTER + R @ [APOTHEM + WALL / 2, 0, HEIGHT / 2]
         walls.append(box(f"wall_{k}", (WALL, edge, HEIGHT), pose(at, R)))
-    bottom = box("bottom", (2 * APOTHEM, 2 * APOTHEM, FLOOR), pose((*CENTER[:2], FLOOR / 2)))
+    bottom = cylinder("bottom", APOTHEM, FLOOR, pose((*CENTER[:2], FLOOR / 2)))
     return [bottom, *walls]
 
 
@@ -49,4 +49,5 @@ FAMILY = Family(
     robots={"ur10": Placement()},
     draw=draw,
     contact=True,
+    version=2,
 )

@@ -44,6 +44,7 @@ class Family:
     robots: Mapping[str, Placement]
     draw: Callable[[np.random.Generator, Placement], Draft]
     contact: bool = False  # the tool touches what carries the target; targets may be unreachable
+    version: int = 1  # counts up when the same seed gives other problems
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
