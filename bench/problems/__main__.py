@@ -11,6 +11,7 @@ Run from the repository's root. Problems, hulls and results are kept in build/be
 from __future__ import annotations
 
 import json
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated
 
@@ -72,6 +73,8 @@ def run(
         files = _files(robot, urdf, srdf, packages, tip, base, hold)
         solver_robot = fitted_robot(files, hull_meshes)  # type: ignore[arg-type]
         judge = Judge(files, meshes, solver_robot.joint_names)  # type: ignore[arg-type]
+        may_touch = judge.left_out_pairs() & set(combinations(sorted(solver_robot.link_names), 2))
+        solver_robot.ignored_pairs = sorted({*solver_robot.ignored_pairs, *may_touch})
         sets = _sets(judge, families, source, count, seed)
         rows, records = [], []
         budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]

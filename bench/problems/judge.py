@@ -107,6 +107,13 @@ class Judge:
         columns = [self._model.joints[self._model.getJointId(n)].idx_v for n in self.joint_names]
         return np.asarray(full[:, columns])
 
+    def left_out_pairs(self) -> set[tuple[str, str]]:
+        """Pairs of links that are never looked at; what is judged may ignore them, too."""
+        names = sorted({link.name for link in self._links})
+        looked_at = {frozenset((self._links[a].name, self._links[b].name)) for a, b in self._pairs}
+        pairs = {(a, b) for k, a in enumerate(names) for b in names[k + 1 :]}
+        return {pair for pair in pairs if frozenset(pair) not in looked_at}
+
     def off_balance(self, q: FloatArray, contacts: Mapping[str, FloatArray]) -> float:
         """How far the centre of mass is outside the contacts' hull, seen from above [m].
 
