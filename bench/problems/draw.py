@@ -1,0 +1,89 @@
+"""A sheet of pictures: one problem of each family with its defining configuration."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+from bench.problems.families import FAMILIES
+from bench.problems.judge import Judge
+from bench.problems.make import problems_of
+from bench.problems.problem import Problem
+from bench.problems.robots import robot_files
+
+mpl.use("agg")
+import matplotlib.pyplot as plt
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+FloatArray = npt.NDArray[np.float64]
+AMONG = 20  # problems that the drawn one is the first solvable of
+COLUMNS = 4
+MANY = 20_000  # triangles: a link without a collision mesh is drawn by its visual one up to here
+LIGHT = np.array([0.4, -0.6, 0.7])
+
+
+def draw_sheet(path: Path, seed: int = 0) -> None:
+    """Draw every family with its first robot.
+
+    Args:
+        path: The PNG.
+        seed: Of the problems.
+    """
+    judges: dict[str, tuple[Judge, Judge]] = {}
+    rows = -(-len(FAMILIES) // COLUMNS)
+    figure = plt.figure(figsize=(3.2 * COLUMNS, 3.2 * rows), dpi=110)
+    for k, family in enumerate(FAMILIES.values()):
+        robot = next(iter(family.robots))
+        if robot not in judges:
+            files = robot_files(robot)
+            judges[robot] = (Judge(files, "collision"), Judge(files, "visual"))
+        problems = problems_of(family.name, robot, AMONG if family.contact else 1, seed)
+        problem = next((p for p in problems if p.goal_q is not None), problems[0])
+        axes = figure.add_subplot(rows, COLUMNS, k + 1, projection="3d")
+        _draw(axes, problem, *judges[robot])
+        axes.set_title(f"{family.name} ({robot})", fontsize=9)
+    figure.subplots_adjust(0, 0, 1, 0.96, 0, 0.06)
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def _draw(axes: Any, problem: Problem, coarse: Judge, fine: Judge) -> None:
+    axes.computed_zorder = False  # the robot shows through what is before it
+    carriers = {solid for _, solid in problem.allowed}
+    for solid in problem.solids:
+        color = (0.85, 0.65, 0.3) if solid.name in carriers else (0.55, 0.6, 0.7)
+        _add(axes, np.asarray(solid.surface().triangles), color, 0.28, 1)
+    if problem.goal_q is not None:
+        links = dict(coarse.link_surfaces(problem.goal_q))
+        for name, triangles in fine.link_surfaces(problem.goal_q):
+            if len(triangles) < MANY:
+                links.setdefault(name, triangles)
+        for triangles in links.values():
+            _add(axes, triangles, (0.92, 0.92, 0.9), 1.0, 2)
+    for T in problem.targets.values():
+        for axis, color in enumerate("rgb"):
+            line = np.stack([T[:3, 3], T[:3, 3] + 0.12 * T[:3, axis]])
+            axes.plot(*line.T, color=color, linewidth=1.5, zorder=3)
+    middle = np.mean([T[:3, 3] for T in problem.targets.values()], axis=0) / 2 + [0, 0, 0.2]
+    for setter, at in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True):
+        setter(at - 0.7, at + 0.7)
+    axes.set_box_aspect((1, 1, 1), zoom=1.45)
+    ahead = np.degrees(np.arctan2(*next(iter(problem.targets.values()))[[1, 0], 3]))
+    axes.view_init(elev=22, azim=ahead - 125)
+    axes.set_axis_off()
+
+
+def _add(
+    axes: Any, triangles: FloatArray, color: tuple[float, ...], alpha: float, zorder: int
+) -> None:
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    shade = 0.65 + 0.35 * np.abs(normals @ (LIGHT / np.linalg.norm(LIGHT)))
+    colors = np.clip(shade[:, None] * np.array(color), 0, 1)
+    faces = np.column_stack([colors, np.full(len(colors), alpha)])
+    axes.add_collection3d(
+        Poly3DCollection(triangles, facecolors=faces, linewidths=0, zorder=zorder)
+    )

@@ -1,0 +1,133 @@
+"""Problems of a family: scenes drawn until a valid configuration is found, kept in build/."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from bench.problems.families import FAMILIES
+from bench.problems.families.family import Draft, Family
+from bench.problems.judge import Judge
+from bench.problems.problem import Problem, load, save
+from bench.problems.robots import robot_files
+from bench.problems.sample_ik import FloatArray, configurations
+
+from peer_library import ROOT
+
+KEPT = ROOT / "build/bench/problems/made"
+STARTS = 60  # of the search for a valid configuration
+CEILING_STARTS = 300  # the same where the share that can be reached at all is asked for
+DRAWS = 200  # scenes in a row without a valid configuration, then it gives up
+GRASP_LINK = {"panda": "panda_link8", "ur5": "ee_link", "ur10": "tool0"}  # whose pose drafts give
+
+
+class FamilyError(RuntimeError):
+    """No problems could be made as asked."""
+
+
+def problems_of(
+    family: str,
+    robot: str,
+    count: int,
+    seed: int = 0,
+    kept: Path = KEPT,
+    advance: Callable[[], object] = lambda: None,
+) -> list[Problem]:
+    """The first `count` problems of a family, from the kept file if it has them.
+
+    Problem k depends on the family, the robot, the seed and k alone.
+
+    Args:
+        family: One of FAMILIES.
+        robot: One of the family's robots.
+        count: How many.
+        seed: Of all of them.
+        kept: Folder of the files.
+        advance: Called after each problem that had to be made.
+
+    Raises:
+        FamilyError: The family is unknown, does not have the robot, or no scene is valid.
+    """
+    if family not in FAMILIES:
+        raise FamilyError(f"family {family!r} is not one of {sorted(FAMILIES)}")
+    kind = FAMILIES[family]
+    if robot not in kind.robots:
+        raise FamilyError(f"{family} has the robots {sorted(kind.robots)}, not {robot!r}")
+    file = kept / f"{family}-{robot}-seed{seed}-v{kind.version}.json"
+    problems = load(file) if file.is_file() else []
+    if len(problems) < count:
+        judge = Judge(robot_files(robot), "visual")
+        for k in range(len(problems), count):
+            problems.append(_make(kind, robot, judge, seed, k))
+            advance()
+        save(file, problems)
+    return problems[:count]
+
+
+def with_valid_configuration(problem: Problem, judge: Judge, starts: int) -> Problem:
+    """The problem with a configuration that meets its targets and touches nothing, if one is found.
+
+    Args:
+        problem: Without goal_q.
+        judge: Of its robot; goal_q is in its order of joints.
+        starts: Random ones of the search; the same problem is always searched alike.
+    """
+    rng = np.random.default_rng(sum(problem.name.encode()))
+    for q in configurations(judge, problem.targets, rng, starts):
+        if judge.is_good(problem, q):
+            return replace(problem, goal_q=q)
+    return problem
+
+
+def _make(family: Family, robot: str, judge: Judge, seed: int, k: int) -> Problem:
+    name = f"{family.name}-{robot}-{k:04d}"
+    rng = np.random.default_rng([seed, sum(family.name.encode()), sum(robot.encode()), k])
+    tips = judge.files.tips
+    for _ in range(DRAWS):
+        draft = family.draw(rng, family.robots[robot])
+        wanted = {}
+        if draft.grasp is not None:
+            wanted = {tips[0]: draft.grasp @ _grasp_to_tip(judge, robot, tips[0])}
+        problem = Problem(
+            name=name,
+            robot=robot,
+            solids=draft.solids,
+            targets=wanted,
+            allowed=draft.allowed,
+            contacts=dict(draft.contacts),
+        )
+        starts = CEILING_STARTS if family.contact else STARTS
+        for q in _candidates(draft, judge, wanted, rng, starts):
+            if judge.is_good(problem, q):
+                return replace(problem, goal_q=q, targets={tip: judge.fk(q, tip) for tip in tips})
+        if family.contact:
+            return problem
+    raise FamilyError(f"{name}: none of {DRAWS} scenes has a valid configuration")
+
+
+def _grasp_to_tip(judge: Judge, robot: str, tip: str) -> FloatArray:
+    """T_grasp_tip, a constant: both links are on the hand."""
+    q = np.zeros(judge.dof)
+    return np.asarray(np.linalg.inv(judge.fk(q, GRASP_LINK[robot])) @ judge.fk(q, tip))
+
+
+def _candidates(
+    draft: Draft,
+    judge: Judge,
+    targets: dict[str, FloatArray],
+    rng: np.random.Generator,
+    starts: int,
+) -> Iterator[FloatArray]:
+    """Configurations that meet the targets; where there are none, postures to take them from."""
+    if draft.grasp is not None:
+        yield from configurations(judge, targets, rng, starts)
+        return
+    for _ in range(starts):
+        if draft.posture is None:
+            yield judge.random(rng)
+        else:
+            q = draft.posture(rng, judge.joint_names)
+            if (q >= judge.lower).all() and (q <= judge.upper).all():
+                yield q

@@ -1,0 +1,154 @@
+"""How the obstacles are given to the solver: as a cloud of their surfaces, or as shapes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from bench.problems.problem import Problem
+from bench.problems.solids import Solid
+
+import pdoik
+
+FloatArray = npt.NDArray[np.float64]
+LEAF = 0.01  # of the cloud [m]
+FINER = 3  # points of a surface per leaf, in each direction
+MILLIMETRE, MILLIRADIAN = 1e-3, 1e-3
+
+
+class MethodError(RuntimeError):
+    """A method that is not there, or cannot run here."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What a method said of one problem."""
+
+    claimed: bool
+    q: FloatArray  # (n,) [rad] or [m]
+    time: float  # of the solve alone [s]
+    reason: str  # its status and worst constraint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TakenIn:
+    """A problem's obstacles as the solver has them; they serve any number of solves."""
+
+    obstacles: Any
+    time: float  # that it took [s]
+
+
+class Method:
+    """pdoik's default method with obstacles given in one of the ways of WAYS.
+
+    Args:
+        way: How the solids are given.
+        robot: With its hulls.
+        budgets: max_time of each solve of a problem [s].
+        like: A problem of the set: by which links its robots stand, and whether the base may touch
+            (what else may touch cannot be said to the solver yet).
+
+    Raises:
+        MethodError: The way is unknown, or needs what this pdoik does not have.
+    """
+
+    def __init__(
+        self,
+        way: str,
+        robot: pdoik.Robot,
+        budgets: Sequence[float],
+        like: Problem | None = None,
+    ) -> None:
+        if way not in WAYS:
+            raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
+        self.name, self.budgets, self._prepare = way, tuple(budgets), WAYS[way]()
+        contacts = like.contacts if like else {}
+        balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
+        may_touch = {link for link, _ in like.allowed} if like else set()
+        self._solvers = {
+            budget: pdoik.Solver(
+                robot,
+                pdoik.Options(
+                    max_time=budget,
+                    max_restarts=1_000_000,
+                    position_tolerance=MILLIMETRE,
+                    rotation_tolerance=MILLIRADIAN,
+                    self_collision=True,
+                    balance=balance,
+                    base_collision=robot.base_link not in may_touch,
+                ),
+            )
+            for budget in self.budgets
+        }
+
+    def take_in(self, problem: Problem) -> TakenIn:
+        """What the solver needs of the scene, made before the clock runs."""
+        begun = time.perf_counter()
+        obstacles = self._prepare(problem)
+        return TakenIn(obstacles=obstacles, time=time.perf_counter() - begun)
+
+    def answer(self, problem: Problem, scene: TakenIn, budget: float) -> Answer:
+        """Within one of the budgets."""
+        result = self._solvers[budget].solve(_goals(problem), obstacles=scene.obstacles)
+        return Answer(
+            claimed=result.success,
+            q=np.asarray(result.q),
+            time=result.time,
+            reason=f"{result.status}: {result.worst_constraint}",
+        )
+
+    def touches(self, problem: Problem, scene: TakenIn) -> bool:
+        """Whether the defining configuration touches, by the hulls' own account."""
+        solver = self._solvers[self.budgets[0]]
+        verdict = solver.judge(_goals(problem), problem.goal_q, obstacles=scene.obstacles)
+        return not verdict.success
+
+
+def _goals(problem: Problem) -> Any:
+    if len(problem.targets) == 1:
+        return next(iter(problem.targets.values()))
+    return dict(problem.targets)
+
+
+def surface_cloud(solids: Sequence[Solid], leaf: float = LEAF) -> FloatArray:
+    """Balls that hold the solids' surfaces, (N, 4): one for each cell of a grid [m]."""
+    spacing = leaf / FINER
+    points = np.concatenate([solid.sample(spacing) for solid in solids])
+    balls = pdoik.voxel_downsample(points, leaf, radii=True)
+    balls[:, 3] += spacing / np.sqrt(2)  # as far as the surface may be from a point of the grid
+    return balls
+
+
+def _cloud() -> Callable[[Problem], Any]:
+    return lambda problem: pdoik.Cloud(surface_cloud(problem.solids)) if problem.solids else None
+
+
+def _shapes() -> Callable[[Problem], Any]:
+    if not hasattr(pdoik, "Shape"):
+        raise MethodError("method 'shapes' needs pdoik.Shape, which this pdoik does not have yet")
+    return lambda problem: [_shape(solid) for solid in problem.solids]
+
+
+def _shape(solid: Solid) -> Any:
+    shape = pdoik.Shape  # type: ignore[attr-defined]
+    match solid.kind:
+        case "box":
+            return shape.box(solid.name, solid.size, solid.T)
+        case "sphere":
+            return shape.sphere(solid.name, solid.T[:3, 3], *solid.size)
+        case "cylinder":
+            return shape.cylinder(solid.name, *solid.size, solid.T)
+        case "capsule":
+            return shape.capsule(solid.name, *solid.size, solid.T)
+        case "half_space":
+            return shape.half_space(solid.name, solid.T[:3, 2], solid.T[:3, 3])
+        case "mesh":
+            return shape.convex_mesh(solid.name, solid.vertices, solid.T)
+    raise MethodError(f"{solid.name}: no shape for a {solid.kind}")
+
+
+WAYS = {"cloud": _cloud, "shapes": _shapes}
