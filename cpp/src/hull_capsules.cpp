@@ -30,17 +30,19 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
       ++hull.count;
     }
   }
+  middles_.resize(hulls_.size());
 }
 
 void HullCapsules::place(const Vec4* positions, const Frame* frames) {
   positions_ = positions;
   frames_ = frames;
+  Vec4* middle = middles_.data();
   for (PlacedHull& hull : hulls_) {
     hull.is_placed = false;
     const Vec4 &a = positions[hull.a], &b = positions[hull.b];
-    const int source = hull.around.source;
     if (hull.a == hull.b) {
-      hull.around = {a, Vec4{}, hull.semi_major, source};
+      hull.around.middle = *middle++ = a;
+      hull.around.radius = hull.semi_major;
       continue;
     }
     hull.between = broadcast(0.5) * (b - a);
@@ -51,8 +53,9 @@ void HullCapsules::place(const Vec4* positions, const Frame* frames) {
     }
     const bool hollow = !(hull.minor > 0.0);
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    hull.around = {hollow ? broadcast(kNaN) : broadcast(0.5) * (a + b),
-                   broadcast(hull.shape) * hull.between, hull.minor, source};
+    hull.around.middle = *middle++ = hollow ? broadcast(kNaN) : broadcast(0.5) * (a + b);
+    hull.around.half = broadcast(hull.shape) * hull.between;
+    hull.around.radius = hull.minor;
   }
 }
 

@@ -108,7 +108,9 @@ std::vector<Hull> all_hulls(const HullModel& model) {
 }  // namespace
 
 SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double margin)
-    : capsules_(robot, model, all_hulls(model)), margin_(margin) {
+    : capsules_(robot, model, all_hulls(model)),
+      margin_(margin),
+      has_capsules_(!model.blocks.empty()) {
   std::vector<Seat> seats;
   const std::vector<Hull> hulls = all_hulls(model);
   for (const Hull& hull : hulls) seats.emplace_back(robot, model, hull);
@@ -119,8 +121,8 @@ SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double 
       const int a = static_cast<int>(i), b = static_cast<int>(j);
       pairs_.push_back({{hulls[i].source, hulls[j].source},
                         {one.first(), two.first()},
-                        {a, b},
-                        capsules_.semi_major(a) + capsules_.semi_major(b)});
+                        {a, b}});
+      glances_.push_back({a, b, capsules_.semi_major(a) + capsules_.semi_major(b)});
     }
   }
   near_.resize(pairs_.size());
@@ -131,8 +133,8 @@ void SelfCollision::place(const Vec4* positions, const Frame* frames) {
   capsules_.place(positions, frames);
 }
 
-SelfCollision::Nearest SelfCollision::nearest(const Pair& pair, double than) {
-  const auto [one, two] = pair.hull;
+SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double than) {
+  const int one = pair.a, two = pair.b;
   Nearest nearest;
   nearest.distance = than;
   const auto try_pair = [&](const PlacedCapsule& a, const PlacedCapsule& b, double excess) {
@@ -142,10 +144,6 @@ SelfCollision::Nearest SelfCollision::nearest(const Pair& pair, double than) {
     if (excess == 0.0) nearest = {distance, found, &a, &b};
     return true;
   };
-  if (!capsules_.has_its_own(one) && !capsules_.has_its_own(two)) {
-    try_pair(capsules_.around(one), capsules_.around(two), 0.0);
-    return nearest;
-  }
   // Capsules lie within the ones that hold their hulls, but for their excess.
   const double excess = capsules_.excess(one) + capsules_.excess(two) + 1e-12;
   if (!try_pair(capsules_.around(one), capsules_.around(two), excess)) return nearest;
@@ -162,37 +160,32 @@ SelfCollision::Nearest SelfCollision::nearest(const Pair& pair, double than) {
   return nearest;
 }
 
-double SelfCollision::distance(int k) {
-  const Pair& p = pair(k);
-  if (!middles_within(p, kInfinity)) return kInfinity;
-  return nearest(p, kInfinity).distance;
-}
+double SelfCollision::distance(int k) { return nearest(glance(k), kInfinity).distance; }
 
 SelfCollision::Least SelfCollision::least() {
   // The most promising pair first: most of the others need no exact distance then.
+  const Vec4* const middles = capsules_.middles();
   Least least;
   double lowest = kInfinity;
   for (int k = 0; k < pair_count(); ++k) {
-    const Pair& p = pair(k);
-    const Vec4 apart = capsules_.around(p.hull[0]).middle - capsules_.around(p.hull[1]).middle;
-    const double promise = dot3(apart, apart) - p.semi_major * p.semi_major;
+    const Glance& pair = glance(k);
+    const Vec4 apart = middles[pair.a] - middles[pair.b];
+    const double promise = dot3(apart, apart) - pair.semi_major * pair.semi_major;
     if (promise < lowest) {
       lowest = promise;
       least.pair = k;
     }
   }
-  if (least.pair < 0) return least;
+  const int promising = least.pair;
+  if (promising < 0) return least;
   const auto try_pair = [&](int k) {
-    const Nearest found = nearest(pair(k), least.distance);
+    const Nearest found = nearest(glance(k), least.distance);
     if (found.one == nullptr) return;
     least = {found.distance, k, {found.one->source, found.two->source}};
   };
-  const int promising = least.pair;
-  if (middles_within(pair(promising), kInfinity)) try_pair(promising);
-  for (int k = 0; k < pair_count(); ++k) {
-    if (k != promising && middles_within(pair(k), pair(k).semi_major + least.distance))
-      try_pair(k);
-  }
+  try_pair(promising);
+  for (int k = 0; k < pair_count(); ++k)
+    if (k != promising && glance(k).is_within(middles, least.distance)) try_pair(k);
   return least;
 }
 
@@ -217,8 +210,7 @@ Vec4 way_out(const Vec4& v1, const Vec4& v2) {
 }  // namespace
 
 void SelfCollision::add_if_near(int k, double within) {
-  const Pair& p = pair(k);
-  const Nearest found = nearest(p, margin_ + within);
+  const Nearest found = nearest(glance(k), margin_ + within);
   if (found.one == nullptr) return;
   const SegmentDistance& segments = found.segments;
   const Vec4 away = segments.distance > 1e-12 ? broadcast(1.0 / segments.distance) * segments.gap
@@ -227,8 +219,8 @@ void SelfCollision::add_if_near(int k, double within) {
   near.pair = k;
   near.c = margin_ - found.distance;
   near.pulls.count = 0;
-  capsules_.pull(p.hull[0], *found.one, segments.t1, -away, near.pulls);
-  capsules_.pull(p.hull[1], *found.two, segments.t2, away, near.pulls);
+  capsules_.pull(pair(k).hull[0], *found.one, segments.t1, -away, near.pulls);
+  capsules_.pull(pair(k).hull[1], *found.two, segments.t2, away, near.pulls);
 }
 
 }  // namespace pdoik::detail

@@ -55,6 +55,8 @@ class HullCapsules {
   int count() const { return static_cast<int>(hulls_.size()); }
   /// The capsule that holds a hull, but for its excess.
   const PlacedCapsule& around(int k) const { return hull(k).around; }
+  /// Their middles, of all hulls.
+  const Vec4* middles() const { return middles_.data(); }
   /// By how much what the hull is may stand beyond that [m].
   double excess(int k) const { return hull(k).excess; }
   bool has_its_own(int k) const { return hull(k).count > 0; }
@@ -88,6 +90,7 @@ class HullCapsules {
   std::vector<CapsuleBlock> blocks_;
   std::vector<PlacedCapsule> capsules_;
   std::vector<PlacedHull> hulls_;
+  std::vector<Vec4> middles_;  ///< of the capsules around them, which most questions need alone
 };
 
 }  // namespace pdoik::detail

@@ -16,10 +16,9 @@ class SelfCollision {
  public:
   /// Two hulls that may touch.
   struct Pair {
-    int source[2];      ///< their places in the occupancy: spheres first, then spheroids
-    int link[2];        ///< the links they sit on; of a hull that spans two links, the first
-    int hull[2];        ///< their places among the model's moving hulls, then fixed ones
-    double semi_major;  ///< the sum of both, and of what their capsules stand beyond them
+    int source[2];  ///< their places in the occupancy: spheres first, then spheroids
+    int link[2];    ///< the links they sit on; of a hull that spans two links, the first
+    int hull[2];    ///< their places among the model's moving hulls, then fixed ones
   };
 
   /// Pairs of hulls on links that are neither the same, nor rigidly connected, nor adjacent (joined
@@ -49,11 +48,10 @@ class SelfCollision {
   template <class Reach>
   void find_near(Reach&& reach) {
     near_count_ = 0;
+    const Vec4* const middles = capsules_.middles();
     for (int k = 0; k < pair_count(); ++k) {
-      const Pair& p = pair(k);
       const double within = reach(k);
-      // A capsule lies within semi_major of its middle.
-      if (middles_within(p, p.semi_major + margin_ + within)) add_if_near(k, within);
+      if (glance(k).is_within(middles, margin_ + within)) add_if_near(k, within);
     }
   }
   int near_count() const { return near_count_; }
@@ -79,21 +77,38 @@ class SelfCollision {
     const PlacedCapsule *one = nullptr, *two = nullptr;
   };
 
-  /// False for hulls that hold nothing: their middle is not a number.
-  bool middles_within(const Pair& pair, double bound) const {
-    const Vec4 apart =
-        capsules_.around(pair.hull[0]).middle - capsules_.around(pair.hull[1]).middle;
-    return bound > 0.0 && dot3(apart, apart) < bound * bound;
-  }
+  /// What tells of most pairs that they are far apart.
+  struct Glance {
+    int a, b;           // hulls
+    double semi_major;  // of both: nothing of a hull is farther than that from its middle
+
+    /// False for hulls that hold nothing: their middle is not a number.
+    bool is_within(const Vec4* middles, double distance) const {
+      const Vec4 apart = middles[a] - middles[b];
+      const double bound = semi_major + distance;
+      return bound > 0.0 && dot3(apart, apart) < bound * bound;
+    }
+  };
+  const Glance& glance(int k) const { return glances_[static_cast<std::size_t>(k)]; }
   /// The nearest of a pair's capsules, if nearer than `than`.
-  Nearest nearest(const Pair& pair, double than);
+  Nearest nearest(const Glance& pair, double than) {
+    if (has_capsules_) return nearest_of_many(pair, than);
+    const PlacedCapsule &a = capsules_.around(pair.a), &b = capsules_.around(pair.b);
+    const SegmentDistance found = segment_distance(a.middle, a.half, b.middle, b.half);
+    const double distance = found.distance - a.radius - b.radius;
+    if (!(distance < than)) return {};
+    return {distance, found, &a, &b};
+  }
+  Nearest nearest_of_many(const Glance& pair, double than);
   void add_if_near(int pair, double within);
 
   HullCapsules capsules_;
   std::vector<Pair> pairs_;
+  std::vector<Glance> glances_;
   std::vector<Near> near_;
   int near_count_ = 0;
   double margin_;
+  bool has_capsules_ = false;  ///< any hull
 };
 
 }  // namespace pdoik::detail
