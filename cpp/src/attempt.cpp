@@ -31,7 +31,8 @@ void Attempt::begin(const Request& request_in, Result& result_in, const Deadline
   hopeless = why_hopeless(*model, request.goals, base_collides);
   redundant = model->is_redundant(request.goals);
   nearest = options.prefer == Prefer::Nearest;
-  found = false;
+  found = tool_checked = false;
+  contact.reset();
   const int enough = for_goals_alone ? kStartsForGoalAlone
                      : hopeless      ? kStartsOutOfReach
                                      : options.max_restarts;

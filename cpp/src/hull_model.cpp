@@ -31,17 +31,9 @@ int add_point(std::vector<AttachedPoint>& points, const AttachedPoint& point) {
 
 /// The link that a hull is given on and is rigid to; -1 for a spheroid whose foci move apart.
 int link_of(const Robot& robot, const HullModel& model, const Hull& hull) {
-  const Occupancy& occupancy = robot.occupancy();
-  const auto source = static_cast<std::size_t>(hull.source);
-  if (source < occupancy.spheres.size()) return robot.link_index(occupancy.spheres[source].link);
-  const Spheroid& s = occupancy.spheroids[source - occupancy.spheres.size()];
-  const int a = robot.link_index(s.link_a), b = robot.link_index(s.link_b);
-  const auto settled = [&](int point) { return model.points[static_cast<std::size_t>(point)].body; };
-  for (const int link : {a, b}) {
-    const int body = robot.body_of_link(link);
-    if (moves_with(robot, a, settled(hull.a), body) && moves_with(robot, b, settled(hull.b), body))
-      return link;
-  }
+  const auto [a, b] = links_of(robot, hull);
+  for (const int link : {a, b})
+    if (moves_with(robot, model, hull, robot.body_of_link(link))) return link;
   return -1;
 }
 
@@ -117,21 +109,43 @@ bool moves_with(const Robot& robot, int link, int settled, int body) {
   return false;
 }
 
-namespace {
-
-/// Whether some body carries both of a hull's foci.
-bool is_rigid(const Robot& robot, const HullModel& model, const Hull& hull, int link_a,
-              int link_b) {
-  const int a = model.points[static_cast<std::size_t>(hull.a)].body,
-            b = model.points[static_cast<std::size_t>(hull.b)].body;
-  for (int body = robot.body_of_link(link_a); body >= 0;
-       body = robot.bodies()[static_cast<std::size_t>(body)].parent) {
-    if (moves_with(robot, link_a, a, body) && moves_with(robot, link_b, b, body)) return true;
+bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body) {
+  std::vector<int> between;  // the bodies from the point's to this one
+  for (int b = body; b != point.body; b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
+    if (b <= 0) return false;  // the point's is not before it
+    between.push_back(b);
   }
-  return false;
+  Eigen::Vector3d local = to_vector3(point.local);
+  for (auto b = between.rbegin(); b != between.rend(); ++b) {
+    const Body& joint = robot.bodies()[static_cast<std::size_t>(*b)];
+    local = joint.T_parent_joint.inverse() * local;
+    if (joint.prismatic || local.head<2>().norm() > 1e-12) return false;
+  }
+  return true;
 }
 
-}  // namespace
+bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body) {
+  if (hull.has_capsules() && hull.body == body) return true;
+  const auto [a, b] = links_of(robot, hull);
+  const auto settled = [&](int point) { return model.points[static_cast<std::size_t>(point)].body; };
+  return moves_with(robot, a, settled(hull.a), body) && moves_with(robot, b, settled(hull.b), body);
+}
+
+std::pair<int, int> links_of(const Robot& robot, const Hull& hull) {
+  const Occupancy& occupancy = robot.occupancy();
+  const auto source = static_cast<std::size_t>(hull.source);
+  const std::size_t spheres = occupancy.spheres.size(), spheroids = occupancy.spheroids.size();
+  const auto both = [&](const std::string& a, const std::string& b) {
+    return std::pair(robot.link_index(a), robot.link_index(b));
+  };
+  if (source < spheres) return both(occupancy.spheres[source].link, occupancy.spheres[source].link);
+  if (source < spheres + spheroids) {
+    const Spheroid& s = occupancy.spheroids[source - spheres];
+    return both(s.link_a, s.link_b);
+  }
+  const Capsule& capsule = occupancy.capsules[source - spheres - spheroids];
+  return both(capsule.link, capsule.link);
+}
 
 void HullModel::give_capsules(const Robot& robot, std::vector<Hull>& hulls) {
   const Occupancy& occupancy = robot.occupancy();
@@ -211,8 +225,11 @@ HullModel::HullModel(const Robot& robot, bool with_fixed) {
   for (const Spheroid& s : robot.occupancy().spheroids) {
     const int a = attach(s.link_a, s.focus_a), b = attach(s.link_b, s.focus_b);
     add(a, b, s.semi_major);
-    hulls.back().rigid = is_rigid(robot, *this, hulls.back(), robot.link_index(s.link_a),
-                                  robot.link_index(s.link_b));
+    Hull& hull = hulls.back();
+    hull.rigid = false;
+    for (int body = robot.body_of_link(robot.link_index(s.link_a)); body >= 0 && !hull.rigid;
+         body = robot.bodies()[static_cast<std::size_t>(body)].parent)
+      hull.rigid = moves_with(robot, *this, hull, body);
   }
 
   give_capsules(robot, hulls);

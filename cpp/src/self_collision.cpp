@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace pdoik::detail {
 namespace {
@@ -13,18 +14,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 class Seat {
  public:
   Seat(const Robot& robot, const HullModel& model, const Hull& hull) : robot_(robot) {
-    const Occupancy& occupancy = robot.occupancy();
-    const auto source = static_cast<std::size_t>(hull.source);
-    const std::size_t spheres = occupancy.spheres.size();
-    const std::size_t spheroids = occupancy.spheroids.size();
-    if (source < spheres) {
-      given_a_ = given_b_ = robot.link_index(occupancy.spheres[source].link);
-    } else if (source < spheres + spheroids) {
-      given_a_ = robot.link_index(occupancy.spheroids[source - spheres].link_a);
-      given_b_ = robot.link_index(occupancy.spheroids[source - spheres].link_b);
-    } else {
-      given_a_ = given_b_ = robot.link_index(occupancy.capsules[source - spheres - spheroids].link);
-    }
+    std::tie(given_a_, given_b_) = links_of(robot, hull);
     settled_a_ = model.points[static_cast<std::size_t>(hull.a)].body;
     settled_b_ = model.points[static_cast<std::size_t>(hull.b)].body;
     first_ = given_a_;

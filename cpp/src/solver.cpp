@@ -31,6 +31,8 @@ const char* to_string(Status status) {
       return "out_of_reach";
     case Status::BaseCollision:
       return "base_collision";
+    case Status::Blocked:
+      return "blocked";
   }
   return "unknown";
 }

@@ -56,8 +56,21 @@ bool Verdicts::take(Attempt& attempt, int k) {
     }
   }
   if (!attempt.found) keep_candidate(attempt, trial);
+  if (trial.reached && is_blocked(attempt)) {
+    attempt.candidates.clear();  // nothing will be better than what reaches the goals
+    attempt.candidates.add(trial.q, 0.0, true);
+    return true;
+  }
   if (attempt.for_goals_alone && trial.reached) return true;  // nothing better can be found
   return false;
+}
+
+bool Verdicts::is_blocked(Attempt& attempt) {
+  if (attempt.tool_checked || attempt.found || attempt.for_goals_alone) return false;
+  attempt.tool_checked = true;
+  attempt.contact = workspace_.tool.contact(attempt.request.goals, workspace_.scene());
+  if (attempt.contact) attempt.hopeless = Status::Blocked;
+  return attempt.contact.has_value();
 }
 
 bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
@@ -147,7 +160,7 @@ void Verdicts::finish(Attempt& attempt) {
     restore(attempt.best, result);
   } else if (!result.success) {
     // What waits for an earlier start may be the best there is.
-    for (int k = attempt.next_verdict; k < attempt.next_start; ++k) {
+    for (int k = attempt.next_verdict; k < attempt.next_start && !attempt.contact; ++k) {
       Trial& trial = attempt.trial(k);
       if (!trial.is_known) continue;
       model_.wrap(attempt.start, trial.q);
@@ -162,6 +175,7 @@ void Verdicts::finish(Attempt& attempt) {
     }
     // May solve by a tolerance's breadth.
     workspace_.judge(attempt.request.goals, attempt.candidates.best(), result);
+    if (attempt.contact && !result.success) result.worst = *attempt.contact;
   }
   end_result(attempt.hopeless, attempt.deadline, workspace_.scene().intake, result);
 }

@@ -53,7 +53,8 @@ Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
       brisk(model().robot.dof(), model().options.levenberg_marquardt),
       patient(model().robot.dof(), detail::patient(model().options.levenberg_marquardt)),
       settling(model().robot.dof(), settling_options(model().options.levenberg_marquardt)),
-      lanes(model().robot, model().options) {
+      lanes(model().robot, model().options),
+      tool(model()) {
   omega.setZero(map.size());
   for (Eigen::VectorXd* each : {&saved.q, &q, &start}) each->setZero(model().robot.dof());
   use(scene);

@@ -48,7 +48,7 @@ inline constexpr std::array names<JointType>{
 using JointTypeName =
     pybind11::typing::Literal<"'fixed'", "'revolute'", "'continuous'", "'prismatic'">;
 using StatusName = pybind11::typing::Literal<"'solved'", "'time_limit'", "'exhausted'",
-                                             "'out_of_reach'", "'base_collision'">;
+                                             "'out_of_reach'", "'base_collision'", "'blocked'">;
 
 template <class Enum>
 const char* to_name(Enum value) {

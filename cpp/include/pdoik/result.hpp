@@ -16,6 +16,8 @@ enum class Status {
                   ///< joint moves its tip; q is the nearest of a few starts
   BaseCollision,  ///< an obstacle point lies in a hull that no joint moves: no answer exists; q is
                   ///< the best found for the goal alone
+  Blocked,        ///< what is rigid to the tip is in an obstacle at the target, so no answer exists;
+                  ///< q is the best found, and the worst constraint says what touches what
 };
 
 /// A status in lower case with underscores, as the Python module gives it.

@@ -52,6 +52,8 @@ struct Attempt {
   Result* result = nullptr;  ///< none: not in use
   Deadline deadline;
   std::optional<Status> hopeless;
+  bool tool_checked = false;
+  std::optional<WorstConstraint> contact;  ///< of the tool at its target: no answer exists
   bool for_goals_alone = false, redundant = false, nearest = false, found = false;
   int next_start = 0, next_verdict = 0, last_start = 0, lanes = 0;
   double search_cost = 0.0, repair_cost = 0.0, measure_cost = 0.0;  ///< in evaluations of goals

@@ -65,6 +65,10 @@ class CollisionState {
   }
   /// Or where they are by other means.
   void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
+  void place_frame(int body, const Frame& frame) {
+    const auto b = static_cast<std::size_t>(body);
+    if (b < own_frames_.size()) own_frames_[b] = frame;
+  }
 
   /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a
   /// square root: none if there are no obstacles. More than there is room for are left out: so many

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "detail/capsule_block.hpp"
@@ -35,6 +36,16 @@ struct Hull {
 /// Whether a point moves with a body: its link's and, as long as it lies on the axis of a body's
 /// joint, the body before. HullModel has settled it on the last of them.
 bool moves_with(const Robot& robot, int link, int settled, int body);
+
+/// Whether a point stays where it is to a body: that which it is settled on, or one behind joints on
+/// whose axes it lies.
+bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body);
+
+struct HullModel;
+/// Whether all of a hull moves with a body.
+bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body);
+/// The links that a hull's foci are given on.
+std::pair<int, int> links_of(const Robot& robot, const Hull& hull);
 
 /// The robot's hulls on their attached points, each point once. Points on a joint's own axis belong
 /// to the body before it, since that joint does not move them; hulls that no joint moves are kept

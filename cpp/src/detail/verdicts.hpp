@@ -26,6 +26,9 @@ class Verdicts {
  private:
   /// Whether the trial solves, in the minimiser's opinion; brings it clear if that pays.
   bool is_clear(Attempt& attempt, Trial& trial, bool stay_near);
+  /// Whether the tool itself is in an obstacle where the goals put it: looked at once an attempt,
+  /// when a start has reached the goals and does not solve.
+  bool is_blocked(Attempt& attempt);
   bool repair_pays(const Attempt& attempt) const;
   void keep_candidate(Attempt& attempt, const Trial& trial);
   /// Go from the solution that the result holds downhill to the posture as long as it solves.

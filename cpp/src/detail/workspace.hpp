@@ -14,6 +14,7 @@
 #include "detail/model.hpp"
 #include "detail/problem.hpp"
 #include "detail/scene.hpp"
+#include "detail/tool_check.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/result.hpp"
 
@@ -64,6 +65,7 @@ class Workspace {
   /// Gives up soon, goes on while there is any progress, and while there is anything to gain.
   LevenbergMarquardt brisk, patient, settling;
   LaneSearch lanes;
+  ToolCheck tool;
   std::function<bool()> interrupt;  ///< whether somebody wants a solve to end
   Eigen::VectorXd omega, q, start;  ///< for Algorithm IK
   Result saved;                     ///< a verdict to go back to

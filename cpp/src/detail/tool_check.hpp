@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "detail/collision_state.hpp"
+#include "detail/hull_capsules.hpp"
+#include "detail/model.hpp"
+#include "detail/scene.hpp"
+#include "pdoik/result.hpp"
+
+namespace pdoik::detail {
+
+/// Looks at what is rigid to a tip, which a pose goal alone puts where it is: if that touches an
+/// obstacle no configuration will do. One thread's. Allocates at construction only.
+class ToolCheck {
+ public:
+  /// The model outlives it.
+  explicit ToolCheck(const Model& model);
+
+  /// The deepest contact that goals without slack make certain, beyond what their tolerances could
+  /// avoid; none if there is none.
+  std::optional<WorstConstraint> contact(std::span<const Goal> goals, const Scene& scene);
+
+ private:
+  struct Tool {
+    int body;
+    double arm = 0.0;  ///< of all its hulls, from the tip's origin [m]
+    std::vector<Hull> hulls;
+    std::vector<std::pair<int, Eigen::Vector3d>> points;  ///< attached ones, in the body's frame
+    std::unique_ptr<CollisionState> state;
+    std::unique_ptr<HullCapsules> capsules;
+  };
+  std::optional<WorstConstraint> contact(Tool& tool, const Goal& goal, const Scene& scene) const;
+
+  const Model& model_;
+  std::vector<std::unique_ptr<Tool>> tools_;  ///< of each tip
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,91 @@
+#include "detail/tool_check.hpp"
+
+#include <algorithm>
+
+#include "detail/clearance.hpp"
+
+namespace pdoik::detail {
+
+ToolCheck::ToolCheck(const Model& model) : model_(model) {
+  const Robot& robot = model.robot;
+  std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
+  robot.body_poses(robot.mid_configuration(), T_base_body);
+  for (const int tip : robot.tips()) {
+    auto tool = std::make_unique<Tool>();
+    tool->body = robot.body_of_link(tip);
+    const Eigen::Isometry3d T_tool_base =
+        T_base_body[static_cast<std::size_t>(tool->body)].inverse();
+    for (const Hull& hull : model.hulls.moving) {
+      const auto is_carried = [&](int point) {
+        return is_carried_by(robot, model.hulls.points[static_cast<std::size_t>(point)],
+                             tool->body);
+      };
+      if (hull.has_capsules() ? hull.body != tool->body
+                              : !is_carried(hull.a) || !is_carried(hull.b))
+        continue;
+      tool->hulls.push_back(hull);
+      for (const int k : {hull.a, hull.b}) {
+        const AttachedPoint& point = model.hulls.points[static_cast<std::size_t>(k)];
+        tool->points.emplace_back(k, T_tool_base *
+                                         T_base_body[static_cast<std::size_t>(point.body)] *
+                                         to_vector3(point.local));
+        const Eigen::Vector3d from =
+            tool->points.back().second - robot.T_body_link(tip).translation();
+        tool->arm = std::max(tool->arm, from.norm() + 2.0 * hull.semi_major + hull.excess);
+      }
+    }
+    tool->state = std::make_unique<CollisionState>(model.hulls, tool->hulls);
+    tool->state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
+    tool->capsules = std::make_unique<HullCapsules>(robot, model.hulls, tool->hulls);
+    tools_.push_back(std::move(tool));
+  }
+}
+
+std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals,
+                                                  const Scene& scene) {
+  std::optional<WorstConstraint> worst;
+  for (const Goal& goal : goals) {
+    if (goal.type != GoalType::Pose || !goal.position_slack.isZero(0.0) ||
+        !goal.rotation_slack.isZero(0.0))
+      continue;
+    Tool& tool = *tools_[static_cast<std::size_t>(goal.tip)];
+    if (tool.hulls.empty()) continue;
+    const auto found = contact(tool, goal, scene);
+    if (found && (!worst || found->violation > worst->violation)) worst = found;
+  }
+  return worst;
+}
+
+std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
+                                                  const Scene& scene) const {
+  using Kind = WorstConstraint::Kind;
+  const Options& options = model_.options;
+  const int tip = model_.robot.tips()[static_cast<std::size_t>(goal.tip)];
+  const Eigen::Isometry3d T_base_tool = goal.T_base_tip * model_.robot.T_body_link(tip).inverse();
+  CollisionState& state = *tool.state;
+  for (const auto& [point, local] : tool.points) state.place(static_cast<std::size_t>(point), to_vec4(T_base_tool * local));
+  state.place_frame(tool.body, to_frame(T_base_tool));
+  // Within its tolerances the tool may still come clear of this much.
+  const double slack = options.clearance_tolerance + options.position_tolerance +
+                       options.rotation_tolerance * tool.arm;
+  std::optional<WorstConstraint> worst;
+  if (scene.within_reach() > 0) {
+    const Clearance least =
+        least_clearance_within(state, scene.obstacles(), 0.0, {-slack, -1, -1});
+    if (least.source >= 0) {
+      worst = {Kind::Clearance, least.source, least.obstacle,
+               -least.distance - options.clearance_tolerance};
+    }
+  }
+  if (scene.shapes().count() > 0) {
+    tool.capsules->place(state.positions(), state.frames());
+    const ShapeClearance least =
+        least_clearance(*tool.capsules, scene.shapes(), options.clearance - slack);
+    const double violation = options.clearance - least.distance - options.clearance_tolerance;
+    if (least.shape >= 0 && (!worst || violation > worst->violation))
+      worst = {Kind::Shape, least.source, least.shape, violation};
+  }
+  return worst;
+}
+
+}  // namespace pdoik::detail
