@@ -15,10 +15,11 @@ from .wrap import greedy_cover, shrink_wrap
 
 _LANDMARKS = 1500
 _INNER = 300  # points inside that are asked for while capsules move
-_FIRST_SWELL = 1.2  # how far the first set sticks out, over the most that is allowed
+_FIRST_SWELL = 0.85  # how far the first set sticks out, over the most that is allowed
 _MOST_ROUNDS = 30
 _FIRST_STEPS, _NEXT_STEPS = 240, 120
-_GROWTH = 0.12  # share of capsules that are split in a round
+_GROWTH = 0.15  # share of capsules that are split in a round
+_SPARE = 1.02  # of the aims, for what proving the inside and a finer look may add
 _PATIENCE = 3  # capsules whose loss is tried in vain before the rest stay
 
 
@@ -94,13 +95,13 @@ class _Fit:
             moving = moving.take(np.arange(min(self.most, len(moving.radius))))
         moving = self._wrap(moving, _FIRST_STEPS)
         best, score = self._settle(moving)
+        moving = best
         for _ in range(_MOST_ROUNDS):
             if score <= 1 or len(moving.radius) >= (self.most or np.inf):
                 break
-            moving = self._wrap(self._split(moving), _NEXT_STEPS)
-            settled, new_score = self._settle(moving)
-            if new_score < score or score > 1:
-                best, score = settled, new_score
+            moving, new_score = self._settle(self._wrap(self._split(moving), _NEXT_STEPS))
+            if new_score < score:
+                best, score = moving, new_score
         return settle(self.solid, self._drop(best, score))
 
     def _wrap(self, capsules: Capsules, steps: int) -> Capsules:
@@ -120,7 +121,7 @@ class _Fit:
     def _score(self, capsules: Capsules) -> float:
         """At most 1 where both aims hold."""
         got = overhang(self.solid, capsules)
-        return max(got.mean / self.aim.mean, got.worst / self.aim.worst)
+        return _SPARE * max(got.mean / self.aim.mean, got.worst / self.aim.worst)
 
     def _split(self, capsules: Capsules) -> Capsules:
         """Halves in place of the capsules that stick out most."""
@@ -170,11 +171,11 @@ class _Fit:
             order = [k for k in np.argsort(loss) if k not in in_vain]
             if not order:
                 break
-            k = order[0]
-            fewer = best.take(np.delete(np.arange(len(loss)), k))
+            count = max(1, int((1 - score) / 2 * len(loss))) if not in_vain else 1
+            fewer = best.take(np.delete(np.arange(len(loss)), order[:count]))
             settled, new_score = self._settle(self._wrap(fewer, _NEXT_STEPS))
             if new_score <= 1:
                 best, score, in_vain = settled, new_score, set()
             else:
-                in_vain.add(int(k))
+                in_vain.update(int(k) for k in order[:count])
         return best

@@ -128,11 +128,14 @@ def _shrunk(need: FloatArray, radius: FloatArray) -> FloatArray:
     In rounds, half of what is possible at a time, so that neighbors share what is to be gained.
     """
     radius = radius.copy()
-    holds = need <= radius
+    holds = np.ascontiguousarray((need <= radius).T)  # (K, N)
+    count = holds.sum(axis=0)
     for last in [False] * _SHRINK_ROUNDS + [True]:
         for k in np.argsort(-radius):
-            alone = holds[:, k] & (holds.sum(axis=1) == 1)
+            alone = holds[k] & (count == 1)
             least = float(need[alone, k].max(initial=0.0))
             radius[k] = least if last else (least + radius[k]) / 2
-            holds[:, k] = (need[:, k] <= radius[k]) & (radius[k] > 0)
+            still = (need[:, k] <= radius[k]) & (radius[k] > 0)
+            count += still.astype(int) - holds[k]
+            holds[k] = still
     return radius

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .hulls import FloatArray
-from .segments import Capsules, free, nearest_on_segments, surface, to_segments
+from .segments import Capsules, free, surface, to_segments
 from .solid import Solid
 
 _SEEDS_INSIDE, _SEEDS_ON = 110, 40  # ends of the segments that the greedy cover chooses from
