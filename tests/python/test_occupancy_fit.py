@@ -13,8 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pdoik import LoadError, Occupancy
-from pdoik import occupancy_fit
+from pdoik import LoadError, Occupancy, occupancy_fit
 from pdoik.occupancy_fit import OccupancyFit, split
 from pdoik.occupancy_fit.hulls import half_sum, smallest_shape
 from pdoik.occupancy_fit.split import clip, union_volume

@@ -1,4 +1,4 @@
-"""Find the spheres, spheroids and capsules that hold a robot's collision geometry (Sec. coll_avoid).
+"""Find the hulls that hold a robot's collision geometry (Sec. coll_avoid), and closer capsules.
 
 >>> fit = fit_occupancy("robot.urdf", package_dirs=["share"])  # doctest: +SKIP
 >>> print(fit.report)  # doctest: +SKIP

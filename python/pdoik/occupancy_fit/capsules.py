@@ -8,7 +8,7 @@ import numpy as np
 
 from .hulls import FloatArray, Point, tidy_point
 from .overhang import Overhang, overhang
-from .segments import Capsules, to_segments
+from .segments import Capsules, free, surface, to_segments
 from .settle import settle
 from .solid import Solid
 from .wrap import greedy_cover, shrink_wrap
@@ -20,6 +20,7 @@ _MOST_ROUNDS = 30
 _FIRST_STEPS, _NEXT_STEPS = 240, 120
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.02  # of the aims, for what proving the inside and a finer look may add
+_MOST = 120  # capsules of a link, where nothing else is asked
 _PATIENCE = 3  # capsules whose loss is tried in vain before the rest stay
 
 
@@ -49,7 +50,7 @@ def fit_capsules(
             surfaces are welcome.
         max_overhang: Aim for the farthest that the union sticks out [m].
         mean_overhang: Aim for the mean over the union's surface [m].
-        most: Most capsules; None for as many as it takes.
+        most: Most capsules; None for as many as it takes up to 120. Thin open shells want many.
 
     Returns:
         Ends a and b and radius of each capsule [m]; none for no triangles.
@@ -69,7 +70,7 @@ def fit_capsules(
         raise ValueError(f"most must be at least 1, got {most}")
     if not len(triangles):
         return []
-    fit = _Fit(Solid.of(triangles), Overhang(mean_overhang, max_overhang), most)
+    fit = _Fit(Solid.of(triangles), Overhang(mean_overhang, max_overhang), most or _MOST)
     found = fit.run()
     return [
         (tidy_point(a), tidy_point(b), float(radius)) for a, b, radius in zip(*found, strict=True)
@@ -79,7 +80,7 @@ def fit_capsules(
 class _Fit:
     """The search for one link: split what sticks out, until the aims hold; then leave out."""
 
-    def __init__(self, solid: Solid, aim: Overhang, most: int | None) -> None:
+    def __init__(self, solid: Solid, aim: Overhang, most: int) -> None:
         self.solid, self.aim, self.most = solid, aim, most
         landmarks = solid.landmarks(_LANDMARKS)
         inner, _ = solid.inner_points()
@@ -88,16 +89,13 @@ class _Fit:
         self.points = np.concatenate([self.landmarks, solid.samples.data[::2]])
 
     def run(self) -> Capsules:
-        moving = greedy_cover(
-            self.solid, self.landmarks, np.ones(len(self.landmarks)), _FIRST_SWELL * self.aim.worst
-        )
-        if self.most is not None:
-            moving = moving.take(np.arange(min(self.most, len(moving.radius))))
+        moving = greedy_cover(self.solid, self.landmarks, _FIRST_SWELL * self.aim.worst)
+        moving = moving.take(np.arange(min(self.most, len(moving.radius))))
         moving = self._wrap(moving, _FIRST_STEPS)
         best, score = self._settle(moving)
         moving = best
         for _ in range(_MOST_ROUNDS):
-            if score <= 1 or len(moving.radius) >= (self.most or np.inf):
+            if score <= 1 or len(moving.radius) >= self.most:
                 break
             moving, new_score = self._settle(self._wrap(self._split(moving), _NEXT_STEPS))
             if new_score < score:
@@ -105,14 +103,7 @@ class _Fit:
         return settle(self.solid, self._drop(best, score))
 
     def _wrap(self, capsules: Capsules, steps: int) -> Capsules:
-        return shrink_wrap(
-            self.solid,
-            self.points,
-            np.ones(len(self.points)),
-            capsules,
-            steps=steps,
-            worst=self.aim.worst,
-        )
+        return shrink_wrap(self.solid, self.points, capsules, steps=steps, worst=self.aim.worst)
 
     def _settle(self, capsules: Capsules) -> tuple[Capsules, float]:
         settled = settle(self.solid, capsules, with_inside=False)
@@ -127,8 +118,7 @@ class _Fit:
         """Halves in place of the capsules that stick out most."""
         costs = self._costs(capsules)
         count = max(1, round(_GROWTH * len(costs)))
-        if self.most is not None:
-            count = min(count, self.most - len(costs))
+        count = min(count, self.most - len(costs))
         chosen = np.argsort(-costs)[:count]
         a, b, radius = capsules
         along = (b - a)[chosen]
@@ -150,8 +140,6 @@ class _Fit:
 
     def _costs(self, capsules: Capsules) -> FloatArray:
         """What each capsule adds to the integral of the overhang, or more for the worst, (K,)."""
-        from .segments import free, surface
-
         on = surface(capsules, 200)
         outer = free(capsules, on)
         out = np.zeros(outer.shape)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .hulls import FloatArray
 
@@ -19,7 +20,7 @@ class Capsules(NamedTuple):
     b: FloatArray  # (K, 3) [m]
     radius: FloatArray  # (K,) [m]
 
-    def take(self, index: FloatArray | list[int]) -> Capsules:
+    def take(self, index: NDArray[np.intp] | NDArray[np.bool_] | list[int]) -> Capsules:
         """The capsules that an index or a mask chooses."""
         return Capsules(self.a[index], self.b[index], self.radius[index])
 
@@ -91,7 +92,7 @@ def surface(capsules: Capsules, count: int, turn: float = 0.0) -> Surface:
     )
 
 
-def free(capsules: Capsules, on: Surface) -> np.ndarray:
+def free(capsules: Capsules, on: Surface) -> NDArray[np.bool_]:
     """Which of the surface points are in no other capsule, (K, N)."""
     shape = on.points.shape[:2]
     gap = to_segments(on.points.reshape(-1, 3), capsules.a, capsules.b) - capsules.radius

@@ -8,9 +8,10 @@ import numpy as np
 
 from .hulls import DECIMALS, MARGIN, FloatArray
 from .segments import Capsules, to_segments
-from .solid import Solid, bisect, subdivide
+from .solid import Solid, areas, bisect, subdivide
 
-_COARSE, _FINE = 6e-3, 0.2e-3  # edges of cells at first, and where cutting ends [m]
+_COARSE = 6e-3  # edges of patches at first [m]
+_FINE, _FINE_INSIDE = 0.2e-3, 1e-3  # edges of patches and cubes where cutting ends [m]
 _MOST_PATCHES = 30_000  # at first
 _CHUNK = 400_000  # entries of a matrix of corners by capsules
 _SHRINK_ROUNDS = 4
@@ -20,11 +21,12 @@ def settle(solid: Solid, capsules: Capsules, *, with_inside: bool = True) -> Cap
     """The capsules with radii such that each small cell of the solid lies within one of them.
 
     Cells are patches that make up the whole surface, and all voxels inside that are free of
-    surface. A capsule is convex: it holds a cell if it holds the corners. Cells that no capsule
-    holds are cut, down to edges of 0.7 mm; for what is then left radii grow, where that takes
-    least. At last radii shrink as far as every cell stays held. So the surface is held exactly,
-    with `MARGIN` to spare, and so is the inside but for what lies within the voxels that hold the
-    surface: a cavity there is thinner than these and the held surface closes it.
+    surface. A capsule is convex: it holds a cell if it holds the corners. Radii first grow and
+    shrink to what many points of the surface and the inside need. Cells that no capsule then holds
+    are cut, down to edges of 0.2 mm on the surface and 1 mm inside; for what is left radii grow,
+    where that takes least. So the surface is held exactly, with `MARGIN` to spare, and so is the
+    inside but for what lies in voxels that hold surface too: a cavity left there is thinner than a
+    voxel, and the held surface closes it.
 
     Segments are rounded to `DECIMALS` first; a capsule that no cell needs is left out.
 
@@ -35,23 +37,21 @@ def settle(solid: Solid, capsules: Capsules, *, with_inside: bool = True) -> Cap
     """
     a, b = np.round(capsules.a, DECIMALS) + 0.0, np.round(capsules.b, DECIMALS) + 0.0
     radius = capsules.radius.copy()
-    total = float(np.linalg.norm(np.cross(*_edges(solid.triangles)), axis=1).sum()) / 2
-    coarse = max(_COARSE, float(np.sqrt(5 * total / _MOST_PATCHES)))
+    coarse = max(_COARSE, float(np.sqrt(5 * areas(solid.triangles).sum() / _MOST_PATCHES)))
     patches = subdivide(solid.triangles, coarse)
     corners = np.unique(patches.reshape(-1, 3), axis=0)
     points = to_segments(np.concatenate([corners, solid.samples.data]), a, b)
+    points = np.concatenate([points, _core_needs(solid, a, b)])
     radius = _shrunk(points, _grown(points, radius))  # nearly enough: few cells have to be cut
-    needs = [_needs(patches, a, b, radius, bisect)]
+    needs = [_needs(patches, a, b, radius, bisect, _FINE)]
     if with_inside:
-        needs.append(_needs(_open_voxels(solid, a, b, radius), a, b, radius, _octants))
+        needs.append(
+            _needs(_open_voxels(solid, a, b, radius), a, b, radius, _octants, _FINE_INSIDE)
+        )
     need = np.concatenate(needs)
     radius = _grown(need, radius)
     kept = radius > 0
     return Capsules(a[kept], b[kept], np.round(radius[kept] + MARGIN, DECIMALS))
-
-
-def _edges(triangles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
 
 
 def _needs(
@@ -60,13 +60,17 @@ def _needs(
     b: FloatArray,
     radius: FloatArray,
     cut: Callable[[FloatArray], FloatArray],
+    fine: float,
 ) -> FloatArray:
-    """Radius with which capsule k would hold cell n (corners (N, V, 3)), cut where need be, (N', K)."""
+    """Radius with which capsule k would hold cell n, (N', K) [m].
+
+    Cells, given by their corners (N, V, 3), are cut as long as none holds them by its own radius.
+    """
     done = [np.empty((0, len(a)))]
     while len(cells):
         need = _corner_needs(cells, a, b)
         size = np.ptp(cells, axis=1).max(axis=1)
-        final = (need <= radius).any(axis=1) | (size < _FINE)
+        final = (need <= radius).any(axis=1) | (size < fine)
         done.append(need[final])
         cells = cut(cells[~final])
     return np.concatenate(done)
@@ -83,12 +87,17 @@ def _corner_needs(cells: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray
     return np.concatenate(parts)
 
 
-def _octants(cells: FloatArray) -> FloatArray:
+def _octants(cubes: FloatArray) -> FloatArray:
     """Each cube, by its corners (N, 8, 3), in eight."""
-    centers = cells.mean(axis=1, keepdims=True)
-    return np.concatenate([(cells + cells[:, i : i + 1]) / 2 for i in range(8)]) if len(
-        cells
-    ) else centers.repeat(8, axis=1)
+    return np.concatenate([(cubes + cubes[:, i : i + 1]) / 2 for i in range(8)])
+
+
+def _core_needs(solid: Solid, a: FloatArray, b: FloatArray) -> FloatArray:
+    """Radius with which capsule k holds a ball around cube n, of two voxels' edge, deep inside."""
+    centers, depth = solid.inner_points()
+    around = solid.edge * np.sqrt(3)
+    lattice = np.rint((centers - solid.origin) / solid.edge).astype(int) % 2
+    return to_segments(centers[(lattice == 0).all(axis=1) & (depth > around + solid.edge)], a, b) + around
 
 
 def _open_voxels(solid: Solid, a: FloatArray, b: FloatArray, radius: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -50,7 +51,7 @@ def spread(triangles: FloatArray, count: int) -> tuple[FloatArray, NDArray[np.in
     Places along the summed areas are equidistant; within the triangles they follow Roberts' R2
     sequence, so that the same input gives the same points.
     """
-    sums = np.cumsum(areas(triangles))
+    sums = np.cumsum(areas(triangles) + 1e-15)  # so that points alone are a surface too
     owners = np.searchsorted(sums, (np.arange(count) + 0.5) / count * sums[-1])
     u, v = np.modf(np.outer([0.7548776662466927, 0.5698402909980532], np.arange(1, count + 1)))[0]
     u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
@@ -124,12 +125,11 @@ class Solid:
         Taken to the triangles of the nearest samples: never too small, and hardly ever too large.
         Points less than about a voxel below the surface count as outside.
         """
-        _, nearest = self.samples.query(points, k=_NEAREST)
-        closest = [
-            trimesh.triangles.closest_point(self.triangles[self.owners[column]], points)
-            for column in nearest.T
-        ]
-        distance = np.min([np.linalg.norm(points - point, axis=1) for point in closest], axis=0)
+        nearest = np.asarray(self.samples.query(points, k=_NEAREST)[1])
+        distance = np.full(len(points), np.inf)
+        for owners in self.owners[nearest].T:
+            closest: Any = trimesh.triangles.closest_point(self.triangles[owners], points)  # type: ignore[no-untyped-call]
+            distance = np.minimum(distance, np.linalg.norm(points - closest, axis=1))
         at = np.rint((points - self.origin) / self.edge).astype(int)
         on_grid = ((at >= 0) & (at < self.depth.shape)).all(axis=1)
         at = np.clip(at, 0, np.array(self.depth.shape) - 1)

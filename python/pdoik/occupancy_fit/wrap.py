@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .hulls import FloatArray
 from .segments import Capsules, free, surface, to_segments
@@ -10,10 +11,15 @@ from .solid import Solid
 
 _SEEDS_INSIDE, _SEEDS_ON = 110, 40  # ends of the segments that the greedy cover chooses from
 _ACTIVE, _REFRESH = 2500, 8  # points that pull, and after how many steps they are chosen anew
+_SAMPLES = 96  # points on each capsule's surface
+_STEP, _LEAST_RADIUS = 1.5e-3, 1e-3  # the first step and the thinnest capsule [m]
+_STIFFNESS = 3e4  # of the points' pull against the surface's, [1/m]
+_FREE_SHARE = 0.3  # of the capsules' surface that is free, about
+_CHUNK = 2000  # candidates at a time
 _STATIONS = 9  # along a segment, where its depth is asked
 
 
-def farthest_points(points: FloatArray, count: int) -> np.ndarray:
+def farthest_points(points: FloatArray, count: int) -> NDArray[np.intp]:
     """Indices of points chosen one by one, each farthest from those before it."""
     chosen = [int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
     gap = np.linalg.norm(points - points[chosen[0]], axis=1)
@@ -42,23 +48,16 @@ def candidates(solid: Solid, points: FloatArray, swell: float) -> Capsules:
     return Capsules(a[keep], b[keep], depth[keep] + swell)
 
 
-def greedy_cover(
-    solid: Solid, points: FloatArray, weights: FloatArray, swell: float, share: float = 0.995
-) -> Capsules:
-    """Candidates that cover most weight of points (P, 3) each in turn, up to a share of it."""
+def greedy_cover(solid: Solid, points: FloatArray, swell: float, share: float = 0.995) -> Capsules:
+    """Candidates that each in turn hold most of what is left of points (P, 3), up to a share."""
     pool = candidates(solid, points, swell)
-    holds = np.concatenate(
-        [
-            (to_segments(points, *part[:2]) < part.radius).T
-            for part in (
-                pool.take(np.arange(k, min(k + 2000, len(pool.radius))))
-                for k in range(0, len(pool.radius), 2000)
-            )
-        ]
-    ).astype(np.float32)
-    left = weights.astype(np.float32)
+    count = len(pool.radius)
+    parts = [pool.take(np.arange(n, min(n + _CHUNK, count))) for n in range(0, count, _CHUNK)]
+    holds = np.concatenate([(to_segments(points, p.a, p.b) < p.radius).T for p in parts])
+    holds = holds.astype(np.float32)
+    left = np.ones(len(points), dtype=np.float32)
     chosen: list[int] = []
-    while left.sum() > (1 - share) * weights.sum():
+    while left.sum() > (1 - share) * len(points):
         gain = holds @ left
         best = int(gain.argmax())
         if gain[best] <= 0:
@@ -69,79 +68,67 @@ def greedy_cover(
 
 
 def shrink_wrap(
-    solid: Solid,
-    points: FloatArray,
-    weights: FloatArray,
-    capsules: Capsules,
-    *,
-    steps: int,
-    step: float = 1.5e-3,
-    samples: int = 96,
-    worst: float = 0.015,
-    stiff: float = 3e4,
-    margin: float = 0.0,
-    low: float = 0.1,
-    rate: float = 0.5,
-    end: float = 0.01,
+    solid: Solid, points: FloatArray, capsules: Capsules, *, steps: int, worst: float
 ) -> Capsules:
     """Move capsules so that they hold the points (P, 3) and what sticks out is least.
 
-    Descends by Adam on
-        integral over the union outside the solid of f(distance)  +  rho sum_p w_p (gap_p)_+^2
-    where gap_p is how far point p is outside the union. The integral's derivative is exact and
-    cheap (Reynolds): where the union's free surface moves outwards by dn, it grows by f dn dA.
-    f = 1 + (distance / worst)^6 punishes what sticks out farthest.
+    Descends by Adam on an augmented Lagrangian of
+        min  integral over the union, outside the solid, of f(distance)
+        such that no point is outside the union,
+    f = 1 + (distance / worst)^6, which punishes what sticks out farthest. The integral's
+    derivative is exact and cheap (Reynolds): where the union's free surface moves outwards by dn
+    it grows by f dn dA. What comes back leaves points outside by some tenths of a millimetre.
     """
-    K = len(capsules.radius)
     x = np.concatenate([capsules.a, capsules.b, capsules.radius[:, None]], axis=1)  # (K, 7)
     first, second = np.zeros_like(x), np.zeros_like(x)
-    everything, everyone = points, weights / weights.sum()
-    pull_of = np.zeros(len(points))
-    area = float(surface(capsules, 8).areas.sum() * 8) * 0.3
+    area = _FREE_SHARE * float(surface(capsules, 1).areas.sum())
+    multipliers = np.zeros(len(points))
     for n in range(1, steps + 1):
         progress = n / steps
         now = Capsules(x[:, :3], x[:, 3:6], x[:, 6])
-        rho = 2 * (low + (1 - low) * progress) * stiff * area
+        rho = 2 * (0.1 + 0.9 * progress) * _STIFFNESS * area
         if n % _REFRESH == 1:  # look only at points that may come out before the next look
-            gap = (to_segments(everything, now.a, now.b) - now.radius).min(axis=1) + margin
-            pull_of = np.maximum(pull_of + rate * rho * gap, 0)
-            active = np.argsort(-(pull_of + rho * gap))[:_ACTIVE]
-            points, weights, pulls = everything[active], everyone[active], pull_of[active]
-        on = surface(now, samples, turn=(0.618 * n) % 1)
-        outer = free(now, on)
-        depth = solid.depth_at(on.points.reshape(-1, 3)).reshape(outer.shape)
-        out = np.maximum(-depth, 0)
-        f = (1 + (out / worst) ** 6) * (depth < 0) * outer * on.areas[:, None]  # (K, N)
-        gradient = np.zeros_like(x)
-        gradient[:, 6] = f.sum(axis=1)
-        pull = f[:, :, None] * on.normals
-        gradient[:, :3] = (pull * (1 - on.at)[:, :, None]).sum(axis=1)
-        gradient[:, 3:6] = (pull * on.at[:, :, None]).sum(axis=1)
-
-        gap = to_segments(points, now.a, now.b) - now.radius + margin
-        own = gap.argmin(axis=1)
-        gap = gap[np.arange(len(points)), own]
-        force = weights * np.maximum(pulls + rho * gap, 0)
-        bad = force > 0
-        own, force, p = own[bad], force[bad], points[bad]
-        t = nearest_one(p, now.a[own], now.b[own])
-        q = now.a[own] + t[:, None] * (now.b - now.a)[own]
-        away = (p - q) / np.maximum(np.linalg.norm(p - q, axis=1), 1e-9)[:, None]
-        np.add.at(gradient[:, 6], own, -force)
-        np.add.at(gradient[:, :3], own, -(force * (1 - t))[:, None] * away)
-        np.add.at(gradient[:, 3:6], own, -(force * t)[:, None] * away)
-
+            gap = (to_segments(points, now.a, now.b) - now.radius).min(axis=1)
+            multipliers = np.maximum(multipliers + rho * gap / 2, 0)
+            active = np.argsort(-(multipliers + rho * gap))[:_ACTIVE]
+        gradient = _outside_gradient(solid, now, turn=(0.618 * n) % 1, worst=worst)
+        gradient -= _pull(points[active], multipliers[active], rho, now) / len(points)
         first = 0.8 * first + 0.2 * gradient
         second = 0.95 * second + 0.05 * gradient**2
         # One scale per capsule, so that a step keeps the gradient's direction.
         size = np.sqrt(second.sum(axis=1, keepdims=True) / (1 - 0.95**n)) + 1e-12
-        x = x - step * (1 - progress + end) * first / (1 - 0.8**n) / size
-        x[:, 6] = np.maximum(x[:, 6], 1e-3)
+        x = x - _STEP * (1.01 - progress) * first / (1 - 0.8**n) / size
+        x[:, 6] = np.maximum(x[:, 6], _LEAST_RADIUS)
     return Capsules(x[:, :3], x[:, 3:6], x[:, 6])
 
 
-def nearest_one(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """Where on its own segment, 0 at a and 1 at b, the nearest place to each point is, (P,)."""
-    along = b - a
+def _outside_gradient(solid: Solid, capsules: Capsules, *, turn: float, worst: float) -> FloatArray:
+    """The integral's derivative by each capsule's (a, b, radius), (K, 7) [m^2]."""
+    on = surface(capsules, _SAMPLES, turn)
+    depth = solid.depth_at(on.points.reshape(-1, 3)).reshape(on.at.shape)
+    f = 1 + (np.minimum(depth, 0) / worst) ** 6
+    f = f * (depth < 0) * free(capsules, on) * on.areas[:, None]  # (K, N)
+    push = f[:, :, None] * on.normals
+    by_a = (push * (1 - on.at)[:, :, None]).sum(axis=1)
+    by_b = (push * on.at[:, :, None]).sum(axis=1)
+    return np.concatenate([by_a, by_b, f.sum(axis=1)[:, None]], axis=1)
+
+
+def _pull(
+    points: FloatArray, multipliers: FloatArray, rho: float, capsules: Capsules
+) -> FloatArray:
+    """How points that are outside, or were, draw the capsule nearest to each, (K, 7)."""
+    a, b, radius = capsules
+    gap = to_segments(points, a, b) - radius
+    own = gap.argmin(axis=1)
+    force = np.maximum(multipliers + rho * gap[np.arange(len(points)), own], 0)
+    own, p, force = own[force > 0], points[force > 0], force[force > 0]
+    along = b[own] - a[own]
     length2 = np.maximum((along * along).sum(axis=1), 1e-18)
-    return np.asarray(np.clip(((points - a) * along).sum(axis=1) / length2, 0, 1))
+    t = np.clip(((p - a[own]) * along).sum(axis=1) / length2, 0, 1)[:, None]
+    away = p - (a[own] + t * along)
+    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-9)
+    pull = np.concatenate([(1 - t) * away, t * away, np.ones_like(t)], axis=1)
+    total = np.zeros((len(radius), 7))
+    np.add.at(total, own, force[:, None] * pull)
+    return total
