@@ -19,7 +19,7 @@ _FIRST_SWELL = 0.85  # how far the first set sticks out, over the most that is a
 _MOST_ROUNDS = 30
 _FIRST_STEPS, _NEXT_STEPS = 240, 120
 _GROWTH = 0.15  # share of capsules that are split in a round
-_SPARE = 1.02  # of the aims, for what proving the inside and a finer look may add
+_SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
 _PATIENCE = 3  # capsules whose loss is tried in vain before the rest stay
 
@@ -92,21 +92,22 @@ class _Fit:
         moving = greedy_cover(self.solid, self.landmarks, _FIRST_SWELL * self.aim.worst)
         moving = moving.take(np.arange(min(self.most, len(moving.radius))))
         moving = self._wrap(moving, _FIRST_STEPS)
-        best, score = self._settle(moving)
+        best, score = self._settle(moving, with_inside=False)
         moving = best
         for _ in range(_MOST_ROUNDS):
             if score <= 1 or len(moving.radius) >= self.most:
                 break
-            moving, new_score = self._settle(self._wrap(self._split(moving), _NEXT_STEPS))
+            moving = self._wrap(self._split(moving), _NEXT_STEPS)
+            moving, new_score = self._settle(moving, with_inside=False)
             if new_score < score:
                 best, score = moving, new_score
-        return settle(self.solid, self._drop(best, score))
+        return self._drop(*self._settle(best, with_inside=True))
 
     def _wrap(self, capsules: Capsules, steps: int) -> Capsules:
         return shrink_wrap(self.solid, self.points, capsules, steps=steps, worst=self.aim.worst)
 
-    def _settle(self, capsules: Capsules) -> tuple[Capsules, float]:
-        settled = settle(self.solid, capsules, with_inside=False)
+    def _settle(self, capsules: Capsules, *, with_inside: bool) -> tuple[Capsules, float]:
+        settled = settle(self.solid, capsules, with_inside=with_inside)
         return settled, self._score(settled)
 
     def _score(self, capsules: Capsules) -> float:
@@ -115,27 +116,20 @@ class _Fit:
         return _SPARE * max(got.mean / self.aim.mean, got.worst / self.aim.worst)
 
     def _split(self, capsules: Capsules) -> Capsules:
-        """Halves in place of the capsules that stick out most."""
-        costs = self._costs(capsules)
-        count = max(1, round(_GROWTH * len(costs)))
-        count = min(count, self.most - len(costs))
-        chosen = np.argsort(-costs)[:count]
+        """Halves in place of the capsules that stick out most; of a short one, side by side."""
         a, b, radius = capsules
-        along = (b - a)[chosen]
-        length = np.linalg.norm(along, axis=1, keepdims=True)
-        # A ball, or nearly: apart along some axis.
-        short = length < radius[chosen, None]
-        other = np.eye(3)[np.arange(count) % 3] * radius[chosen, None]
+        count = min(max(1, round(_GROWTH * len(radius))), self.most - len(radius))
+        chosen = np.argsort(-self._costs(capsules))[:count]
+        quarter = (b - a)[chosen] / 4
+        aside = np.eye(3)[np.arange(count) % 3] * radius[chosen, None]
+        short = np.linalg.norm(4 * quarter, axis=1, keepdims=True) < radius[chosen, None]
+        shift, half = np.where(short, 0.3 * aside, quarter), np.where(short, 0.1 * aside, quarter)
         middle = (a + b)[chosen] / 2
-        shift = np.where(short, 0.3 * other, along / 4)
-        half = np.where(short, 0.1 * other, along / 4)
-        new_a = a.copy()
-        new_b = b.copy()
-        new_a[chosen], new_b[chosen] = middle - shift - half, middle - shift + half
+        others = np.delete(np.arange(len(radius)), chosen)
         return Capsules(
-            np.concatenate([new_a, middle + shift - half]),
-            np.concatenate([new_b, middle + shift + half]),
-            np.concatenate([radius, radius[chosen]]),
+            np.concatenate([a[others], middle - shift - half, middle + shift - half]),
+            np.concatenate([b[others], middle - shift + half, middle + shift + half]),
+            np.concatenate([radius[others], radius[chosen], radius[chosen]]),
         )
 
     def _costs(self, capsules: Capsules) -> FloatArray:
@@ -161,7 +155,8 @@ class _Fit:
                 break
             count = max(1, int((1 - score) / 2 * len(loss))) if not in_vain else 1
             fewer = best.take(np.delete(np.arange(len(loss)), order[:count]))
-            settled, new_score = self._settle(self._wrap(fewer, _NEXT_STEPS))
+            fewer = self._wrap(fewer, _NEXT_STEPS)
+            settled, new_score = self._settle(fewer, with_inside=True)
             if new_score <= 1:
                 best, score, in_vain = settled, new_score, set()
             else:

@@ -96,8 +96,9 @@ def _core_needs(solid: Solid, a: FloatArray, b: FloatArray) -> FloatArray:
     """Radius with which capsule k holds a ball around cube n, of two voxels' edge, deep inside."""
     centers, depth = solid.inner_points()
     around = solid.edge * np.sqrt(3)
-    lattice = np.rint((centers - solid.origin) / solid.edge).astype(int) % 2
-    return to_segments(centers[(lattice == 0).all(axis=1) & (depth > around + solid.edge)], a, b) + around
+    even = (np.rint((centers - solid.origin) / solid.edge).astype(int) % 2 == 0).all(axis=1)
+    deep = depth > around + solid.edge
+    return np.asarray(to_segments(centers[even & deep], a, b) + around)
 
 
 def _open_voxels(solid: Solid, a: FloatArray, b: FloatArray, radius: FloatArray) -> FloatArray:

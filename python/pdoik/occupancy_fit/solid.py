@@ -17,6 +17,7 @@ _SAMPLES = 20_000  # of the surface; the triangles that the nearest ones lie on 
 _NEAREST = 3
 _MOST_VOXELS = 300_000
 _FINEST_VOXEL = 3e-3  # edge [m]
+_FINEST_PATCH = 1e-4  # edge [m]
 _REACH = 0.03  # how far beyond the surface the grid extends [m]
 
 
@@ -104,7 +105,7 @@ class Solid:
 
     def landmarks(self, count: int) -> FloatArray:
         """About `count` points of the surface, its corners and edges among them, (N, 3)."""
-        longest = float(np.sqrt(3 * areas(self.triangles).sum() / count))
+        longest = max(float(np.sqrt(3 * areas(self.triangles).sum() / count)), _FINEST_PATCH)
         corners = subdivide(self.triangles, longest).reshape(-1, 3)
         _, first = np.unique(np.rint(corners / (longest / 2)), axis=0, return_index=True)
         own = np.unique(self.triangles.reshape(-1, 3), axis=0)
