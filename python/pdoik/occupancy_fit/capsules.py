@@ -17,10 +17,11 @@ _LANDMARKS = 1500
 _INNER = 300  # points inside that are asked for while capsules move
 _FIRST_SWELL = 0.85  # how far the first set sticks out, over the most that is allowed
 _MOST_ROUNDS = 30
-_FIRST_STEPS, _NEXT_STEPS = 240, 120
+_FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 90
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
+_HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
 _PATIENCE = 3  # capsules whose loss is tried in vain before the rest stay
 
 
@@ -142,23 +143,30 @@ class _Fit:
         return np.asarray((excess + (out / self.aim.worst) ** 6).sum(axis=1) * on.areas)
 
     def _drop(self, best: Capsules, score: float) -> Capsules:
-        """Leave capsules out one by one, as long as the aims hold without them."""
+        """Leave capsules out, several at a time while the aims are far, as long as they hold."""
         in_vain: set[int] = set()
+        haste = _HASTE
         while score <= 1 and len(best.radius) > 1 and len(in_vain) < _PATIENCE:
-            gap = to_segments(self.points, best.a, best.b) - best.radius
-            loss = np.empty(len(best.radius))
-            for k in range(len(loss)):
-                without = np.delete(gap, k, axis=1).min(axis=1)
-                loss[k] = (np.maximum(without, 0) ** 2).sum()
-            order = [k for k in np.argsort(loss) if k not in in_vain]
+            loss = self._losses(best)
+            order = [int(k) for k in np.argsort(loss) if k not in in_vain]
             if not order:
                 break
-            count = max(1, int((1 - score) / 2 * len(loss))) if not in_vain else 1
+            count = max(1, int(haste * (1 - score) * len(loss)))
             fewer = best.take(np.delete(np.arange(len(loss)), order[:count]))
-            fewer = self._wrap(fewer, _NEXT_STEPS)
+            fewer = self._wrap(fewer, _DROP_STEPS)
             settled, new_score = self._settle(fewer, with_inside=True)
             if new_score <= 1:
                 best, score, in_vain = settled, new_score, set()
+            elif count > 1:
+                haste /= 2
             else:
-                in_vain.update(int(k) for k in order[:count])
+                in_vain.add(order[0])
         return best
+
+    def _losses(self, capsules: Capsules) -> FloatArray:
+        """How much would be bare without each capsule, (K,)."""
+        gap = to_segments(self.points, capsules.a, capsules.b) - capsules.radius
+        own = gap.argmin(axis=1)
+        nearest = np.partition(gap, 1, axis=1)[:, 1]  # of the others
+        bare = np.maximum(nearest, 0) ** 2
+        return np.bincount(own, bare, minlength=len(gap[0])).astype(np.float64)
