@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pdoik import LoadError, Occupancy
-from pdoik.occupancy_fit import OccupancyFit, fit_occupancy, split
+from pdoik import LoadError, Occupancy, occupancy_fit
+from pdoik.occupancy_fit import OccupancyFit, split
 from pdoik.occupancy_fit.hulls import half_sum, smallest_shape
 from pdoik.occupancy_fit.split import clip, union_volume
 
 SEED = 20240917
+fit_occupancy = partial(occupancy_fit.fit_occupancy, capsules=False)
 Array = NDArray[np.float64]
 
 

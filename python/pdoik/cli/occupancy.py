@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 from rich.table import Table
 
 from .messages import err, fail, misuse_fails, out
+
+if TYPE_CHECKING:
+    from pdoik.occupancy_fit import FitReport
 
 
 def occupancy(
@@ -34,8 +37,12 @@ def occupancy(
         bool,
         typer.Option("--paper", help="One spheroid per link from joint to joint, as in the paper."),
     ] = False,
+    capsules: Annotated[
+        bool,
+        typer.Option("--capsules/--no-capsules", help="Hold each link closely by capsules too."),
+    ] = True,
 ) -> None:
-    """Fit spheres and spheroids around a robot's collision geometry, and say what they cost.
+    """Fit hulls around a robot's collision geometry, and say what they cost.
 
     [bold]Example[/]: pdoik occupancy arm.urdf --package-dir share --out arm.occupancy.yaml
     """
@@ -55,6 +62,7 @@ def occupancy(
             max_parts=max_parts,
             max_hulls=max_hulls,
             paper=paper,
+            capsules=capsules,
         )
 
     table = Table(
@@ -81,9 +89,24 @@ def occupancy(
         " hulls\ngeometry: the convex hull of what a row holds; overlaps count once per link",
         highlight=False,
     )
+    if fit.capsules:
+        out.print(_capsule_table(fit.report))
     for name in fit.report.skipped:
         out.print(f"{escape(name)}: no collision geometry, skipped", highlight=False)
     if out_file is not None:
         with misuse_fails("--out"):
             fit.write(out_file, comment=f"Hulls of {urdf.name}, made by pdoik occupancy.")
         err.print(f"wrote {escape(str(out_file))}", highlight=False)
+
+
+def _capsule_table(report: FitReport) -> Table:
+    """Per link, how many capsules there are and how far their union sticks out."""
+    table = Table("link", title="capsules, and how far they stick out", title_justify="left")
+    for name in ("capsules", "mean [mm]", "worst [mm]"):
+        table.add_column(name, justify="right")
+    for link in report.links:
+        distances = [f"{1e3 * value:.2f}" for value in (link.mean_overhang, link.worst_overhang)]
+        table.add_row(escape(link.link), str(link.n_capsules), *distances)
+    table.add_section()
+    table.add_row("all", str(sum(link.n_capsules for link in report.links)), "", "")
+    return table

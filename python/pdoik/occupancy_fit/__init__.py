@@ -1,21 +1,24 @@
-"""Find the spheres and spheroids that hold a robot's collision geometry (Sec. coll_avoid).
+"""Find the hulls that hold a robot's collision geometry (Sec. coll_avoid), and closer capsules.
 
 >>> fit = fit_occupancy("robot.urdf", package_dirs=["share"])  # doctest: +SKIP
 >>> print(fit.report)  # doctest: +SKIP
 >>> fit.write("robot.occupancy.yaml")  # doctest: +SKIP
 """
 
+from .capsules import Capsule, fit_capsules
 from .fit import fit_occupancy
 from .hulls import Sphere, Spheroid
 from .report import FitReport, HullReport, LinkReport
 from .result import OccupancyFit
 
 __all__ = [
+    "Capsule",
     "FitReport",
     "HullReport",
     "LinkReport",
     "OccupancyFit",
     "Sphere",
     "Spheroid",
+    "fit_capsules",
     "fit_occupancy",
 ]

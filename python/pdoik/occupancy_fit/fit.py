@@ -1,4 +1,4 @@
-"""Fit the hulls of a robot's links: the paper's spheroids, or a few tighter ones per link."""
+"""Fit the hulls of a robot's links: the paper's spheroids, or a few tighter ones; and capsules."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import LoadError
+from .capsules import Capsule, fit_capsules
 from .geometry import LinkGeometry, load_geometry
 from .hulls import Point, Shape, Sphere, Spheroid, around, convex_volume, tidy_point
+from .overhang import Overhang, overhang
 from .report import FitReport, HullReport, LinkReport
 from .result import OccupancyFit
+from .segments import Capsules
+from .solid import Solid
 from .split import Part, cover_stages, union_volume
 
 _ORIGIN: Point = (0.0, 0.0, 0.0)
@@ -36,6 +40,7 @@ def fit_occupancy(
     max_parts: int = 4,
     max_hulls: int | None = None,
     paper: bool = False,
+    capsules: bool = True,
 ) -> OccupancyFit:
     """Spheres and spheroids that hold the collision geometry of a robot's links.
 
@@ -49,6 +54,9 @@ def fit_occupancy(
     vertex, with 1e-6 m to spare; cut links may come out below their convex hull's volume. Each cut
     takes seconds to find: a whole arm 15 s at factor 2, minutes at factor 1.
 
+    Beside them, capsules hold the same geometry as it is, concave or not, and stick out far less
+    (`fit_capsules`): about ten per link, in a minute for an arm.
+
     Args:
         urdf: Robot description with collision primitives or meshes: a file, or XML text.
         package_dirs: Folders that hold the packages named in `package://` addresses.
@@ -59,7 +67,8 @@ def fit_occupancy(
         max_hulls: Most hulls in all; where it binds, they go where they save most volume.
         paper: Exactly one spheroid per link, foci at joint origins, whatever its volume, and at
             each joint the largest sphere within the adjacent spheroids: it has the paper's count
-            of constraints and adds no volume.
+            of constraints and adds no volume. No capsules then.
+        capsules: Fit capsules too.
 
     Raises:
         LoadError: The description or a mesh cannot be read, or it has no collision geometry.
@@ -79,9 +88,17 @@ def fit_occupancy(
 
     if paper:
         fits = [_joint_to_joint(link) for link in solid]
-        return _result(fits, skipped, _joint_spheres(fits))
+        return _result(fits, skipped, _joint_spheres(fits), {})
     stages = [_link_stages(link, max_volume_factor, max_parts) for link in solid]
-    return _result(_within_budget(stages, max_hulls), skipped, [])
+    tight = {link.name: _tight(link) for link in solid} if capsules else {}
+    return _result(_within_budget(stages, max_hulls), skipped, [], tight)
+
+
+def _tight(link: LinkGeometry) -> tuple[list[Capsule], Overhang]:
+    """The link's capsules, and how far they stick out."""
+    found = [Capsule(link.name, *capsule) for capsule in fit_capsules(link.triangles)]
+    a, b, radius = (np.array([hull[i] for hull in found]) for i in (1, 2, 3))
+    return found, overhang(Solid.of(link.triangles), Capsules(a, b, radius))
 
 
 def _joint_to_joint(link: LinkGeometry) -> _LinkFit:
@@ -145,7 +162,10 @@ def _joint_spheres(fits: list[_LinkFit]) -> list[Sphere]:
 
 
 def _result(
-    fits: list[_LinkFit], skipped: tuple[str, ...], joint_spheres: list[Sphere]
+    fits: list[_LinkFit],
+    skipped: tuple[str, ...],
+    joint_spheres: list[Sphere],
+    tight: dict[str, tuple[list[Capsule], Overhang]],
 ) -> OccupancyFit:
     spheres, spheroids, rows = list(joint_spheres), [], []
     for fit in fits:
@@ -168,16 +188,24 @@ def _result(
                 )
             )
     report = FitReport(
-        hulls=tuple(rows),
-        links=tuple(
-            LinkReport(
-                link=fit.link.name,
-                n_hulls=len(fit.parts),
-                geometry_volume=convex_volume(fit.link.triangles.reshape(-1, 3)),
-                covered_volume=_covered(fit),
-            )
-            for fit in fits
-        ),
-        skipped=skipped,
+        hulls=tuple(rows), links=tuple(_link_report(fit, tight) for fit in fits), skipped=skipped
     )
-    return OccupancyFit(spheres=tuple(spheres), spheroids=tuple(spheroids), report=report)
+    return OccupancyFit(
+        spheres=tuple(spheres),
+        spheroids=tuple(spheroids),
+        report=report,
+        capsules=tuple(capsule for found, _ in tight.values() for capsule in found),
+    )
+
+
+def _link_report(fit: _LinkFit, tight: dict[str, tuple[list[Capsule], Overhang]]) -> LinkReport:
+    found, out = tight.get(fit.link.name, ([], Overhang(0.0, 0.0)))
+    return LinkReport(
+        link=fit.link.name,
+        n_hulls=len(fit.parts),
+        geometry_volume=convex_volume(fit.link.triangles.reshape(-1, 3)),
+        covered_volume=_covered(fit),
+        n_capsules=len(found),
+        mean_overhang=out.mean,
+        worst_overhang=out.worst,
+    )

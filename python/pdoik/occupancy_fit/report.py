@@ -1,4 +1,4 @@
-"""What a fit costs: the empty volume that each hull adds."""
+"""What a fit costs: the empty volume that each hull adds, and how far capsules stick out."""
 
 from __future__ import annotations
 
@@ -32,6 +32,9 @@ class LinkReport:
     n_hulls: int
     geometry_volume: float  # of the convex hull of the link's whole geometry, [m^3]
     covered_volume: float  # of the union of its hulls, [m^3]
+    n_capsules: int = 0
+    mean_overhang: float = 0.0  # from the capsules' outer surface to the geometry, [m]
+    worst_overhang: float = 0.0  # [m]
 
     @property
     def factor(self) -> float:
@@ -62,5 +65,11 @@ class FitReport:
         covered = 1e3 * sum(row.covered_volume for row in self.links)
         total = f"{geometry:12.3f}{covered:12.3f}{self.factor:8.2f}"
         lines.append(f"{'all':24}{len(self.hulls):6}{total}")
+        if any(row.n_capsules for row in self.links):
+            lines.append(f"{'link':24}{'capsules':>9}{'overhang: mean':>17}{'worst':>7}  [mm]")
+            for row in self.links:
+                out = f"{1e3 * row.mean_overhang:17.2f}{1e3 * row.worst_overhang:7.2f}"
+                lines.append(f"{row.link:24}{row.n_capsules:9}{out}")
+            lines.append(f"{'all':24}{sum(row.n_capsules for row in self.links):9}")
         lines += [f"{link:24} no collision geometry, skipped" for link in self.skipped]
         return "\n".join(lines)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .._files import write_whole
+from .capsules import Capsule
 from .hulls import DECIMALS, FloatArray, Point, Sphere, Spheroid, tidy_point
 from .report import FitReport
 
@@ -24,6 +25,7 @@ class OccupancyFit:
     spheres: tuple[Sphere, ...]
     spheroids: tuple[Spheroid, ...]
     report: FitReport
+    capsules: tuple[Capsule, ...] = ()  # hold the same links, closer
 
     def to_yaml(self, comment: str = "") -> str:
         """The occupancy file's text; reading it back gives these very numbers."""
@@ -39,6 +41,13 @@ class OccupancyFit:
             a = f"link_a: {_name(hull.link_a)}, focus_a: {_row(hull.focus_a)}"
             b = f"link_b: {_name(hull.link_b)}, focus_b: {_row(hull.focus_b)}"
             lines.append(f"  - {{{a}, {b}, semi_major: {_number(hull.semi_major)}}}")
+        if self.capsules:
+            lines.append("capsules:")
+        lines += [
+            f"  - {{link: {_name(hull.link)}, a: {_row(hull.a)}, b: {_row(hull.b)},"
+            f" radius: {_number(hull.radius)}}}"
+            for hull in self.capsules
+        ]
         return "\n".join(lines) + "\n"
 
     def write(self, path: str | Path, comment: str = "") -> None:
@@ -75,6 +84,10 @@ class OccupancyFit:
                 for hull in self.spheroids
             ),
             report=self.report,
+            capsules=tuple(
+                Capsule(*move(hull.link, hull.a), move(hull.link, hull.b)[1], hull.radius)
+                for hull in self.capsules
+            ),
         )
 
 

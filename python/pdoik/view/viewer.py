@@ -204,7 +204,7 @@ class Viewer:
             return
         with self.complaints():
             self.status.say("fitting hulls ...")
-            fit = fit_occupancy(model.urdf, model.package_dirs)
+            fit = fit_occupancy(model.urdf, model.package_dirs, capsules=False)
             known = set(model.robot.link_names)
             text = fit.to_yaml()
             if model is self.model:

@@ -1,0 +1,125 @@
+"""Fit capsules to the shipped robots' published meshes, and measure how far they stick out.
+
+.venv/bin/python bench/tight_hulls.py panda ur10 iiwa14 h1          measure the shipped files
+.venv/bin/python bench/tight_hulls.py panda ur10 iiwa14 h1 --fit    fit anew, write and measure
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+
+from arm_meshes import arm_meshes
+from experiment import Arm
+from h1_hulls import _circumscribed
+from pdoik._files import write_whole
+from pdoik.h1.shapes import SHAPES
+from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_capsules
+from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
+from pdoik.occupancy_fit.overhang import overhang
+from pdoik.occupancy_fit.segments import Capsules
+from pdoik.occupancy_fit.solid import Solid
+
+FloatArray = npt.NDArray[np.float64]
+ROBOTS = Path(__file__).parents[1] / "cpp/robots"
+HEADER = """\
+#
+# Capsules: a second, closer cover of the same geometry, as it is instead of its convex hull, by
+#
+#   bench/tight_hulls.py {name} --fit
+#
+# Overhang [mm]: from the outer surface of a link's capsules to its geometry.
+#
+#   link                 capsules    mean   worst
+"""
+
+
+def geometry(name: str) -> dict[str, FloatArray]:
+    """Triangles per link, (T, 3, 3) in our link's frame [m]."""
+    if name != "h1":
+        return arm_meshes(Arm.builtin(name))
+    links = dict.fromkeys(shape.link for shape in SHAPES)
+    return {
+        link: np.concatenate([_circumscribed(shape) for shape in SHAPES if shape.link == link])
+        for link in links
+    }
+
+
+def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
+    """Capsules of every link. The H1's shapes are capsules and balls already, but for cylinders."""
+    if name != "h1":
+        return [
+            Capsule(link, *hull) for link, mesh in meshes.items() for hull in fit_capsules(mesh)
+        ]
+    capsules = []
+    for shape in SHAPES:
+        if shape.kind == "cylinder":
+            capsules += [Capsule(shape.link, *hull) for hull in fit_capsules(_circumscribed(shape))]
+        else:
+            a, b = tidy_point(np.array(shape.a)), tidy_point(np.array(shape.b))
+            capsules.append(Capsule(shape.link, a, b, round(shape.radius + MARGIN, 9)))
+    return capsules
+
+
+def read(name: str) -> list[Capsule]:
+    rows = yaml.safe_load((ROBOTS / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
+    return [Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"]) for r in rows]
+
+
+def measure(
+    meshes: dict[str, FloatArray], capsules: list[Capsule]
+) -> list[tuple[str, int, float, float]]:
+    """Per link: capsules, mean and worst overhang [mm]."""
+    rows = []
+    for link, mesh in meshes.items():
+        own = [hull for hull in capsules if hull.link == link]
+        a, b, radius = (np.array([hull[i] for hull in own]) for i in (1, 2, 3))
+        out = overhang(Solid.of(mesh), Capsules(a, b, radius))
+        rows.append((link, len(own), 1e3 * out.mean, 1e3 * out.worst))
+    return rows
+
+
+def write(name: str, capsules: list[Capsule], rows: list[tuple[str, int, float, float]]) -> None:
+    """Put the list at the end of the robot's file, and its table at the end of the header."""
+    path = ROBOTS / f"{name}.occupancy.yaml"
+    text = re.sub(r"^capsules:\n(?:  - .*\n)*", "", path.read_text("utf-8"), flags=re.MULTILINE)
+    text = re.sub(r"#\n# Capsules:(?:.*\n)*?(?=[a-z])", "", text)
+    table = "".join(
+        f"#   {link:<22}{n:>7}{mean:>8.2f}{worst:>8.1f}\n" for link, n, mean, worst in rows
+    )
+    report = FitReport(hulls=(), links=(), skipped=())
+    only = OccupancyFit(spheres=(), spheroids=(), capsules=tuple(capsules), report=report)
+    listed = only.to_yaml().partition("capsules:\n")[2]
+    start = text.index("spheres:")
+    text = text[:start] + HEADER.format(name=name) + table + text[start:]
+    write_whole(path, f"{text}capsules:\n{listed}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("robots", nargs="+", choices=["panda", "ur10", "iiwa14", "h1"])
+    parser.add_argument("--fit", action="store_true", help="fit anew and write the files")
+    options = parser.parse_args()
+    for name in options.robots:
+        meshes = geometry(name)
+        start = time.process_time()
+        capsules = fit(name, meshes) if options.fit else read(name)
+        seconds = time.process_time() - start
+        rows = measure(meshes, capsules)
+        if options.fit:
+            write(name, capsules, rows)
+        for link, n, mean, worst in rows:
+            print(f"{link:<28}{n:>5}{mean:>8.2f}{worst:>8.1f}")
+        print(f"{name}: {len(capsules)} capsules, {seconds:.0f} s of one processor", flush=True)
+
+
+if __name__ == "__main__":
+    main()
