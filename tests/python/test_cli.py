@@ -113,10 +113,15 @@ def test_a_scene_counts_alone_and_together_with_a_cloud(tmp_path: Path, wall: Pa
     scene.write_text(f"shapes: [{ball}]\ncloud: behind.xyz\nallowed: [[panda_link7, ball]]\n")
     alone = json.loads(solve("--json", "--scene", scene).stdout)
     assert alone["scene"] == {"file": str(scene), "shapes": ["ball"], "points": 1}
-    assert alone["clearance"] < 0.2
-    both = json.loads(solve("--json", "--scene", scene, "--cloud", wall).stdout)
+    judge = pdoik.Solver(pdoik.Robot.builtin("panda")).judge
+    T, q = np.array(alone["T_base_tip"]), alone["q"]
+    obstacles = pdoik.load_scene(scene)
+    assert alone["clearance"] == pytest.approx(judge(T, q, obstacles=obstacles).clearance)
+    assert alone["clearance"] < judge(T, q, obstacles=obstacles.cloud).clearance
+    both = json.loads(solve("--json", "--scene", scene, "--cloud", wall, "--leaf", "0").stdout)
     assert both["cloud"]["points"] == 3001
-    assert both["clearance"] < 0.12
+    each = [judge(T, both["q"], obstacles=part).clearance for part in (obstacles, np.load(wall))]
+    assert both["clearance"] == pytest.approx(min(each))
     report = solve("--scene", scene, "--cloud", wall).stdout
     assert "points and 1 shape," in " ".join(report.split())
 
