@@ -58,7 +58,7 @@ class ShapeScene:
                 np.asarray(mesh.vertices),
                 np.asarray(mesh.faces),
                 color=_SHAPE,
-                opacity=0.3 if flat else 0.75,
+                opacity=0.2 if flat else None,  # solids that are not opaque hide each other
                 flat_shading=shape.kind in ("box", "convex_mesh"),
                 side="double" if flat else "front",
                 cast_shadow=not flat,
