@@ -39,6 +39,7 @@ from pdoik.options import (
     Options,
 )
 from pdoik.reach_map import Grid, Reachability, reachability
+from pdoik.scenes import load_scene, save_scene
 from pdoik.solver import Solver
 from pdoik.tracker import Tracker
 
@@ -69,10 +70,12 @@ __all__ = [
     "Solver",
     "Tracker",
     "TrackerResult",
+    "load_scene",
     "load_srdf_pairs",
     "pairs_always_touching",
     "pairs_touching_at",
     "reachability",
+    "save_scene",
     "simd_name",
     "voxel_downsample",
 ]

@@ -6,7 +6,7 @@ import io
 import time
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -189,7 +189,7 @@ class Reachability:
 
 def reachability(
     robot: _core.Robot,
-    scene: _core.Cloud | npt.ArrayLike | None,
+    scene: _core.Scene | Sequence[_core.Shape] | _core.Cloud | npt.ArrayLike | None,
     grid: Grid,
     *,
     options: Options | None = None,
@@ -249,23 +249,31 @@ def reachability(
     )
 
 
-def _taken_in(scene: _core.Cloud | npt.ArrayLike | None) -> _core.Cloud | None:
-    return scene if scene is None or isinstance(scene, _core.Cloud) else _core.Cloud(scene)
+def _taken_in(scene: Any) -> _core.Cloud | _core.Scene | None:
+    """Obstacles as a solver takes them, with their points taken in once."""
+    if scene is None or isinstance(scene, _core.Cloud | _core.Scene):
+        return scene
+    if isinstance(scene, list | tuple) and scene and isinstance(scene[0], _core.Shape):
+        return _core.Scene(scene)
+    return _core.Cloud(scene)
 
 
 def _by_dask(
     client: Any,
     robot: _core.Robot,
     options: Options,
-    scene: _core.Cloud | npt.ArrayLike | None,
+    scene: Any,
     grid: Grid,
     chunks: list[tuple[int, int]],
     threads: int,
 ) -> Iterator[tuple[int, Any]]:
     from distributed import as_completed
 
+    shapes, allowed = [], []
+    if isinstance(scene, _core.Scene):
+        shapes, allowed, scene = scene.shapes, scene.allowed, scene.cloud
     points = scene.points if isinstance(scene, _core.Cloud) else scene
-    shared = client.scatter((robot, options, points), broadcast=True)
+    shared = client.scatter((robot, options, points, shapes, allowed), broadcast=True)
     futures = {
         client.submit(_reach_chunk, shared, grid.poses(begin, end), threads, pure=False): begin
         for begin, end in chunks
@@ -275,5 +283,8 @@ def _by_dask(
 
 
 def _reach_chunk(shared: tuple[Any, ...], poses: FloatArray, threads: int) -> Any:
-    robot, options, points = shared
-    return Solver(robot, replace(options))._reach_poses(poses, _taken_in(points), threads)
+    robot, options, points, shapes, allowed = shared
+    scene = _taken_in(points)
+    if shapes:
+        scene = _core.Scene(shapes, cloud=scene, allowed=allowed)
+    return Solver(robot, replace(options))._reach_poses(poses, scene, threads)

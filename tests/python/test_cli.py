@@ -104,6 +104,33 @@ def test_quaternion_and_roll_pitch_yaw_agree() -> None:
     np.testing.assert_allclose(T[:3, :3], Rz @ Ry @ Rx, atol=1e-15)
 
 
+def test_a_scene_counts_alone_and_together_with_a_cloud(tmp_path: Path, wall: Path) -> None:
+    free = json.loads(solve("--json").stdout)
+    x, y, z = np.array(free["T_base_tip"])[:3, 3]
+    (tmp_path / "behind.xyz").write_text(f"{x} {y} {z + 0.6}\n")
+    scene = tmp_path / "scene.yaml"
+    ball = f"{{name: ball, sphere: 0.1, position: [{x}, {y}, {z - 0.22}]}}"
+    scene.write_text(f"shapes: [{ball}]\ncloud: behind.xyz\nallowed: [[panda_link7, ball]]\n")
+    alone = json.loads(solve("--json", "--scene", scene).stdout)
+    assert alone["scene"] == {"file": str(scene), "shapes": ["ball"], "points": 1}
+    judge = pdoik.Solver(pdoik.Robot.builtin("panda")).judge
+    T, q = np.array(alone["T_base_tip"]), alone["q"]
+    obstacles = pdoik.load_scene(scene)
+    assert alone["clearance"] == pytest.approx(judge(T, q, obstacles=obstacles).clearance)
+    assert alone["clearance"] < judge(T, q, obstacles=obstacles.cloud).clearance
+    both = json.loads(solve("--json", "--scene", scene, "--cloud", wall, "--leaf", "0").stdout)
+    assert both["cloud"]["points"] == 3001
+    each = [judge(T, both["q"], obstacles=part).clearance for part in (obstacles, np.load(wall))]
+    assert both["clearance"] == pytest.approx(min(each))
+    report = solve("--scene", scene, "--cloud", wall).stdout
+    assert "points and 1 shape," in " ".join(report.split())
+
+    scene.write_text(f"shapes: [{ball}]\nallowed: [[nobody, ball]]\n")
+    misuse(solve("--scene", scene), "nobody")
+    scene.write_text("shapes: [{name: ball}]")
+    misuse(solve("--scene", scene), "scene.yaml", "(ball)")
+
+
 def test_goals_that_ask_for_less_are_met() -> None:
     assert solve("--goal", "position", target="0.4 0.1 0.5").exit_code == 0
     outcome = solve("--goal", "axis", "--goal-axis", "x", "--json")

@@ -39,6 +39,11 @@ def test_obstacles_take_poses_away_and_a_cloud_counts_like_its_points() -> None:
     assert blocked.reached.sum() < 0.7 * free.reached.sum()
     assert np.array_equal(blocked.statuses, again.statuses)
     assert np.array_equal(blocked.q, again.q, equal_nan=True)
+    slab = [pdoik.Shape.box("slab", (0.02, 2.0, 1.0), np.eye(4) + np.eye(4, 4, 3) * 0.45)]
+    solid = pdoik.reachability(ROBOT, slab, grid)
+    assert solid.reached.sum() < 0.7 * free.reached.sum()
+    same = pdoik.reachability(ROBOT, pdoik.Scene(slab), grid)
+    assert np.array_equal(solid.statuses, same.statuses)
 
 
 def test_a_file_gives_back_what_was_saved_and_others_are_refused(tmp_path: Path) -> None:
@@ -84,14 +89,16 @@ def test_chunks_change_nothing_and_what_progress_raises_ends_the_work() -> None:
 def test_dask_workers_find_what_one_process_finds() -> None:
     distributed = pytest.importorskip("distributed")
     grid = pdoik.Grid.box([0.3, -0.2, 0.2], [0.6, 0.2, 0.5], 0.1, orientations=6)
-    alone = pdoik.reachability(ROBOT, None, grid)
+    wall = pdoik.Shape.half_space("wall", (-1, 0, 0), (0.5, 0, 0))
+    scene = pdoik.Scene([wall], allowed=[("panda_link7", "wall")])
+    alone = pdoik.reachability(ROBOT, scene, grid)
     with (
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        spread = pdoik.reachability(ROBOT, None, grid, client=client, threads=1)
+        spread = pdoik.reachability(ROBOT, scene, grid, client=client, threads=1)
     assert np.array_equal(spread.statuses, alone.statuses)
     assert np.array_equal(spread.q, alone.q, equal_nan=True)
 

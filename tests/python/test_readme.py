@@ -27,7 +27,7 @@ def run_python_blocks(folder: Path) -> None:
 
 
 def test_the_python_examples_run_one_after_the_other(tmp_path: Path) -> None:
-    assert len(blocks("python")) == 6
+    assert len(blocks("python")) == 7
     run_python_blocks(tmp_path)
 
 

@@ -55,6 +55,36 @@ def test_at_first_the_middle_of_the_ranges_is_shown_with_the_target_at_the_tip()
     assert session.solve_once() is None
 
 
+def test_shapes_are_kept_off_named_and_drawn_where_they_are(session: Session) -> None:
+    session.set_posture(REACHED)
+    beside = session.robot.fk(REACHED, "panda_link4")[:3, 3] + np.array([0.0, 0.1, 0.0])
+    ball = pdoik.Shape.sphere("ball", beside, 0.08)
+    floor = pdoik.Shape.half_space("floor", (0, 0, 1), (3, 0, -0.5))
+    allowed = [("panda_link0", "floor")]
+    session.set_shapes([ball, floor], allowed)
+    session.set_posture(REACHED)
+    shown = session.solve_once()
+    assert shown is not None
+    assert not shown.result.success
+    found = binding(shown.result, shown.robot, ["ball", "floor"])
+    assert (found.shape, found.obstacle) == ("ball", None)
+    (hull,) = found.hulls
+    assert placed_hulls(shown.robot, shown.q)[hull].name in shown.result.worst_constraint
+    assert "mm to 2 shapes" in status_html(shown, Meter())
+
+    session.set_target(TIP, session.robot.fk(REACHED))
+    shown = session.solve_once()
+    assert shown is not None
+    assert shown.result.success, shown.result.worst_constraint
+    assert np.abs(shown.q - REACHED).max() > 0.01
+    session.set_ball([3.0, 0.0, 0.0], 0.1)
+    shown = session.solve_once()
+    assert shown is not None
+    assert "mm to 1 points and 2 shapes" in status_html(shown, Meter())
+    with pytest.raises(ValueError, match="'nobody'"):
+        session.set_shapes([ball], [("nobody", "ball")])
+
+
 def test_the_robot_follows_its_target_by_small_steps(session: Session) -> None:
     start, q = session.targets[TIP], session.q
     for i in range(1, 41):

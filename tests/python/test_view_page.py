@@ -246,6 +246,14 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     opened.page.get_by_text("broken.ply: not a .ply file").wait_for(timeout=1e3 * PATIENCE)
     assert len(session.obstacles.surface) == 3
 
+    scene = tmp_path / "scene.scene"
+    scene.write_text("s\n* wall\n1\nbox\n0.02 1 1\n0.8 0 0.4\n0 0 0 1\n0 0 0 0\n.\n")
+    opened.upload("Scene (", scene)
+    opened.page.get_by_text("scene.scene: 1 shapes, 0 points").wait_for(timeout=1e3 * PATIENCE)
+    opened.wait(lambda: list(opened.viewer.shape_scene._nodes) == ["wall"], "the shape")
+    opened.page.get_by_role("button", name="No shapes").click()
+    opened.wait(lambda: not opened.viewer.shape_scene._nodes, "no shape")
+
     names = session.robot.joint_names
     log = tmp_path / "log.csv"
     rows = [",".join(["time", *(f"q.{name}" for name in names)])]

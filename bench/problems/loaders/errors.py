@@ -1,12 +1,5 @@
-"""What a loader says when it refuses."""
+"""What a loader says when it refuses: the file, the entry, and what is wrong with it."""
 
-from __future__ import annotations
+from pdoik.scenes.values import EntryError as LoaderError
 
-from pathlib import Path
-
-
-class LoaderError(RuntimeError):
-    """A file that cannot be read as a problem set: names the file and the entry."""
-
-    def __init__(self, file: Path, what: str, entry: str = "") -> None:
-        super().__init__(f"{file}: {entry + ': ' if entry else ''}{what}")
+__all__ = ["LoaderError"]

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import yaml
 from bench.problems.judge import Judge
 from bench.problems.loaders.errors import LoaderError
 from bench.problems.loaders.moveit_world import read_world
-from bench.problems.loaders.values import numbers, read_pose, rotation
-from bench.problems.problem import Contact, Problem
+from bench.problems.loaders.values import numbers, read_pose, read_yaml, rotation
+from bench.problems.problem import Problem
 from bench.problems.robots import RobotFiles
 
+from pdoik.scenes.moveit_yaml import read_allowed
+
 FloatArray = npt.NDArray[np.float64]
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
@@ -43,9 +43,9 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
         request_file = scene_file.with_name(scene_file.name.replace("scene", "request", 1))
         if not request_file.is_file():
             raise LoaderError(scene_file, f"its request {request_file.name} is not there")
-        scene = _read(scene_file)
+        scene = read_yaml(scene_file)
         solids = read_world(scene, scene_file, set(judge.link_names))
-        targets, goal_q = _goal(_read(request_file), request_file, judge)
+        targets, goal_q = _goal(read_yaml(request_file), request_file, judge)
         names = {solid.name.split("/")[0]: [] for solid in solids}
         for solid in solids:
             names[solid.name.split("/")[0]].append(solid.name)
@@ -56,7 +56,7 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
                 solids=tuple(solids),
                 targets=targets,
                 goal_q=goal_q,
-                allowed=_allowed(scene, scene_file, names),
+                allowed=frozenset(read_allowed(scene, scene_file, names)),
             )
         )
     return problems
@@ -65,16 +65,6 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
 def _number(file: Path) -> tuple[int, str]:
     digits = re.findall(r"\d+", file.stem)
     return (int(digits[-1]) if digits else 0, file.name)
-
-
-def _read(file: Path) -> dict[str, Any]:
-    try:
-        content = yaml.load(file.read_text("utf-8"), Loader=_LOADER)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise LoaderError(file, f"not YAML: {' '.join(str(error).split())[:200]}") from error
-    if not isinstance(content, dict):
-        raise LoaderError(file, f"expected a mapping, got {type(content).__name__}")
-    return content
 
 
 def _goal(
@@ -135,22 +125,3 @@ def _pose_goal(goal: Mapping[str, Any], file: Path, judge: Judge) -> FloatArray:
     if not np.allclose(fixed[0], fixed[1], atol=1e-9):
         raise LoaderError(file, f"the goal is for {link!r}, which moves against {tip!r}", entry)
     return np.asarray(T @ fixed[0])
-
-
-def _allowed(
-    scene: Mapping[str, Any], file: Path, solids: Mapping[str, Sequence[str]]
-) -> frozenset[Contact]:
-    """Pairs of a link and an object that the allowed collision matrix lets touch."""
-    matrix = scene.get("allowed_collision_matrix") or {}
-    names, rows = matrix.get("entry_names") or [], matrix.get("entry_values") or []
-    if len(rows) != len(names):
-        entry = "allowed_collision_matrix"
-        raise LoaderError(file, f"{len(names)} entry_names, {len(rows)} entry_values", entry)
-    allowed = set()
-    for first, row in zip(names, rows, strict=True):
-        enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
-        for second, may in zip(names, enabled, strict=False):
-            if may is True or may == 1:
-                allowed |= {(first, part) for part in solids.get(second, ())}
-                allowed |= {(second, part) for part in solids.get(first, ())}
-    return frozenset(allowed)

@@ -1,4 +1,4 @@
-"""The obstacle points of a solve, and the cloud they stand for."""
+"""The obstacles of a solve: a cloud, what is kept of it, and a scene's shapes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 import pdoik
 from pdoik.clouds import load_cloud
+from pdoik.scenes import SceneFile, read_scene_file
 
 from .messages import fail, misuse_fails, warn
 
@@ -20,24 +21,67 @@ _FARTHEST_LIKELY = 100.0  # [m]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Obstacles:
-    """A cloud as its file has it, and as the solver gets it."""
+    """Points as their files have them, and as the solver gets them; and shapes.
+
+    Attributes:
+        file: Of the cloud, or of the scene without one.
+        leaf: Of the cloud, or of the scene without one [m]; 0 for every point.
+        surface: Points of the cloud and of the scene, (N, 3) [m].
+        cloud: What is kept of them, (K, 3), or (K, 4) with a radius each [m].
+        scene: Where the shapes are from; None for none.
+    """
 
     file: Path
-    leaf: float  # [m], 0 for every point
-    surface: FloatArray  # (N, 3), [m]
-    cloud: FloatArray  # (K, 3), or (K, 4) with a radius each, [m]
+    leaf: float
+    surface: FloatArray
+    cloud: FloatArray
+    scene: SceneFile | None = None
+
+    @property
+    def shapes(self) -> tuple[pdoik.Shape, ...]:
+        return () if self.scene is None else self.scene.shapes
+
+    def kept(self) -> pdoik.Scene:
+        """What the solver gets."""
+        return self._with(self.cloud)
+
+    def whole(self) -> pdoik.Scene:
+        """The same before points were thinned out."""
+        return self._with(self.surface)
+
+    def _with(self, points: FloatArray) -> pdoik.Scene:
+        allowed = [] if self.scene is None else self.scene.allowed
+        return pdoik.Scene(self.shapes, cloud=points if len(points) else None, allowed=allowed)
 
 
-def load_obstacles(file: Path, leaf: float, radii: bool) -> Obstacles:
-    """Read a cloud and downsample it; leaves with status 2 when that cannot be done.
+def load_obstacles(
+    file: Path | None, leaf: float, radii: bool, scene_file: Path | None = None
+) -> Obstacles | None:
+    """Read a cloud, downsample it, and read a scene; leaves with status 2 when that cannot be done.
 
     Args:
-        file: Of points.
-        leaf: Edge of the cells [m]; 0 keeps every point.
+        file: Of points; None for none.
+        leaf: Edge of the cells [m]; 0 keeps every point. A scene's own cloud has its own.
         radii: Give the points that are kept radii that cover those that are not.
+        scene_file: Of shapes and perhaps points; None for none.
+
+    Returns:
+        None where there are neither.
     """
     if not leaf >= 0:
         fail(f"--leaf: expected metres, at least 0, got {leaf}")
+    with misuse_fails():
+        scene = None if scene_file is None else read_scene_file(scene_file)
+    if file is None:
+        if scene is None:
+            return None
+        return Obstacles(
+            file=scene.path,
+            leaf=scene.leaf,
+            surface=scene.surface,
+            cloud=scene.thinned(),
+            scene=scene,
+        )
     with misuse_fails():
         surface = load_cloud(file)
     farthest = float(np.abs(surface).max())
@@ -45,4 +89,12 @@ def load_obstacles(file: Path, leaf: float, radii: bool) -> Obstacles:
         warn(f"{file} has coordinates up to {farthest:.0f} m: are they millimetres?")
     with misuse_fails(f"--leaf {leaf:g}"):
         cloud = pdoik.voxel_downsample(surface, leaf, radii) if leaf > 0 else surface
-    return Obstacles(file=file, leaf=leaf, surface=surface, cloud=cloud)
+    if scene is not None and len(scene.surface):
+        surface = np.concatenate([surface, scene.surface])
+        cloud = np.concatenate([_with_radii(cloud), _with_radii(scene.thinned())])
+    return Obstacles(file=file, leaf=leaf, surface=surface, cloud=cloud, scene=scene)
+
+
+def _with_radii(points: FloatArray) -> FloatArray:
+    """Points as rows of four, (K, 4), where they have no radius with a zero."""
+    return points if points.shape[1] == 4 else np.column_stack([points, np.zeros(len(points))])

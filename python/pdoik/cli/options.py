@@ -28,6 +28,14 @@ CloudFile = Annotated[
         rich_help_panel=OBSTACLES,
     ),
 ]
+SceneFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--scene",
+        help="Shapes, and perhaps a cloud: .yaml (pdoik's or MoveIt's), .scene.",
+        rich_help_panel=OBSTACLES,
+    ),
+]
 Leaf = Annotated[
     float,
     typer.Option(

@@ -29,7 +29,7 @@ class Solution:
     T_base_tip: FloatArray  # (4, 4)
     result: pdoik.Result
     obstacles: Obstacles | None = None
-    surface_clearance: float = math.inf  # to the cloud before it was thinned [m]
+    surface_clearance: float = math.inf  # with the cloud before it was thinned [m]
 
 
 _MEANING = {
@@ -37,7 +37,7 @@ _MEANING = {
     "time_limit": "not solved: the time ran out; this is the best found",
     "exhausted": "not solved: every start ended in a local minimum; this is the best found",
     "out_of_reach": "not solved: the target is farther than the arm stretches; this is the nearest",
-    "base_collision": "not solved: an obstacle point lies inside a hull that no joint moves",
+    "base_collision": "not solved: an obstacle is inside a hull that no joint moves",
 }
 
 
@@ -45,8 +45,14 @@ def facts(solution: Solution) -> dict[str, object]:
     """Everything in a solution, for JSON; SI units."""
     robot, options, result = solution.robot, solution.options, solution.result
     obstacles = solution.obstacles
-    cloud = None
-    if obstacles is not None:
+    cloud = scene = None
+    if obstacles is not None and obstacles.scene is not None:
+        scene = {
+            "file": str(obstacles.scene.path),
+            "shapes": [shape.name for shape in obstacles.shapes],
+            "points": len(obstacles.scene.surface),
+        }
+    if obstacles is not None and len(obstacles.surface):
         cloud = {
             "file": str(obstacles.file),
             "points": len(obstacles.surface),
@@ -80,6 +86,7 @@ def facts(solution: Solution) -> dict[str, object]:
         "late_evaluations": result.late_evaluations,
         "time": result.time,
         "cloud": cloud,
+        "scene": scene,
     }
 
 
@@ -150,7 +157,7 @@ def _errors(solution: Solution) -> Table:
         tolerance = f"tolerance {angle_text(options.rotation_tolerance)}"
         add("rotation error", angle_text(result.rotation_error), tolerance)
     if obstacles is not None:
-        what = f"to {len(obstacles.cloud)} points, wanted {length_text(options.clearance)}"
+        what = f"to {_counts(obstacles)}, wanted {length_text(options.clearance)}"
         add("clearance", length_text(result.clearance), what)
         if len(obstacles.cloud) != len(obstacles.surface):
             what = f"to all {len(obstacles.surface)} points of {obstacles.file.name}"
@@ -159,6 +166,13 @@ def _errors(solution: Solution) -> Table:
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, "
     add("time", time_text(result.time), effort + f"{result.restarts} restarts")
     return table
+
+
+def _counts(obstacles: Obstacles) -> str:
+    """How many points and shapes there are."""
+    counts = {"points": len(obstacles.cloud), "shapes": len(obstacles.shapes)}
+    named = [f"{n} {what if n > 1 else what[:-1]}" for what, n in counts.items() if n]
+    return " and ".join(named) or "nothing"
 
 
 def advice(solution: Solution) -> list[str]:
@@ -177,7 +191,7 @@ def advice(solution: Solution) -> list[str]:
         )
     elif result.status == "base_collision":
         tips.append(
-            "removing the robot's own points from the cloud, and checking that the cloud is in the"
+            "removing the robot's own points from the cloud, and checking that obstacles are in the"
             f" frame of {solution.robot.base_link}, in metres; or --no-base-collision, if the"
             " robot stands on what it shows"
         )
@@ -193,5 +207,6 @@ def advice(solution: Solution) -> list[str]:
         if options.goal in looser:
             tips.append(looser[options.goal])
     if solution.obstacles is not None and result.status not in {"out_of_reach", "base_collision"}:
-        tips.append("the same without --cloud, which tells whether obstacles are in the way")
+        given = "--cloud" if solution.obstacles.scene is None else "--scene"
+        tips.append(f"the same without {given}, which tells whether obstacles are in the way")
     return tips

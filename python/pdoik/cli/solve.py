@@ -1,4 +1,4 @@
-"""pdoik solve: one target, one robot, one cloud."""
+"""pdoik solve: one target, one robot, one scene."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 
 import pdoik
 
-from .messages import NOT_SOLVED, fail, misuse_fails, out
+from .messages import NOT_SOLVED, fail, misuse_fails, out, warn
 from .obstacles import Obstacles, load_obstacles
 from .options import (
     GOAL,
@@ -27,6 +27,7 @@ from .options import (
     Leaf,
     Method,
     Radii,
+    SceneFile,
 )
 from .report import Solution, facts, print_report
 from .robots import load_robot, numbers
@@ -69,6 +70,7 @@ def solve(
         float, typer.Option(help="Largest error of a success, radians.", rich_help_panel=GOAL)
     ] = _DEFAULTS.rotation_tolerance,
     cloud: CloudFile = None,
+    scene: SceneFile = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
@@ -120,14 +122,13 @@ def solve(
     if q0 is not None:
         with misuse_fails("--q0"):
             start = numbers(q0, loaded)
-    obstacles = None
-    if cloud is not None:
-        if not len(loaded.occupancy):
+    if not len(loaded.occupancy):
+        for option in ["--cloud"] * (cloud is not None) + ["--scene"] * (scene is not None):
             fail(
-                f"--cloud: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
+                f"{option}: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
                 " (pdoik occupancy FILE.urdf --out FILE.yaml makes one)"
             )
-        obstacles = load_obstacles(cloud, leaf, radii)
+    obstacles = load_obstacles(cloud, leaf, radii, scene)
     with misuse_fails():
         options = pdoik.Options(
             goal=goal,
@@ -161,12 +162,12 @@ def _solve(
     obstacles: Obstacles | None,
 ) -> Solution:
     solver = pdoik.Solver(robot, options)
-    cloud = None if obstacles is None else obstacles.cloud
-    result = solver.solve(T_base_tip, q0=q0, obstacles=cloud)
+    kept = None if obstacles is None else obstacles.kept()
+    result = solver.solve(T_base_tip, q0=q0, obstacles=kept)
     surface_clearance = math.inf
     if obstacles is not None:
         surface_clearance = solver.judge(
-            T_base_tip, result.q, obstacles=obstacles.surface
+            T_base_tip, result.q, obstacles=obstacles.whole()
         ).clearance
     return Solution(
         robot=robot,
@@ -191,6 +192,8 @@ def _draw(picture: Path, solution: Solution) -> None:
     from pdoik.picture import draw_solution  # matplotlib takes longer to import than to solve
 
     obstacles = solution.obstacles
+    if obstacles is not None and obstacles.shapes:
+        warn("--picture draws points, no shapes; pdoik view --scene shows them")
     with misuse_fails("--picture"):
         draw_solution(
             picture,

@@ -25,6 +25,7 @@ from .options import (
     Leaf,
     Method,
     Radii,
+    SceneFile,
 )
 from .robots import BUILTIN, load_robot, numbers
 
@@ -79,6 +80,7 @@ def view(
         typer.Option(help="Keep hulls off each other; on for H1 otherwise.", rich_help_panel=GOAL),
     ] = None,
     cloud: CloudFile = None,
+    scene: SceneFile = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     clearance: Clearance = _DEFAULTS.clearance,
@@ -117,8 +119,8 @@ def view(
     """Open a page to drag targets and obstacles, while the solver follows live.
 
     Where there are several tips, each has its target, and the others hold while one is dragged.
-    Sliders pose the joints; robots, clouds and logs can be uploaded there, and maps of what the
-    robot reaches computed. Ctrl-C ends it.
+    Sliders pose the joints; robots, clouds, scenes and logs can be uploaded there, and maps of
+    what the robot reaches computed. Ctrl-C ends it.
 
     [bold]Example[/]: pdoik view panda --cloud scan.pcd
     """
@@ -155,8 +157,12 @@ def view(
         posture = None if q0 is None else numbers(q0, loaded)
         session = Session(loaded, options, posture, goals=goals)
     session.set_thinning(leaf, radii)
-    if cloud is not None:
-        session.set_cloud(load_obstacles(cloud, leaf, radii).surface)
+    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    if obstacles is not None:
+        with misuse_fails(f"--scene {scene}"):
+            session.set_cloud(obstacles.surface)
+            if obstacles.scene is not None:
+                session.set_shapes(obstacles.shapes, obstacles.scene.allowed)
     with misuse_fails("--replay" if replay is not None else ""):
         log = None if replay is None else load_log(replay, loaded.joint_names)
     with misuse_fails("--reach" if reach is not None else ""):

@@ -3,29 +3,43 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import NamedTuple
 
 import pdoik
 
 _HULL = re.compile(r"\((sphere|spheroid) (\d+)\)")
 _OBSTACLE = re.compile(r" to obstacle (\d+)$")
+_SHAPE = re.compile(r"^(clearance of .*?\((?:sphere|spheroid|capsule) \d+\)) to (.+)$")
 
 
 class Binding(NamedTuple):
-    """Where the worst constraint is a clearance: its hulls and obstacle point, by index."""
+    """Where the worst constraint is a clearance: of which hulls, to which point or shape."""
 
     hulls: tuple[int, ...]  # in the order of `placed_hulls`: spheres, then spheroids
     obstacle: int | None
+    shape: str | None
 
 
-def binding(result: pdoik.Result, robot: pdoik.Robot) -> Binding:
-    """The hulls and the point that the worst constraint names."""
+def binding(result: pdoik.Result, robot: pdoik.Robot, shapes: Collection[str] = ()) -> Binding:
+    """The hulls and the point or shape that the worst constraint names.
+
+    Args:
+        result: Whose.
+        robot: Whose hulls.
+        shapes: The names of those that there are.
+    """
+    text, shape = result.worst_constraint, None
+    named = _SHAPE.match(text)
+    if named is not None and named[2] in shapes:
+        text, shape = named[1], named[2]
     before = {"sphere": 0, "spheroid": len(robot.occupancy.spheres)}
-    hulls = _HULL.findall(result.worst_constraint)
-    point = _OBSTACLE.search(result.worst_constraint)
+    hulls = _HULL.findall(text)
+    point = _OBSTACLE.search(text)
     return Binding(
         hulls=tuple(before[kind] + int(index) for kind, index in hulls),
         obstacle=None if point is None else int(point[1]),
+        shape=shape,
     )
 
 

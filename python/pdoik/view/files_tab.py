@@ -1,4 +1,4 @@
-"""The tab with the robot, its tip, its hulls, and the cloud, from files."""
+"""The tab with the robot, its tip, its hulls, the cloud and the scene, from files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ EVERY_LEAF, SEVERAL = "every leaf", "several"
 
 
 class FilesTab:
-    """Robots shipped and uploaded, tip, hulls (read or fitted), clouds."""
+    """Robots shipped and uploaded, tip, hulls (read or fitted), clouds, scenes."""
 
     def __init__(self, gui: viser.GuiApi, page: Page) -> None:
         self._page = page
@@ -36,6 +36,10 @@ class FilesTab:
         self.cloud.on_upload(lambda event: page.take_cloud(event.target.value))
         self.no_cloud = gui.add_button("No cloud")
         self.no_cloud.on_click(lambda _: page.drop_cloud())
+        self.scene = gui.add_upload_button("Scene (.yaml .scene)", icon=viser.Icon.UPLOAD)
+        self.scene.on_upload(lambda event: page.take_scene(event.target.value))
+        self.no_shapes = gui.add_button("No shapes")
+        self.no_shapes.on_click(lambda _: page.drop_shapes())
 
     def show(self, robot: pdoik.Robot, *, from_file: bool) -> None:
         """Follow the robot that is there now."""

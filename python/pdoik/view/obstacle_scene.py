@@ -82,7 +82,7 @@ class ObstacleScene:
             self._kept.colors = self._colors(points, shown)
         self._drawn = cloud.surface, points
 
-        found = binding(shown.result, shown.robot)
+        found = binding(shown.result, shown.robot, [shape.name for shape in cloud.shapes])
         mark = found.obstacle is not None and found.obstacle < len(points)
         self._binding.visible = mark
         if mark:

@@ -1,4 +1,4 @@
-"""What the robot keeps off: a cloud that may be moved as a whole, and a ball."""
+"""What the robot keeps off: a cloud that may be moved as a whole, a ball, and shapes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Obstacles:
-    """A cloud, how it is thinned and where it is, and a ball.
+    """A cloud, how it is thinned and where it is, a ball, and shapes.
 
     Attributes:
         surface: Points as a sensor gives them, (N, 3) [m].
@@ -30,6 +30,8 @@ class Obstacles:
         radii: Whether points that are kept cover those that are not.
         T_base_cloud: Where the cloud's frame is, (4, 4).
         ball: None for none.
+        shapes: Solids, in the base frame.
+        allowed: Pairs (link, shape) that may touch.
     """
 
     surface: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
@@ -37,6 +39,21 @@ class Obstacles:
     radii: bool = True
     T_base_cloud: FloatArray = field(default_factory=lambda: np.eye(4))
     ball: Ball | None = None
+    shapes: tuple[pdoik.Shape, ...] = ()
+    allowed: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def there(self) -> bool:
+        """Whether there is anything."""
+        return len(self.surface) > 0 or self.ball is not None or len(self.shapes) > 0
+
+    def scene(self, points: FloatArray, robot: pdoik.Robot) -> pdoik.Scene | FloatArray:
+        """`points` and the shapes, for a solver of a robot; links it lacks are left out."""
+        if not self.shapes:
+            return points
+        known = set(robot.link_names)
+        allowed = [pair for pair in self.allowed if pair[0] in known]
+        return pdoik.Scene(self.shapes, cloud=points if len(points) else None, allowed=allowed)
 
     def with_leaf(self, leaf: float, radii: bool) -> Obstacles:
         return replace(self, leaf=leaf, radii=radii)

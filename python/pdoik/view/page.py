@@ -11,6 +11,7 @@ from .model import Model
 from .obstacle_scene import ObstacleScene
 from .scene import RobotScene
 from .session import Session
+from .shape_scene import ShapeScene
 from .worker import Worker
 
 
@@ -23,6 +24,7 @@ class Page(Protocol):
     worker: Worker
     robot_scene: RobotScene
     obstacle_scene: ObstacleScene
+    shape_scene: ShapeScene
 
     def change_options(self, **changes: Any) -> None:
         """Other options of the solver."""
@@ -56,6 +58,12 @@ class Page(Protocol):
 
     def drop_cloud(self) -> None:
         """No cloud."""
+
+    def take_scene(self, file: viser.UploadedFile) -> None:
+        """Shapes, and perhaps a cloud, from a file."""
+
+    def drop_shapes(self) -> None:
+        """No shapes."""
 
     def take_log(self, file: viser.UploadedFile) -> None:
         """A log to replay."""

@@ -58,8 +58,7 @@ class ReachRequest:
         if goal == "free":
             raise ValueError("the tip is free, so that there is nothing to reach")
         obstacles = session.obstacles
-        there = len(obstacles.surface) > 0 or obstacles.ball is not None
-        counts = with_obstacles and there and len(session.robot.occupancy) > 0
+        counts = with_obstacles and obstacles.there and len(session.robot.occupancy) > 0
         return cls(
             robot=session.robot,
             options=replace(session.options, goal=goal, **SEARCH),
@@ -76,12 +75,13 @@ class ReachRequest:
         Raises:
             ValueError: The cloud cannot be thinned so finely, or the solver refuses the robot.
         """
-        cloud = None
+        scene = None
         if self.obstacles is not None:
-            cloud = self.obstacles.placed(self.obstacles.thinned())
+            points = self.obstacles.placed(self.obstacles.thinned())
+            scene = self.obstacles.scene(points, self.robot)
         threads = max(len(os.sched_getaffinity(0)) - 1, 1)
         return pdoik.reachability(
-            self.robot, cloud, self.grid, options=self.options, threads=threads,
+            self.robot, scene, self.grid, options=self.options, threads=threads,
             progress=progress, chunk=_CHUNK,
         )  # fmt: skip
 

@@ -85,7 +85,8 @@ class RobotScene:
             hulls = placed_hulls(self._robot, shown.q)
             wxyz, centers, axes = hull_instances(hulls)
             colors = np.tile(np.array(_HULL, dtype=np.uint8), (len(hulls), 1))
-            tight = list(binding(shown.result, self._robot).hulls)
+            shapes = [shape.name for shape in shown.cloud.shapes]
+            tight = list(binding(shown.result, self._robot, shapes).hulls)
             colors[tight] = _HULL_TIGHT if shown.result.success else _HULL_BROKEN
             self._hulls.batched_wxyzs = wxyz
             self._hulls.batched_positions = centers

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, cast, get_args
 
@@ -37,8 +37,8 @@ class Shown:
     options: pdoik.Options  # of the solver
     result: pdoik.Result  # of q: the solver's, or its judge's where q was given
     found: pdoik.Result  # what the search said: `result`, unless it went far and found nothing
-    obstacles: FloatArray  # (K, 4), what was kept off, base frame; the ball is the last row [m]
-    cloud: Obstacles  # what they were made from
+    obstacles: FloatArray  # (K, 4), points kept off, base frame; the ball is the last row [m]
+    cloud: Obstacles  # what they were made from, and the shapes
     origin: Origin  # what the wish was for
 
 
@@ -184,6 +184,20 @@ class Session:
             raise ValueError(f"points have shape {surface.shape}, expected (N, 3)")
         self._change_obstacles(surface=surface, T_base_cloud=np.eye(4))
 
+    def set_shapes(
+        self, shapes: Sequence[pdoik.Shape], allowed: Sequence[tuple[str, str]] = ()
+    ) -> None:
+        """Take other shapes, and pairs (link, shape) that may touch.
+
+        Raises:
+            ValueError: Two have one name, or contact is allowed with what is not there.
+        """
+        pdoik.Scene(shapes, allowed=allowed)
+        missing = {link for link, _ in allowed} - set(self.robot.link_names)
+        if missing:
+            raise ValueError(f"allowed: {self.robot.name} has no link {min(missing)!r}")
+        self._change_obstacles(shapes=tuple(shapes), allowed=tuple(allowed))
+
     def set_thinning(self, leaf: float, radii: bool) -> None:
         """How the cloud is thinned, see `Obstacles`."""
         self._change_obstacles(leaf=leaf, radii=radii)
@@ -217,9 +231,10 @@ class Session:
                 return None
             self._granted = wish  # even if it cannot be: it would fail again
         points = obstacles.placed(self._thin(obstacles))
+        scene = obstacles.scene(points, self.robot)
         goals = _goals(targets, kinds, dragged)
         if origin == "target":
-            result, found = solver.solve(goals, q, points)
+            result, found = solver.solve(goals, q, scene)
             q = np.asarray(result.q)
             free = {tip: self.robot.fk(q, tip) for tip, kind in kinds.items() if kind == "free"}
             with self._lock:
@@ -229,7 +244,7 @@ class Session:
                     self._targets = self._targets | {tip: free[tip] for tip in still}
             targets = targets | free
         else:
-            result = found = solver.judge(goals, q, points)
+            result = found = solver.judge(goals, q, scene)
         return Shown(
             robot=self.robot,
             q=q,
@@ -285,21 +300,21 @@ class _Follower:
         self._far = pdoik.Solver(robot, far)
 
     def solve(
-        self, goals: dict[str, pdoik.Goal], q: FloatArray, points: FloatArray
+        self, goals: dict[str, pdoik.Goal], q: FloatArray, scene: pdoik.Scene | FloatArray
     ) -> tuple[pdoik.Result, pdoik.Result]:
         """What to show, and what the search said."""
         posture = q if self._several and self.options.method == "default" else None
-        near = self._near.solve(goals, q0=q, obstacles=points, posture=posture)
+        near = self._near.solve(goals, q0=q, obstacles=scene, posture=posture)
         hopeless = near.status in ("out_of_reach", "base_collision")
         if near.success or hopeless or self.options.method == "paper":  # which has no restarts
             return near, near
-        far = self._far.solve(goals, q0=q, obstacles=points, posture=posture)
+        far = self._far.solve(goals, q0=q, obstacles=scene, posture=posture)
         return (far if far.success else near), far
 
     def judge(
-        self, goals: dict[str, pdoik.Goal], q: FloatArray, points: FloatArray
+        self, goals: dict[str, pdoik.Goal], q: FloatArray, scene: pdoik.Scene | FloatArray
     ) -> pdoik.Result:
-        return self._near.judge(goals, q, obstacles=points)
+        return self._near.judge(goals, q, obstacles=scene)
 
 
 def default_goals(robot: pdoik.Robot, goal: str) -> dict[str, GoalKind]:

@@ -58,6 +58,7 @@ class SolveTab:
                 "Skeleton", not page.model.visuals, hint="Inside the meshes, if any"
             )
             self.cloud = gui.add_checkbox("Cloud", True)
+            self.shapes = gui.add_checkbox("Shapes", True)
 
         def on_options(event: viser.GuiEvent[Any]) -> None:
             if event.client is None:  # not a hand, but `follow_robot`
@@ -99,7 +100,7 @@ class SolveTab:
         def on_parts(_: object) -> None:
             self.apply_parts(page)
 
-        for control in (self.hulls, self.meshes, self.skeleton, self.cloud):
+        for control in (self.hulls, self.meshes, self.skeleton, self.cloud, self.shapes):
             control.on_update(on_parts)
 
     def follow_robot(self) -> None:
@@ -126,3 +127,4 @@ class SolveTab:
             hulls=self.hulls.value, meshes=self.meshes.value, skeleton=self.skeleton.value
         )
         page.obstacle_scene.show_cloud(self.cloud.value)
+        page.shape_scene.show_shapes(self.shapes.value)

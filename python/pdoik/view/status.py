@@ -104,9 +104,9 @@ def status_html(shown: Shown, meter: Meter) -> str:
 def _clearance(result: pdoik.Result, shown: Shown) -> str:
     if not len(shown.robot.occupancy):
         return "the robot has no hulls"
-    if not len(shown.obstacles):
-        return "no obstacles"
-    return f"{1e3 * result.clearance:.1f} mm to {len(shown.obstacles)} points"
+    counts = {"points": len(shown.obstacles), "shapes": len(shown.cloud.shapes)}
+    named = " and ".join(f"{n} {what}" for what, n in counts.items() if n)
+    return f"{1e3 * result.clearance:.1f} mm to {named}" if named else "no obstacles"
 
 
 def _extras(shown: Shown) -> list[tuple[str, str]]:

@@ -16,6 +16,7 @@ import viser
 import pdoik
 from pdoik.clouds import load_cloud
 from pdoik.errors import PdoikError
+from pdoik.scenes import read_scene_file
 
 from .balance_scene import BalanceScene
 from .files_tab import FilesTab
@@ -30,6 +31,7 @@ from .reach_tab import ReachTab
 from .replay_tab import ReplayTab
 from .scene import RobotScene, camera_of, robot_size
 from .session import Session
+from .shape_scene import ShapeScene
 from .solve_tab import SolveTab
 from .status import Status
 from .worker import Worker
@@ -74,6 +76,7 @@ class Viewer:
         server.initial_camera.look_at, server.initial_camera.position = look_at, position
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
+        self.shape_scene = ShapeScene(server)
         self.obstacle_scene.ball.place(_at(np.array([0.25, -0.4, 0.3]) * size))
         self._add_robot()
 
@@ -117,6 +120,7 @@ class Viewer:
         with self.server.atomic():
             self.robot_scene.show(shown)
             self.obstacle_scene.show(shown)
+            self.shape_scene.show(shown)
             self.targets.show(shown)
             self.balance_scene.show(shown)
             if shown.origin != "joints" and self.joints_tab is not None:
@@ -220,6 +224,19 @@ class Viewer:
     def drop_cloud(self) -> None:
         self.session.set_cloud(None)
         self.obstacle_scene.cloud.show(False)
+        self.worker.wake()
+
+    def take_scene(self, file: viser.UploadedFile) -> None:
+        with self.complaints():
+            scene = read_scene_file(self._keep(file), package_dirs=self.model.package_dirs)
+            self.session.set_shapes(scene.shapes, scene.allowed)
+            if len(scene.surface):
+                self.session.set_cloud(scene.surface)
+            self.status.say(f"{file.name}: {len(scene.shapes)} shapes, {len(scene.surface)} points")
+            self.worker.wake()
+
+    def drop_shapes(self) -> None:
+        self.session.set_shapes(())
         self.worker.wake()
 
     def take_log(self, file: viser.UploadedFile) -> None:

@@ -1,0 +1,159 @@
+"""A scene's file, whatever its format, as shapes, points and allowed contacts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pdoik._core import Cloud, Scene, Shape, voxel_downsample
+from pdoik.clouds import load_cloud
+from pdoik.scenes import moveit_yaml, own_yaml
+from pdoik.scenes.moveit_text import read_moveit_text
+from pdoik.scenes.pieces import Thing, shapes_of
+from pdoik.scenes.values import EntryError, numbers, read_yaml
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SceneFile:
+    """What a scene's file holds.
+
+    Attributes:
+        path: The file.
+        shapes: Of different names.
+        surface: The points of its cloud as their file has them, (N, 3) [m]; no rows without one.
+        leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.
+        radii: Whether points that are kept cover those that are not.
+        allowed: Pairs (link, shape) that may touch.
+    """
+
+    path: Path
+    shapes: tuple[Shape, ...]
+    surface: FloatArray
+    leaf: float
+    radii: bool
+    allowed: tuple[tuple[str, str], ...]
+
+    def thinned(self) -> FloatArray:
+        """The points that are kept, (K, 3) or (K, 4) with a radius each [m]."""
+        if self.leaf > 0 and len(self.surface):
+            return voxel_downsample(self.surface, self.leaf, self.radii)
+        return self.surface
+
+    def scene(self) -> Scene:
+        """All of it as obstacles."""
+        points = self.thinned()
+        cloud = Cloud(points) if len(points) else None
+        return Scene(list(self.shapes), cloud=cloud, allowed=list(self.allowed))
+
+
+def load_scene(
+    path: str | os.PathLike[str],
+    *,
+    package_dirs: Sequence[str | os.PathLike[str]] = (),
+    frame: str | None = None,
+) -> Scene:
+    """The obstacles of a file.
+
+    Read are MoveIt's .scene files, MoveIt's PlanningScene as YAML, and pdoik's own YAML (see
+    `pdoik.scenes.own_yaml`). An object of several shapes becomes shapes named id, id/1, id/2 ...
+    Planes are solid on the side away from their normal, cones become pyramids of 48 sides around
+    them, and meshes their convex hulls, which must not be larger by more than a hundredth.
+
+    Args:
+        path: .scene, .yaml or .yml.
+        package_dirs: Folders that hold the packages of package:// addresses of meshes; they are
+            also looked for beside the scene, by their last parts.
+        frame: In MoveIt's YAML, what it calls the robot's base frame, when that is not the frame
+            that its objects are in but one that fixed_frame_transforms place.
+
+    Raises:
+        LoadError: Names the file, the entry, and what is wrong with it.
+    """
+    return read_scene_file(path, package_dirs=package_dirs, frame=frame).scene()
+
+
+def read_scene_file(
+    path: str | os.PathLike[str],
+    *,
+    package_dirs: Sequence[str | os.PathLike[str]] = (),
+    frame: str | None = None,
+) -> SceneFile:
+    """As `load_scene`, with the cloud's points before thinning.
+
+    Raises:
+        LoadError: As `load_scene`.
+    """
+    file, folders = Path(path), [Path(folder) for folder in package_dirs]
+    suffix = file.suffix.lower()
+    if suffix not in (".scene", ".yaml", ".yml"):
+        raise EntryError(file, f"expected a scene (.scene, .yaml, .yml), got {suffix!r}")
+    content = None if suffix == ".scene" else read_yaml(file)
+    if content is not None and "world" in content:
+        things = moveit_yaml.read_world(content, file, frame=frame, package_dirs=folders)
+        parts = {thing.name: thing.shape_names for thing in things}
+        return _scene_file(file, things, moveit_yaml.read_allowed(content, file, parts))
+    if frame is not None:
+        raise EntryError(file, f"names no frames, expected one that has {frame!r}")
+    if content is None:
+        return _scene_file(file, read_moveit_text(file), [])
+    return _read_own(content, file, folders)
+
+
+def _read_own(content: dict[str, Any], file: Path, package_dirs: Sequence[Path]) -> SceneFile:
+    unknown = [str(key) for key in content if key not in own_yaml.TOP_KEYS]
+    if unknown or not content:
+        got = f"got {unknown[0]!r}" if unknown else "got nothing"
+        raise EntryError(file, f"expected {', '.join(own_yaml.TOP_KEYS)}, or MoveIt's world; {got}")
+    things = own_yaml.read_shapes(content, file, package_dirs)
+    allowed = own_yaml.read_allowed(content, file)
+    cloud, radii = content.get("cloud"), content.get("radii", False)
+    leaf = float(numbers([content.get("leaf", 0.0)], "l", file, "leaf")[0])
+    if leaf < 0:
+        raise EntryError(file, f"expected metres, at least 0, got {leaf}", "leaf")
+    if not isinstance(radii, bool):
+        raise EntryError(file, f"expected true or false, got {radii!r}", "radii")
+    if cloud is None:
+        return _scene_file(file, things, allowed)
+    if not isinstance(cloud, str):
+        raise EntryError(file, f"expected the name of a file, got {cloud!r}", "cloud")
+    try:
+        surface = load_cloud(file.parent / cloud)
+    except ValueError as error:
+        raise EntryError(file, str(error), "cloud") from error
+    return _scene_file(file, things, allowed, surface=surface, leaf=leaf, radii=radii)
+
+
+def _scene_file(
+    file: Path,
+    things: Sequence[Thing],
+    allowed: Sequence[tuple[str, str]],
+    *,
+    surface: FloatArray | None = None,
+    leaf: float = 0.0,
+    radii: bool = False,
+) -> SceneFile:
+    """A file's content, looked at once as a whole."""
+    found = SceneFile(
+        path=file,
+        shapes=shapes_of(things, file),
+        surface=np.empty((0, 3)) if surface is None else surface,
+        leaf=leaf,
+        radii=radii,
+        allowed=tuple(allowed),
+    )
+    for k, (_, shape) in enumerate(allowed):
+        if shape not in {each.name for each in found.shapes}:
+            raise EntryError(file, f"there is no shape {shape!r}", f"allowed[{k}]")
+    try:
+        found.thinned()
+    except ValueError as error:
+        raise EntryError(file, str(error), "leaf") from error
+    return found

@@ -1,0 +1,88 @@
+"""Triangle meshes of scenes: found by their address, read, and checked to be convex."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from pdoik.scenes.values import EntryError
+
+FloatArray = npt.NDArray[np.float64]
+Faces = npt.NDArray[np.int64]
+
+_HOLLOW = 0.01  # of its hull's volume that a mesh may lack and still counts as convex
+
+
+def find_mesh(address: str, file: Path, package_dirs: Sequence[Path], entry: str) -> Path:
+    """The file that an address means.
+
+    Args:
+        address: A path, absolute or relative to the scene's folder; file://, package://.
+        file: The scene.
+        package_dirs: Folders that hold packages.
+        entry: For the message.
+
+    Raises:
+        EntryError: It is nowhere: neither in the packages nor, by its last parts, beside the scene.
+    """
+    plain = file.parent / address.removeprefix("file://")
+    if "://" not in str(plain) and plain.is_file():
+        return plain
+    parts = Path(address.split("://", 1)[-1]).parts
+    packages = [Path(folder) / Path(*parts) for folder in package_dirs if parts]
+    beside = [file.parent / Path(*parts[first:]) for first in range(len(parts))]
+    for path in [*packages, *beside]:
+        if path.is_file():
+            return path
+    raise EntryError(file, f"mesh {address!r} is neither in package_dirs nor beside it", entry)
+
+
+def read_mesh(path: Path, file: Path, entry: str) -> tuple[FloatArray, Faces]:
+    """Vertices (V, 3) [m, as the file has them] and triangles (F, 3) of a mesh file.
+
+    Raises:
+        EntryError: It cannot be read.
+    """
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(path)
+        vertices = np.array(mesh.vertices, dtype=np.float64)
+        faces = np.array(mesh.faces, dtype=np.int64)
+    except Exception as error:  # trimesh's loaders raise whatever their parsers do
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise EntryError(file, f"cannot read mesh {path}: {reason}", entry) from error
+    if not len(faces) or not np.isfinite(vertices).all():
+        raise EntryError(file, f"mesh {path} holds no triangles, or NaN", entry)
+    return vertices, faces
+
+
+def check_convex(vertices: FloatArray, faces: Faces, file: Path, entry: str) -> None:
+    """Look whether a mesh is closed, and as large as its convex hull but for a hundredth.
+
+    Raises:
+        EntryError: It is not.
+    """
+    import trimesh
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull_volume = float(ConvexHull(vertices).volume)
+    except (QhullError, ValueError):
+        raise EntryError(file, "the mesh lies in one plane", entry) from None
+    mesh = trimesh.Trimesh(vertices, faces, process=True)  # joins equal vertices
+    if not mesh.is_watertight:
+        raise EntryError(file, "the mesh has holes", entry)
+    if not mesh.is_winding_consistent:
+        raise EntryError(file, "some of the mesh's triangles face inward, some outward", entry)
+    share = abs(float(mesh.volume)) / hull_volume
+    if share < 1 - _HOLLOW:
+        raise EntryError(
+            file,
+            f"the mesh is not convex: it fills {share:.1%} of its convex hull; decompose it into"
+            " convex parts (CoACD, V-HACD), one shape each",
+            entry,
+        )

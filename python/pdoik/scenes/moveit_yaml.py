@@ -1,0 +1,213 @@
+"""MoveIt's PlanningScene as YAML, as robowflex and MotionBenchMaker write it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pdoik.scenes.meshes import find_mesh, read_mesh
+from pdoik.scenes.pieces import Kind, Piece, Thing, cone, plane
+from pdoik.scenes.values import EntryError, numbers, read_pose, rows
+
+FloatArray = npt.NDArray[np.float64]
+
+_KINDS = {1: "box", 2: "sphere", 3: "cylinder", 4: "cone"}  # shape_msgs/SolidPrimitive
+_COUNTS = {"box": 3, "sphere": 1, "cylinder": 2, "cone": 2}  # numbers in `dimensions`
+_SOLIDS: dict[str, Kind] = {"box": "box", "sphere": "sphere", "cylinder": "cylinder"}
+_PLURALS = {"primitive": "primitives", "mesh": "meshes", "plane": "planes"}
+
+
+def read_world(
+    scene: Mapping[str, Any],
+    file: Path,
+    *,
+    links: Collection[str] = (),
+    frame: str | None = None,
+    package_dirs: Sequence[Path] = (),
+) -> list[Thing]:
+    """The objects of world.collision_objects, in the frame of the robot's base.
+
+    Args:
+        scene: A PlanningScene.
+        file: Where it comes from, for messages.
+        links: The robot's; an object in the frame of one that moves is refused.
+        frame: The name of the base's frame: objects are to be in it, or in a frame that
+            fixed_frame_transforms place. None: names that nobody knows are other words for it.
+        package_dirs: Folders that hold the packages of meshes.
+
+    Raises:
+        EntryError: An entry cannot be read; attached objects and octomaps are not supported.
+    """
+    state = scene.get("robot_state") or {}
+    if isinstance(state, Mapping) and state.get("attached_collision_objects"):
+        raise EntryError(file, "attached objects are not supported", "robot_state")
+    world = scene.get("world") or {}
+    objects = world.get("collision_objects") if isinstance(world, Mapping) else None
+    if not isinstance(objects, list):
+        raise EntryError(file, "has no collision_objects", "world")
+    octomap = world.get("octomap")
+    if isinstance(octomap, Mapping) and (octomap.get("octomap") or {}).get("data"):
+        raise EntryError(file, "octomaps are not supported; give a cloud", "world.octomap")
+    frames = _fixed_frames(scene, file, frame)
+    things = []
+    for k, item in enumerate(objects):
+        entry = f"world.collision_objects[{k}]"
+        if not isinstance(item, Mapping):
+            raise EntryError(file, f"expected an object, got {item!r}", entry)
+        name = str(item.get("id", k)).strip()
+        entry = f"{entry} ({name})"
+        T = _frame(item, frames, links, frame, file, entry)
+        T = T @ read_pose(item.get("pose"), file, f"{entry}.pose")
+        pieces = [
+            _READ[kind](thing, T_piece, file, where, package_dirs)
+            for kind, thing, T_piece, where in _parts(item, T, file, entry)
+        ]
+        things.append(Thing(name=name, pieces=tuple(pieces)))
+    return things
+
+
+def read_allowed(
+    scene: Mapping[str, Any], file: Path, parts: Mapping[str, Sequence[str]]
+) -> list[tuple[str, str]]:
+    """Pairs (link, shape) that the allowed collision matrix lets touch, in its order.
+
+    Args:
+        scene: A PlanningScene.
+        file: Where it comes from, for messages.
+        parts: The names of each object's shapes.
+
+    Raises:
+        EntryError: The matrix is not square.
+    """
+    matrix = scene.get("allowed_collision_matrix") or {}
+    names, values = matrix.get("entry_names") or [], matrix.get("entry_values") or []
+    if len(values) != len(names):
+        entry = "allowed_collision_matrix"
+        raise EntryError(file, f"{len(names)} entry_names, {len(values)} entry_values", entry)
+    allowed: dict[tuple[str, str], None] = {}
+    for first, row in zip(names, values, strict=True):
+        enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
+        for second, may in zip(names, enabled, strict=False):
+            if may is True or may == 1:
+                for link, thing in ((first, second), (second, first)):
+                    if link not in parts:
+                        allowed |= dict.fromkeys((link, part) for part in parts.get(thing, ()))
+    return list(allowed)
+
+
+def _fixed_frames(scene: Mapping[str, Any], file: Path, base: str | None) -> dict[str, FloatArray]:
+    """T_base_frame of the frames that fixed_frame_transforms give in the planning frame.
+
+    The planning frame is the base's, unless `base` is one of these frames.
+    """
+    frames = {}
+    for k, item in enumerate(scene.get("fixed_frame_transforms") or []):
+        entry = f"fixed_frame_transforms[{k}]"
+        if not isinstance(item, Mapping):
+            raise EntryError(file, f"expected a transform, got {item!r}", entry)
+        child = str(item.get("child_frame_id", "")).lstrip("/")
+        frames[child] = read_pose(item.get("transform"), file, entry)
+        parent = str((item.get("header") or {}).get("frame_id", "")).lstrip("/")
+        if base is not None and parent:
+            frames.setdefault(parent, np.eye(4))
+    if base in frames:
+        T_base_planning = np.linalg.inv(frames[base])
+        frames = {name: T_base_planning @ T for name, T in frames.items()}
+    return frames
+
+
+def _frame(
+    item: Mapping[str, Any],
+    frames: Mapping[str, FloatArray],
+    links: Collection[str],
+    base: str | None,
+    file: Path,
+    entry: str,
+) -> FloatArray:
+    """T_base_frame of an object."""
+    name = str((item.get("header") or {}).get("frame_id", "")).lstrip("/")
+    if name in frames:
+        return frames[name]
+    if base is not None and name not in (base, ""):
+        raise EntryError(file, f"is in the frame {name!r}, of which {base!r} is not told", entry)
+    if name in links and name not in ("base_link", "world") and not name.endswith("link0"):
+        raise EntryError(file, f"is in the frame of the link {name!r}", entry)
+    return np.eye(4)
+
+
+def _parts(
+    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str
+) -> list[tuple[str, Mapping[str, Any], FloatArray, str]]:
+    """Kind, content, T_base_piece and entry of each piece."""
+    parts = []
+    for kind, plural in _PLURALS.items():
+        things, poses = item.get(plural) or [], item.get(f"{kind}_poses") or []
+        if poses and len(poses) != len(things):
+            raise EntryError(file, f"{len(things)} of {kind}, {len(poses)} poses", entry)
+        for k, thing in enumerate(things):
+            where = f"{entry}.{kind}[{k}]"
+            at = read_pose(poses[k] if poses else None, file, f"{entry}.{kind}_poses[{k}]")
+            if not isinstance(thing, Mapping):
+                raise EntryError(file, f"expected a {kind}, got {thing!r}", where)
+            parts.append((kind, thing, T @ at, where))
+    return parts
+
+
+def _primitive(
+    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Sequence[Path]
+) -> Piece:
+    kind = item.get("type")
+    kind = _KINDS.get(kind, kind) if isinstance(kind, int) else str(kind).lower()
+    if kind not in _COUNTS:
+        raise EntryError(file, f"type is {item.get('type')!r}, expected {_KINDS}", entry)
+    count = _COUNTS[kind]
+    sizes = item.get("dimensions") or []
+    values = numbers(sizes[:count], "xyz"[:count], file, f"{entry}.dimensions")
+    if count == 2:
+        values = values[::-1]  # height and radius come; radius and length are kept
+    if kind == "cone":
+        try:
+            return cone(values[0], values[1], T, entry)
+        except ValueError as error:
+            raise EntryError(file, str(error), entry) from error
+    return Piece(kind=_SOLIDS[kind], size=tuple(values.tolist()), T=T, entry=entry)
+
+
+def _mesh(
+    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, package_dirs: Sequence[Path]
+) -> Piece:
+    if item.get("resource"):
+        path = find_mesh(str(item["resource"]), file, package_dirs, entry)
+        points, corners = read_mesh(path, file, entry)
+        if item.get("dimensions"):
+            points = points * numbers(item["dimensions"], "xyz", file, f"{entry}.dimensions")
+        return Piece(kind="mesh", T=T, vertices=points, faces=corners, entry=entry)
+    faces = [
+        face.get("vertex_indices") if isinstance(face, Mapping) else face
+        for face in item.get("triangles") or []
+    ]
+    points = rows(item.get("vertices") or [], "xyz", file, f"{entry}.vertices")
+    corners = rows(faces, "abc", file, f"{entry}.triangles").astype(np.int64)
+    if not corners.size:
+        raise EntryError(file, "a mesh without triangles", entry)
+    if not (corners.min() >= 0 and corners.max() < len(points)):
+        raise EntryError(file, "a triangle has a vertex that is not there", entry)
+    return Piece(kind="mesh", T=T, vertices=points, faces=corners, entry=entry)
+
+
+def _plane(
+    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Sequence[Path]
+) -> Piece:
+    try:
+        return plane(numbers(item.get("coef"), "abcd", file, f"{entry}.coef"), T, entry)
+    except EntryError:
+        raise
+    except ValueError as error:
+        raise EntryError(file, str(error), entry) from error
+
+
+_READ = {"primitive": _primitive, "mesh": _mesh, "plane": _plane}

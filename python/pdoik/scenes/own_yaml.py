@@ -1,0 +1,216 @@
+"""pdoik's own scenes: shapes by kind and pose, a cloud, and contacts that are allowed, as YAML.
+
+shapes:
+  - {name: table, box: [1, 0.8, 0.05], position: [0.5, 0, -0.03], rpy: [0, 0, 0.1]}
+  - {name: can, cylinder: {radius: 0.03, length: 0.12}, position: [0.5, 0, 0.06]}
+  - {name: wall, half_space: {normal: [-1, 0, 0], point: [1, 0, 0]}}
+  - {name: part, convex_mesh: {file: part.stl}, xyzw: [0, 0, 0, 1]}
+cloud: scan.pcd
+leaf: 0.02
+radii: true
+allowed: [[base_link, table]]
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pdoik._core import Scene, Shape
+from pdoik._files import write_whole
+from pdoik.scenes.meshes import find_mesh, read_mesh
+from pdoik.scenes.pieces import Kind, Piece, Thing, half_space
+from pdoik.scenes.values import EntryError, numbers, rotation, rows
+
+FloatArray = npt.NDArray[np.float64]
+
+TOP_KEYS = ("shapes", "cloud", "leaf", "radii", "allowed")
+_KINDS = ("box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh")
+_POSE_KEYS = ("position", "rpy", "xyzw", "T")
+
+
+def read_shapes(
+    content: Mapping[str, Any], file: Path, package_dirs: Sequence[Path] = ()
+) -> list[Thing]:
+    """What `shapes` lists.
+
+    Raises:
+        EntryError: Names the shape and what is wrong with it.
+    """
+    items = content.get("shapes") or []
+    if not isinstance(items, list):
+        raise EntryError(file, f"expected a list, got {items!r}", "shapes")
+    things = []
+    for k, item in enumerate(items):
+        entry = f"shapes[{k}]"
+        if not isinstance(item, Mapping):
+            raise EntryError(file, f"expected name, kind and pose, got {item!r}", entry)
+        name = str(item.get("name", "")).strip()
+        if not name:
+            raise EntryError(file, "has no name", entry)
+        entry = f"{entry} ({name})"
+        piece = _read_piece(item, file, entry, package_dirs)
+        things.append(Thing(name=name, pieces=(piece,)))
+    return things
+
+
+def read_allowed(content: Mapping[str, Any], file: Path) -> list[tuple[str, str]]:
+    """Pairs (link, shape) that `allowed` lists.
+
+    Raises:
+        EntryError: One is no pair of names.
+    """
+    pairs = content.get("allowed") or []
+    if not isinstance(pairs, list):
+        raise EntryError(file, f"expected a list of [link, shape], got {pairs!r}", "allowed")
+    for k, pair in enumerate(pairs):
+        if not (isinstance(pair, list) and [type(name) for name in pair] == [str, str]):
+            raise EntryError(file, f"expected [link, shape], got {pair!r}", f"allowed[{k}]")
+    return [(link, shape) for link, shape in pairs]
+
+
+def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """Write shapes and allowed contacts as YAML that `load_scene` reads; the cloud is left out.
+
+    Args:
+        scene: What to write.
+        path: The file, whole or not at all; one that is there is replaced.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    import yaml
+
+    content = {
+        "shapes": [_entry_of(shape) for shape in scene.shapes],
+        "allowed": [list(pair) for pair in scene.allowed],
+    }
+    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
+    write_whole(path, text)
+
+
+def _read_piece(
+    item: Mapping[str, Any], file: Path, entry: str, package_dirs: Sequence[Path]
+) -> Piece:
+    kinds = [kind for kind in _KINDS if kind in item]
+    unknown = [str(key) for key in item if key not in ("name", *_KINDS, *_POSE_KEYS)]
+    if unknown:
+        what = f"unknown key {unknown[0]!r}; a shape has a name, one of {', '.join(_KINDS)}"
+        raise EntryError(file, f"{what}, and {', '.join(_POSE_KEYS)}", entry)
+    if len(kinds) != 1:
+        got = " and ".join(kinds) or "none"
+        raise EntryError(file, f"expected one of {', '.join(_KINDS)}; got {got}", entry)
+    (kind,) = kinds
+    value, where = item[kind], f"{entry}.{kind}"
+    if kind == "half_space":
+        given = _fields(value, ("normal", "point"), (), file, where)
+        if any(key in item for key in _POSE_KEYS):
+            raise EntryError(file, "a half_space has normal and point, and no pose", entry)
+        normal = numbers(given["normal"], "xyz", file, f"{where}.normal")
+        point = numbers(given["point"], "xyz", file, f"{where}.point")
+        try:
+            return half_space(normal, point, entry)
+        except ValueError as error:
+            raise EntryError(file, "the normal is zero", f"{where}.normal") from error
+    T = _read_pose(item, file, entry)
+    if kind == "convex_mesh":
+        return _read_mesh(value, T, file, where, package_dirs)
+    size = _read_size(kind, value, file, where)
+    solid: dict[str, Kind] = {
+        "box": "box", "sphere": "sphere", "cylinder": "cylinder", "capsule": "capsule"
+    }  # fmt: skip
+    return Piece(kind=solid[kind], size=size, T=T, entry=entry)
+
+
+def _read_size(kind: str, value: Any, file: Path, entry: str) -> tuple[float, ...]:
+    if kind == "box":
+        return tuple(numbers(value, "xyz", file, entry).tolist())
+    if kind == "sphere" and not isinstance(value, Mapping):
+        value = {"radius": value}
+    names = ("radius",) if kind == "sphere" else ("radius", "length")
+    given = _fields(value, names, (), file, entry)
+    return tuple(float(numbers([given[n]], n[0], file, f"{entry}.{n}")[0]) for n in names)
+
+
+def _read_pose(item: Mapping[str, Any], file: Path, entry: str) -> FloatArray:
+    """T_base_shape of position and rpy or xyzw, or of T."""
+    from scipy.spatial.transform import Rotation
+
+    given = [key for key in _POSE_KEYS if key in item]
+    if given not in (["T"], []) and ("T" in given or {"rpy", "xyzw"} <= set(given)):
+        raise EntryError(file, f"expected T, or position with rpy or xyzw; got {given}", entry)
+    if "T" in given:
+        T = rows(item["T"], "xyzw", file, f"{entry}.T")
+        if T.shape != (4, 4):
+            raise EntryError(file, f"expected 4 rows of 4 numbers, got {len(T)}", f"{entry}.T")
+        return T
+    T = np.eye(4)
+    if "position" in given:
+        T[:3, 3] = numbers(item["position"], "xyz", file, f"{entry}.position")
+    if "rpy" in given:
+        rpy = numbers(item["rpy"], "rpy", file, f"{entry}.rpy")
+        T[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
+    if "xyzw" in given:
+        T[:3, :3] = rotation(item["xyzw"], file, f"{entry}.xyzw")
+    return T
+
+
+def _read_mesh(
+    value: Any, T: FloatArray, file: Path, entry: str, package_dirs: Sequence[Path]
+) -> Piece:
+    if isinstance(value, Mapping) and "file" in value:
+        given = _fields(value, ("file",), (), file, entry)
+        path = find_mesh(str(given["file"]), file, package_dirs, entry)
+        vertices, faces = read_mesh(path, file, entry)
+        return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, entry=entry)
+    given = _fields(value, ("vertices",), ("triangles",), file, entry)
+    vertices = rows(given["vertices"], "xyz", file, f"{entry}.vertices")
+    if given.get("triangles") is None:
+        return Piece(kind="mesh", T=T, vertices=vertices, entry=entry)
+    faces = rows(given["triangles"], "abc", file, f"{entry}.triangles").astype(np.int64)
+    if faces.size and not (faces.min() >= 0 and faces.max() < len(vertices)):
+        raise EntryError(file, "a triangle has a vertex that is not there", entry)
+    return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, exact=True, entry=entry)
+
+
+def _fields(
+    value: Any, needed: tuple[str, ...], optional: tuple[str, ...], file: Path, entry: str
+) -> Mapping[str, Any]:
+    """A mapping with these keys and no others."""
+    keys = set(value) if isinstance(value, Mapping) else set()
+    if not (keys >= set(needed) and keys <= {*needed, *optional}):
+        raise EntryError(file, f"expected {{{', '.join(needed)}}}, got {value!r}", entry)
+    assert isinstance(value, Mapping)
+    return value
+
+
+def _entry_of(shape: Shape) -> dict[str, Any]:
+    """What `_read_piece` reads."""
+    T = np.asarray(shape.T_base_shape)
+    entry: dict[str, Any] = {"name": shape.name}
+    if shape.kind == "half_space":
+        return entry | {"half_space": {"normal": T[:3, 2].tolist(), "point": T[:3, 3].tolist()}}
+    entry[shape.kind] = _size_of(shape)
+    entry["position"] = T[:3, 3].tolist()
+    if not np.array_equal(T[:3, :3], np.eye(3)):
+        from scipy.spatial.transform import Rotation
+
+        entry["xyzw"] = Rotation.from_matrix(T[:3, :3]).as_quat().tolist()
+    return entry
+
+
+def _size_of(shape: Shape) -> Any:
+    size = list(shape.size)
+    match shape.kind:
+        case "box":
+            return size
+        case "sphere":
+            return {"radius": size[0]}
+        case "convex_mesh":
+            return {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}
+    return {"radius": size[0], "length": size[1]}

@@ -1,0 +1,95 @@
+"""The solids on the page: a mesh each, red where the worst constraint is to keep off it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+import viser
+
+import pdoik
+
+from .binding import binding
+from .session import Shown
+from .shapes import wxyz_of
+
+FloatArray = npt.NDArray[np.float64]
+
+_SHAPE, _SHAPE_TIGHT, _SHAPE_BROKEN = (150, 158, 172), (240, 140, 20), (224, 20, 20)
+_PLANE_EDGE = 4.0  # of the square that stands for a half-space [m]
+
+
+class ShapeScene:
+    """The nodes below /shapes."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
+        self._root = server.scene.add_frame("/shapes", show_axes=False)
+        self._drawn: tuple[pdoik.Shape, ...] = ()
+        self._nodes: dict[str, Any] = {}  # by the shape's name
+
+    def show_shapes(self, visible: bool) -> None:
+        self._root.visible = visible
+
+    def show(self, shown: Shown) -> None:
+        """Draw them if they are others; the binding one turns orange, or red if it fails."""
+        if self._drawn is not shown.cloud.shapes:
+            self._draw(shown.cloud.shapes)
+        names = [shape.name for shape in self._drawn]
+        tight = binding(shown.result, shown.robot, names).shape
+        for name, node in self._nodes.items():
+            color = _SHAPE
+            if name == tight:
+                color = _SHAPE_TIGHT if shown.result.success else _SHAPE_BROKEN
+            if tuple(node.color) != color:
+                node.color = color
+
+    def _draw(self, shapes: tuple[pdoik.Shape, ...]) -> None:
+        for node in self._nodes.values():
+            node.remove()
+        self._nodes = {}
+        for k, shape in enumerate(shapes):
+            mesh, T = shape_mesh(shape)
+            flat = shape.kind == "half_space"
+            self._nodes[shape.name] = self._server.scene.add_mesh_simple(
+                f"/shapes/{k}",
+                np.asarray(mesh.vertices),
+                np.asarray(mesh.faces),
+                color=_SHAPE,
+                opacity=0.2 if flat else None,  # solids that are not opaque hide each other
+                flat_shading=shape.kind in ("box", "convex_mesh"),
+                side="double" if flat else "front",
+                cast_shadow=not flat,
+                wxyz=wxyz_of(T[:3, :3]),
+                position=T[:3, 3],
+            )
+        self._drawn = shapes
+
+
+def shape_mesh(shape: pdoik.Shape) -> tuple[trimesh.Trimesh, FloatArray]:
+    """A shape's surface in its frame, and T_base_frame; of a half-space a large square [m].
+
+    The square's middle is where the plane comes nearest to the base.
+    """
+    T = np.array(shape.T_base_shape, dtype=np.float64)
+    size = list(shape.size)
+    match shape.kind:
+        case "box":
+            return trimesh.creation.box(extents=size), T
+        case "sphere":
+            return trimesh.creation.icosphere(subdivisions=3, radius=size[0]), T
+        case "cylinder":
+            return trimesh.creation.cylinder(radius=size[0], height=size[1], sections=48), T
+        case "capsule":
+            capsule = trimesh.creation.capsule(radius=size[0], height=size[1], count=[24, 24])
+            capsule.apply_translation([0, 0, -capsule.bounds[:, 2].mean()])  # differs by version
+            return capsule, T
+        case "half_space":
+            T[:3, 3] = (T[:3, 2] @ T[:3, 3]) * T[:3, 2]
+            corners = [[x, y, 0.0] for x in (-1, 1) for y in (-1, 1)]
+            vertices = _PLANE_EDGE / 2 * np.array(corners)
+            return trimesh.Trimesh(vertices, [[0, 2, 1], [1, 2, 3]]), T
+        case _:
+            return trimesh.Trimesh(shape.vertices, shape.triangles, process=False), T
