@@ -615,6 +615,9 @@ def test_misuse_of_the_command_is_told_in_a_line(tmp_path: Path) -> None:
     log.write_text("time,q.a\n0,1\n")
     misuse(run("view", "panda", "--no-open", "--replay", log), "log.csv", "panda_joint1")
     misuse(run("view", "robot.urdf", "--no-open"), "robot.urdf")
+    scene = tmp_path / "scene.yaml"
+    scene.write_text("shapes: [{name: ball, sphere: 1}]\nallowed: [[nobody, ball]]\n")
+    misuse(run("view", "panda", "--no-open", "--scene", scene), "scene.yaml", "'nobody'")
     misuse(run("view", "panda", "--no-open", "--q0", "1 2 3"), "7 numbers")
     misuse(run("view", "h1", "--no-open", "--base-link", "tail"), "tail")
     misuse(run("view", "h1", "--no-open", "--tip-link", "tail"), "tail")
