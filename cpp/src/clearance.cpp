@@ -70,8 +70,7 @@ struct HullDistance {
   int source;
 };
 
-double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o,
-                        double than);
+double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than);
 
 HullDistance hull_distance(const CollisionState& state, const Hull& hull, const Vec4& o,
                            double than) {

@@ -18,8 +18,8 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
   for (const Hull& each : hulls) {
     const double A = each.semi_major, h = 0.5 * (position(each.b) - position(each.a)).norm();
     const double B = std::sqrt(std::max((A - h) * (A + h), 0.0));
-    hulls_.push_back({each.a, each.b, A, each.rigid, B, h / (A + B), Vec4{},
-                      PlacedCapsule{}, each.body, each.first_block, each.excess});
+    hulls_.push_back({each.a, each.b, A, each.rigid, B, h / (A + B), Vec4{}, PlacedCapsule{},
+                      each.body, each.first_block, each.excess});
     PlacedHull& hull = hulls_.back();
     hull.around.source = each.source;
     hull.first = static_cast<int>(capsules_.size());
@@ -71,8 +71,7 @@ std::span<const PlacedCapsule> HullCapsules::of(int k) {
     const CapsuleBlock& block = blocks_[static_cast<std::size_t>(hull.first_block) + n / 4];
     const std::size_t i = n % 4;
     const Vec4 half = broadcast(0.5) * Vec4{block.vx[i], block.vy[i], block.vz[i], 0.0};
-    capsules[n].middle =
-        transform(frame, Vec4{block.ax[i], block.ay[i], block.az[i], 0.0} + half);
+    capsules[n].middle = transform(frame, Vec4{block.ax[i], block.ay[i], block.az[i], 0.0} + half);
     capsules[n].half = rotate(frame, half);
   }
   return capsules;

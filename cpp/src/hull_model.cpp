@@ -127,7 +127,9 @@ bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body) {
 bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body) {
   if (hull.has_capsules() && hull.body == body) return true;
   const auto [a, b] = links_of(robot, hull);
-  const auto settled = [&](int point) { return model.points[static_cast<std::size_t>(point)].body; };
+  const auto settled = [&](int point) {
+    return model.points[static_cast<std::size_t>(point)].body;
+  };
   return moves_with(robot, a, settled(hull.a), body) && moves_with(robot, b, settled(hull.b), body);
 }
 

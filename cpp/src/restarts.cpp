@@ -150,7 +150,8 @@ void Restarts::advance(Attempt& attempt) {
 void Restarts::finish(Attempt& attempt) {
   for (std::size_t k = 0; k < lanes_.size(); ++k) {
     if (lanes_[k].attempt != &attempt) continue;
-    if (!attempt.found && !attempt.result->success && !attempt.contact) {  // what runs still may be the best there is
+    if (!attempt.found && !attempt.result->success &&
+        !attempt.contact) {  // what runs still may be the best there is
       const LaneSearch::End end = workspace_.lanes.end(static_cast<int>(k), q_);
       attempt.result->iterations += end.iterations;
       attempt.result->evaluations += end.evaluations;

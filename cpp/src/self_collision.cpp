@@ -109,9 +109,7 @@ SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double 
       const Seat &one = seats[i], &two = seats[j];
       if (one.is_neighbour_of(two) || one.is_rigid_to(two) || one.ignores(two)) continue;
       const int a = static_cast<int>(i), b = static_cast<int>(j);
-      pairs_.push_back({{hulls[i].source, hulls[j].source},
-                        {one.first(), two.first()},
-                        {a, b}});
+      pairs_.push_back({{hulls[i].source, hulls[j].source}, {one.first(), two.first()}, {a, b}});
       glances_.push_back({a, b, capsules_.semi_major(a) + capsules_.semi_major(b)});
     }
   }
@@ -141,8 +139,7 @@ SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double
     const double reach = std::sqrt(dot3(a.half, a.half)) + a.radius;
     for (const PlacedCapsule& b : capsules_.of(two)) {
       const Vec4 apart = a.middle - b.middle;
-      const double bound =
-          nearest.distance + reach + b.radius + std::sqrt(dot3(b.half, b.half));
+      const double bound = nearest.distance + reach + b.radius + std::sqrt(dot3(b.half, b.half));
       if (!(bound > 0.0) || dot3(apart, apart) >= bound * bound) continue;
       try_pair(a, b, 0.0);
     }

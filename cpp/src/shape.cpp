@@ -36,8 +36,8 @@ void check_indices(const Shape& shape) {
   for (const auto& triangle : shape.triangles) {
     for (const int k : triangle) {
       if (k < 0 || k >= count)
-        refuse(shape, "a triangle names vertex " + std::to_string(k) + " of " +
-                          std::to_string(count));
+        refuse(shape,
+               "a triangle names vertex " + std::to_string(k) + " of " + std::to_string(count));
     }
   }
 }
@@ -129,8 +129,7 @@ Shape Shape::capsule(std::string name, const Eigen::Isometry3d& T_base_shape, do
 Shape Shape::half_space(std::string name, const Eigen::Vector3d& normal,
                         const Eigen::Vector3d& point) {
   Shape shape{std::move(name), Kind::HalfSpace};
-  if (!(normal.norm() > 1e-9) || !normal.allFinite())
-    refuse(shape, "its normal is no direction");
+  if (!(normal.norm() > 1e-9) || !normal.allFinite()) refuse(shape, "its normal is no direction");
   shape.T_base_shape.linear() =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
   shape.T_base_shape.translation() = point;
@@ -140,8 +139,8 @@ Shape Shape::half_space(std::string name, const Eigen::Vector3d& normal,
 Shape Shape::convex_mesh(std::string name, const Eigen::Isometry3d& T_base_shape,
                          std::vector<Eigen::Vector3d> vertices,
                          std::vector<std::array<int, 3>> triangles) {
-  return {std::move(name),     Kind::ConvexMesh,   T_base_shape, Eigen::Vector3d::Zero(),
-          std::move(vertices), std::move(triangles)};
+  return {std::move(name),         Kind::ConvexMesh,    T_base_shape,
+          Eigen::Vector3d::Zero(), std::move(vertices), std::move(triangles)};
 }
 
 }  // namespace pdoik

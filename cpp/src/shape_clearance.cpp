@@ -42,9 +42,8 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
         solid.distance(capsule.middle, capsule.half, least.distance + capsule.radius);
     const double distance = found.distance - capsule.radius;
     if (!(distance < least.distance)) continue;
-    const double t = length > 0.0 ? dot3(found.point - capsule.middle, capsule.half) /
-                                        (length * length)
-                                  : 0.0;
+    const double t =
+        length > 0.0 ? dot3(found.point - capsule.middle, capsule.half) / (length * length) : 0.0;
     least = {distance, capsule.source, shape, &capsule, t, found.gradient};
   }
   return least;

@@ -60,7 +60,8 @@ Solid::Solid(const Shape& shape) : kind_(shape.kind), T_(to_frame(shape.T_base_s
     case Shape::Kind::Capsule:
       half_[0] = shape.size[0];
       half_[1] = 0.5 * shape.size[1];
-      radius_ = kind_ == Shape::Kind::Capsule ? half_[0] + half_[1] : std::hypot(half_[0], half_[1]);
+      radius_ =
+          kind_ == Shape::Kind::Capsule ? half_[0] + half_[1] : std::hypot(half_[0], half_[1]);
       break;
     case Shape::Kind::HalfSpace:
       radius_ = std::numeric_limits<double>::infinity();

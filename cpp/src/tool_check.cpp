@@ -41,8 +41,7 @@ ToolCheck::ToolCheck(const Model& model) : model_(model) {
   }
 }
 
-std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals,
-                                                  const Scene& scene) {
+std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals, const Scene& scene) {
   std::optional<WorstConstraint> worst;
   for (const Goal& goal : goals) {
     if (goal.type != GoalType::Pose || !goal.position_slack.isZero(0.0) ||
@@ -63,15 +62,15 @@ std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
   const int tip = model_.robot.tips()[static_cast<std::size_t>(goal.tip)];
   const Eigen::Isometry3d T_base_tool = goal.T_base_tip * model_.robot.T_body_link(tip).inverse();
   CollisionState& state = *tool.state;
-  for (const auto& [point, local] : tool.points) state.place(static_cast<std::size_t>(point), to_vec4(T_base_tool * local));
+  for (const auto& [point, local] : tool.points)
+    state.place(static_cast<std::size_t>(point), to_vec4(T_base_tool * local));
   state.place_frame(tool.body, to_frame(T_base_tool));
   // Within its tolerances the tool may still come clear of this much.
   const double slack = options.clearance_tolerance + options.position_tolerance +
                        options.rotation_tolerance * tool.arm;
   std::optional<WorstConstraint> worst;
   if (scene.within_reach() > 0) {
-    const Clearance least =
-        least_clearance_within(state, scene.obstacles(), 0.0, {-slack, -1, -1});
+    const Clearance least = least_clearance_within(state, scene.obstacles(), 0.0, {-slack, -1, -1});
     if (least.source >= 0) {
       worst = {Kind::Clearance, least.source, least.obstacle,
                -least.distance - options.clearance_tolerance};

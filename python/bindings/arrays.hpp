@@ -90,9 +90,10 @@ struct pybind11::detail::type_caster<pdoik::python::ArrayLike> {
 
 template <>
 struct pybind11::detail::type_caster<pdoik::python::ObstaclesLike> {
-  PYBIND11_TYPE_CASTER(pdoik::python::ObstaclesLike,
-                       const_name("numpy.typing.ArrayLike | pdoik._core.Cloud | pdoik._core.Scene | "
-                                  "collections.abc.Sequence[pdoik._core.Shape]"));
+  PYBIND11_TYPE_CASTER(
+      pdoik::python::ObstaclesLike,
+      const_name("numpy.typing.ArrayLike | pdoik._core.Cloud | pdoik._core.Scene | "
+                 "collections.abc.Sequence[pdoik._core.Shape]"));
   bool load(handle source, bool) {
     if (!source || source.is_none()) return false;
     value.value = reinterpret_borrow<object>(source);

@@ -133,10 +133,9 @@ Raises:
                  .format(self.spheres.size(), self.spheroids.size(), self.capsules.size());
            })
       .def(py::pickle(&state, [](const AnyTuple& state) {
-        return make(state[0].cast<std::vector<SphereIn>>(),
-                    state[1].cast<std::vector<SpheroidIn>>(),
-                    state.size() > 2 ? state[2].cast<std::vector<CapsuleIn>>()
-                                     : std::vector<CapsuleIn>());
+        return make(
+            state[0].cast<std::vector<SphereIn>>(), state[1].cast<std::vector<SpheroidIn>>(),
+            state.size() > 2 ? state[2].cast<std::vector<CapsuleIn>>() : std::vector<CapsuleIn>());
       }));
 }
 

@@ -18,8 +18,8 @@ inline constexpr std::array names<Shape::Kind>{std::pair{Shape::Kind::Sphere, "s
 
 namespace {
 
-using KindName = py::typing::Literal<"'sphere'", "'box'", "'cylinder'", "'capsule'",
-                                     "'half_space'", "'convex_mesh'">;
+using KindName = py::typing::Literal<"'sphere'", "'box'", "'cylinder'", "'capsule'", "'half_space'",
+                                     "'convex_mesh'">;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
@@ -85,7 +85,9 @@ std::vector<double> size_of(const Shape& shape) {
   return {};
 }
 
-py::tuple state(const Shape& shape) {
+using AnyTuple = py::typing::Tuple<py::object, py::ellipsis>;
+
+AnyTuple state(const Shape& shape) {
   return py::make_tuple(shape.name, static_cast<int>(shape.kind),
                         Matrix4(shape.T_base_shape.matrix()), shape.size, vertices_of(shape),
                         triangles_of(shape));
@@ -95,7 +97,8 @@ py::tuple state(const Shape& shape) {
 
 void bind_shape(py::module_& module) {
   const char* const kPose =
-      "    T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.\n";
+      "    T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame "
+      "itself.\n";
   const auto doc = [&](const std::string& first, const std::string& arguments, bool has_pose) {
     return first + "\n\nArgs:\n    name: What results call it.\n" + arguments +
            (has_pose ? kPose : "") +
@@ -110,7 +113,8 @@ void bind_shape(py::module_& module) {
             return checked(Shape::sphere(name, to_vector3(center, "center"), radius));
           },
           py::arg("name"), py::arg("center"), py::arg("radius"),
-          doc("A ball.", "    center: In the base frame, shape (3,) [m].\n    radius: [m].\n", false)
+          doc("A ball.", "    center: In the base frame, shape (3,) [m].\n    radius: [m].\n",
+              false)
               .c_str())
       .def_static(
           "box",
@@ -146,8 +150,8 @@ void bind_shape(py::module_& module) {
       .def_static(
           "half_space",
           [](const std::string& name, const ArrayLike& normal, const ArrayLike& point) {
-            return checked(Shape::half_space(name, to_vector3(normal, "normal"),
-                                             to_vector3(point, "point")));
+            return checked(
+                Shape::half_space(name, to_vector3(normal, "normal"), to_vector3(point, "point")));
           },
           py::arg("name"), py::arg("normal"), py::arg("point"),
           doc("All behind a plane: a table, a floor, a wall.",
@@ -155,15 +159,16 @@ void bind_shape(py::module_& module) {
               "    point: On the plane, shape (3,) [m].\n",
               false)
               .c_str())
-      .def_static("convex_mesh", &convex_mesh, py::arg("name"), py::arg("vertices"),
-                  py::arg("T_base_shape") = py::none(), py::arg("triangles") = py::none(),
-                  doc("A convex solid by its corners.",
-                      "    vertices: In its frame, shape (N, 3) [m].\n"
-                      "    triangles: Its surface, closed and convex, each three places in `vertices`,"
-                      " counter-clockwise\n        seen from outside, shape (T, 3). None for the convex"
-                      " hull of the vertices.\n",
-                      true)
-                      .c_str())
+      .def_static(
+          "convex_mesh", &convex_mesh, py::arg("name"), py::arg("vertices"),
+          py::arg("T_base_shape") = py::none(), py::arg("triangles") = py::none(),
+          doc("A convex solid by its corners.",
+              "    vertices: In its frame, shape (N, 3) [m].\n"
+              "    triangles: Its surface, closed and convex, each three places in `vertices`,"
+              " counter-clockwise\n        seen from outside, shape (T, 3). None for the convex"
+              " hull of the vertices.\n",
+              true)
+              .c_str())
       .def_readonly("name", &Shape::name, "What results call it.")
       .def_property_readonly(
           "kind", [](const Shape& self) { return KindName(py::str(to_name(self.kind))); },
@@ -187,7 +192,7 @@ void bind_shape(py::module_& module) {
            [](const Shape& self) {
              return py::str("<Shape '{}', a {}>").format(self.name, to_name(self.kind));
            })
-      .def(py::pickle(&state, [](const py::tuple& state) {
+      .def(py::pickle(&state, [](const AnyTuple& state) {
         Shape shape;
         shape.name = state[0].cast<std::string>();
         shape.kind = static_cast<Shape::Kind>(state[1].cast<int>());

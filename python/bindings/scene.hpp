@@ -18,10 +18,10 @@ struct SceneObject {
 class ObstaclesIn {
  public:
   ObstaclesIn(const std::optional<ObstaclesLike>& obstacles, const std::string& name)
-      : points_(PointsView::float64(
-            kind_of(obstacles) == Kind::Points ? std::optional(ArrayLike{obstacles->value})
-                                              : std::nullopt,
-            name)) {
+      : points_(PointsView::float64(kind_of(obstacles) == Kind::Points
+                                        ? std::optional(ArrayLike{obstacles->value})
+                                        : std::nullopt,
+                                    name)) {
     switch (kind_of(obstacles)) {
       case Kind::Cloud:
         cloud_ = obstacles->value.cast<const ThinnedCloud&>().cloud;

@@ -7,14 +7,19 @@ import numpy
 import numpy.typing
 import os
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Scene', 'Shape', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
     
     A sphere keeps obstacle points at least its radius from its centre (Eq. joint_coll_avoid). A spheroid keeps
     the half sum of an obstacle point's distances to its two foci at or above its semi-major axis
-    (Eq. link_coll_avoid); its foci may sit on different links. An occupancy does not change.
+    (Eq. link_coll_avoid); its foci may sit on different links.
+    
+    A capsule is what lies within its radius of a segment, on one link. A link that has any fills these, and its
+    spheres and spheroids only say where to look (and are what method "paper" and inner "lbfgs" know): few wide
+    hulls for speed, many tight ones for the verdict. Hulls are numbered spheres first, then spheroids, then
+    capsules. An occupancy does not change.
     """
     @staticmethod
     def load(path_or_text: str | os.PathLike[str]) -> Occupancy:
@@ -33,12 +38,13 @@ class Occupancy:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, *, spheres: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), spheroids: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
+    def __init__(self, *, spheres: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), spheroids: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), capsules: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
         """
         Args:
             spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
             spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
                 semi-major axis [m].
+            capsules: Tuples (link, xyz_a, xyz_b, radius): the segment's ends in the link's frame and radius [m].
         
         Raises:
             ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.
@@ -56,6 +62,11 @@ class Occupancy:
     def to_yaml(self) -> str:
         """
         The text that `load` reads back exactly.
+        """
+    @property
+    def capsules(self) -> list[tuple[str, tuple[float, float, float], tuple[float, float, float], float]]:
+        """
+        Tuples (link, xyz_a, xyz_b, radius), lengths in metres.
         """
     @property
     def spheres(self) -> list[tuple[str, tuple[float, float, float], float]]:
@@ -148,6 +159,169 @@ class Cloud:
     def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 4]"]:
         """
         A copy of the points, x y z radius, shape (N, 4) [m], in the cloud's own order.
+        """
+class Shape:
+    """
+    A convex solid that the robot has to keep off, beside points. It does not change.
+    """
+    @staticmethod
+    def box(name: str, size: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        A box along its frame's axes, with the origin in its middle.
+        
+        Args:
+            name: What results call it.
+            size: The lengths of its edges, shape (3,) [m].
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def capsule(name: str, radius: typing.SupportsFloat | typing.SupportsIndex, length: typing.SupportsFloat | typing.SupportsIndex, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        A cylinder between two half balls, about its frame's z axis.
+        
+        Args:
+            name: What results call it.
+            radius: [m].
+            length: Without the half balls [m].
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def convex_mesh(name: str, vertices: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None, triangles: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"]] | None = None) -> Shape:
+        """
+        A convex solid by its corners.
+        
+        Args:
+            name: What results call it.
+            vertices: In its frame, shape (N, 3) [m].
+            triangles: Its surface, closed and convex, each three places in `vertices`, counter-clockwise
+                seen from outside, shape (T, 3). None for the convex hull of the vertices.
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def cylinder(name: str, radius: typing.SupportsFloat | typing.SupportsIndex, length: typing.SupportsFloat | typing.SupportsIndex, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        A cylinder about its frame's z axis, with the origin in its middle.
+        
+        Args:
+            name: What results call it.
+            radius: [m].
+            length: [m].
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def half_space(name: str, normal: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike) -> Shape:
+        """
+        All behind a plane: a table, a floor, a wall.
+        
+        Args:
+            name: What results call it.
+            normal: Out of the solid, of any length, shape (3,).
+            point: On the plane, shape (3,) [m].
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def sphere(name: str, center: numpy.typing.ArrayLike, radius: typing.SupportsFloat | typing.SupportsIndex) -> Shape:
+        """
+        A ball.
+        
+        Args:
+            name: What results call it.
+            center: In the base frame, shape (3,) [m].
+            radius: [m].
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def moved(self, T_base_shape: numpy.typing.ArrayLike) -> Shape:
+        """
+        The same solid with its frame elsewhere, shape (4, 4) [m].
+        """
+    @property
+    def T_base_shape(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        Its frame in the base frame, shape (4, 4) [m].
+        """
+    @property
+    def kind(self) -> typing.Literal['sphere', 'box', 'cylinder', 'capsule', 'half_space', 'convex_mesh']:
+        """
+        What it is, by the name of what makes it.
+        """
+    @property
+    def name(self) -> str:
+        """
+        What results call it.
+        """
+    @property
+    def size(self) -> list[float]:
+        """
+        Edges of a box; radius, and length if it has one [m]. Else empty.
+        """
+    @property
+    def triangles(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
+        """
+        Of a mesh, shape (T, 3); else empty.
+        """
+    @property
+    def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        Of a mesh, shape (N, 3) [m]; else empty.
+        """
+class Scene:
+    """
+    Solids and points that are obstacles together, for `obstacles=`.
+    
+    It does not change, but its cloud may. Any number of solvers may share it.
+    """
+    def __init__(self, shapes: collections.abc.Sequence[Shape] = (), *, cloud: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, allowed: collections.abc.Sequence[tuple[str, str]] = ()) -> None:
+        """
+        Put shapes and points together.
+        
+        Args:
+            shapes: Of different names.
+            cloud: A Cloud, which is shared and not copied; or points as Cloud takes them.
+            allowed: Pairs (link, shape) by name that may touch: the table that the base stands on, what the hand is
+                to hold. Of the link all hulls.
+        
+        Raises:
+            ValueError: Two shapes have one name, or contact is allowed with a shape that is not there. A link that the
+                robot does not have comes out when a solver takes the scene.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def allowed(self) -> list[tuple[str, str]]:
+        """
+        Pairs (link, shape) that may touch.
+        """
+    @property
+    def cloud(self) -> Cloud | None:
+        """
+        The points, which share what they are; None if there are none.
+        """
+    @property
+    def shapes(self) -> list[Shape]:
+        """
+        The solids, in the order they were given.
         """
 class DhRow:
     """
@@ -850,7 +1024,7 @@ class Result:
         Least distance between hulls of links that are not adjacent, where self_collision is asked for: of the capsules that hold them, never more than that of the hulls [m].
         """
     @property
-    def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision']:
+    def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision', 'blocked']:
         """
         Why the solve ended.
         
@@ -975,11 +1149,11 @@ class BatchResult:
 class Solver:
     def __init__(self, robot: Robot, options: Options) -> None:
         ...
-    def _reach_poses(self, T_base_tip: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float32]]:
+    def _reach_poses(self, T_base_tip: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float32]]:
         """
         Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.
         """
-    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | None = None) -> Result:
+    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> Result:
         """
         Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
         
@@ -991,7 +1165,7 @@ class Solver:
         Raises:
             ValueError: As in `solve`.
         """
-    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None) -> Result:
+    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None) -> Result:
         """
         Find q so that the tips meet their goals, inside joint limits, clear of obstacles.
         
@@ -1003,9 +1177,9 @@ class Solver:
             q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
                 None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
                 answers are within pi of it.
-            obstacles: A Cloud; or points x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m], taken
-                in by each call anew. Float64 in C order is read in place. None or empty: there are none, whatever
-                the call before had.
+            obstacles: A Cloud; a list of Shapes; a Scene of both; or points x y z, or x y z radius, in the base frame,
+                shape (N, 3) or (N, 4) [m], taken in by each call anew. Float64 in C order is read in place. None or
+                empty: there are none, whatever the call before had.
             posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
                 the first solution found, shape (n,) [rad] or [m].
             max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
@@ -1017,7 +1191,7 @@ class Solver:
             ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative, or
                 something is NaN or infinite.
         """
-    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
+    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
         """
         Solve many targets among the same obstacles, on several threads, each as `solve` does.
         
@@ -1113,7 +1287,7 @@ class Tracker:
         Raises:
             ValueError: It has another shape or holds NaN or infinity.
         """
-    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | None = None) -> TrackerResult:
+    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> TrackerResult:
         """
         One step towards the goals, by the deadline. Raises nothing for bad numbers.
         

@@ -84,8 +84,8 @@ TEST(Blocked, by_a_shape_is_told_by_its_name_in_solves_and_batches) {
     const Eigen::VectorXd q = random_configuration(robot, random, 0.05);
     const Eigen::Isometry3d target = robot.fk(q), T = robot.fk(q, robot.link_names().back());
     Solver solver(robot, timeless());
-    solver.set_shapes(Shapes({Shape::box("crate", T, {0.02, 0.02, 0.02}),
-                              Shape::sphere("far", {5.0, 0.0, 0.0}, 0.1)}));
+    solver.set_shapes(Shapes(
+        {Shape::box("crate", T, {0.02, 0.02, 0.02}), Shape::sphere("far", {5.0, 0.0, 0.0}, 0.1)}));
     const Result result = solver.solve(target);
     EXPECT_EQ(result.status, Status::Blocked);
     EXPECT_NE(solver.describe(result.worst).find("to crate"), std::string::npos);

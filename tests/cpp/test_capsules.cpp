@@ -67,9 +67,9 @@ TEST(Capsules, the_clearance_is_that_of_the_capsules_whatever_the_wide_hulls_are
       const Eigen::Isometry3d T = robot.fk(q, capsule.link);
       const Eigen::Vector3d o = obstacles.row(result.worst.obstacle).head<3>().transpose();
       const double radius = obstacles.cols() > 3 ? obstacles(result.worst.obstacle, 3) : 0.0;
-      EXPECT_NEAR(brute_force_segment_distance(o, T * capsule.a, T * capsule.b) - capsule.radius -
-                      radius,
-                  result.clearance, 1e-9)
+      EXPECT_NEAR(
+          brute_force_segment_distance(o, T * capsule.a, T * capsule.b) - capsule.radius - radius,
+          result.clearance, 1e-9)
           << "the one that is named is not the nearest";
     }
   });
@@ -238,8 +238,7 @@ TEST(Capsules, the_distance_between_links_is_the_least_between_their_capsules) {
       if (second - first < 1e-3 || first < -0.01) continue;
       rollout.clear_wrenches();
       place(q);
-      for (const Pull& pull : near.pulls)
-        rollout.add_force(pull.body, pull.point, pull.dc_dpoint);
+      for (const Pull& pull : near.pulls) rollout.add_force(pull.body, pull.point, pull.dc_dpoint);
       Eigen::VectorXd gradient(robot.dof());
       rollout.reverse(gradient.data(), robot.dof());
       const Eigen::VectorXd expected = central_gradient(
@@ -274,7 +273,8 @@ Robot thin_arm() {
       s.focus_b = end;
     }
   }
-  occupancy.capsules.push_back({links.back(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0.02});
+  occupancy.capsules.push_back(
+      {links.back(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0.02});
   robot.set_occupancy(occupancy);
   return robot;
 }
@@ -305,8 +305,8 @@ TEST(Capsules, what_only_the_wide_hulls_touch_is_no_obstacle_and_answers_are_cle
 TEST(Capsules, a_link_that_has_nothing_but_capsules_needs_no_wide_hull) {
   Robot robot = Robot::builtin("iiwa14");
   Occupancy occupancy;
-  occupancy.capsules.push_back(
-      {robot.link_names().back(), Eigen::Vector3d(0.0, 0.0, 0.02), Eigen::Vector3d(0.1, 0.0, 0.02), 0.03});
+  occupancy.capsules.push_back({robot.link_names().back(), Eigen::Vector3d(0.0, 0.0, 0.02),
+                                Eigen::Vector3d(0.1, 0.0, 0.02), 0.03});
   robot.set_occupancy(occupancy);
   Solver solver(robot, timeless());
   Random random(3);
@@ -354,7 +354,8 @@ TEST(Capsules, on_the_base_are_told_at_once_and_left_out_where_that_is_asked_for
 TEST(Capsules, files_give_them_back_to_the_last_bit_and_nonsense_is_named) {
   Random random(5);
   Robot robot = random_robot(random, kSerial);
-  const Occupancy occupancy = with_capsules(robot, random_occupancy(robot, random, 2, 2), random, 7);
+  const Occupancy occupancy =
+      with_capsules(robot, random_occupancy(robot, random, 2, 2), random, 7);
   const Occupancy again = load_occupancy(to_yaml(occupancy));
   ASSERT_EQ(again.capsules.size(), 7U);
   for (std::size_t k = 0; k < 7; ++k) {

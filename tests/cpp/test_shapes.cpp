@@ -161,9 +161,7 @@ TEST(Solid, a_segments_distance_is_the_least_of_its_points) {
       const Eigen::Vector3d middle = random.point(0.9),
                             half = random.chance(0.1) ? Eigen::Vector3d(Eigen::Vector3d::Zero())
                                                       : random.point(0.5);
-      const auto at = [&](double t) {
-        return solid.distance(to_vec4(middle + t * half)).distance;
-      };
+      const auto at = [&](double t) { return solid.distance(to_vec4(middle + t * half)).distance; };
       double low = -1.0, high = 1.0, least = std::min(at(-1.0), at(1.0));
       const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
       for (int n = 0; n < 80; ++n) {
@@ -171,25 +169,24 @@ TEST(Solid, a_segments_distance_is_the_least_of_its_points) {
         least = std::min({least, at(left), at(right)});
         (at(left) < at(right) ? high : low) = at(left) < at(right) ? right : left;
       }
-      const SegmentSolidDistance found =
-          solid.distance(to_vec4(middle), to_vec4(half), kInfinity);
+      const SegmentSolidDistance found = solid.distance(to_vec4(middle), to_vec4(half), kInfinity);
       // Through a ball or a capsule the axis' own distance counts, which is no less deep.
-      const bool round =
-          shape.kind == Shape::Kind::Sphere || shape.kind == Shape::Kind::Capsule;
+      const bool round = shape.kind == Shape::Kind::Sphere || shape.kind == Shape::Kind::Capsule;
       if (round && least < 0.0)
         EXPECT_LE(found.distance, least + 1e-9);
       else
         EXPECT_NEAR(found.distance, least, 1e-9);
       crossing += least < 0.0;
-      const double t = half.norm() > 0.0 ? (to_vector3(found.point) - middle).dot(half) /
-                                               half.squaredNorm()
-                                         : 0.0;
+      const double t = half.norm() > 0.0
+                           ? (to_vector3(found.point) - middle).dot(half) / half.squaredNorm()
+                           : 0.0;
       EXPECT_LE(std::abs(t), 1.0 + 1e-12);
       EXPECT_LT((to_vector3(found.point) - middle - t * half).norm(), 1e-12);
       // What is far need not be found, but must not be told to be near.
       const double than = random.uniform(-0.2, 0.4);
       const double told = solid.distance(to_vec4(middle), to_vec4(half), than).distance;
-      EXPECT_TRUE(std::abs(told - found.distance) < 1e-9 || (told >= than && found.distance >= than - 1e-9));
+      EXPECT_TRUE(std::abs(told - found.distance) < 1e-9 ||
+                  (told >= than && found.distance >= than - 1e-9));
     }
   });
   EXPECT_GT(crossing, 1000);
@@ -250,9 +247,9 @@ double capsule_distance(const Robot& robot, const Eigen::VectorXd& q, const Shap
   const Solid solid(shape);
   double least = kInfinity;
   const auto segment = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius) {
-    least = std::min(least, solid.distance(to_vec4(0.5 * (a + b)), to_vec4(0.5 * (b - a)), kInfinity)
-                                    .distance -
-                                radius);
+    least = std::min(
+        least, solid.distance(to_vec4(0.5 * (a + b)), to_vec4(0.5 * (b - a)), kInfinity).distance -
+                   radius);
   };
   for (const Capsule& c : robot.occupancy().capsules) {
     const Eigen::Isometry3d T = robot.fk(q, c.link);
@@ -385,7 +382,8 @@ TEST(Shapes, solves_keep_off_them_by_every_method) {
     int solved = 0;
     for (int seed = 1; seed <= 40; ++seed) {
       Random random(static_cast<std::uint64_t>(seed));
-      const Robot robot = with_hulls(Robot::builtin(arm_names()[static_cast<std::size_t>(seed % 3)]));
+      const Robot robot =
+          with_hulls(Robot::builtin(arm_names()[static_cast<std::size_t>(seed % 3)]));
       const Eigen::VectorXd q = random_configuration(robot, random, 0.02);
       std::vector<Shape> shapes;
       while (shapes.size() < 6) {

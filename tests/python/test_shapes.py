@@ -61,7 +61,7 @@ def coal_distance(one: object, T_one: FloatArray, other: object, T_other: FloatA
 
 
 def capsule_between(a: FloatArray, b: FloatArray, radius: float) -> tuple[object, FloatArray]:
-    """coal's capsule and where it is."""
+    """A capsule of coal's and where it is."""
     along = b - a
     length = float(np.linalg.norm(along))
     T = np.eye(4)

@@ -16,8 +16,8 @@ enum class Status {
                   ///< joint moves its tip; q is the nearest of a few starts
   BaseCollision,  ///< an obstacle point lies in a hull that no joint moves: no answer exists; q is
                   ///< the best found for the goal alone
-  Blocked,        ///< what is rigid to the tip is in an obstacle at the target, so no answer exists;
-                  ///< q is the best found, and the worst constraint says what touches what
+  Blocked,  ///< what is rigid to the tip is in an obstacle at the target, so no answer exists;
+            ///< q is the best found, and the worst constraint says what touches what
 };
 
 /// A status in lower case with underscores, as the Python module gives it.
@@ -28,8 +28,8 @@ struct WorstConstraint {
   enum class Kind { None, Position, Rotation, Limit, Clearance, Balance, SelfCollision, Shape };
   Kind kind = Kind::None;
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
-  /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's lower and upper x, y,
-  /// z, then 6 the support polygon.
+  /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's
+  /// lower and upper x, y, z, then 6 the support polygon.
   int index = -1;
   /// The point's row for Clearance, the shape's place for Shape, the other hull for SelfCollision.
   int obstacle = -1;

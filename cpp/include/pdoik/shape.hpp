@@ -25,8 +25,8 @@ struct Shape {
   /// Box: the lengths of its edges. Sphere: its radius, twice nothing. Cylinder and Capsule: radius
   /// and length, a capsule's without its half balls. Unused otherwise.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> vertices = {};         ///< of a mesh, in the shape's frame
-  std::vector<std::array<int, 3>> triangles = {};     ///< counter-clockwise seen from outside
+  std::vector<Eigen::Vector3d> vertices = {};      ///< of a mesh, in the shape's frame
+  std::vector<std::array<int, 3>> triangles = {};  ///< counter-clockwise seen from outside
 
   static Shape sphere(std::string name, const Eigen::Vector3d& center, double radius);
   static Shape box(std::string name, const Eigen::Isometry3d& T_base_shape,

@@ -52,11 +52,11 @@ PDOIK_INLINE Constraint half_sum_constraint(const CollisionState& state, const H
   return result;
 }
 
-/// A point off a hull's capsules: c = r + R - |p - o| of the capsule that it is deepest in, by p, the
-/// point of its segment that is nearest.
+/// A point off a hull's capsules: c = r + R - |p - o| of the capsule that it is deepest in, by p,
+/// the point of its segment that is nearest.
 struct CapsuleConstraint {
   double c = 0.0;
-  Vec4 p{};     ///< which moves with the hull's body
+  Vec4 p{};  ///< which moves with the hull's body
   Vec4 dc_dp{};
 };
 
@@ -72,8 +72,7 @@ inline CapsuleConstraint capsule_constraint(const CollisionState& state, const H
   const Vec4 local = to_local(frame, o);
   CapsuleConstraint result;
   result.c = deepest.depth + o[3];
-  result.p =
-      transform(frame, nearest_on(state.block(hull, deepest.block), deepest.lane, local));
+  result.p = transform(frame, nearest_on(state.block(hull, deepest.block), deepest.lane, local));
   double distance;
   result.dc_dp = -unit_from(o, result.p, distance);
   return result;

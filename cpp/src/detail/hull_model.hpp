@@ -26,8 +26,8 @@ struct Hull {
   double semi_major;
   int source;  ///< its place in the occupancy, or that of its first capsule if it was made for them
   int body = 0, first_block = 0, blocks = 0;  ///< its capsules, which move with a body
-  double excess = 0.0;  ///< how much it must grow to hold them all [m]
-  bool rigid = true;    ///< its foci to each other
+  double excess = 0.0;                        ///< how much it must grow to hold them all [m]
+  bool rigid = true;                          ///< its foci to each other
 
   bool is_sphere() const { return a == b; }
   bool has_capsules() const { return blocks > 0; }
@@ -37,8 +37,8 @@ struct Hull {
 /// joint, the body before. HullModel has settled it on the last of them.
 bool moves_with(const Robot& robot, int link, int settled, int body);
 
-/// Whether a point stays where it is to a body: that which it is settled on, or one behind joints on
-/// whose axes it lies.
+/// Whether a point stays where it is to a body: that which it is settled on, or one behind joints
+/// on whose axes it lies.
 bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body);
 
 struct HullModel;
@@ -54,9 +54,7 @@ struct HullModel {
   /// @param with_fixed  Whether hulls that no joint moves are any.
   explicit HullModel(const Robot& robot, bool with_fixed = true);
 
-  const CapsuleBlock* capsules(const Hull& hull) const {
-    return blocks.data() + hull.first_block;
-  }
+  const CapsuleBlock* capsules(const Hull& hull) const { return blocks.data() + hull.first_block; }
   /// Calls visit(body, a bound on how far what a hull fills is from the body's origin).
   template <class Visit>
   void for_each_arm(const Hull& hull, Visit&& visit) const {

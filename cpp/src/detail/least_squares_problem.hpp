@@ -49,8 +49,8 @@ class LeastSquaresProblem {
 
   PosturePull posture;  ///< of the evaluations that follow
 
-  /// Whether a hull touches one of the scene's shapes or near points or another hull, where f was last
-  /// evaluated or the robot was last placed.
+  /// Whether a hull touches one of the scene's shapes or near points or another hull, where f was
+  /// last evaluated or the robot was last placed.
   bool touches() {
     hulls().place(problem_.rollout);
     SelfConstraints& self = problem_.constraints.self;

@@ -41,7 +41,8 @@ class Scene {
   /// Radii grow by the clearance that is wanted.
   ObstacleView obstacles() const { return {&cloud_->points(), margin_}; }
   const ShapePairs& shapes() const { return shapes_; }
-  /// At most how many points are within the reach of moving hulls; none of the others can touch any.
+  /// At most how many points are within the reach of moving hulls; none of the others can touch
+  /// any.
   int within_reach() const { return within_reach_; }
   /// The deepest obstacle in a hull that no joint moves, if there is any.
   const Clearance& fixed() const { return fixed_; }

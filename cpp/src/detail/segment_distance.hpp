@@ -27,7 +27,8 @@ inline double middle_of_overlap(double a, double b, double e, double along1) {
 /// Detection", 5.1.9, with the lines' nearest points from cross products, which lose no digits when
 /// the segments are nearly parallel). Of parallel segments it takes the middle of where they lie
 /// side by side.
-inline SegmentDistance segment_distance(const Vec4& c1, const Vec4& v1, const Vec4& c2, const Vec4& v2) {
+inline SegmentDistance segment_distance(const Vec4& c1, const Vec4& v1, const Vec4& c2,
+                                        const Vec4& v2) {
   const Vec4 r = c1 - c2;
   const double a = dot3(v1, v1), b = dot3(v1, v2), e = dot3(v2, v2);
   const double along1 = dot3(v1, r), along2 = dot3(v2, r);

@@ -35,8 +35,8 @@ struct ShapeClearance {
   double distance = std::numeric_limits<double>::infinity();
   int source = -1, shape = -1;  ///< -1: nothing is nearer than was asked
   const PlacedCapsule* capsule = nullptr;
-  double t = 0.0;    ///< where on its segment, -1 to 1
-  Vec4 gradient{};   ///< of the distance by that point
+  double t = 0.0;   ///< where on its segment, -1 to 1
+  Vec4 gradient{};  ///< of the distance by that point
 };
 
 /// The least distance of hull k to a shape, if less than `than`.

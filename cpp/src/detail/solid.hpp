@@ -42,18 +42,18 @@ class Solid {
 
  private:
   struct Face {
-    Vec4 a, ab, ac;   ///< a corner and two edges
-    Vec4 normal;      ///< out of the solid, of length 1
-    double offset;    ///< normal . a
+    Vec4 a, ab, ac;  ///< a corner and two edges
+    Vec4 normal;     ///< out of the solid, of length 1
+    double offset;   ///< normal . a
     double ab2, abac, ac2, determinant;
   };
   SolidDistance local_distance(const Vec4& p) const;
   SolidDistance mesh_distance(const Vec4& p) const;
 
   Shape::Kind kind_;
-  Frame T_;                ///< its frame, or the base's for a mesh
-  Vec4 half_{};            ///< half the edges; or radius and half length
-  Vec4 centre_{};          ///< of a ball that holds it
+  Frame T_;        ///< its frame, or the base's for a mesh
+  Vec4 half_{};    ///< half the edges; or radius and half length
+  Vec4 centre_{};  ///< of a ball that holds it
   double radius_ = 0.0;
   std::vector<Face> faces_;
 };

@@ -6,8 +6,9 @@
 
 namespace pdoik::detail {
 
-/// A bound on how far any attached point of a hull, or any part of its capsules, gets when each joint makes up to a step, shape
-/// (n,), from anywhere within the limits [m]: infinite if a joint slides without bound.
+/// A bound on how far any attached point of a hull, or any part of its capsules, gets when each
+/// joint makes up to a step, shape (n,), from anywhere within the limits [m]: infinite if a joint
+/// slides without bound.
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step);
 
 /// What one unit of each joint moves any part of any hull by, at most, shape (n,) [m/rad] or 1,
