@@ -49,11 +49,11 @@ class Method:
         way: How the solids are given.
         robot: With its hulls.
         budgets: max_time of each solve of a problem [s].
-        like: A problem of the set: by which links its robots stand, and whether the base may touch
-            (what else may touch cannot be said to the solver yet).
+        like: A problem of the set: by which links its robots stand, and whether the base may touch.
+            What else may touch can be said of shapes, but not of a cloud.
 
     Raises:
-        MethodError: The way is unknown, or needs what this pdoik does not have.
+        MethodError: The way is unknown.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Method:
     ) -> None:
         if way not in WAYS:
             raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
-        self.name, self.budgets, self._prepare = way, tuple(budgets), WAYS[way]()
+        self.name, self.budgets, self._prepare = way, tuple(budgets), WAYS[way](robot)
         contacts = like.contacts if like else {}
         balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
         may_touch = {link for link, _ in like.allowed} if like else set()
@@ -123,18 +123,21 @@ def surface_cloud(solids: Sequence[Solid], leaf: float = LEAF) -> FloatArray:
     return balls
 
 
-def _cloud() -> Callable[[Problem], Any]:
+def _cloud(robot: pdoik.Robot) -> Callable[[Problem], Any]:
+    del robot  # which a cloud knows nothing of
     return lambda problem: pdoik.Cloud(surface_cloud(problem.solids)) if problem.solids else None
 
 
-def _shapes() -> Callable[[Problem], Any]:
-    if not hasattr(pdoik, "Shape"):
-        raise MethodError("method 'shapes' needs pdoik.Shape, which this pdoik does not have yet")
-    return lambda problem: [_shape(solid) for solid in problem.solids]
+def _shapes(robot: pdoik.Robot) -> Callable[[Problem], Any]:
+    def scene(problem: Problem) -> pdoik.Scene:
+        allowed = [pair for pair in problem.allowed if pair[0] in robot.link_names]
+        return pdoik.Scene([_shape(solid) for solid in problem.solids], allowed=allowed)
+
+    return scene
 
 
-def _shape(solid: Solid) -> Any:
-    shape = pdoik.Shape  # type: ignore[attr-defined]
+def _shape(solid: Solid) -> pdoik.Shape:
+    shape = pdoik.Shape
     match solid.kind:
         case "box":
             return shape.box(solid.name, solid.size, solid.T)

@@ -90,11 +90,15 @@ def test_the_clouds_balls_hold_the_surface() -> None:
     assert (near - balls[at, 3]).min(axis=1).max() <= 1e-9
 
 
-def test_shapes_say_what_they_need_where_they_are_not() -> None:
-    if hasattr(pdoik, "Shape"):
-        pytest.skip("this pdoik has shapes")
-    with pytest.raises(MethodError, match=r"needs pdoik\.Shape"):
-        Method("shapes", pdoik.Robot.builtin("panda"), [0.01])
+def test_shapes_are_the_solids_and_what_may_touch_is_told() -> None:
+    robot = pdoik.Robot.builtin("panda")
+    (problem,) = problems_of("flat_table", "panda", 1)
+    scene = Method("shapes", robot, [0.01], problem).take_in(problem).obstacles
+    assert [shape.name for shape in scene.shapes] == [solid.name for solid in problem.solids]
+    assert ("panda_link0", "table") in scene.allowed
+    assert ("base_link", "table") not in scene.allowed, "the robot has no such link"
+    with pytest.raises(MethodError, match="'guesses' is not one of"):
+        Method("guesses", robot, [0.01])
 
 
 def test_a_wrong_answer_and_a_missed_one_are_counted(judge: Judge) -> None:
