@@ -97,15 +97,15 @@ Every error is recomputed from q alone, so that a success can be judged without 
 
 `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
 `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
-tip; `base_collision`: an obstacle point lies in a hull that no joint moves, and no answer exists. In all but the first, q is the best found.)")
+tip; `base_collision`: an obstacle lies in a hull that no joint moves, and no answer exists; `blocked`: what is
+rigid to the tip is in an obstacle at the target, and no answer exists. In all but the first, q is the best found.)")
       .def_readonly("position_error", &R::position_error, "Largest over the goals [m].")
       .def_readonly(
           "rotation_error", &R::rotation_error,
           "Largest over the goals [rad]; of the axis for axis goals, 0 for position goals.")
       .def_readonly("clearance", &R::clearance,
-                    "Least distance from an obstacle point, less its radius, to a hull: negative "
-                    "inside, infinite "
-                    "without obstacles or hulls [m].")
+                    "Least distance from an obstacle (a point less its radius, a shape) to a hull: "
+                    "negative inside, infinite without obstacles or hulls [m].")
       .def_readonly("limit_violation", &R::limit_violation, "Largest over the joints [rad] or [m].")
       .def_property_readonly(
           "center_of_mass", [](const R& r) { return r.center_of_mass; },

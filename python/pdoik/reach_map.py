@@ -23,7 +23,9 @@ from pdoik.solver import Solver
 FloatArray = npt.NDArray[np.float64]
 
 _UNREADABLE = (OSError, EOFError, zipfile.BadZipFile, zlib.error)
-STATUSES = ("solved", "time_limit", "exhausted", "out_of_reach", "base_collision")  # of the core
+STATUSES = (  # of the core
+    *("solved", "time_limit", "exhausted", "out_of_reach", "base_collision", "blocked"),
+)
 SEARCH: dict[str, Any] = {  # options that find nearly all poses that have an answer
     "position_tolerance": 1e-3,
     "rotation_tolerance": 1e-3,

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import pdoik
 from command_line import PANDA, REACHABLE, misuse, run, solve
@@ -40,6 +41,20 @@ def test_a_target_out_of_reach_is_not_solved_and_says_what_to_try() -> None:
     assert outcome.exit_code == 1
     assert outcome.stdout.startswith("not solved")
     assert "try a target nearer" in outcome.stdout
+
+
+def test_a_target_in_an_obstacle_is_blocked_and_says_what_touches(tmp_path: Path) -> None:
+    cloud = tmp_path / "crate.xyz"
+    q = [0.3, 0.2, 0.0, -1.8, 0.0, 2.2, 0.8]
+    T = pdoik.Robot.builtin("panda").fk(q)
+    cloud.write_text(" ".join(f"{x:.6f}" for x in T[:3, 3] - 0.05 * T[:3, 2]) + "\n")
+    x, y, z, w = Rotation.from_matrix(T[:3, :3]).as_quat()
+    target = " ".join(f"{v:.6f}" for v in (*T[:3, 3], w, x, y, z))
+    outcome = solve("--cloud", cloud, target=target)
+    assert outcome.exit_code == 1
+    assert outcome.stdout.startswith("not solved: the tool itself is in an obstacle")
+    assert "to obstacle 0" in outcome.stdout
+    assert "try another target" in outcome.stdout
 
 
 def test_json_holds_the_whole_result(wall: Path) -> None:

@@ -38,6 +38,7 @@ _MEANING = {
     "exhausted": "not solved: every start ended in a local minimum; this is the best found",
     "out_of_reach": "not solved: the target is farther than the arm stretches; this is the nearest",
     "base_collision": "not solved: an obstacle is inside a hull that no joint moves",
+    "blocked": "not solved: the tool itself is in an obstacle at the target",
 }
 
 
@@ -195,6 +196,8 @@ def advice(solution: Solution) -> list[str]:
             f" frame of {solution.robot.base_link}, in metres; or --no-base-collision, if the"
             " robot stands on what it shows"
         )
+    elif result.status == "blocked":
+        tips.append("another target, or the obstacles without what the tool is to touch")
     else:
         if options.method == "paper":
             tips.append("--method default, which starts again where the paper's method gives up")

@@ -305,7 +305,7 @@ class _Follower:
         """What to show, and what the search said."""
         posture = q if self._several and self.options.method == "default" else None
         near = self._near.solve(goals, q0=q, obstacles=scene, posture=posture)
-        hopeless = near.status in ("out_of_reach", "base_collision")
+        hopeless = near.status in ("out_of_reach", "base_collision", "blocked")
         if near.success or hopeless or self.options.method == "paper":  # which has no restarts
             return near, near
         far = self._far.solve(goals, q0=q, obstacles=scene, posture=posture)
