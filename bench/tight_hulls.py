@@ -53,11 +53,12 @@ def geometry(name: str) -> dict[str, FloatArray]:
 
 def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
     """Capsules of every link. The H1's shapes are capsules and balls already, but for cylinders."""
+    capsules: list[Capsule] = []
     if name != "h1":
-        return [
-            Capsule(link, *hull) for link, mesh in meshes.items() for hull in fit_capsules(mesh)
-        ]
-    capsules = []
+        for link, mesh in meshes.items():
+            capsules += [Capsule(link, *hull) for hull in fit_capsules(mesh)]
+            print(f"{link}: {len(capsules)} capsules so far", flush=True)
+        return capsules
     for shape in SHAPES:
         if shape.kind == "cylinder":
             capsules += [Capsule(shape.link, *hull) for hull in fit_capsules(_circumscribed(shape))]

@@ -22,6 +22,7 @@ _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
+_STEPS_BACK = 4  # of the last sets: one that meets the aims with the inside proven is taken
 _PATIENCE = 3  # capsules whose loss is tried in vain before the rest stay
 
 
@@ -102,7 +103,11 @@ class _Fit:
             moving, new_score = self._settle(moving, with_inside=False)
             if new_score < score:
                 best, score = moving, new_score
-        return self._drop(*self._settle(best, with_inside=True))
+        for fewest in reversed(self._drop(best, score)):
+            settled, new_score = self._settle(fewest, with_inside=True)
+            if new_score <= 1:
+                break
+        return settled
 
     def _wrap(self, capsules: Capsules, steps: int) -> Capsules:
         return shrink_wrap(self.solid, self.points, capsules, steps=steps, worst=self.aim.worst)
@@ -142,8 +147,9 @@ class _Fit:
         excess = np.maximum(out - self.aim.mean, 0) / self.aim.mean
         return np.asarray((excess + (out / self.aim.worst) ** 6).sum(axis=1) * on.areas)
 
-    def _drop(self, best: Capsules, score: float) -> Capsules:
-        """Leave capsules out, several at a time while the aims are far, as long as they hold."""
+    def _drop(self, best: Capsules, score: float) -> list[Capsules]:
+        """Ever fewer capsules, several left out at a time while the aims are far, as they hold."""
+        kept = [best]
         in_vain: set[int] = set()
         haste = _HASTE
         while score <= 1 and len(best.radius) > 1 and len(in_vain) < _PATIENCE:
@@ -154,14 +160,15 @@ class _Fit:
             count = max(1, int(haste * (1 - score) * len(loss)))
             fewer = best.take(np.delete(np.arange(len(loss)), order[:count]))
             fewer = self._wrap(fewer, _DROP_STEPS)
-            settled, new_score = self._settle(fewer, with_inside=True)
+            settled, new_score = self._settle(fewer, with_inside=False)
             if new_score <= 1:
                 best, score, in_vain = settled, new_score, set()
+                kept.append(best)
             elif count > 1:
                 haste /= 2
             else:
                 in_vain.add(order[0])
-        return best
+        return kept[-_STEPS_BACK:]
 
     def _losses(self, capsules: Capsules) -> FloatArray:
         """How much would be bare without each capsule, (K,)."""

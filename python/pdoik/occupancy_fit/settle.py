@@ -11,7 +11,7 @@ from .segments import Capsules, to_segments
 from .solid import Solid, areas, bisect, subdivide
 
 _COARSE = 6e-3  # edges of patches at first [m]
-_FINE, _FINE_INSIDE = 0.2e-3, 1e-3  # edges of patches and cubes where cutting ends [m]
+_FINE, _FINE_INSIDE = 0.2e-3, 2e-3  # edges of patches and cubes where cutting ends [m]
 _MOST_PATCHES = 30_000  # at first
 _CHUNK = 400_000  # entries of a matrix of corners by capsules
 _SHRINK_ROUNDS = 4
@@ -23,7 +23,7 @@ def settle(solid: Solid, capsules: Capsules, *, with_inside: bool = True) -> Cap
     Cells are patches that make up the whole surface, and all voxels inside that are free of
     surface. A capsule is convex: it holds a cell if it holds the corners. Radii first grow and
     shrink to what many points of the surface and the inside need. Cells that no capsule then holds
-    are cut, down to edges of 0.2 mm on the surface and 1 mm inside; for what is left radii grow,
+    are cut, down to edges of 0.2 mm on the surface and 2 mm inside; for what is left radii grow,
     where that takes least. So the surface is held exactly, with `MARGIN` to spare, and so is the
     inside but for what lies in voxels that hold surface too: a cavity left there is thinner than a
     voxel, and the held surface closes it.
@@ -121,14 +121,15 @@ def _open_voxels(solid: Solid, a: FloatArray, b: FloatArray, radius: FloatArray)
 def _grown(need: FloatArray, radius: FloatArray) -> FloatArray:
     """Radii with which each cell is held: the worst one grows the capsule it takes least of."""
     radius = radius.copy()
-    lack = need[(need > radius).all(axis=1)] - radius
-    while len(lack):
-        least = lack.min(axis=1)
+    lack = (need[(need > radius).all(axis=1)] - radius).T.copy()  # (K, N)
+    least, of = lack.min(axis=0, initial=np.inf), lack.argmin(axis=0)
+    while least.max(initial=0.0) > 0:
         worst = int(least.argmax())
-        k = int(lack[worst].argmin())
-        radius[k] += least[worst] + 1e-12
-        lack[:, k] -= least[worst] + 1e-12
-        lack = lack[(lack > 0).all(axis=1)]
+        k, more = int(of[worst]), float(least[worst]) + 1e-12
+        radius[k] += more
+        lack[k] -= more
+        nearer = lack[k] < least
+        least[nearer], of[nearer] = lack[k, nearer], k
     return radius
 
 
