@@ -257,18 +257,3 @@ def test_a_hand_is_held_closely(link: str, arm_meshes: ModuleType, tmp_path: Pat
     distances = out(fit, mesh.triangles)
     assert distances.mean() < 0.0042
     assert distances.max() < 0.0152
-
-
-@pytest.mark.parametrize("robot", ["panda", "ur10", "iiwa14"])
-def test_shipped_capsules_hold_the_published_meshes_closely(
-    robot: str, arm_meshes: ModuleType
-) -> None:
-    experiment = importlib.import_module("experiment")
-    rows = yaml.safe_load((SHIPPED / f"{robot}.occupancy.yaml").read_text("utf-8"))["capsules"]
-    assert len(rows) <= 200
-    for link, triangles in arm_meshes.arm_meshes(experiment.Arm.builtin(robot)).items():
-        fit = [(r["a"], r["b"], r["radius"]) for r in rows if r["link"] == link]
-        assert gap(fit, on_surface(triangles, 10_000)).max() < 0, link
-        distances = out(fit, triangles, count=300)
-        assert distances.mean() < 0.0045, link
-        assert distances.max() < 0.0152, link

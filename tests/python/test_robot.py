@@ -1,6 +1,7 @@
 """What a robot says of itself, and what it refuses to be."""
 
 import copy
+import pickle
 import warnings
 from pathlib import Path
 
@@ -222,7 +223,13 @@ def test_an_occupancy_gives_back_what_it_was_given() -> None:
     assert hash(array) == hash(HULLS)
     assert pdoik.Occupancy(spheres=HULLS.spheres) != HULLS
     assert HULLS != "hulls"
-    assert "1 spheres and 1 spheroids" in repr(HULLS)
+    assert "1 spheres, 1 spheroids and 0 capsules" in repr(HULLS)
+    capsule = ("c", (0.0, 0.1, 0.0), (0.0, 0.2, 1 / 3), 0.05)
+    closer = pdoik.Occupancy(spheres=HULLS.spheres, spheroids=HULLS.spheroids, capsules=[capsule])
+    assert closer.capsules == [capsule]
+    assert closer != HULLS
+    assert pickle.loads(pickle.dumps(closer)) == closer
+    assert pdoik.Occupancy.load(closer.to_yaml()) == closer
 
 
 def test_a_robot_takes_an_occupancy_and_keeps_a_copy() -> None:
