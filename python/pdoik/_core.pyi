@@ -971,7 +971,7 @@ class Result:
     @property
     def clearance(self) -> float:
         """
-        Least distance from an obstacle point, less its radius, to a hull: negative inside, infinite without obstacles or hulls [m].
+        Least distance from an obstacle (a point less its radius, a shape) to a hull: negative inside, infinite without obstacles or hulls [m].
         """
     @property
     def evaluations(self) -> int:
@@ -1030,7 +1030,8 @@ class Result:
         
         `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
         `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
-        tip; `base_collision`: an obstacle point lies in a hull that no joint moves, and no answer exists. In all but the first, q is the best found.
+        tip; `base_collision`: an obstacle lies in a hull that no joint moves, and no answer exists; `blocked`: what is
+        rigid to the tip is in an obstacle at the target, and no answer exists. In all but the first, q is the best found.
         """
     @property
     def success(self) -> bool:
