@@ -59,7 +59,6 @@ class HullCapsules {
   const Vec4* middles() const { return middles_.data(); }
   /// By how much what the hull is may stand beyond that [m].
   double excess(int k) const { return hull(k).excess; }
-  bool has_its_own(int k) const { return hull(k).count > 0; }
   /// What a hull is: placed when first asked for.
   std::span<const PlacedCapsule> of(int k);
   /// No part of a hull is farther than this from the middle of `around` [m].
