@@ -172,6 +172,13 @@ void Solver::set_obstacles(const Cloud& cloud) { impl_->scene.use(cloud.state_);
 
 void Solver::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
 
+void Solver::attach(const std::string& link, std::span<const Shape> shapes,
+                    std::span<const std::string> may_touch) {
+  impl_->scene.attach(link, shapes, may_touch);
+}
+void Solver::detach(const std::string& link) { impl_->scene.detach(link); }
+void Solver::detach() { impl_->scene.hold({}); }
+
 void Solver::set_interrupt(std::function<bool()> wanted) {
   impl_->own.workspace.interrupt = std::move(wanted);
 }
@@ -273,7 +280,7 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
 }
 
 std::string Solver::describe(const WorstConstraint& worst) const {
-  return detail::describe(worst, robot(), impl_->scene.shapes());
+  return detail::describe(worst, robot(), impl_->scene);
 }
 
 }  // namespace pdoik

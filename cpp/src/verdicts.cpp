@@ -102,7 +102,9 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
 
 double Verdicts::cost_of_all() const {
   const Scene& scene = workspace_.scene();
-  const double pairs = static_cast<double>(scene.shapes().count() * model_.hulls.moving.size());
+  const double pairs = static_cast<double>(
+      scene.shapes().count() *
+      (model_.hulls.moving.size() + static_cast<std::size_t>(scene.held().count())));
   // Of a cloud in order most is passed by in blocks.
   return pairs / kShapesPerEvaluation +
          (scene.obstacles()->in_order()

@@ -67,6 +67,9 @@ void Workspace::use(const Scene& scene) {
       std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
   problem.constraints.shapes.reserve(scene.shapes().count());
+  problem.constraints.held.hold(scene);
+  judge_.hold(scene);
+  tool.hold(scene);
   least_squares.reserve(padded);
   least_squares.count_all_obstacles();
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)

@@ -25,13 +25,27 @@ const char* to_string(Status status);
 
 /// What keeps a configuration from being a solution by most, or comes nearest to that.
 struct WorstConstraint {
-  enum class Kind { None, Position, Rotation, Limit, Clearance, Balance, SelfCollision, Shape };
+  enum class Kind {
+    None,
+    Position,
+    Rotation,
+    Limit,
+    Clearance,
+    Balance,
+    SelfCollision,
+    Shape,
+    HeldPoint,
+    HeldShape,
+    HeldHull,
+  };
   Kind kind = Kind::None;
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
   /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's
-  /// lower and upper x, y, z, then 6 the support polygon.
+  /// lower and upper x, y, z, then 6 the support polygon. For HeldPoint, HeldShape and HeldHull the
+  /// place of what is held, in the order that it was attached.
   int index = -1;
-  /// The point's row for Clearance, the shape's place for Shape, the other hull for SelfCollision.
+  /// The point's row for Clearance and HeldPoint, the shape's place for Shape and HeldShape, the
+  /// other hull for SelfCollision and HeldHull.
   int obstacle = -1;
   double violation =
       0.0;  ///< by how much it is missed beyond its tolerance [m] or [rad]; at most 0 if it holds

@@ -91,6 +91,11 @@ class CollisionState {
   bool visit_near(const ObstacleView& obstacles, Grow&& grow, Visit&& visit) {
     return visit_hulls(0, queries_.size(), obstacles, grow, visit);
   }
+  /// Of hull h alone.
+  template <class Grow, class Visit>
+  bool visit_near_of(std::size_t h, const ObstacleView& obstacles, Grow&& grow, Visit&& visit) {
+    return visit_hulls(h, h + 1, obstacles, grow, visit);
+  }
   /// A hint that what is visited next of a hull lies where a plane at this distance from its centre
   /// touches it [m]; 0 for nobody knows where.
   void expect_at(std::size_t h, double support) { supports_[h] = support; }

@@ -29,7 +29,7 @@ struct Problem {
 
   /// Whether there is anything that hulls could touch.
   bool can_touch() const {
-    return scene->within_reach() > 0 || scene->shapes().count() > 0 ||
+    return scene->within_reach() > 0 || scene->shapes().count() > 0 || scene->held().count() > 0 ||
            constraints.self.wants_points();
   }
   /// Whether whoever evaluates should give up: asked for each constraint.
