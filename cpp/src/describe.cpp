@@ -3,7 +3,15 @@
 namespace pdoik::detail {
 namespace {
 
-/// "link (sphere 3)" of a hull by its place in the occupancy.
+std::string balance_name(int index) {
+  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
+                                    "upper y", "lower z", "upper z"};
+  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
+                   : "support polygon of the centre of mass";
+}
+
+}  // namespace
+
 std::string hull_name(const Occupancy& occupancy, int index) {
   const auto hull = static_cast<std::size_t>(index);
   if (hull < occupancy.spheres.size())
@@ -17,15 +25,6 @@ std::string hull_name(const Occupancy& occupancy, int index) {
   return s.link_a + (s.link_a == s.link_b ? "" : " to " + s.link_b) + " (spheroid " +
          std::to_string(k) + ")";
 }
-
-std::string balance_name(int index) {
-  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
-                                    "upper y", "lower z", "upper z"};
-  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
-                   : "support polygon of the centre of mass";
-}
-
-}  // namespace
 
 std::string describe(const WorstConstraint& worst, const Robot& robot, const Scene& scene) {
   using Kind = WorstConstraint::Kind;

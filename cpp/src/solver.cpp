@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "detail/check_input.hpp"
+#include "detail/clearances.hpp"
 #include "detail/describe.hpp"
 #include "detail/goal_of.hpp"
 #include "detail/paper.hpp"
@@ -278,6 +279,20 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
   impl_->own.workspace.judge_unwatched(goals, configuration, result);
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }
+
+std::vector<ObstacleClearance> Solver::clearances(VectorIn q) {
+  const Eigen::VectorXd configuration = q;
+  detail::check_configuration(configuration, robot().dof(), "q");
+  const auto reading = impl_->read();
+  return detail::clearances(*impl_->model, impl_->scene, configuration);
+}
+
+std::string Solver::part_name(const ObstacleClearance& of) const {
+  if (of.held >= 0) return impl_->scene.held()[of.held].shape.name;
+  return of.hull < 0 ? "" : detail::hull_name(robot().occupancy(), of.hull);
+}
+
+std::string Solver::shape_name(int shape) const { return impl_->scene.shapes().shape(shape).name; }
 
 std::string Solver::describe(const WorstConstraint& worst) const {
   return detail::describe(worst, robot(), impl_->scene);

@@ -130,6 +130,47 @@ NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLi
   return named(self.solver, std::move(result));
 }
 
+/// How near the robot is to one obstacle, by names.
+struct NamedClearance {
+  std::string obstacle, part;
+  double distance;
+  std::optional<int> point;
+};
+
+std::vector<NamedClearance> clearances(SharedSolver& self, const ArrayLike& q,
+                                       const std::optional<ObstaclesLike>& obstacles) {
+  const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
+  const ObstaclesIn given(obstacles, "obstacles");
+  const py::gil_scoped_release release;
+  const std::lock_guard<std::mutex> lock(self.mutex);
+  given.give_to(self.solver);
+  std::vector<NamedClearance> result;
+  for (const ObstacleClearance& each : self.solver.clearances(configuration)) {
+    NamedClearance& named = result.emplace_back();
+    named.obstacle = each.shape < 0 ? "points" : self.solver.shape_name(each.shape);
+    named.part = self.solver.part_name(each);
+    named.distance = each.distance;
+    if (each.point >= 0) named.point = each.point;
+  }
+  return result;
+}
+
+void bind_clearance(py::module_& module) {
+  py::class_<NamedClearance>(
+      module, "ObstacleClearance",
+      "How near the robot, and what it carries, is to one obstacle: see Solver.clearances.")
+      .def_readonly("obstacle", &NamedClearance::obstacle, "The shape's name, or 'points'.")
+      .def_readonly("part", &NamedClearance::part,
+                    "The nearest hull, or what is carried; '' where nothing is to keep off it.")
+      .def_readonly("distance", &NamedClearance::distance,
+                    "Negative by how deep it is; infinite where nothing is to keep off it [m].")
+      .def_readonly("point", &NamedClearance::point, "The nearest point's row, of points.")
+      .def("__repr__", [](const NamedClearance& c) {
+        return py::str("<ObstacleClearance of {} to {}: {:.6g} m>")
+            .format(c.part, c.obstacle, c.distance);
+      });
+}
+
 /// Ctrl-C is heard between slices of a batch, which grow until one takes a tenth of a second.
 void raise_if_interrupted() {
   const py::gil_scoped_acquire acquire;
@@ -210,6 +251,7 @@ py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
 }  // namespace
 
 void bind_solver(py::module_& module) {
+  bind_clearance(module);
   py::class_<SharedSolver>(module, "Solver")
       .def(py::init<const Robot&, const Options&>(), py::arg("robot"), py::arg("options"))
       .def_property_readonly(
@@ -286,6 +328,17 @@ Raises:
           },
           py::arg("link") = py::none(),
           "Let a link, or without a name all of them, carry nothing any more.")
+      .def("clearances", &clearances, py::arg("q"), py::arg("obstacles") = py::none(),
+           R"(How near each shape, and the points if there are any, is at a configuration.
+
+The least of them is the clearance that `judge` gives.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m].
+    obstacles: As in `solve`.
+
+Raises:
+    ValueError: As in `solve`.)")
       .def("judge", &judge, py::arg("T_base_tip"), py::arg("q"), py::arg("obstacles") = py::none(),
            R"(Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
 

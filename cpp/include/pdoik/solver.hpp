@@ -128,8 +128,17 @@ class Solver {
   /// The goal of the options' type for the tip, or for one of several.
   Goal goal(const Eigen::Isometry3d& T_base_tip, int tip = 0) const;
 
+  /// The distance of each shape, and of the points if there are any, at a configuration: the least
+  /// of them is the clearance that judge gives. Allocates.
+  /// @throws std::invalid_argument on a wrong length, NaN or infinity.
+  std::vector<ObstacleClearance> clearances(VectorIn q);
+
   /// "clearance of panda_link5, spheroid 12, to obstacle 17", for people.
   std::string describe(const WorstConstraint& worst) const;
+  /// "panda_link5 (capsule 12)" or what is carried, of the nearest part; empty for none.
+  std::string part_name(const ObstacleClearance& of) const;
+  /// A shape's name by its place.
+  std::string shape_name(int shape) const;
 
  private:
   struct Implementation;

@@ -22,6 +22,11 @@ class Judge {
  public:
   Judge(const Robot& robot, const Options& options, const HullModel& hulls);
 
+  /// What may touch obstacles at the target. Outlives it.
+  void let_touch(const Touching* touching) {
+    collision_.let_touch(touching);
+    capsules_.let_touch(touching);
+  }
   /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
   void hold(const Scene& scene);
 

@@ -21,6 +21,13 @@ class ToolCheck {
   /// The model outlives it.
   explicit ToolCheck(const Model& model);
 
+  /// What may touch obstacles at the target. Outlives it.
+  void let_touch(const Touching* touching) {
+    for (const auto& tool : tools_) {
+      tool->state->let_touch(touching);
+      tool->capsules->let_touch(touching);
+    }
+  }
   /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
   void hold(const Scene& scene);
 
