@@ -157,6 +157,16 @@ Clearance least_clearance_of(CollisionState& state, std::size_t h, const Obstacl
   return least;
 }
 
+bool any_nearer(CollisionState& state, std::size_t h, const ObstacleView& obstacles, double than) {
+  const auto grow = [than](std::size_t) { return than; };
+  return !state.visit_near_of(h, obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
+    return std::none_of(begin, end, [&](const NearPair& pair) {
+      const Vec4 o = obstacles[pair.obstacle];
+      return hull_distance(state, state.hull(pair), o, than).distance < than;
+    });
+  });
+}
+
 Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles, Clearance least) {
   if (state.hulls().empty() || obstacles->count() == 0) return least;
   if (obstacles->few() == nullptr) state.expect_anywhere();

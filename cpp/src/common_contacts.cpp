@@ -27,22 +27,29 @@ std::optional<WorstConstraint> contact(Problem& problem, int hull, int shape) {
                          -found.distance - tolerance};
 }
 
+/// Whether there is such a contact.
+bool touches(Problem& problem, int hull, int shape) {
+  if (shape >= 0) return contact(problem, hull, shape).has_value();
+  return any_nearer(problem.constraints.hulls, static_cast<std::size_t>(hull),
+                    problem.scene->obstacles(), -problem.model.options.clearance_tolerance);
+}
+
 }  // namespace
 
 void CommonContacts::note(Problem& problem) {
-  if (starts_ > 0 && pairs_.empty()) return;
+  if (++starts_ < kFirstFew || (starts_ > kFirstFew && pairs_.empty())) return;
   problem.constraints.hulls.place(problem.rollout);
   problem.constraints.shapes.place(problem.constraints.hulls);
-  if (starts_++ > 0) {
+  if (starts_ > kFirstFew) {
     std::erase_if(pairs_,
-                  [&](const Pair& pair) { return !contact(problem, pair.hull, pair.shape); });
+                  [&](const Pair& pair) { return !touches(problem, pair.hull, pair.shape); });
     return;
   }
   const int hulls = static_cast<int>(problem.model.hulls.moving.size());
   const int first = problem.scene->within_reach() > 0 ? -1 : 0;
   for (int hull = 0; hull < hulls; ++hull) {
     for (int shape = first; shape < problem.scene->shapes().count(); ++shape)
-      if (pairs_.size() < kMost && contact(problem, hull, shape)) pairs_.push_back({hull, shape});
+      if (pairs_.size() < kMost && touches(problem, hull, shape)) pairs_.push_back({hull, shape});
   }
 }
 

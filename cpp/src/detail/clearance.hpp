@@ -23,6 +23,10 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleView& obst
 Clearance least_clearance_of(CollisionState& state, std::size_t hull, const ObstacleView& obstacles,
                              double than);
 
+/// Whether an obstacle is nearer than this to one of the state's hulls.
+bool any_nearer(CollisionState& state, std::size_t hull, const ObstacleView& obstacles,
+                double than);
+
 /// Add to `places` those of the obstacles that are within a distance of the state's hulls, some
 /// more than once. Changes the state's near pairs.
 void find_within(CollisionState& state, const ObstacleView& obstacles, double distance,

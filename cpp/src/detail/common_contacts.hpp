@@ -21,7 +21,8 @@ class CommonContacts {
   }
   /// A start that reached the goals ended where the problem's rollout is, and touches something.
   void note(Problem& problem);
-  /// How many starts have been noted, as long as all of them touch by one pair; else 0.
+  /// How many starts have been noted, as long as all of them but the first few, which most requests
+  /// do with and are not looked at, touch by one pair; else 0.
   int starts() const { return pairs_.empty() ? 0 : starts_; }
   /// The deepest of the pairs that touched each time, where the problem's rollout is now.
   std::optional<WorstConstraint> deepest(Problem& problem) const;
@@ -32,6 +33,7 @@ class CommonContacts {
   };
   /// More are not needed: each start leaves fewer.
   static constexpr std::size_t kMost = 256;
+  static constexpr int kFirstFew = 8;
 
   std::vector<Pair> pairs_;
   int starts_ = 0;
