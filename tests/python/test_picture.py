@@ -49,6 +49,16 @@ def test_a_picture_shows_arm_hulls_points_and_frames(tmp_path: Path, name: str) 
     assert [entry.name for entry in tmp_path.iterdir()] == ["picture.png"]
 
 
+def test_many_points_are_dots_coloured_by_their_gap(tmp_path: Path) -> None:
+    solver, result, T_base_tip = solved()
+    tip = solver.robot.fk(result.q)[:3, 3]
+    near = tip + np.random.default_rng(0).uniform(-0.05, 0.05, (4000, 3))
+    draw_solution(tmp_path / "few.png", solver.robot, result, T_base_tip, cloud=near[:1])
+    draw_solution(tmp_path / "dots.png", solver.robot, result, T_base_tip, cloud=near)
+    red = [is_like(pixels(tmp_path / name), (0.83, 0.08, 0.11)) for name in ("few.png", "dots.png")]
+    assert red[1] > 2 * red[0]
+
+
 def test_a_failure_is_drawn_as_one(tmp_path: Path) -> None:
     solver, _, T_base_tip = solved()
     T_base_tip[:3, 3] = (3.0, 0.0, 0.5)

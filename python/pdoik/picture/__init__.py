@@ -31,6 +31,8 @@ FloatArray = npt.NDArray[np.float64]
 _HULL, _BONE, _JOINT, _SURFACE = "#6f9fcf", "#2b2f36", "#f28e2b", "#8a8f98"
 _GAP_COLORS = LinearSegmentedColormap.from_list("gap", ["#d3151b", "#f59a23", "#e6d47f", "#9fb1bf"])
 _FAR = 0.3  # gaps beyond it look alike [m]
+_MOST_BALLS = 3000  # of more points each is a dot
+_MOST_DOTS = 15000  # shown, of points or surface
 _ELEVATION = 20.0  # [deg]
 
 
@@ -53,8 +55,8 @@ def draw_solution(
         robot: The robot; its occupancy is drawn as translucent surfaces.
         result: What the solver or its judge returned.
         T_base_tip: The target, (4, 4).
-        cloud: The obstacle points that were solved against, (K, 3) [m], as balls coloured by their
-            gap to the nearest hull.
+        cloud: The obstacle points that were solved against, (K, 3) [m], as balls, or dots where
+            they are many, coloured by their gap to the nearest hull.
         surface: What they were made from, (N, 3) [m], as faint dots.
         title: The first line; None for the robot's name and the status.
         size: Edge of the picture [inch].
@@ -81,7 +83,10 @@ def draw_solution(
     for start, end in pairwise(bones):
         solids.cone(start, end, (1.3 * unit, 1.3 * unit), _BONE)
     solids.balls(bones[:-1], 2.3 * unit, np.tile(to_rgb(_JOINT), (len(bones) - 1, 1)), n=12)
-    solids.balls(cloud[near], 1.5 * unit, _GAP_COLORS(np.clip(gap[near] / _FAR, 0, 1))[:, :3])
+    colors = _GAP_COLORS(np.clip(gap[near] / _FAR, 0, 1))[:, :3]
+    dots = near.sum() > _MOST_BALLS
+    if not dots:
+        solids.balls(cloud[near], 1.5 * unit, colors)
     frames.frame(np.asarray(T_base_tip), 26 * unit, 0.4 * unit)
     frames.frame(robot.fk(q, tip), 14 * unit, 1.0 * unit)
 
@@ -93,8 +98,13 @@ def draw_solution(
     _shadows(axes3d, bones, cloud[near], center[2] - reach)
     if len(surface):
         inside = surface[np.abs(surface - center).max(axis=1) <= reach]
-        shown = inside[:: max(1, len(inside) // 15000)]
+        shown = inside[:: max(1, len(inside) // _MOST_DOTS)]
         axes3d.scatter(*shown.T, s=1.2, c=_SURFACE, alpha=0.4, lw=0, depthshade=False, zorder=2)
+    if dots:
+        every = max(1, int(near.sum()) // _MOST_DOTS)
+        axes3d.scatter(
+            *cloud[near][::every].T, s=3, c=colors[::every], lw=0, depthshade=False, zorder=2
+        )
     for soup, zorder in ((solids, 3), (frames, 4)):
         facets = Poly3DCollection(soup.corners, facecolors=soup.colors, lw=0, antialiaseds=False)
         facets.set_zorder(zorder)
