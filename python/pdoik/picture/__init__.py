@@ -19,12 +19,12 @@ from PIL import Image
 
 from pdoik import Result, Robot
 from pdoik._files import write_whole
-from pdoik._hulls import PlacedHull, gaps, placed_hulls, skeleton
+from pdoik._hulls import PlacedCapsule, PlacedHull, gaps, placed_hulls, skeleton
 
 from .facets import FacetSoup, spheroid_axes
 from .view import best_azimuth
 
-__all__ = ["PlacedHull", "draw_solution", "gaps", "placed_hulls", "skeleton"]
+__all__ = ["draw_solution"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -52,7 +52,8 @@ def draw_solution(
 
     Args:
         path: Where to; an old file there is replaced once the new one is whole.
-        robot: The robot; its occupancy is drawn as translucent surfaces.
+        robot: The robot; its occupancy is drawn as translucent surfaces, wide hulls around
+            capsules faintly.
         result: What the solver or its judge returned.
         T_base_tip: The target, (4, 4).
         cloud: The obstacle points that were solved against, (K, 3) [m], as balls, or dots where
@@ -78,8 +79,12 @@ def draw_solution(
 
     solids, frames = FacetSoup(), FacetSoup()
     for hull in hulls:
-        axes = spheroid_axes(hull.focus_a, hull.focus_b, hull.semi_major)
-        solids.ellipsoid((hull.focus_a + hull.focus_b) / 2, axes, _HULL, alpha=0.24)
+        if isinstance(hull, PlacedCapsule):
+            solids.capsule(hull.a, hull.b, hull.radius, _HULL, alpha=0.24)
+        else:
+            axes = spheroid_axes(hull.focus_a, hull.focus_b, hull.semi_major)
+            alpha = 0.24 if hull.fills else 0.05
+            solids.ellipsoid(hull.ends.mean(axis=0), axes, _HULL, alpha=alpha)
     for start, end in pairwise(bones):
         solids.cone(start, end, (1.3 * unit, 1.3 * unit), _BONE)
     solids.balls(bones[:-1], 2.3 * unit, np.tile(to_rgb(_JOINT), (len(bones) - 1, 1)), n=12)
@@ -139,8 +144,8 @@ def _frame(
     """Centre and half edge [m] of a cube around the arm, its target, and obstacles near by."""
     arm = [bones, target[None]]
     for hull in hulls:
-        middle = (hull.focus_a + hull.focus_b) / 2
-        arm += [middle[None] - hull.semi_major, middle[None] + hull.semi_major]
+        middle = hull.ends.mean(axis=0)
+        arm += [middle[None] - hull.extent, middle[None] + hull.extent]
     inner = np.concatenate(arm)
     extent = float(np.ptp(inner, axis=0).max())
     near = cloud[gaps(hulls, cloud) < extent] if hulls else cloud
@@ -181,8 +186,11 @@ def _legend(
     bone = Line2D([], [], color=_BONE, lw=4, marker="o", mfc=_JOINT, mew=0, ms=9)
     bone.set_label("links and joints")
     handles = [bone]
+    filled = sum(hull.fills for hull in hulls)
     if hulls:
-        handles.append(dot(_HULL, 14, f"{len(hulls)} hulls", 0.5))
+        handles.append(dot(_HULL, 14, f"{filled} hulls", 0.5))
+    if filled < len(hulls):
+        handles.append(dot(_HULL, 14, f"{len(hulls) - filled} wide ones around them", 0.15))
     handles.append(Line2D([], [], color="#1f5fd0", lw=4, label=f"{tip} (x red, y green, z blue)"))
     handles.append(Line2D([], [], color="#1f5fd0", lw=1.6, label="its target"))
     if len(cloud):
