@@ -101,6 +101,25 @@ class LevenbergMarquardtOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Touch:
+    """Contact that is wanted at the target: a gripper at what it grasps, a flange on a surface.
+
+    Attributes:
+        radius: Obstacles that are no farther than this from a goal's target may be touched; 0 for
+            none [m].
+        depth: No deeper than this [m].
+        links: Which links may touch them; none for a tip's and those after it.
+
+    Raises:
+        ValueError: Out of range or no link: when a solver is made.
+    """
+
+    radius: float = _DEFAULT.touch.radius
+    depth: float = _DEFAULT.touch.depth
+    links: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Balance:
     """Where the centre of mass has to be (Eq. com). The base link's mass counts.
 
@@ -161,6 +180,12 @@ class Options:
         base_collision: Whether an obstacle in a hull that no joint moves, about which no answer
             can do anything, makes a solve fail. False for clouds that show the table the robot
             stands on; clearance is then that of the other hulls.
+        forgive_overhang: Whether only certain contact counts of what no answer can move: of links
+            whose place the target decides (a tip's and what comes after it) and of those that no
+            joint moves. Their capsules then count as thinner by their overhang, so that a hand
+            may be at an object and a base on its table by as much as its hull cannot tell; never
+            by more than half their radius.
+        touch: What may be touched at the target, and by which links.
         balance: Where the centre of mass has to be.
         self_collision: Keep hulls of links that are not adjacent off one another, but for
             Robot.ignored_pairs.
@@ -202,7 +227,9 @@ class Options:
     clearance_tolerance: float = _DEFAULT.clearance_tolerance
 
     base_collision: bool = _DEFAULT.base_collision
+    forgive_overhang: bool = _DEFAULT.forgive_overhang
 
+    touch: Touch = Touch()
     balance: Balance = Balance()
     self_collision: bool = _DEFAULT.self_collision
     self_clearance: float = _DEFAULT.self_clearance
