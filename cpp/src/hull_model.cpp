@@ -1,5 +1,6 @@
 #include "detail/hull_model.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -37,15 +38,41 @@ int link_of(const Robot& robot, const HullModel& model, const Hull& hull) {
   return -1;
 }
 
+/// Whether a body is another or comes after it.
+bool is_from(const Robot& robot, int body, int first) {
+  while (body > first) body = robot.bodies()[static_cast<std::size_t>(body)].parent;
+  return body == first;
+}
+
+/// Whether no answer moves a body: no joint does, or it belongs to a tip, which is where its target
+/// is. What comes after a tip does, as fingers do, unless another tip comes after it.
+bool is_placed_by_goal(const Robot& robot, int body) {
+  if (body == 0) return true;
+  const auto& tips = robot.tips();
+  return std::any_of(tips.begin(), tips.end(), [&](int tip) {
+    const int first = robot.body_of_link(tip);
+    if (body == first) return true;
+    return first > 0 && is_from(robot, body, first) &&
+           std::none_of(tips.begin(), tips.end(), [&](int other) {
+             const int last = robot.body_of_link(other);
+             return last != first && is_from(robot, last, first);
+           });
+  });
+}
+
 /// The capsules of one link and the hulls that say where to look for them.
 class LinkCapsules {
  public:
-  LinkCapsules(const Robot& robot, int link)
-      : body_(robot.body_of_link(link)), T_body_link_(robot.T_body_link(link)) {}
+  /// @param forgiving  Whether they are thinner by their overhang.
+  LinkCapsules(const Robot& robot, int link, bool forgiving)
+      : body_(robot.body_of_link(link)),
+        T_body_link_(robot.T_body_link(link)),
+        forgiving_(forgiving) {}
 
   void add(const Capsule& capsule, int source) {
     ends_.push_back({T_body_link_ * capsule.a, T_body_link_ * capsule.b});
-    radii_.push_back(capsule.radius);
+    const double forgiven = forgiving_ ? std::min(capsule.overhang, 0.5 * capsule.radius) : 0.0;
+    radii_.push_back(capsule.radius - forgiven);
     sources_.push_back(source);
   }
   int body() const { return body_; }
@@ -93,6 +120,7 @@ class LinkCapsules {
  private:
   int body_;
   Eigen::Isometry3d T_body_link_;
+  bool forgiving_;
   std::vector<std::array<Eigen::Vector3d, 2>> ends_;
   std::vector<double> radii_;
   std::vector<int> sources_;
@@ -149,13 +177,15 @@ std::pair<int, int> links_of(const Robot& robot, const Hull& hull) {
   return both(capsule.link, capsule.link);
 }
 
-void HullModel::give_capsules(const Robot& robot, std::vector<Hull>& hulls) {
+void HullModel::give_capsules(const Robot& robot, bool forgive_overhang,
+                              std::vector<Hull>& hulls) {
   const Occupancy& occupancy = robot.occupancy();
   std::map<int, LinkCapsules> links;
   int source = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());
   for (const Capsule& capsule : occupancy.capsules) {
     const int link = robot.link_index(capsule.link);
-    links.try_emplace(link, robot, link).first->second.add(capsule, source++);
+    const bool forgiving = forgive_overhang && is_placed_by_goal(robot, robot.body_of_link(link));
+    links.try_emplace(link, robot, link, forgiving).first->second.add(capsule, source++);
   }
   if (links.empty()) return;
   std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
@@ -209,7 +239,7 @@ void HullModel::give_capsules(const Robot& robot, std::vector<Hull>& hulls) {
   hulls = std::move(kept);
 }
 
-HullModel::HullModel(const Robot& robot, bool with_fixed) {
+HullModel::HullModel(const Robot& robot, bool with_fixed, bool forgive_overhang) {
   std::vector<Hull> hulls;
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
     const int index = robot.link_index(link);
@@ -234,7 +264,7 @@ HullModel::HullModel(const Robot& robot, bool with_fixed) {
       hull.rigid = moves_with(robot, *this, hull, body);
   }
 
-  give_capsules(robot, hulls);
+  give_capsules(robot, forgive_overhang, hulls);
   for (const Hull& hull : hulls) {
     const bool stays = points[static_cast<std::size_t>(hull.a)].body == 0 &&
                        points[static_cast<std::size_t>(hull.b)].body == 0 && hull.body == 0;

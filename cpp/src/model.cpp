@@ -52,7 +52,7 @@ int dimensions(GoalType goal) {
 Model::Model(const Robot& robot_in, const Options& options_in)
     : robot(robot_in),
       options(options_in),
-      hulls(robot, options.base_collision),
+      hulls(robot, options.base_collision, options.forgive_overhang),
       matters(joints_that_matter(robot, hulls, options.balance.wanted())),
       turns(turns_of(robot)),
       sequence(robot.dof(), options.seed),

@@ -266,6 +266,10 @@ void Robot::set_occupancy(Occupancy occupancy) {
       throw std::invalid_argument(what + ": radius is " + std::to_string(capsule.radius) +
                                   ", expected a positive length of at most 1e6 m");
     }
+    if (!(capsule.overhang >= 0.0 && capsule.overhang <= 1e6)) {
+      throw std::invalid_argument(what + ": overhang is " + std::to_string(capsule.overhang) +
+                                  ", expected a length of 0 to 1e6 m");
+    }
   }
   auto parts = std::make_shared<Parts>(*parts_);
   parts->occupancy = std::move(occupancy);

@@ -75,6 +75,7 @@ Solid::Solid(const Shape& shape) : kind_(shape.kind), T_(to_frame(shape.T_base_s
         box.extend(vertices.back());
       }
       centre_ = to_vec4(box.center());
+      for (const Eigen::Vector3d& vertex : vertices) vertices_.push_back(to_vec4(vertex));
       for (const Eigen::Vector3d& vertex : vertices)
         radius_ = std::max(radius_, (vertex - box.center()).norm());
       for (const auto& [i, j, k] : shape.triangles) {
@@ -96,6 +97,42 @@ SolidDistance Solid::distance(const Vec4& p) const {
   SolidDistance result = local_distance(to_local(T_, p));
   result.gradient = rotate(T_, result.gradient);
   return result;
+}
+
+Vec4 Solid::support(const Vec4& direction) const {
+  if (kind_ == Shape::Kind::ConvexMesh) {
+    const Vec4* farthest = vertices_.data();
+    double most = -std::numeric_limits<double>::infinity();
+    for (const Vec4& vertex : vertices_) {
+      const double along = dot3(vertex, direction);
+      if (along <= most) continue;
+      most = along;
+      farthest = &vertex;
+    }
+    return *farthest;
+  }
+  const Vec4 d{dot3(T_.x, direction), dot3(T_.y, direction), dot3(T_.z, direction), 0.0};
+  const auto side = [](double along, double half) { return along < 0.0 ? -half : half; };
+  Vec4 local{};
+  switch (kind_) {
+    case Shape::Kind::Box:
+      for (int i = 0; i < 3; ++i) local[i] = side(d[i], half_[i]);
+      break;
+    case Shape::Kind::Cylinder: {
+      const double aside = std::hypot(d[0], d[1]);
+      if (aside > 0.0) local = broadcast(half_[0] / aside) * Vec4{d[0], d[1], 0.0, 0.0};
+      local[2] = side(d[2], half_[1]);
+      break;
+    }
+    case Shape::Kind::Capsule:
+      local[2] = side(d[2], half_[1]);
+      break;
+    case Shape::Kind::Sphere:
+    case Shape::Kind::HalfSpace:
+    case Shape::Kind::ConvexMesh:
+      break;
+  }
+  return transform(T_, local);
 }
 
 SolidDistance Solid::local_distance(const Vec4& p) const {

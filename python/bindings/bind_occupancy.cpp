@@ -2,6 +2,7 @@
 #include <pybind11/typing.h>
 
 #include <tuple>
+#include <variant>
 
 #include "arrays.hpp"
 #include "bind.hpp"
@@ -20,8 +21,16 @@ using SpheroidOut = std::tuple<std::string, Point, std::string, Point, double>;
 
 Point to_point(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-using CapsuleIn = std::tuple<std::string, ArrayLike, ArrayLike, double>;
-using CapsuleOut = std::tuple<std::string, Point, Point, double>;
+using ShortCapsuleIn = std::tuple<std::string, ArrayLike, ArrayLike, double>;
+using LongCapsuleIn = std::tuple<std::string, ArrayLike, ArrayLike, double, double>;
+using CapsuleIn = std::variant<LongCapsuleIn, ShortCapsuleIn>;
+using CapsuleOut = std::tuple<std::string, Point, Point, double, double>;
+
+Capsule to_capsule(const std::string& link, const ArrayLike& a, const ArrayLike& b, double radius,
+                   double overhang = 0.0) {
+  return {link, to_vector3(a, "capsules: xyz_a"), to_vector3(b, "capsules: xyz_b"), radius,
+          overhang};
+}
 
 Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidIn>& spheroids,
                const std::vector<CapsuleIn>& capsules) {
@@ -33,9 +42,10 @@ Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidI
     result.spheroids.push_back({link_a, to_vector3(focus_a, "spheroids: xyz_a"), link_b,
                                 to_vector3(focus_b, "spheroids: xyz_b"), semi_major});
   }
-  for (const auto& [link, a, b, radius] : capsules) {
+  for (const CapsuleIn& capsule : capsules) {
+    const auto to = [](const auto&... parts) { return to_capsule(parts...); };
     result.capsules.push_back(
-        {link, to_vector3(a, "capsules: xyz_a"), to_vector3(b, "capsules: xyz_b"), radius});
+        std::visit([&](const auto& parts) { return std::apply(to, parts); }, capsule));
   }
   return result;
 }
@@ -58,7 +68,7 @@ std::vector<SpheroidOut> spheroids_of(const Occupancy& occupancy) {
 std::vector<CapsuleOut> capsules_of(const Occupancy& occupancy) {
   std::vector<CapsuleOut> result;
   for (const Capsule& c : occupancy.capsules)
-    result.emplace_back(c.link, to_point(c.a), to_point(c.b), c.radius);
+    result.emplace_back(c.link, to_point(c.a), to_point(c.b), c.radius, c.overhang);
   return result;
 }
 
@@ -89,7 +99,9 @@ capsules. An occupancy does not change.)")
     spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
     spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
         semi-major axis [m].
-    capsules: Tuples (link, xyz_a, xyz_b, radius): the segment's ends in the link's frame and radius [m].
+    capsules: Tuples (link, xyz_a, xyz_b, radius) or (link, xyz_a, xyz_b, radius, overhang): the segment's
+        ends in the link's frame and radius [m]; and how far its surface stands beyond the link itself at
+        most, 0 where nobody knows [m] (see Options.forgive_overhang).
 
 Raises:
     ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.)")
@@ -117,7 +129,7 @@ Raises:
           "spheroids", &spheroids_of,
           "Tuples (link_a, xyz_a, link_b, xyz_b, semi_major), lengths in metres.")
       .def_property_readonly("capsules", &capsules_of,
-                             "Tuples (link, xyz_a, xyz_b, radius), lengths in metres.")
+                             "Tuples (link, xyz_a, xyz_b, radius, overhang), lengths in metres.")
       .def("__len__", &Occupancy::size)
       .def(
           "__eq__",

@@ -103,6 +103,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("max_restarts", &Options::max_restarts)
       .def_readwrite("seed", &Options::seed)
       .def_readwrite("base_collision", &Options::base_collision)
+      .def_readwrite("forgive_overhang", &Options::forgive_overhang)
       .def_readwrite("balance", &Options::balance)
       .def_readwrite("self_collision", &Options::self_collision)
       .def_readwrite("self_clearance", &Options::self_clearance)

@@ -161,6 +161,11 @@ class Options:
         base_collision: Whether an obstacle in a hull that no joint moves, about which no answer
             can do anything, makes a solve fail. False for clouds that show the table the robot
             stands on; clearance is then that of the other hulls.
+        forgive_overhang: Whether only certain contact counts of what no answer can move: of links
+            whose place the target decides (a tip's and what comes after it) and of those that no
+            joint moves. Their capsules then count as thinner by their overhang, so that a hand
+            may be at an object and a base on its table by as much as its hull cannot tell; never
+            by more than half their radius.
         balance: Where the centre of mass has to be.
         self_collision: Keep hulls of links that are not adjacent off one another, but for
             Robot.ignored_pairs.
@@ -202,6 +207,7 @@ class Options:
     clearance_tolerance: float = _DEFAULT.clearance_tolerance
 
     base_collision: bool = _DEFAULT.base_collision
+    forgive_overhang: bool = _DEFAULT.forgive_overhang
 
     balance: Balance = Balance()
     self_collision: bool = _DEFAULT.self_collision

@@ -32,6 +32,9 @@ struct Capsule {
   std::string link;
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();  ///< link frame [m]
   double radius = 0.0;                                                       ///< [m]
+  /// How far its surface stands beyond the link itself at most, 0 where nobody knows: so much less
+  /// of it is certainly the link's [m].
+  double overhang = 0.0;
 };
 
 /// What a robot fills: hulls that obstacle points must stay out of. Any number per link.

@@ -71,6 +71,11 @@ struct Options {
   /// Whether an obstacle in a hull that no joint moves, about which no answer can do anything,
   /// makes a solve fail. Off for clouds that show the table the robot stands on.
   bool base_collision = true;
+  /// Whether only certain contact counts of what no answer can move: of links whose place the
+  /// target decides (a tip's and what comes after it) and of those that no joint moves. Their
+  /// capsules then count as thinner by their overhang, so that a hand may be at an object and a
+  /// base on its table by as much as its hull cannot tell; never by more than half their radius.
+  bool forgive_overhang = true;
 
   BalanceOptions balance = {};
   bool self_collision = false;  ///< keep hulls of links that are not adjacent off one another

@@ -52,7 +52,10 @@ std::pair<int, int> links_of(const Robot& robot, const Hull& hull);
 /// apart.
 struct HullModel {
   /// @param with_fixed  Whether hulls that no joint moves are any.
-  explicit HullModel(const Robot& robot, bool with_fixed = true);
+  /// @param forgive_overhang  Whether capsules of what no answer moves, because no joint does or
+  /// because its place is the target's, are thinner by their overhang, but by no more than half:
+  /// what touches them then touches the link.
+  explicit HullModel(const Robot& robot, bool with_fixed = true, bool forgive_overhang = false);
 
   const CapsuleBlock* capsules(const Hull& hull) const { return blocks.data() + hull.first_block; }
   /// Calls visit(body, a bound on how far what a hull fills is from the body's origin).
@@ -84,7 +87,7 @@ struct HullModel {
         b = a + Vec4{block.vx[lane], block.vy[lane], block.vz[lane], 0.0};
     return std::sqrt(std::max(dot3(a, a), dot3(b, b))) + block.radius[lane];
   }
-  void give_capsules(const Robot& robot, std::vector<Hull>& hulls);
+  void give_capsules(const Robot& robot, bool forgive_overhang, std::vector<Hull>& hulls);
 };
 
 }  // namespace pdoik::detail

@@ -40,6 +40,20 @@ class Solid {
     return std::sqrt(dot3(from, from)) - radius_ - radius;
   }
 
+  const Vec4& centre() const { return centre_; }
+  /// Of a ball about its centre that holds it; infinite for a half-space [m].
+  double radius() const { return radius_; }
+  bool is_half_space() const { return kind_ == Shape::Kind::HalfSpace; }
+  /// Out of a half-space.
+  const Vec4& normal() const { return T_.z; }
+
+  /// The farthest point along a direction, of any length but 0, of what lies this much within the
+  /// solid's surface: a ball's centre, a capsule's segment, all of the others. Not of a half-space.
+  Vec4 support(const Vec4& direction) const;
+  double rounding() const {
+    return kind_ == Shape::Kind::Sphere || kind_ == Shape::Kind::Capsule ? half_[0] : 0.0;
+  }
+
  private:
   struct Face {
     Vec4 a, ab, ac;  ///< a corner and two edges
@@ -56,6 +70,7 @@ class Solid {
   Vec4 centre_{};  ///< of a ball that holds it
   double radius_ = 0.0;
   std::vector<Face> faces_;
+  std::vector<Vec4> vertices_;  ///< of a mesh
 };
 
 }  // namespace pdoik::detail

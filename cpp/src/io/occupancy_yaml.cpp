@@ -49,6 +49,9 @@ class Entry {
     if (!std::isfinite(value)) fail(std::string(key) + " is not finite");
     return value;
   }
+  double length_or(const char* key, double otherwise) const {
+    return node_[key] ? length(key) : otherwise;
+  }
   Eigen::Vector3d point(const char* key) const {
     const auto values = get<std::vector<double>>(key, "[x, y, z] in metres");
     if (values.size() != 3)
@@ -141,8 +144,8 @@ Occupancy load_occupancy(const std::string& path_or_text) {
   }
   for (std::size_t i = 0; root["capsules"] && i < root["capsules"].size(); ++i) {
     const Entry entry(root["capsules"][i], source + ": capsules[" + std::to_string(i) + "]");
-    occupancy.capsules.push_back(
-        {entry.text("link"), entry.point("a"), entry.point("b"), entry.length("radius")});
+    occupancy.capsules.push_back({entry.text("link"), entry.point("a"), entry.point("b"),
+                                  entry.length("radius"), entry.length_or("overhang", 0.0)});
   }
   return occupancy;
 }
@@ -175,7 +178,10 @@ std::string to_yaml(const Occupancy& occupancy) {
       out << YAML::Flow << YAML::BeginMap << YAML::Key << "link" << YAML::Value << capsule.link;
       point("a", capsule.a);
       point("b", capsule.b);
-      out << YAML::Key << "radius" << YAML::Value << capsule.radius << YAML::EndMap;
+      out << YAML::Key << "radius" << YAML::Value << capsule.radius;
+      if (capsule.overhang != 0.0)
+        out << YAML::Key << "overhang" << YAML::Value << capsule.overhang;
+      out << YAML::EndMap;
     }
     out << YAML::EndSeq;
   }
