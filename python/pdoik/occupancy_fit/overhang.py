@@ -9,7 +9,7 @@ import numpy as np
 from .segments import Capsules, free, surface
 from .solid import Solid
 
-_POINTS = 20_000  # on all capsules of a link together
+OVERHANG_POINTS = 20_000  # on all capsules of a link together
 
 
 class Overhang(NamedTuple):
@@ -19,7 +19,7 @@ class Overhang(NamedTuple):
     worst: float  # of the sampled points [m]
 
 
-def overhang(solid: Solid, capsules: Capsules, points: int = _POINTS) -> Overhang:
+def overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> Overhang:
     """Measured on points spread over the surface of the capsules' union.
 
     Walls of cavities inside the solid are not part of the outer surface.
