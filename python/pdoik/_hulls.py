@@ -98,7 +98,7 @@ def placed_hulls(robot: Robot, q: FloatArray) -> list[PlacedHull]:
     ]
     capsules = [
         PlacedCapsule(name=link, a=place(link, a), b=place(link, b), radius=radius)
-        for link, a, b, radius in robot.occupancy.capsules
+        for link, a, b, radius, _ in robot.occupancy.capsules
     ]
     return [*spheroids, *capsules]
 
