@@ -362,6 +362,44 @@ TEST(Allocation, new_obstacles_allocate_only_when_there_are_more_than_ever_befor
   EXPECT_EQ(allocations([&] { solver.solve(target, nullptr, result); }), 0);
 }
 
+TEST(Allocation, what_is_carried_and_what_may_touch_take_theirs_before_the_solve) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Random random(7);
+  Options options = timeless();
+  options.max_restarts = 60;
+  options.touch = {.radius = 0.1};
+  Solver solver(robot, options);
+  Tracker tracker(robot, options);
+  Eigen::Isometry3d in_hand = Eigen::Isometry3d::Identity();
+  in_hand.translation().z() = 0.15;
+  const Shape cube = Shape::box("cube", in_hand, {0.05, 0.05, 0.05});
+  std::vector<Shape> shapes;
+  for (int k = 0; k < 8; ++k) {
+    Eigen::Isometry3d T = random.pose(0.8);
+    shapes.push_back(Shape::cylinder("can " + std::to_string(k), T, 0.05, 0.2));
+  }
+  const ObstacleMatrix points = random_obstacles(random, 200, 1.0);
+  solver.attach(robot.link_names().back(), {&cube, 1});
+  tracker.attach(robot.link_names().back(), {&cube, 1});
+  solver.set_shapes(Shapes(shapes));
+  tracker.set_shapes(Shapes(shapes));
+  solver.set_obstacles(points);
+  tracker.set_obstacles(points);
+  Result result;
+  result.q = robot.mid_configuration();
+  const auto target = [&] { return robot.fk(random_configuration(robot, random, 0.1)); };
+  solver.solve(target(), nullptr, result);
+  tracker.step(target());
+  int solved = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Isometry3d T = target();
+    EXPECT_EQ(allocations([&] { solver.solve(T, nullptr, result); }), 0);
+    EXPECT_EQ(allocations([&] { tracker.step(T); }), 0);
+    solved += result.success;
+  }
+  EXPECT_GT(solved, 5);
+}
+
 TEST(Allocation, minimisers_and_kinematics_take_their_memory_at_construction) {
   const Robot robot = Robot::builtin("iiwa14");
   const Eigen::VectorXd q = robot.mid_configuration();

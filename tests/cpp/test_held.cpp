@@ -307,7 +307,9 @@ TEST(Held, solves_and_steps_keep_it_off_and_blocked_says_what_it_touches) {
     empty_handed.detach();
     EXPECT_NE(empty_handed.solve(robot.fk(q), q).status, Status::Blocked);
     // A tracker that is asked to push the stick through a wall stays before it.
-    Tracker tracker(robot, timeless());
+    TrackerOptions unhurried;
+    unhurried.max_time = 1e9;
+    Tracker tracker(robot, timeless(), unhurried);
     if (!result.success) continue;
     tracker.reset(result.q);
     tracker.attach(hand, {&stick, 1});

@@ -112,7 +112,7 @@ def test_a_tracker_with_a_stick_stops_before_what_is_ahead() -> None:
     ahead = robot.fk(q, hand) @ (0.0, 0.0, 0.3, 1.0)
     ball = pdoik.Shape.sphere("ball", ahead[:3], 0.03)
     for carries in (True, False):
-        tracker = pdoik.Tracker(pdoik.Solver(robot))
+        tracker = pdoik.Tracker(pdoik.Solver(robot), max_time=1e9)
         tracker.reset(q)
         if carries:
             tracker.attach(hand, [stick])
