@@ -33,6 +33,8 @@ void Attempt::begin(const Request& request_in, Result& result_in, const Deadline
   nearest = options.prefer == Prefer::Nearest;
   found = tool_checked = false;
   contact.reset();
+  common.forget();
+  repairs = 0;
   const int enough = for_goals_alone ? kStartsForGoalAlone
                      : hopeless      ? kStartsOutOfReach
                                      : options.max_restarts;

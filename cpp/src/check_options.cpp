@@ -74,6 +74,9 @@ void check_options(const Options& o) {
           "at least 0 unless method is 'default' with inner 'levenberg_marquardt'");
   require(o.clearance_tolerance >= 0.0 && std::isfinite(o.clearance_tolerance),
           "clearance_tolerance", o.clearance_tolerance, "a finite length of at least 0 [m]");
+  require(o.touch.radius >= 0.0 && std::isfinite(o.touch.radius), "touch.radius", o.touch.radius,
+          "a finite length of at least 0 [m]");
+  require(o.touch.depth >= 0.0, "touch.depth", o.touch.depth, "a length of at least 0 [m]");
   require(std::abs(o.self_clearance) <= 1e6, "self_clearance", o.self_clearance,
           "a length within 1e6 m");
   require_positive("posture_weight", o.posture_weight);

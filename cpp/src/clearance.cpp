@@ -141,6 +141,22 @@ void find_within(CollisionState& state, const ObstacleView& obstacles, double di
   });
 }
 
+Clearance least_clearance_of(CollisionState& state, std::size_t h, const ObstacleView& obstacles,
+                             double than) {
+  Clearance least{than, -1, -1};
+  const auto grow = [&](std::size_t) { return least.distance; };
+  state.visit_near_of(h, obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
+    for (const NearPair* pair = begin; pair != end; ++pair) {
+      const HullDistance found =
+          hull_distance(state, state.hull(*pair), obstacles[pair->obstacle], least.distance);
+      if (found.distance < least.distance)
+        least = {found.distance, found.source, obstacles->id(pair->obstacle)};
+    }
+    return true;
+  });
+  return least;
+}
+
 Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles, Clearance least) {
   if (state.hulls().empty() || obstacles->count() == 0) return least;
   if (obstacles->few() == nullptr) state.expect_anywhere();

@@ -28,9 +28,7 @@ class Difference {
     const Vector3d a = to_vector3(transform(T_, moving_.support(local)));
     return {a - to_vector3(still_.support(-d)), a};
   }
-  Vector3d middle() const {
-    return to_vector3(transform(T_, moving_.centre()) - still_.centre());
-  }
+  Vector3d middle() const { return to_vector3(transform(T_, moving_.centre()) - still_.centre()); }
   double size() const { return moving_.radius() + still_.radius(); }
 
  private:
@@ -38,6 +36,9 @@ class Difference {
   const Frame& T_;
   const Solid& still_;
 };
+
+/// A tetrahedron whose volume is less than this of what its edges' lengths allow is flat.
+constexpr double kFlat = 1e-9;
 
 /// One to four corners, and the point of what they span that is nearest to the origin.
 class Simplex {
@@ -54,7 +55,8 @@ class Simplex {
   Vector3d reduce() {
     Best best;
     // The nearest point of a simplex is that of one of its parts whose weights are all positive.
-    for (unsigned part = 1; part < 1U << static_cast<unsigned>(count_); ++part) try_part(part, best);
+    for (unsigned part = 1; part < 1U << static_cast<unsigned>(count_); ++part)
+      try_part(part, best);
     std::array<Corner, 4> kept;
     int count = 0;
     for (int k = 0; k < count_; ++k) {
@@ -95,6 +97,10 @@ class Simplex {
       Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> edges(3, n - 1);
       for (int k = 1; k < n; ++k)
         edges.col(k - 1) = (*this)[which[static_cast<std::size_t>(k)]].w - first;
+      // What is nearly flat holds nothing: rounding would say that it holds the origin.
+      if (n == 4 && !(std::abs(edges.col(0).cross(edges.col(1)).dot(edges.col(2))) >
+                      kFlat * edges.colwise().norm().prod()))
+        return;
       const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> normal =
           edges.transpose() * edges;
       const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> solution =
@@ -308,8 +314,8 @@ ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid&
   Eigen::Vector4d wanted;
   wanted << face.offset * face.normal, difference.size();
   const Vector3d weights = system.colPivHouseholderQr().solve(wanted);
-  const Vector3d on_moving = weights[0] * polytope.at(i).a + weights[1] * polytope.at(j).a +
-                             weights[2] * polytope.at(k).a;
+  const Vector3d on_moving =
+      weights[0] * polytope.at(i).a + weights[1] * polytope.at(j).a + weights[2] * polytope.at(k).a;
   return {-std::max(face.offset, 0.0) - rounding, to_vec4(on_moving), to_vec4(-face.normal)};
 }
 

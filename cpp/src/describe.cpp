@@ -3,7 +3,15 @@
 namespace pdoik::detail {
 namespace {
 
-/// "link (sphere 3)" of a hull by its place in the occupancy.
+std::string balance_name(int index) {
+  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
+                                    "upper y", "lower z", "upper z"};
+  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
+                   : "support polygon of the centre of mass";
+}
+
+}  // namespace
+
 std::string hull_name(const Occupancy& occupancy, int index) {
   const auto hull = static_cast<std::size_t>(index);
   if (hull < occupancy.spheres.size())
@@ -18,22 +26,24 @@ std::string hull_name(const Occupancy& occupancy, int index) {
          std::to_string(k) + ")";
 }
 
-std::string balance_name(int index) {
-  constexpr const char* kSides[] = {"lower x", "upper x", "lower y",
-                                    "upper y", "lower z", "upper z"};
-  return index < 6 ? std::string(kSides[index]) + " of the centre of mass"
-                   : "support polygon of the centre of mass";
-}
-
-}  // namespace
-
-std::string describe(const WorstConstraint& worst, const Robot& robot, const ShapePairs& shapes) {
+std::string describe(const WorstConstraint& worst, const Robot& robot, const Scene& scene) {
   using Kind = WorstConstraint::Kind;
   const Occupancy& occupancy = robot.occupancy();
   const auto of_tip = [&] {  // where there is but one, all know which
     return robot.tips().size() == 1
                ? std::string()
                : " of " + robot.tip_links()[static_cast<std::size_t>(worst.index)];
+  };
+  // A scene may have changed since.
+  const auto shape_name = [&] {
+    return worst.obstacle < scene.shapes().count() ? scene.shapes().shape(worst.obstacle).name
+                                                   : std::string("a shape");
+  };
+  const auto held_name = [&] {
+    return "clearance of " +
+           (worst.index < scene.held().count() ? scene.held()[worst.index].shape.name
+                                               : std::string("what was held")) +
+           " to ";
   };
   switch (worst.kind) {
     case Kind::None:
@@ -48,13 +58,18 @@ std::string describe(const WorstConstraint& worst, const Robot& robot, const Sha
       return "clearance of " + hull_name(occupancy, worst.index) + " to obstacle " +
              std::to_string(worst.obstacle);
     case Kind::Shape:
-      return "clearance of " + hull_name(occupancy, worst.index) + " to " +
-             (worst.obstacle < shapes.count() ? shapes.shape(worst.obstacle).name : "a shape");
+      return "clearance of " + hull_name(occupancy, worst.index) + " to " + shape_name();
     case Kind::Balance:
       return balance_name(worst.index);
     case Kind::SelfCollision:
       return "clearance of " + hull_name(occupancy, worst.index) + " to " +
              hull_name(occupancy, worst.obstacle);
+    case Kind::HeldPoint:
+      return held_name() + "obstacle " + std::to_string(worst.obstacle);
+    case Kind::HeldShape:
+      return held_name() + shape_name();
+    case Kind::HeldHull:
+      return held_name() + hull_name(occupancy, worst.obstacle);
   }
   return "none";
 }

@@ -45,19 +45,12 @@ bool is_from(const Robot& robot, int body, int first) {
 }
 
 /// Whether no answer moves a body: no joint does, or it belongs to a tip, which is where its target
-/// is. What comes after a tip does, as fingers do, unless another tip comes after it.
+/// is, or to what comes after that, as fingers do.
 bool is_placed_by_goal(const Robot& robot, int body) {
-  if (body == 0) return true;
   const auto& tips = robot.tips();
-  return std::any_of(tips.begin(), tips.end(), [&](int tip) {
-    const int first = robot.body_of_link(tip);
-    if (body == first) return true;
-    return first > 0 && is_from(robot, body, first) &&
-           std::none_of(tips.begin(), tips.end(), [&](int other) {
-             const int last = robot.body_of_link(other);
-             return last != first && is_from(robot, last, first);
-           });
-  });
+  return body == 0 || std::any_of(tips.begin(), tips.end(), [&](int tip) {
+           return ends_with(robot, body, robot.body_of_link(tip));
+         });
 }
 
 /// The capsules of one link and the hulls that say where to look for them.
@@ -128,6 +121,16 @@ class LinkCapsules {
 
 }  // namespace
 
+bool ends_with(const Robot& robot, int body, int first) {
+  if (body == first) return true;
+  const auto& tips = robot.tips();
+  return first > 0 && is_from(robot, body, first) &&
+         std::none_of(tips.begin(), tips.end(), [&](int tip) {
+           const int last = robot.body_of_link(tip);
+           return last != first && is_from(robot, last, first);
+         });
+}
+
 bool moves_with(const Robot& robot, int link, int settled, int body) {
   for (int b = robot.body_of_link(link); b >= 0;
        b = robot.bodies()[static_cast<std::size_t>(b)].parent) {
@@ -177,8 +180,7 @@ std::pair<int, int> links_of(const Robot& robot, const Hull& hull) {
   return both(capsule.link, capsule.link);
 }
 
-void HullModel::give_capsules(const Robot& robot, bool forgive_overhang,
-                              std::vector<Hull>& hulls) {
+void HullModel::give_capsules(const Robot& robot, bool forgive_overhang, std::vector<Hull>& hulls) {
   const Occupancy& occupancy = robot.occupancy();
   std::map<int, LinkCapsules> links;
   int source = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());

@@ -141,6 +141,37 @@ void Judge::judge_shapes(const Scene& scene, double look, Verdict& verdict, Resu
               least.shape);
 }
 
+void Judge::hold(const Scene& scene) {
+  held_.reset();
+  if (scene.held().count() > 0) held_.emplace(robot_, hulls_, options_, scene.held());
+}
+
+void Judge::judge_held(const Scene& scene, double look, Verdict& verdict, Result& result) {
+  if (!held_) return;
+  const auto frame_of = [&](int body) {
+    return to_frame(T_base_body_[static_cast<std::size_t>(body)]);
+  };
+  held_->place(frame_of, collision_.positions(), collision_.frames());
+  const auto note = [&](const std::optional<HeldNear>& near, double& least, double wanted) {
+    if (!near) return;
+    least = near->distance + wanted;  // only what is nearer was asked for
+    verdict.add(near->kind, -near->distance - options_.clearance_tolerance, near->held,
+                near->other);
+  };
+  const auto within = [&](double least, double wanted) { return std::min(look, least) - wanted; };
+  const double wanted = options_.clearance, off_itself = options_.self_clearance;
+  for (int k = 0; k < held_->count(); ++k) {
+    note(held_->nearest_point(k, scene.obstacles(), within(result.clearance, wanted)),
+         result.clearance, wanted);
+    for (int shape = 0; shape < scene.shapes().count(); ++shape)
+      note(held_->nearest_of_shape(k, scene.shapes(), shape, within(result.clearance, wanted)),
+           result.clearance, wanted);
+    for (int hull = 0; hull < held_->hulls(); ++hull)
+      note(held_->nearest_of_hull(k, hull, within(result.self_distance, off_itself)),
+           result.self_distance, off_itself);
+  }
+}
+
 void Judge::judge_hulls(Verdict& verdict, Result& result) {
   if (!self_) return;
   self_->place(collision_.positions(), collision_.frames());
@@ -173,7 +204,9 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   result.position_error = result.rotation_error = 0.0;
   for (const Goal& goal : goals) judge_goal(goal, verdict, result);
   judge_balance(verdict, result);
+  result.self_distance = std::numeric_limits<double>::infinity();
   judge_hulls(verdict, result);
+  judge_held(scene, look, verdict, result);
 }
 
 }  // namespace pdoik::detail

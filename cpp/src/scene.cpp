@@ -1,6 +1,7 @@
 #include "detail/scene.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "detail/rows.hpp"
 
@@ -29,7 +30,8 @@ Scene::Scene(const Model& model, const Scene& other)
       own_(other.own_),
       cloud_(other.cloud_),
       shapes_(other.shapes_),
-      fixed_to_shapes_(other.fixed_to_shapes_) {
+      fixed_to_shapes_(other.fixed_to_shapes_),
+      held_(other.held_) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   intake = other.intake;
 }
@@ -58,6 +60,32 @@ void Scene::use(std::shared_ptr<const ShapeSet> shapes) {
   fixed.place(fixed_hulls_.positions(), fixed_hulls_.frames());
   fixed_to_shapes_ = least_clearance(fixed, shapes_);
   fixed_to_shapes_.capsule = nullptr;  // which ends here
+  hold(held_.solids());
+}
+
+void Scene::attach(const std::string& link, std::span<const Shape> shapes,
+                   std::span<const std::string> may_touch) {
+  Held::Solids solids = held_.solids();
+  for (const Shape& shape : shapes) {
+    for (const auto& held : solids) {
+      if (held->shape.name == shape.name)
+        throw std::invalid_argument("'" + shape.name + "' is attached to '" + held->link + "'");
+    }
+    solids.push_back(std::make_shared<const HeldSolid>(
+        model_.robot, link, shape, std::vector(may_touch.begin(), may_touch.end())));
+  }
+  hold(std::move(solids));
+}
+
+void Scene::detach(const std::string& link) {
+  model_.robot.link_index(link);
+  Held::Solids solids = held_.solids();
+  std::erase_if(solids, [&](const auto& held) { return held->link == link; });
+  hold(std::move(solids));
+}
+
+void Scene::hold(Held::Solids solids) {
+  held_ = Held(std::move(solids), model_.robot, hulls_, shapes_);
   changed_ = true;
 }
 

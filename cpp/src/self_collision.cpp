@@ -87,22 +87,10 @@ class Seat {
 
 }  // namespace
 
-namespace {
-
-std::vector<Hull> all_hulls(const HullModel& model) {
-  std::vector<Hull> hulls = model.moving;
-  hulls.insert(hulls.end(), model.fixed.begin(), model.fixed.end());
-  return hulls;
-}
-
-}  // namespace
-
 SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double margin)
-    : capsules_(robot, model, all_hulls(model)),
-      margin_(margin),
-      has_capsules_(!model.blocks.empty()) {
+    : capsules_(robot, model, model.all()), margin_(margin), has_capsules_(!model.blocks.empty()) {
   std::vector<Seat> seats;
-  const std::vector<Hull> hulls = all_hulls(model);
+  const std::vector<Hull> hulls = model.all();
   for (const Hull& hull : hulls) seats.emplace_back(robot, model, hull);
   for (std::size_t i = 0; i < seats.size(); ++i) {
     for (std::size_t j = i + 1; j < seats.size(); ++j) {

@@ -1,5 +1,6 @@
 #include "detail/shape_clearance.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pdoik::detail {
@@ -9,14 +10,15 @@ ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot)
   if (set_->allowed.empty()) return;
   const Occupancy& occupancy = robot.occupancy();
   const auto shapes = static_cast<std::size_t>(count());
-  allowed_.assign(occupancy.size() * shapes, false);
+  allowed_.assign(occupancy.size() * shapes, 0.0);
   for (const AllowedContact& contact : set_->allowed) {
     robot.link_index(contact.link);
     std::size_t shape = 0;
     while (set_->shapes[shape].name != contact.shape) ++shape;
     std::size_t source = 0;
     const auto allow = [&](bool is_on_link) {
-      if (is_on_link) allowed_[source * shapes + shape] = true;
+      double& depth = allowed_[source * shapes + shape];
+      if (is_on_link) depth = std::max(depth, contact.depth);
       ++source;
     };
     for (const Sphere& s : occupancy.spheres) allow(s.link == contact.link);
@@ -31,17 +33,24 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
   ShapeClearance least;
   least.distance = than;
   const Solid& solid = pairs.solid(shape);
+  const Touching* const touching = hulls.touching();
   const PlacedCapsule& around = hulls.around(k);
   // Nothing of a hull that is hollow, whose middle is not a number, is near anything.
   if (!(solid.bound(around.middle, hulls.semi_major(k)) < than)) return least;
   for (const PlacedCapsule& capsule : hulls.of(k)) {
-    if (pairs.may_touch(capsule.source, shape)) continue;
+    const double allowed = pairs.allowed(capsule.source, shape);
+    if (std::isinf(allowed)) continue;
     const double length = std::sqrt(dot3(capsule.half, capsule.half));
-    if (!(solid.bound(capsule.middle, length + capsule.radius) < least.distance)) continue;
+    const double counts = capsule.radius - allowed;  // of it
+    if (!(solid.bound(capsule.middle, length + counts) < least.distance)) continue;
     const SegmentSolidDistance found =
-        solid.distance(capsule.middle, capsule.half, least.distance + capsule.radius);
-    const double distance = found.distance - capsule.radius;
+        solid.distance(capsule.middle, capsule.half, least.distance + counts);
+    const double distance = found.distance - counts;
     if (!(distance < least.distance)) continue;
+    if (touching != nullptr && touching->wanted() &&
+        touching->lets(capsule.source, found.point - broadcast(found.distance) * found.gradient) &&
+        distance >= -touching->depth())
+      continue;
     const double t =
         length > 0.0 ? dot3(found.point - capsule.middle, capsule.half) / (length * length) : 0.0;
     least = {distance, capsule.source, shape, &capsule, t, found.gradient};

@@ -32,6 +32,11 @@ Shapes::Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed) {
     if (!names.contains(contact.shape))
       throw std::invalid_argument("contact is allowed with '" + contact.shape +
                                   "', which is no shape's name");
+    if (!(contact.depth >= 0.0)) {
+      throw std::invalid_argument("'" + contact.link + "' may touch '" + contact.shape +
+                                  "' to a depth of " + std::to_string(contact.depth) +
+                                  ", expected at least 0 [m]");
+    }
   }
   set_ = std::move(set);
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "detail/check_input.hpp"
+#include "detail/clearances.hpp"
 #include "detail/describe.hpp"
 #include "detail/goal_of.hpp"
 #include "detail/paper.hpp"
@@ -172,6 +173,13 @@ void Solver::set_obstacles(const Cloud& cloud) { impl_->scene.use(cloud.state_);
 
 void Solver::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
 
+void Solver::attach(const std::string& link, std::span<const Shape> shapes,
+                    std::span<const std::string> may_touch) {
+  impl_->scene.attach(link, shapes, may_touch);
+}
+void Solver::detach(const std::string& link) { impl_->scene.detach(link); }
+void Solver::detach() { impl_->scene.hold({}); }
+
 void Solver::set_interrupt(std::function<bool()> wanted) {
   impl_->own.workspace.interrupt = std::move(wanted);
 }
@@ -272,8 +280,22 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
   result.status = result.success ? Status::Solved : Status::Exhausted;
 }
 
+std::vector<ObstacleClearance> Solver::clearances(VectorIn q) {
+  const Eigen::VectorXd configuration = q;
+  detail::check_configuration(configuration, robot().dof(), "q");
+  const auto reading = impl_->read();
+  return detail::clearances(*impl_->model, impl_->scene, configuration);
+}
+
+std::string Solver::part_name(const ObstacleClearance& of) const {
+  if (of.held >= 0) return impl_->scene.held()[of.held].shape.name;
+  return of.hull < 0 ? "" : detail::hull_name(robot().occupancy(), of.hull);
+}
+
+std::string Solver::shape_name(int shape) const { return impl_->scene.shapes().shape(shape).name; }
+
 std::string Solver::describe(const WorstConstraint& worst) const {
-  return detail::describe(worst, robot(), impl_->scene.shapes());
+  return detail::describe(worst, robot(), impl_->scene);
 }
 
 }  // namespace pdoik

@@ -17,11 +17,8 @@ constexpr double kFinest = 0.1;
 }  // namespace
 
 Step::Step(Workspace& workspace)
-    : workspace_(workspace),
-      model_(workspace.model()),
-      levers_(model_.levers),
-      levers_are_constant_(levers_.allFinite()) {
-  for (Eigen::VectorXd* each : {&probe_.q, &q_, &lower_, &upper_, &at_})
+    : workspace_(workspace), model_(workspace.model()), levers_(model_.levers) {
+  for (Eigen::VectorXd* each : {&probe_.q, &q_, &lower_, &upper_, &at_, &held_levers_})
     each->setZero(model_.robot.dof());
 }
 
@@ -70,7 +67,13 @@ void Step::approach(const StepRequest& step, double margin, Result& result) {
 }
 
 double Step::way_from(const Eigen::VectorXd& from) {
-  if (!levers_are_constant_) hull_levers(model_.robot, model_.hulls, from, q_, levers_);
+  levers_ = model_.levers;
+  if (!levers_.allFinite()) hull_levers(model_.robot, model_.hulls, from, q_, levers_);
+  const Held& held = workspace_.scene().held();
+  if (held.count() > 0) {
+    hull_levers(model_.robot, held.balls(), from, q_, held_levers_);
+    levers_ = levers_.cwiseMax(held_levers_);
+  }
   return levers_.dot((q_ - from).cwiseAbs());
 }
 

@@ -13,6 +13,7 @@ ToolCheck::ToolCheck(const Model& model) : model_(model) {
   for (const int tip : robot.tips()) {
     auto tool = std::make_unique<Tool>();
     tool->body = robot.body_of_link(tip);
+    tool->from_body = robot.T_body_link(tip).translation().norm();
     const Eigen::Isometry3d T_tool_base =
         T_base_body[static_cast<std::size_t>(tool->body)].inverse();
     for (const Hull& hull : model.hulls.moving) {
@@ -41,6 +42,12 @@ ToolCheck::ToolCheck(const Model& model) : model_(model) {
   }
 }
 
+void ToolCheck::hold(const Scene& scene) {
+  held_.reset();
+  if (scene.held().count() > 0)
+    held_.emplace(model_.robot, model_.hulls, model_.options, scene.held());
+}
+
 std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals, const Scene& scene) {
   std::optional<WorstConstraint> worst;
   for (const Goal& goal : goals) {
@@ -48,7 +55,7 @@ std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals, c
         !goal.rotation_slack.isZero(0.0))
       continue;
     Tool& tool = *tools_[static_cast<std::size_t>(goal.tip)];
-    if (tool.hulls.empty()) continue;
+    if (tool.hulls.empty() && !held_) continue;
     const auto found = contact(tool, goal, scene);
     if (found && (!worst || found->violation > worst->violation)) worst = found;
   }
@@ -56,7 +63,7 @@ std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals, c
 }
 
 std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
-                                                  const Scene& scene) const {
+                                                  const Scene& scene) {
   using Kind = WorstConstraint::Kind;
   const Options& options = model_.options;
   const int tip = model_.robot.tips()[static_cast<std::size_t>(goal.tip)];
@@ -83,6 +90,25 @@ std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
     const double violation = options.clearance - least.distance - options.clearance_tolerance;
     if (least.shape >= 0 && (!worst || violation > worst->violation))
       worst = {Kind::Shape, least.source, least.shape, violation};
+  }
+  if (!held_) return worst;
+  for (int k = 0; k < scene.held().count(); ++k) {
+    const HeldSolid& held = scene.held()[k];
+    if (held.body != tool.body) continue;
+    held_->place_solid(k, to_frame(T_base_tool));
+    const double arm =
+        std::sqrt(dot3(held.solid.centre(), held.solid.centre())) + held.solid.radius();
+    const double play = std::max(slack, options.clearance_tolerance + options.position_tolerance +
+                                            options.rotation_tolerance * (arm + tool.from_body));
+    const auto add = [&](const std::optional<HeldNear>& near) {
+      if (!near) return;
+      const double violation = -near->distance - options.clearance_tolerance;
+      if (!worst || violation > worst->violation)
+        worst = {near->kind, near->held, near->other, violation};
+    };
+    add(held_->nearest_point(k, scene.obstacles(), -play));
+    for (int shape = 0; shape < scene.shapes().count(); ++shape)
+      add(held_->nearest_of_shape(k, scene.shapes(), shape, -play));
   }
   return worst;
 }

@@ -180,7 +180,7 @@ const Eigen::VectorXd& Tracker::q() const { return impl_->last; }
 const LatencyHistogram& Tracker::latency() const { return impl_->latency; }
 void Tracker::clear_latency() { impl_->latency.clear(); }
 std::string Tracker::describe(const WorstConstraint& worst) const {
-  return detail::describe(worst, robot(), impl_->scene.shapes());
+  return detail::describe(worst, robot(), impl_->scene);
 }
 
 void Tracker::reset(VectorIn q) {
@@ -217,6 +217,13 @@ void Tracker::set_obstacles(const Cloud& cloud) {
 }
 
 void Tracker::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
+
+void Tracker::attach(const std::string& link, std::span<const Shape> shapes,
+                     std::span<const std::string> may_touch) {
+  impl_->scene.attach(link, shapes, may_touch);
+}
+void Tracker::detach(const std::string& link) { impl_->scene.detach(link); }
+void Tracker::detach() { impl_->scene.hold({}); }
 
 void Tracker::refuse_obstacles(const std::string& complaint) {
   impl_->cloud_complaint.say("%s", complaint.c_str());

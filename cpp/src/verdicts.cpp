@@ -14,6 +14,9 @@ constexpr double kRepairShare = 0.1;
 constexpr double kMeasureShare = 0.02;
 /// Obstacles this far from the hulls are left out while answers are brought clear [m].
 constexpr double kRepairMargin = 0.1;
+/// From so many starts that all touch by the same pair one may conclude: of n that are clear by
+/// chance p, none is with a chance of (1 - p)^n, 5 % of p = 0.06 and n = 48.
+constexpr int kStartsThatTell = 48, kRepairsThatTell = 4;
 /// Looking at this many obstacles costs about as much as evaluating the goal.
 constexpr double kObstaclesPerEvaluation = 60.0;
 /// ... or at this many pairs of a hull and a shape, most of which are far from each other.
@@ -61,6 +64,7 @@ bool Verdicts::take(Attempt& attempt, int k) {
     attempt.candidates.add(trial.q, 0.0, true);
     return true;
   }
+  if (trial.reached && all_end_alike(attempt, trial)) return true;
   if (attempt.for_goals_alone && trial.reached) return true;  // nothing better can be found
   return false;
 }
@@ -71,6 +75,19 @@ bool Verdicts::is_blocked(Attempt& attempt) {
   attempt.contact = workspace_.tool.contact(attempt.request.goals, workspace_.scene());
   if (attempt.contact) attempt.hopeless = Status::Blocked;
   return attempt.contact.has_value();
+}
+
+bool Verdicts::all_end_alike(Attempt& attempt, const Trial& trial) {
+  if (attempt.found || attempt.for_goals_alone || model_.options.inner == InnerMethod::Lbfgs ||
+      attempt.deadline.passed())
+    return false;
+  workspace_.least_squares.place(trial.q);
+  attempt.common.note(workspace_.problem);
+  if (attempt.common.starts() < kStartsThatTell ||
+      (attempt.redundant && attempt.repairs < kRepairsThatTell))
+    return false;
+  attempt.hopeless = Status::Blocked;
+  return true;
 }
 
 bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
@@ -84,6 +101,7 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
   if (!problem.touches()) return true;
   if (!attempt.redundant || !(stay_near || repair_pays(attempt)) || attempt.deadline.passed())
     return false;
+  ++attempt.repairs;
   Result& result = *attempt.result;
   const int before = result.evaluations;
   problem.count_obstacles_within(kRepairMargin);
@@ -102,7 +120,9 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
 
 double Verdicts::cost_of_all() const {
   const Scene& scene = workspace_.scene();
-  const double pairs = static_cast<double>(scene.shapes().count() * model_.hulls.moving.size());
+  const double pairs = static_cast<double>(
+      scene.shapes().count() *
+      (model_.hulls.moving.size() + static_cast<std::size_t>(scene.held().count())));
   // Of a cloud in order most is passed by in blocks.
   return pairs / kShapesPerEvaluation +
          (scene.obstacles()->in_order()
@@ -175,6 +195,10 @@ void Verdicts::finish(Attempt& attempt) {
     }
     // May solve by a tolerance's breadth.
     workspace_.judge(attempt.request.goals, attempt.candidates.best(), result);
+    if (attempt.hopeless == Status::Blocked && !attempt.contact && !result.success) {
+      workspace_.least_squares.place(result.q);
+      attempt.contact = attempt.common.deepest(workspace_.problem);
+    }
     if (attempt.contact && !result.success) result.worst = *attempt.contact;
   }
   end_result(attempt.hopeless, attempt.deadline, workspace_.scene().intake, result);

@@ -57,6 +57,8 @@ Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
       tool(model()) {
   omega.setZero(map.size());
   for (Eigen::VectorXd* each : {&saved.q, &q, &start}) each->setZero(model().robot.dof());
+  judge_.let_touch(&problem.touching);
+  tool.let_touch(&problem.touching);
   use(scene);
 }
 
@@ -67,6 +69,9 @@ void Workspace::use(const Scene& scene) {
       std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
   problem.constraints.shapes.reserve(scene.shapes().count());
+  problem.constraints.held.hold(scene);
+  judge_.hold(scene);
+  tool.hold(scene);
   least_squares.reserve(padded);
   least_squares.count_all_obstacles();
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)
@@ -82,6 +87,7 @@ void Workspace::judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Re
                       double look) {
   if (problem.deadline->struck()) ++result.late_evaluations;
   const double began = problem.deadline->elapsed();
+  problem.touching.set_goals(asked);
   judge_(asked, at, scene(), result, look);
   const double took = problem.deadline->elapsed() - began;
   verdict_time_ = std::max(took, 0.5 * (took + verdict_time_));

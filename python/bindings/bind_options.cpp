@@ -85,6 +85,15 @@ void bind_balance(py::module_& module) {
       .def_readwrite("up", &B::up);
 }
 
+void bind_touch(py::module_& module) {
+  using T = TouchOptions;
+  py::class_<T>(module, "TouchOptions")
+      .def(py::init<>())
+      .def_readwrite("radius", &T::radius)
+      .def_readwrite("depth", &T::depth)
+      .def_readwrite("links", &T::links);
+}
+
 }  // namespace
 
 void bind_options(py::module_& module) {
@@ -92,6 +101,7 @@ void bind_options(py::module_& module) {
   bind_augmented_lagrangian(module);
   bind_levenberg_marquardt(module);
   bind_balance(module);
+  bind_touch(module);
   py::class_<Options> options(module, "Options", "The C++ options, which pdoik.Options fills.");
   options.def(py::init<>())
       .def_readwrite("goal_axis", &Options::goal_axis)
@@ -104,6 +114,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("seed", &Options::seed)
       .def_readwrite("base_collision", &Options::base_collision)
       .def_readwrite("forgive_overhang", &Options::forgive_overhang)
+      .def_readwrite("touch", &Options::touch)
       .def_readwrite("balance", &Options::balance)
       .def_readwrite("self_collision", &Options::self_collision)
       .def_readwrite("self_clearance", &Options::self_clearance)

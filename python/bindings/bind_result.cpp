@@ -98,7 +98,9 @@ Every error is recomputed from q alone, so that a success can be judged without 
 `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
 `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
 tip; `base_collision`: an obstacle lies in a hull that no joint moves, and no answer exists; `blocked`: what is
-rigid to the tip is in an obstacle at the target, and no answer exists. In all but the first, q is the best found.)")
+rigid to the tip is in an obstacle at the target, and no answer exists, or some fifty starts that reached the
+target all ended with the same hull in the same obstacle, and none is likely. In all but the first, q is the
+best found.)")
       .def_readonly("position_error", &R::position_error, "Largest over the goals [m].")
       .def_readonly(
           "rotation_error", &R::rotation_error,

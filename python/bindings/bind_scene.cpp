@@ -1,7 +1,9 @@
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "bind.hpp"
 #include "scene.hpp"
@@ -9,7 +11,9 @@
 namespace pdoik::python {
 namespace {
 
-using Contacts = std::vector<std::pair<std::string, std::string>>;
+using ContactOfAnyDepth = std::tuple<std::string, std::string>;
+using ContactToDepth = std::tuple<std::string, std::string, double>;
+using Contact = std::variant<ContactOfAnyDepth, ContactToDepth>;
 
 std::optional<ThinnedCloud> to_cloud(const std::optional<ObstaclesLike>& cloud) {
   if (!cloud) return std::nullopt;
@@ -19,9 +23,13 @@ std::optional<ThinnedCloud> to_cloud(const std::optional<ObstaclesLike>& cloud) 
 }
 
 SceneObject make(const std::vector<Shape>& shapes, const std::optional<ObstaclesLike>& cloud,
-                 const Contacts& allowed) {
+                 const std::vector<Contact>& allowed) {
   std::vector<AllowedContact> contacts;
-  for (const auto& [link, shape] : allowed) contacts.push_back({link, shape});
+  const auto to_contact = [](const auto&... parts) { return AllowedContact{parts...}; };
+  for (const Contact& contact : allowed) {
+    contacts.push_back(
+        std::visit([&](const auto& parts) { return std::apply(to_contact, parts); }, contact));
+  }
   return {Shapes(shapes, std::move(contacts)), to_cloud(cloud)};
 }
 
@@ -30,10 +38,14 @@ std::vector<Shape> shapes_of(const SceneObject& scene) {
   return {shapes.begin(), shapes.end()};
 }
 
-Contacts allowed_of(const SceneObject& scene) {
-  Contacts contacts;
-  for (const AllowedContact& each : scene.shapes.allowed())
-    contacts.emplace_back(each.link, each.shape);
+std::vector<Contact> allowed_of(const SceneObject& scene) {
+  std::vector<Contact> contacts;
+  for (const AllowedContact& each : scene.shapes.allowed()) {
+    if (std::isinf(each.depth))
+      contacts.emplace_back(ContactOfAnyDepth{each.link, each.shape});
+    else
+      contacts.emplace_back(ContactToDepth{each.link, each.shape, each.depth});
+  }
   return contacts;
 }
 
@@ -51,8 +63,9 @@ It does not change, but its cloud may. Any number of solvers may share it.)")
 Args:
     shapes: Of different names.
     cloud: A Cloud, which is shared and not copied; or points as Cloud takes them.
-    allowed: Pairs (link, shape) by name that may touch: the table that the base stands on, what the hand is
-        to hold. Of the link all hulls.
+    allowed: What may touch, (link, shape) by name or (link, shape, depth): the table that the base stands
+        on, what the hand is to hold. Of the link all hulls; to any depth or to this one [m], from where
+        their distance then counts.
 
 Raises:
     ValueError: Two shapes have one name, or contact is allowed with a shape that is not there. A link that the
@@ -61,7 +74,9 @@ Raises:
       .def_property_readonly(
           "cloud", [](const SceneObject& self) { return self.cloud; },
           "The points, which share what they are; None if there are none.")
-      .def_property_readonly("allowed", &allowed_of, "Pairs (link, shape) that may touch.")
+      .def_property_readonly(
+          "allowed", &allowed_of,
+          "(link, shape) of what may touch, or (link, shape, depth) where a depth was given [m].")
       .def("__repr__", [](const SceneObject& self) {
         return py::str("<Scene of {} shapes and {} points>")
             .format(self.shapes.shapes().size(), self.cloud ? self.cloud->cloud.size() : 0);

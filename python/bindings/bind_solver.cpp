@@ -34,30 +34,42 @@ struct SharedSolver {
 
   /// Batches run beside solves and one another, each with a copy: of those of past batches one is
   /// used again, for making its memory takes longer than a short batch.
-  std::unique_ptr<Solver> take_copy() {
+  /// @param generation  What give_back is to be told.
+  std::unique_ptr<Solver> take_copy(int& generation) {
     const std::lock_guard<std::mutex> lock(mutex);
+    generation = changes;
     if (copies.empty()) return std::make_unique<Solver>(solver);
     std::unique_ptr<Solver> copy = std::move(copies.back());
     copies.pop_back();
     return copy;
   }
-  void give_back(std::unique_ptr<Solver> copy) {
+  /// Change what the solver carries, which copies of past batches know nothing of.
+  template <class Change>
+  void change(Change&& change) {
+    const py::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(mutex);
+    change(solver);
+    copies.clear();
+    ++changes;
+  }
+  void give_back(std::unique_ptr<Solver> copy, int generation) {
     copy->clear_obstacles();  // which may be a cloud that nobody else holds any more
     const std::lock_guard<std::mutex> lock(mutex);
-    copies.push_back(std::move(copy));
+    if (generation == changes) copies.push_back(std::move(copy));
   }
 
  private:
   std::vector<std::unique_ptr<Solver>> copies;
+  int changes = 0;
 };
 
 /// A copy of the solver, until the batch ends.
 class BatchSolver {
  public:
-  explicit BatchSolver(SharedSolver& of) : of_(of), solver_(of.take_copy()) {}
+  explicit BatchSolver(SharedSolver& of) : of_(of), solver_(of.take_copy(generation_)) {}
   ~BatchSolver() {
     try {
-      of_.give_back(std::move(solver_));
+      of_.give_back(std::move(solver_), generation_);
     } catch (const std::bad_alloc&) {
       // Another will be made.
     }
@@ -69,6 +81,7 @@ class BatchSolver {
 
  private:
   SharedSolver& of_;
+  int generation_ = 0;
   std::unique_ptr<Solver> solver_;
 };
 
@@ -115,6 +128,47 @@ NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLi
   Result result;
   self.solver.judge(goals, configuration, result);
   return named(self.solver, std::move(result));
+}
+
+/// How near the robot is to one obstacle, by names.
+struct NamedClearance {
+  std::string obstacle, part;
+  double distance;
+  std::optional<int> point;
+};
+
+std::vector<NamedClearance> clearances(SharedSolver& self, const ArrayLike& q,
+                                       const std::optional<ObstaclesLike>& obstacles) {
+  const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
+  const ObstaclesIn given(obstacles, "obstacles");
+  const py::gil_scoped_release release;
+  const std::lock_guard<std::mutex> lock(self.mutex);
+  given.give_to(self.solver);
+  std::vector<NamedClearance> result;
+  for (const ObstacleClearance& each : self.solver.clearances(configuration)) {
+    NamedClearance& named = result.emplace_back();
+    named.obstacle = each.shape < 0 ? "points" : self.solver.shape_name(each.shape);
+    named.part = self.solver.part_name(each);
+    named.distance = each.distance;
+    if (each.point >= 0) named.point = each.point;
+  }
+  return result;
+}
+
+void bind_clearance(py::module_& module) {
+  py::class_<NamedClearance>(
+      module, "ObstacleClearance",
+      "How near the robot, and what it carries, is to one obstacle: see Solver.clearances.")
+      .def_readonly("obstacle", &NamedClearance::obstacle, "The shape's name, or 'points'.")
+      .def_readonly("part", &NamedClearance::part,
+                    "The nearest hull, or what is carried; '' where nothing is to keep off it.")
+      .def_readonly("distance", &NamedClearance::distance,
+                    "Negative by how deep it is; infinite where nothing is to keep off it [m].")
+      .def_readonly("point", &NamedClearance::point, "The nearest point's row, of points.")
+      .def("__repr__", [](const NamedClearance& c) {
+        return py::str("<ObstacleClearance of {} to {}: {:.6g} m>")
+            .format(c.part, c.obstacle, c.distance);
+      });
 }
 
 /// Ctrl-C is heard between slices of a batch, which grow until one takes a tenth of a second.
@@ -197,6 +251,7 @@ py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
 }  // namespace
 
 void bind_solver(py::module_& module) {
+  bind_clearance(module);
   py::class_<SharedSolver>(module, "Solver")
       .def(py::init<const Robot&, const Options&>(), py::arg("robot"), py::arg("options"))
       .def_property_readonly(
@@ -246,6 +301,44 @@ Raises:
       .def("_reach_poses", &reach_poses, py::arg("T_base_tip"), py::arg("obstacles") = py::none(),
            py::arg("threads") = 0,
            "Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.")
+      .def(
+          "attach",
+          [](SharedSolver& self, const std::string& link, const std::vector<Shape>& shapes,
+             const std::vector<std::string>& may_touch) {
+            self.change([&](Solver& solver) { solver.attach(link, shapes, may_touch); });
+          },
+          py::arg("link"), py::arg("shapes"), py::arg("may_touch") = py::tuple(),
+          R"(Let a link carry solids from now on: they keep off points, shapes and the robot's other links.
+
+They count beside what links carry already, in all calls that follow. Parts of the same body, and fingers
+after it, may touch them.
+
+Args:
+    link: By name; a joint must move it.
+    shapes: Their poses are in the link's frame. No half-spaces.
+    may_touch: Links of the robot and shapes of scenes, by name, that they may touch.
+
+Raises:
+    ValueError: There is no such link or no joint moves it, a shape is a half-space, or its name is that of
+        something carried already.)")
+      .def(
+          "detach",
+          [](SharedSolver& self, const std::optional<std::string>& link) {
+            self.change([&](Solver& solver) { link ? solver.detach(*link) : solver.detach(); });
+          },
+          py::arg("link") = py::none(),
+          "Let a link, or without a name all of them, carry nothing any more.")
+      .def("clearances", &clearances, py::arg("q"), py::arg("obstacles") = py::none(),
+           R"(How near each shape, and the points if there are any, is at a configuration.
+
+The least of them is the clearance that `judge` gives.
+
+Args:
+    q: Joint positions, shape (n,) [rad] or [m].
+    obstacles: As in `solve`.
+
+Raises:
+    ValueError: As in `solve`.)")
       .def("judge", &judge, py::arg("T_base_tip"), py::arg("q"), py::arg("obstacles") = py::none(),
            R"(Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
 

@@ -145,6 +145,18 @@ Raises:
 
 Raises:
     ValueError: It has another shape or holds NaN or infinity.)")
+      .def(
+          "attach",
+          [](Tracker& self, const std::string& link, const std::vector<Shape>& shapes,
+             const std::vector<std::string>& may_touch) { self.attach(link, shapes, may_touch); },
+          py::arg("link"), py::arg("shapes"), py::arg("may_touch") = py::tuple(),
+          "As Solver.attach, for the steps that follow.")
+      .def(
+          "detach",
+          [](Tracker& self, const std::optional<std::string>& link) {
+            link ? self.detach(*link) : self.detach();
+          },
+          py::arg("link") = py::none(), "As Solver.detach.")
       .def("step", &step, py::arg("T_base_tip"), py::arg("obstacles") = py::none(),
            R"(One step towards the goals, by the deadline. Raises nothing for bad numbers.
 

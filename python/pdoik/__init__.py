@@ -37,6 +37,7 @@ from pdoik.options import (
     LbfgsOptions,
     LevenbergMarquardtOptions,
     Options,
+    Touch,
 )
 from pdoik.reach_map import Grid, Reachability, reachability
 from pdoik.scenes import load_scene, save_scene
@@ -69,6 +70,7 @@ __all__ = [
     "Scene",
     "Shape",
     "Solver",
+    "Touch",
     "Tracker",
     "TrackerResult",
     "load_scene",

@@ -101,6 +101,25 @@ class LevenbergMarquardtOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Touch:
+    """Contact that is wanted at the target: a gripper at what it grasps, a flange on a surface.
+
+    Attributes:
+        radius: Obstacles that are no farther than this from a goal's target may be touched; 0 for
+            none [m].
+        depth: No deeper than this [m].
+        links: Which links may touch them; none for a tip's and those after it.
+
+    Raises:
+        ValueError: Out of range or no link: when a solver is made.
+    """
+
+    radius: float = _DEFAULT.touch.radius
+    depth: float = _DEFAULT.touch.depth
+    links: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Balance:
     """Where the centre of mass has to be (Eq. com). The base link's mass counts.
 
@@ -166,6 +185,7 @@ class Options:
             joint moves. Their capsules then count as thinner by their overhang, so that a hand
             may be at an object and a base on its table by as much as its hull cannot tell; never
             by more than half their radius.
+        touch: What may be touched at the target, and by which links.
         balance: Where the centre of mass has to be.
         self_collision: Keep hulls of links that are not adjacent off one another, but for
             Robot.ignored_pairs.
@@ -209,6 +229,7 @@ class Options:
     base_collision: bool = _DEFAULT.base_collision
     forgive_overhang: bool = _DEFAULT.forgive_overhang
 
+    touch: Touch = Touch()
     balance: Balance = Balance()
     self_collision: bool = _DEFAULT.self_collision
     self_clearance: float = _DEFAULT.self_clearance

@@ -226,7 +226,11 @@ def test_an_occupancy_gives_back_what_it_was_given() -> None:
     assert "1 spheres, 1 spheroids and 0 capsules" in repr(HULLS)
     capsule = ("c", (0.0, 0.1, 0.0), (0.0, 0.2, 1 / 3), 0.05)
     closer = pdoik.Occupancy(spheres=HULLS.spheres, spheroids=HULLS.spheroids, capsules=[capsule])
-    assert closer.capsules == [capsule]
+    assert closer.capsules == [(*capsule, 0.0)]
+    tight = pdoik.Occupancy(capsules=[(*capsule, 0.004)])
+    assert tight.capsules == [(*capsule, 0.004)]
+    assert pdoik.Occupancy.load(tight.to_yaml()) == tight != pdoik.Occupancy(capsules=[capsule])
+    assert pickle.loads(pickle.dumps(tight)) == tight
     assert closer != HULLS
     assert pickle.loads(pickle.dumps(closer)) == closer
     assert pdoik.Occupancy.load(closer.to_yaml()) == closer

@@ -76,7 +76,7 @@ def capsule_between(a: FloatArray, b: FloatArray, radius: float) -> tuple[object
 
 
 def capsules_of(robot: pdoik.Robot, q: FloatArray) -> Iterable[tuple[object, FloatArray]]:
-    for link, a, b, radius in robot.occupancy.capsules:
+    for link, a, b, radius, _ in robot.occupancy.capsules:
         T = robot.fk(q, link)
         yield capsule_between(T[:3, :3] @ a + T[:3, 3], T[:3, :3] @ b + T[:3, 3], radius)
 

@@ -55,6 +55,15 @@ struct BalanceOptions {
   }
 };
 
+/// Contact that is wanted at the target: a gripper at what it grasps, a flange on a surface.
+struct TouchOptions {
+  /// Obstacles that are no farther than this from a goal's target may be touched; 0 for none [m].
+  double radius = 0.0;
+  double depth = 0.01;  ///< no deeper than this [m]
+  /// Which links may touch them; empty for a tip's and those after it.
+  std::vector<std::string> links = {};
+};
+
 /// Metres, radians, seconds.
 struct Options {
   GoalType goal = GoalType::Pose;
@@ -76,6 +85,7 @@ struct Options {
   /// capsules then count as thinner by their overhang, so that a hand may be at an object and a
   /// base on its table by as much as its hull cannot tell; never by more than half their radius.
   bool forgive_overhang = true;
+  TouchOptions touch = {};
 
   BalanceOptions balance = {};
   bool self_collision = false;  ///< keep hulls of links that are not adjacent off one another

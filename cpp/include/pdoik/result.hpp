@@ -16,8 +16,10 @@ enum class Status {
                   ///< joint moves its tip; q is the nearest of a few starts
   BaseCollision,  ///< an obstacle point lies in a hull that no joint moves: no answer exists; q is
                   ///< the best found for the goal alone
-  Blocked,  ///< what is rigid to the tip is in an obstacle at the target, so no answer exists;
-            ///< q is the best found, and the worst constraint says what touches what
+  Blocked,  ///< what is rigid to the tip is in an obstacle at the target, so no answer exists; or
+            ///< some fifty starts that reached it all ended with the same hull in the same
+            ///< obstacle, so that none is likely. q is the best found, and the worst constraint
+            ///< says what touches what
 };
 
 /// A status in lower case with underscores, as the Python module gives it.
@@ -25,16 +27,39 @@ const char* to_string(Status status);
 
 /// What keeps a configuration from being a solution by most, or comes nearest to that.
 struct WorstConstraint {
-  enum class Kind { None, Position, Rotation, Limit, Clearance, Balance, SelfCollision, Shape };
+  enum class Kind {
+    None,
+    Position,
+    Rotation,
+    Limit,
+    Clearance,
+    Balance,
+    SelfCollision,
+    Shape,
+    HeldPoint,
+    HeldShape,
+    HeldHull,
+  };
   Kind kind = Kind::None;
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
   /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's
-  /// lower and upper x, y, z, then 6 the support polygon.
+  /// lower and upper x, y, z, then 6 the support polygon. For HeldPoint, HeldShape and HeldHull the
+  /// place of what is held, in the order that it was attached.
   int index = -1;
-  /// The point's row for Clearance, the shape's place for Shape, the other hull for SelfCollision.
+  /// The point's row for Clearance and HeldPoint, the shape's place for Shape and HeldShape, the
+  /// other hull for SelfCollision and HeldHull.
   int obstacle = -1;
   double violation =
       0.0;  ///< by how much it is missed beyond its tolerance [m] or [rad]; at most 0 if it holds
+};
+
+/// How near the robot, and what it carries, is to one obstacle.
+struct ObstacleClearance {
+  int shape = -1;         ///< its place among the shapes; -1 for the points
+  double distance = 0.0;  ///< negative by how deep it is [m]; infinite if nothing is to keep off it
+  int hull = -1;          ///< the nearest hull's place in the occupancy, or
+  int held = -1;          ///< that of the nearest of what is carried
+  int point = -1;         ///< the nearest point's row
 };
 
 /// The outcome of a solve, with what is needed to judge it without trusting the solver: every error

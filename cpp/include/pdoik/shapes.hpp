@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -17,6 +18,8 @@ struct ShapeSet;
 struct AllowedContact {
   std::string link;   ///< of the robot, with all of its hulls
   std::string shape;  ///< its name
+  /// By at most this much [m]: their distance counts from there.
+  double depth = std::numeric_limits<double>::infinity();
 };
 
 /// Solids that the robot has to keep off, ready for distances. It does not change: any number of
@@ -25,7 +28,8 @@ class Shapes {
  public:
   Shapes();
   /// @throws std::invalid_argument  As check_shape; two shapes of one name; an allowed contact with
-  /// a shape that is not there. Whether there is such a link says who takes them in.
+  /// a shape that is not there or to a negative depth. Whether there is such a link says who takes
+  /// them in.
   explicit Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed = {});
 
   std::span<const Shape> shapes() const;

@@ -74,6 +74,18 @@ class Solver {
   /// The solids of the solves that follow, beside the points; Shapes() for none. Allocates.
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
   void set_shapes(const Shapes& shapes);
+  /// Let a link carry solids from now on, beside what links carry already: they keep off points,
+  /// shapes and the robot's other links as its own hulls do. Allocates.
+  /// @param shapes  Their poses are in the link's frame.
+  /// @param may_touch  Links of the robot and shapes of scenes, by name, that they may touch.
+  /// @throws std::invalid_argument  There is no such link or no joint moves it; as check_shape; a
+  /// half-space; a name that something carried has already.
+  void attach(const std::string& link, std::span<const Shape> shapes,
+              std::span<const std::string> may_touch = {});
+  /// Let a link, or all of them, carry nothing any more.
+  void detach(const std::string& link);
+  void detach();
+
   /// Neither points nor solids.
   void clear_obstacles();
 
@@ -116,8 +128,17 @@ class Solver {
   /// The goal of the options' type for the tip, or for one of several.
   Goal goal(const Eigen::Isometry3d& T_base_tip, int tip = 0) const;
 
+  /// The distance of each shape, and of the points if there are any, at a configuration: the least
+  /// of them is the clearance that judge gives. Allocates.
+  /// @throws std::invalid_argument on a wrong length, NaN or infinity.
+  std::vector<ObstacleClearance> clearances(VectorIn q);
+
   /// "clearance of panda_link5, spheroid 12, to obstacle 17", for people.
   std::string describe(const WorstConstraint& worst) const;
+  /// "panda_link5 (capsule 12)" or what is carried, of the nearest part; empty for none.
+  std::string part_name(const ObstacleClearance& of) const;
+  /// A shape's name by its place.
+  std::string shape_name(int shape) const;
 
  private:
   struct Implementation;

@@ -102,6 +102,18 @@ class Tracker {
   /// The solids from now on, beside the points; Shapes() for none. Allocates.
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
   void set_shapes(const Shapes& shapes);
+  /// Let a link carry solids from now on, beside what links carry already: they keep off points,
+  /// shapes and the robot's other links as its own hulls do. Allocates.
+  /// @param shapes  Their poses are in the link's frame.
+  /// @param may_touch  Links of the robot and shapes of scenes, by name, that they may touch.
+  /// @throws std::invalid_argument  There is no such link or no joint moves it; as check_shape; a
+  /// half-space; a name that something carried has already.
+  void attach(const std::string& link, std::span<const Shape> shapes,
+              std::span<const std::string> may_touch = {});
+  /// Let a link, or all of them, carry nothing any more.
+  void detach(const std::string& link);
+  void detach();
+
   /// What set_obstacles does with a cloud that makes no sense, for one that is refused outside.
   void refuse_obstacles(const std::string& complaint);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "detail/candidates.hpp"
+#include "detail/common_contacts.hpp"
 #include "detail/deadline.hpp"
 #include "detail/model.hpp"
 #include "pdoik/solver.hpp"
@@ -54,6 +55,8 @@ struct Attempt {
   std::optional<Status> hopeless;
   bool tool_checked = false;
   std::optional<WorstConstraint> contact;  ///< of the tool at its target: no answer exists
+  CommonContacts common;
+  int repairs = 0;  ///< that were tried
   bool for_goals_alone = false, redundant = false, nearest = false, found = false;
   int next_start = 0, next_verdict = 0, last_start = 0, lanes = 0;
   double search_cost = 0.0, repair_cost = 0.0, measure_cost = 0.0;  ///< in evaluations of goals

@@ -19,6 +19,10 @@ struct Clearance {
 Clearance least_clearance_within(CollisionState& state, const ObstacleView& obstacles, double g,
                                  Clearance than = {});
 
+/// The same of one of the state's hulls, if below `than`.
+Clearance least_clearance_of(CollisionState& state, std::size_t hull, const ObstacleView& obstacles,
+                             double than);
+
 /// Add to `places` those of the obstacles that are within a distance of the state's hulls, some
 /// more than once. Changes the state's near pairs.
 void find_within(CollisionState& state, const ObstacleView& obstacles, double distance,

@@ -8,6 +8,8 @@
 #include "detail/hull_model.hpp"
 #include "detail/obstacle_set.hpp"
 #include "detail/rollout.hpp"
+#include "detail/spheroid_distance.hpp"
+#include "detail/touching.hpp"
 #include "simd/cull.hpp"
 
 namespace pdoik::detail {
@@ -70,6 +72,9 @@ class CollisionState {
     if (b < own_frames_.size()) own_frames_[b] = frame;
   }
 
+  /// Leave out pairs that may touch and are not too deep in each other. Outlives it; null for none.
+  void let_touch(const Touching* touching) { touching_ = touching; }
+
   /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a
   /// square root: none if there are no obstacles. More than there is room for are left out: so many
   /// leave no doubt that the robot touches something.
@@ -81,6 +86,7 @@ class CollisionState {
     CullCursor at;
     near_count_ = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(queries_.size()),
                         pairs_.data(), capacity(), at);
+    near_count_ = without_touching(obstacles, near_count_);
   }
 
   /// The pairs that may be within a distance grow(h) of each other, ordered by hull, some at a
@@ -90,6 +96,11 @@ class CollisionState {
   template <class Grow, class Visit>
   bool visit_near(const ObstacleView& obstacles, Grow&& grow, Visit&& visit) {
     return visit_hulls(0, queries_.size(), obstacles, grow, visit);
+  }
+  /// Of hull h alone.
+  template <class Grow, class Visit>
+  bool visit_near_of(std::size_t h, const ObstacleView& obstacles, Grow&& grow, Visit&& visit) {
+    return visit_hulls(h, h + 1, obstacles, grow, visit);
   }
   /// A hint that what is visited next of a hull lies where a plane at this distance from its centre
   /// touches it [m]; 0 for nobody knows where.
@@ -169,11 +180,31 @@ class CollisionState {
     while (at.hull < static_cast<int>(end)) {
       for (auto h = static_cast<std::size_t>(at.hull); h < end; ++h)
         set_query(h, obstacles, grow(h), true);
-      const int count = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(end),
+      const int found = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(end),
                               pairs_.data(), room, at);
+      const int count = without_touching(obstacles, found);
       if (count > 0 && !visit(pairs_.data(), pairs_.data() + count)) return false;
     }
     return true;
+  }
+
+  /// Take pairs that are let touch out of the first ones. @returns How many are left.
+  int without_touching(const ObstacleView& obstacles, int count) {
+    if (touching_ == nullptr || !touching_->wanted()) return count;
+    const auto is_let = [&](const NearPair& pair) {
+      const Hull& hull = this->hull(pair);
+      const Vec4 o = obstacles[pair.obstacle];
+      return touching_->lets(hull.source, o) && depth(hull, o) <= touching_->depth();
+    };
+    const auto begin = pairs_.begin(), end = begin + count;
+    return static_cast<int>(std::remove_if(begin, end, is_let) - begin);
+  }
+  /// How deep a ball lies in what a hull stands for [m].
+  double depth(const Hull& hull, const Vec4& o) const {
+    if (hull.has_capsules()) return depth_in_capsules(hull, o).depth + o[3];
+    return o[3] - spheroid_distance(to_vector3(o), to_vector3(position(hull.a)),
+                                    to_vector3(position(hull.b)), hull.semi_major)
+                      .distance;
   }
 
   /// @param by_distance  Whether what lies within a distance `grow` is meant, not half a sum of
@@ -236,6 +267,7 @@ class CollisionState {
   std::vector<NearPair> pairs_;
   int near_count_ = 0;
   std::size_t first_asked_ = 0;
+  const Touching* touching_ = nullptr;
   CullFunction cull_;
   BoundFunction bound_distances_ = best_bound_distances();
 };

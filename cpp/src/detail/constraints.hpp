@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "detail/balance_constraints.hpp"
+#include "detail/held_constraints.hpp"
 #include "detail/obstacle_constraints.hpp"
 #include "detail/self_constraints.hpp"
 #include "detail/shape_constraints.hpp"
@@ -19,11 +20,12 @@ class Constraints {
         obstacles(hulls),
         self(model, hulls),
         balance(model),
-        shapes(model.robot, model.hulls) {}
+        shapes(model.robot, model.hulls),
+        held(model, hulls) {}
   Constraints(const Constraints&) = delete;
 
-  auto families() { return std::tie(obstacles, self, balance, shapes); }
-  static constexpr std::size_t kFamilies = 4;
+  auto families() { return std::tie(obstacles, self, balance, shapes, held); }
+  static constexpr std::size_t kFamilies = 5;
 
   /// visit(family, its number).
   template <class Visit>
@@ -36,7 +38,8 @@ class Constraints {
   /// Find those that act where a rollout is: c > -reach(family's number, group).
   template <class Reach>
   void find(const Rollout& rollout, Reach&& reach) {
-    if (obstacles.wants_points() || self.wants_points() || shapes.wants_points())
+    if (obstacles.wants_points() || self.wants_points() || shapes.wants_points() ||
+        held.wants_points())
       hulls.place(rollout);
     if (shapes.wants_points()) shapes.place(hulls);
     for_each([&](auto& family, std::size_t number) {
@@ -49,6 +52,7 @@ class Constraints {
   SelfConstraints self;
   BalanceConstraints balance;
   ShapeConstraints shapes;
+  HeldConstraints held;
 };
 
 }  // namespace pdoik::detail

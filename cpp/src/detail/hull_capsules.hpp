@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "detail/hull_model.hpp"
+#include "detail/touching.hpp"
 
 namespace pdoik::detail {
 
@@ -52,6 +53,10 @@ class HullCapsules {
   /// a rollout or judge has put them. Both are read until they are placed again.
   void place(const Vec4* positions, const Frame* frames);
 
+  /// What may touch obstacles at the target. Outlives it; null for none.
+  void let_touch(const Touching* touching) { touching_ = touching; }
+  const Touching* touching() const { return touching_; }
+
   int count() const { return static_cast<int>(hulls_.size()); }
   /// The capsule that holds a hull, but for its excess.
   const PlacedCapsule& around(int k) const { return hull(k).around; }
@@ -83,6 +88,7 @@ class HullCapsules {
   };
   const PlacedHull& hull(int k) const { return hulls_[static_cast<std::size_t>(k)]; }
 
+  const Touching* touching_ = nullptr;
   const Vec4* positions_ = nullptr;
   const Frame* frames_ = nullptr;
   std::vector<int> body_of_point_;

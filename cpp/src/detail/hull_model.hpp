@@ -41,6 +41,10 @@ bool moves_with(const Robot& robot, int link, int settled, int body);
 /// on whose axes it lies.
 bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body);
 
+/// Whether a body is another or comes after it and before no tip but its own: a hand with its
+/// fingers.
+bool ends_with(const Robot& robot, int body, int first);
+
 struct HullModel;
 /// Whether all of a hull moves with a body.
 bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body);
@@ -56,6 +60,15 @@ struct HullModel {
   /// because its place is the target's, are thinner by their overhang, but by no more than half:
   /// what touches them then touches the link.
   explicit HullModel(const Robot& robot, bool with_fixed = true, bool forgive_overhang = false);
+  /// None.
+  HullModel() = default;
+
+  /// The moving ones first.
+  std::vector<Hull> all() const {
+    std::vector<Hull> hulls = moving;
+    hulls.insert(hulls.end(), fixed.begin(), fixed.end());
+    return hulls;
+  }
 
   const CapsuleBlock* capsules(const Hull& hull) const { return blocks.data() + hull.first_block; }
   /// Calls visit(body, a bound on how far what a hull fills is from the body's origin).

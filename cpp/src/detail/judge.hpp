@@ -7,6 +7,7 @@
 
 #include "detail/balance.hpp"
 #include "detail/collision_state.hpp"
+#include "detail/held_clearance.hpp"
 #include "detail/scene.hpp"
 #include "detail/self_collision.hpp"
 #include "pdoik/options.hpp"
@@ -20,6 +21,14 @@ namespace pdoik::detail {
 class Judge {
  public:
   Judge(const Robot& robot, const Options& options, const HullModel& hulls);
+
+  /// What may touch obstacles at the target. Outlives it.
+  void let_touch(const Touching* touching) {
+    collision_.let_touch(touching);
+    capsules_.let_touch(touching);
+  }
+  /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
+  void hold(const Scene& scene);
 
   /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
   /// when result.q has its size.
@@ -35,6 +44,7 @@ class Judge {
   void judge_balance(Verdict& verdict, Result& result);
   void judge_hulls(Verdict& verdict, Result& result);
   void judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result);
+  void judge_held(const Scene& scene, double look, Verdict& verdict, Result& result);
 
   const Robot& robot_;
   const Options& options_;
@@ -44,6 +54,7 @@ class Judge {
   HullCapsules capsules_;
   Balance balance_;
   std::optional<SelfCollision> self_;
+  std::optional<HeldClearance> held_;
 };
 
 }  // namespace pdoik::detail

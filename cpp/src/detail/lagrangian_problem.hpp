@@ -30,6 +30,8 @@ class LagrangianProblem {
     });
     const ShapeConstraints& shapes = problem_.constraints.shapes;
     multipliers_[3].reserve(shapes.groups(), shapes.most());
+    const HeldConstraints& held = problem_.constraints.held;
+    multipliers_[4].reserve(held.groups(), held.most());
     const ObstacleConstraints& obstacles = problem_.constraints.obstacles;
     const auto groups = static_cast<std::size_t>(obstacles.groups());
     multipliers_[0].reserve(
@@ -109,6 +111,7 @@ class LagrangianProblem {
     else
       obstacles.use_none();
     problem_.constraints.shapes.use(scene.shapes(), problem_.model.options.clearance);
+    problem_.constraints.held.use(true);
   }
 
   /// Find the constraints whose penalty acts: in the smooth form up to mu / rho before contact.

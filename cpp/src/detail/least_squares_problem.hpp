@@ -59,6 +59,7 @@ class LeastSquaresProblem {
     if (problem_.constraints.shapes.any_touches(problem_.scene->shapes(), options_.clearance,
                                                 hulls()))
       return true;
+    if (problem_.constraints.held.any_touches(problem_.rollout)) return true;
     const ObstacleView all = problem_.scene->obstacles();
     return hulls().any_near(
         all,
@@ -175,6 +176,7 @@ class LeastSquaresProblem {
       problem_.constraints.shapes.use_none();
     else
       problem_.constraints.shapes.use(problem_.scene->shapes(), options_.clearance);
+    problem_.constraints.held.use(counted_ != Counted::None);
     problem_.constraints.find(problem_.rollout, [](std::size_t, int) { return kContactGap; });
     double sum = 0.0, worst = 0.0;
     bool cut = false;

@@ -17,25 +17,33 @@ namespace pdoik::detail {
 struct Problem {
   /// Both outlive it.
   Problem(const Model& model_in, const Scene& scene_in)
-      : model(model_in), rollout(model.robot), constraints(model), scene(&scene_in) {
+      : model(model_in),
+        touching(model.robot, model.options.touch),
+        rollout(model.robot),
+        constraints(model),
+        scene(&scene_in) {
+    constraints.hulls.let_touch(&touching);
+    constraints.shapes.let_touch(&touching);
     goals.reserve(model.robot.tips().size());
   }
   Problem(const Problem&) = delete;
 
   void set_goals(std::span<const Goal> asked) {
+    touching.set_goals(asked);
     goals.clear();
     for (const Goal& goal : asked) goals.emplace_back(model.robot, goal);
   }
 
   /// Whether there is anything that hulls could touch.
   bool can_touch() const {
-    return scene->within_reach() > 0 || scene->shapes().count() > 0 ||
+    return scene->within_reach() > 0 || scene->shapes().count() > 0 || scene->held().count() > 0 ||
            constraints.self.wants_points();
   }
   /// Whether whoever evaluates should give up: asked for each constraint.
   bool is_late(int constraint) const { return passed_in(constraint, deadline); }
 
   const Model& model;
+  Touching touching;
   Rollout rollout;
   std::vector<GoalTerm> goals;
   Constraints constraints;

@@ -3,9 +3,12 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <span>
+#include <string>
 
 #include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
+#include "detail/held.hpp"
 #include "detail/model.hpp"
 #include "detail/shape_clearance.hpp"
 
@@ -33,6 +36,16 @@ class Scene {
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
   void use(std::shared_ptr<const ShapeSet> shapes);
 
+  /// Let a link hold these as well.
+  /// @throws std::invalid_argument  As HeldSolid; or one of them has the name of another.
+  void attach(const std::string& link, std::span<const Shape> shapes,
+              std::span<const std::string> may_touch);
+  /// Let a link hold nothing.
+  /// @throws std::invalid_argument  There is no such link.
+  void detach(const std::string& link);
+  /// What the robot holds from now on.
+  void hold(Held::Solids solids);
+
   /// Held while a solve reads the obstacles: brings up to date what follows from them.
   std::shared_lock<std::shared_mutex> read();
   /// Whether `read` has found them changed since this was last asked.
@@ -41,6 +54,7 @@ class Scene {
   /// Radii grow by the clearance that is wanted.
   ObstacleView obstacles() const { return {&cloud_->points(), margin_}; }
   const ShapePairs& shapes() const { return shapes_; }
+  const Held& held() const { return held_; }
   /// At most how many points are within the reach of moving hulls; none of the others can touch
   /// any.
   int within_reach() const { return within_reach_; }
@@ -74,6 +88,7 @@ class Scene {
   Clearance fixed_;
   ShapePairs shapes_;
   ShapeClearance fixed_to_shapes_;
+  Held held_;
   int within_reach_ = 0, version_ = -1;
   bool changed_ = true;
 };

@@ -19,15 +19,16 @@ class ShapePairs {
   int count() const { return set_->count(); }
   const Solid& solid(int shape) const { return set_->solids[static_cast<std::size_t>(shape)]; }
   const Shape& shape(int k) const { return set_->shapes[static_cast<std::size_t>(k)]; }
+  /// How deep a hull may lie in a shape; infinite if that does not matter [m].
   /// @param source  A hull's or capsule's place in the occupancy.
-  bool may_touch(int source, int shape) const {
-    return !allowed_.empty() && allowed_[static_cast<std::size_t>(source * count() + shape)];
+  double allowed(int source, int shape) const {
+    return allowed_.empty() ? 0.0 : allowed_[static_cast<std::size_t>(source * count() + shape)];
   }
   const std::shared_ptr<const ShapeSet>& set() const { return set_; }
 
  private:
   std::shared_ptr<const ShapeSet> set_;
-  std::vector<bool> allowed_;  ///< by source and shape; empty if none is
+  std::vector<double> allowed_;  ///< by source and shape; empty if nothing is
 };
 
 /// The least distance from what a hull is to a shape.

@@ -16,6 +16,7 @@ class ShapeConstraints {
   ShapeConstraints(const Robot& robot, const HullModel& model)
       : capsules_(robot, model, model.moving) {}
 
+  void let_touch(const Touching* touching) { capsules_.let_touch(touching); }
   void use_none() { pairs_ = nullptr; }
   /// The shapes of what follows, which outlive it; hulls keep `margin` off them [m].
   void use(const ShapePairs& pairs, double margin) {
@@ -37,6 +38,11 @@ class ShapeConstraints {
     if (pairs.count() == 0) return false;
     place(hulls);
     return any_nearer(capsules_, pairs, margin);
+  }
+
+  /// Of one hull and one shape, if less than `than`, where the hulls were placed.
+  ShapeClearance clearance(const ShapePairs& pairs, int hull, int shape, double than) {
+    return hull_clearance(capsules_, hull, pairs, shape, than);
   }
 
   template <class Reach>

@@ -45,8 +45,7 @@ class Step {
   const Model& model_;
   const Deadline* deadline_ = nullptr;
   Result probe_;  ///< on the way
-  Eigen::VectorXd q_, lower_, upper_, at_, levers_;
-  bool levers_are_constant_;
+  Eigen::VectorXd q_, lower_, upper_, at_, levers_, held_levers_;
 };
 
 }  // namespace pdoik::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "detail/collision_state.hpp"
+#include "detail/held_clearance.hpp"
 #include "detail/hull_capsules.hpp"
 #include "detail/model.hpp"
 #include "detail/scene.hpp"
@@ -20,6 +21,16 @@ class ToolCheck {
   /// The model outlives it.
   explicit ToolCheck(const Model& model);
 
+  /// What may touch obstacles at the target. Outlives it.
+  void let_touch(const Touching* touching) {
+    for (const auto& tool : tools_) {
+      tool->state->let_touch(touching);
+      tool->capsules->let_touch(touching);
+    }
+  }
+  /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
+  void hold(const Scene& scene);
+
   /// The deepest contact that goals without slack make certain, beyond what their tolerances could
   /// avoid; none if there is none.
   std::optional<WorstConstraint> contact(std::span<const Goal> goals, const Scene& scene);
@@ -27,16 +38,18 @@ class ToolCheck {
  private:
   struct Tool {
     int body;
-    double arm = 0.0;  ///< of all its hulls, from the tip's origin [m]
+    double arm = 0.0;        ///< of all its hulls, from the tip's origin [m]
+    double from_body = 0.0;  ///< of the tip's origin, from the body's [m]
     std::vector<Hull> hulls;
     std::vector<std::pair<int, Eigen::Vector3d>> points;  ///< attached ones, in the body's frame
     std::unique_ptr<CollisionState> state;
     std::unique_ptr<HullCapsules> capsules;
   };
-  std::optional<WorstConstraint> contact(Tool& tool, const Goal& goal, const Scene& scene) const;
+  std::optional<WorstConstraint> contact(Tool& tool, const Goal& goal, const Scene& scene);
 
   const Model& model_;
   std::vector<std::unique_ptr<Tool>> tools_;  ///< of each tip
+  std::optional<HeldClearance> held_;
 };
 
 }  // namespace pdoik::detail

@@ -29,6 +29,9 @@ class Verdicts {
   /// Whether the tool itself is in an obstacle where the goals put it: looked at once an attempt,
   /// when a start has reached the goals and does not solve.
   bool is_blocked(Attempt& attempt);
+  /// Whether so many starts have ended against the same obstacle by the same hull that others will.
+  /// Where joints are left over some must have been tried to bring clear as well.
+  bool all_end_alike(Attempt& attempt, const Trial& trial);
   bool repair_pays(const Attempt& attempt) const;
   void keep_candidate(Attempt& attempt, const Trial& trial);
   /// Go from the solution that the result holds downhill to the posture as long as it solves.

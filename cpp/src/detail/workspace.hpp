@@ -43,6 +43,7 @@ class Workspace {
              double look = std::numeric_limits<double>::infinity());
   /// The same, of no solve.
   void judge_unwatched(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result) {
+    problem.touching.set_goals(asked);
     judge_(asked, at, scene(), result);
   }
   /// Minimise least squares from x, which then holds the end. @returns The value there.

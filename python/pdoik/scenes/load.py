@@ -15,7 +15,7 @@ from pdoik._core import Cloud, Scene, Shape, voxel_downsample
 from pdoik.clouds import load_cloud
 from pdoik.scenes import moveit_yaml, own_yaml
 from pdoik.scenes.moveit_text import read_moveit_text
-from pdoik.scenes.pieces import Thing, shapes_of
+from pdoik.scenes.pieces import AllowedContact, Thing, shapes_of
 from pdoik.scenes.values import EntryError, numbers, read_yaml
 
 FloatArray = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ class SceneFile:
         surface: The points of its cloud as their file has them, (N, 3) [m]; no rows without one.
         leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.
         radii: Whether points that are kept cover those that are not.
-        allowed: Pairs (link, shape) that may touch.
+        allowed: What may touch, (link, shape) or (link, shape, depth).
     """
 
     path: Path
@@ -39,7 +39,7 @@ class SceneFile:
     surface: FloatArray
     leaf: float
     radii: bool
-    allowed: tuple[tuple[str, str], ...]
+    allowed: tuple[AllowedContact, ...]
 
     def thinned(self) -> FloatArray:
         """The points that are kept, (K, 3) or (K, 4) with a radius each [m]."""
@@ -134,7 +134,7 @@ def _read_own(content: dict[str, Any], file: Path, package_dirs: Sequence[Path])
 def _scene_file(
     file: Path,
     things: Sequence[Thing],
-    allowed: Sequence[tuple[str, str]],
+    allowed: Sequence[AllowedContact],
     *,
     surface: FloatArray | None = None,
     leaf: float = 0.0,
@@ -149,7 +149,8 @@ def _scene_file(
         radii=radii,
         allowed=tuple(allowed),
     )
-    for k, (_, shape) in enumerate(allowed):
+    for k, contact in enumerate(allowed):
+        shape = contact[1]
         if shape not in {each.name for each in found.shapes}:
             raise EntryError(file, f"there is no shape {shape!r}", f"allowed[{k}]")
     try:

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from pdoik._core import Scene, Shape
 from pdoik._files import write_whole
 from pdoik.scenes.meshes import find_mesh, read_mesh
-from pdoik.scenes.pieces import Kind, Piece, Thing, half_space
+from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, half_space
 from pdoik.scenes.values import EntryError, numbers, rotation, rows
 
 FloatArray = npt.NDArray[np.float64]
@@ -59,19 +59,29 @@ def read_shapes(
     return things
 
 
-def read_allowed(content: Mapping[str, Any], file: Path) -> list[tuple[str, str]]:
-    """Pairs (link, shape) that `allowed` lists.
+def read_allowed(content: Mapping[str, Any], file: Path) -> list[AllowedContact]:
+    """What `allowed` lists: (link, shape) or (link, shape, depth).
 
     Raises:
-        EntryError: One is no pair of names.
+        EntryError: One is neither.
     """
-    pairs = content.get("allowed") or []
-    if not isinstance(pairs, list):
-        raise EntryError(file, f"expected a list of [link, shape], got {pairs!r}", "allowed")
-    for k, pair in enumerate(pairs):
-        if not (isinstance(pair, list) and [type(name) for name in pair] == [str, str]):
-            raise EntryError(file, f"expected [link, shape], got {pair!r}", f"allowed[{k}]")
-    return [(link, shape) for link, shape in pairs]
+    contacts = content.get("allowed") or []
+    if not isinstance(contacts, list):
+        raise EntryError(
+            file, f"expected a list of [link, shape] or [link, shape, depth], got {contacts!r}", "allowed"
+        )
+    return [_read_contact(contact, file, f"allowed[{k}]") for k, contact in enumerate(contacts)]
+
+
+def _read_contact(contact: object, file: Path, entry: str) -> AllowedContact:
+    match contact:
+        case [str(link), str(shape)]:
+            return link, shape
+        case [str(link), str(shape), float() | int() as depth] if depth >= 0:
+            return link, shape, float(depth)
+    raise EntryError(
+        file, f"expected [link, shape] or [link, shape, depth >= 0], got {contact!r}", entry
+    )
 
 
 def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
@@ -88,7 +98,7 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
     content = {
         "shapes": [_entry_of(shape) for shape in scene.shapes],
-        "allowed": [list(pair) for pair in scene.allowed],
+        "allowed": [list(contact) for contact in scene.allowed],
     }
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
     write_whole(path, text)

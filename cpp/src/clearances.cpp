@@ -1,0 +1,50 @@
+#include "detail/clearances.hpp"
+
+#include "detail/held_clearance.hpp"
+
+namespace pdoik::detail {
+
+std::vector<ObstacleClearance> clearances(const Model& model, const Scene& scene,
+                                          const Eigen::VectorXd& q) {
+  std::vector<Eigen::Isometry3d> T_base_body(model.robot.bodies().size());
+  model.robot.body_poses(q, T_base_body);
+  const std::vector<Hull> hulls = model.hulls.all();
+  CollisionState state(model.hulls, hulls);
+  state.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
+  state.place(T_base_body);
+  HullCapsules capsules(model.robot, model.hulls, hulls);
+  capsules.place(state.positions(), state.frames());
+  HeldClearance held(model.robot, model.hulls, model.options, scene.held());
+  held.place([&](int body) { return to_frame(T_base_body[static_cast<std::size_t>(body)]); },
+             state.positions(), state.frames());
+
+  const double wanted = model.options.clearance;
+  std::vector<ObstacleClearance> result;
+  const auto add = [&](ObstacleClearance nearest, auto&& of_held) {
+    for (int k = 0; k < held.count(); ++k) {
+      const std::optional<HeldNear> near = of_held(k, nearest.distance - wanted);
+      if (near) nearest = {nearest.shape, near->distance + wanted, -1, k, near->other};
+    }
+    if (nearest.shape >= 0) nearest.point = -1;
+    result.push_back(nearest);
+  };
+  for (int shape = 0; shape < scene.shapes().count(); ++shape) {
+    ObstacleClearance nearest{shape, std::numeric_limits<double>::infinity(), -1, -1, -1};
+    for (int k = 0; k < capsules.count(); ++k) {
+      const ShapeClearance found =
+          hull_clearance(capsules, k, scene.shapes(), shape, nearest.distance);
+      if (found.shape >= 0) nearest = {shape, found.distance, found.source, -1, -1};
+    }
+    add(nearest, [&](int k, double within) {
+      return held.nearest_of_shape(k, scene.shapes(), shape, within);
+    });
+  }
+  if (scene.obstacles()->count() > 0) {
+    const Clearance least = least_clearance(state, scene.obstacles());
+    add({-1, least.distance + wanted, least.source, -1, least.obstacle},
+        [&](int k, double within) { return held.nearest_point(k, scene.obstacles(), within); });
+  }
+  return result;
+}
+
+}  // namespace pdoik::detail

@@ -1,0 +1,60 @@
+#include "detail/common_contacts.hpp"
+
+#include <algorithm>
+
+#include "detail/clearance.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// What of a hull touches a shape or, where that is negative, points; none if nothing does.
+std::optional<WorstConstraint> contact(Problem& problem, int hull, int shape) {
+  using Kind = WorstConstraint::Kind;
+  const Options& options = problem.model.options;
+  Constraints& constraints = problem.constraints;
+  const double tolerance = options.clearance_tolerance;
+  if (shape >= 0) {
+    const ShapeClearance found = constraints.shapes.clearance(problem.scene->shapes(), hull, shape,
+                                                              options.clearance - tolerance);
+    if (found.shape < 0) return std::nullopt;
+    return WorstConstraint{Kind::Shape, found.source, shape,
+                           options.clearance - found.distance - tolerance};
+  }
+  const Clearance found = least_clearance_of(constraints.hulls, static_cast<std::size_t>(hull),
+                                             problem.scene->obstacles(), -tolerance);
+  if (found.source < 0) return std::nullopt;
+  return WorstConstraint{Kind::Clearance, found.source, found.obstacle,
+                         -found.distance - tolerance};
+}
+
+}  // namespace
+
+void CommonContacts::note(Problem& problem) {
+  if (starts_ > 0 && pairs_.empty()) return;
+  problem.constraints.hulls.place(problem.rollout);
+  problem.constraints.shapes.place(problem.constraints.hulls);
+  if (starts_++ > 0) {
+    std::erase_if(pairs_,
+                  [&](const Pair& pair) { return !contact(problem, pair.hull, pair.shape); });
+    return;
+  }
+  const int hulls = static_cast<int>(problem.model.hulls.moving.size());
+  const int first = problem.scene->within_reach() > 0 ? -1 : 0;
+  for (int hull = 0; hull < hulls; ++hull) {
+    for (int shape = first; shape < problem.scene->shapes().count(); ++shape)
+      if (pairs_.size() < kMost && contact(problem, hull, shape)) pairs_.push_back({hull, shape});
+  }
+}
+
+std::optional<WorstConstraint> CommonContacts::deepest(Problem& problem) const {
+  problem.constraints.hulls.place(problem.rollout);
+  problem.constraints.shapes.place(problem.constraints.hulls);
+  std::optional<WorstConstraint> deepest;
+  for (const Pair& pair : pairs_) {
+    const auto found = contact(problem, pair.hull, pair.shape);
+    if (found && (!deepest || found->violation > deepest->violation)) deepest = found;
+  }
+  return deepest;
+}
+
+}  // namespace pdoik::detail

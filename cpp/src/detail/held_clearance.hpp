@@ -1,0 +1,87 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "detail/collision_state.hpp"
+#include "detail/convex_distance.hpp"
+#include "detail/held.hpp"
+#include "pdoik/options.hpp"
+#include "pdoik/result.hpp"
+
+namespace pdoik::detail {
+
+/// What a held solid is near to.
+struct HeldNear {
+  WorstConstraint::Kind kind = WorstConstraint::Kind::None;  ///< HeldPoint, HeldShape or HeldHull
+  int held = -1;
+  int other = -1;  ///< the point's id, the shape, or the hull's place in the occupancy
+  double distance = std::numeric_limits<double>::infinity();  ///< beyond what is wanted [m]
+  int slot = 0;  ///< of the pair, the same from one configuration to another
+  Pulls pulls;   ///< the derivatives of minus the distance
+};
+
+/// Distances of what the robot holds from points, shapes and its own hulls. The state of one
+/// thread. Allocates at construction only.
+class HeldClearance {
+ public:
+  /// All outlive it.
+  HeldClearance(const Robot& robot, const HullModel& hulls, const Options& options,
+                const Held& held);
+
+  int count() const { return held_.count(); }
+  /// The robot's.
+  int hulls() const { return hull_capsules_.count(); }
+  /// At most so many are found at once.
+  int most(int shapes) const { return count() * (1 + shapes + hull_capsules_.count()); }
+
+  /// Where the bodies' frames and the robot's attached points are, which are read until the next.
+  template <class FrameOf>
+  void place(FrameOf&& frame_of, const Vec4* positions, const Frame* frames) {
+    for (int k = 0; k < count(); ++k) place_solid(k, frame_of(held_[k].body));
+    hull_capsules_.place(positions, frames);
+  }
+  /// One of them alone, where its body is.
+  void place_solid(int k, const Frame& frame) {
+    frames_[static_cast<std::size_t>(k)] = frame;
+    balls_.place(static_cast<std::size_t>(k), transform(frame, held_[k].solid.centre()));
+  }
+
+  /// Calls visit(HeldNear) for the nearest point, each shape and each hull that is within a
+  /// distance of what is wanted, by ascending slots.
+  template <class Visit>
+  void find(const ObstacleView& points, const ShapePairs& shapes, double within, Visit&& visit) {
+    int slot = 0;
+    const auto tell = [&](std::optional<HeldNear> near) {
+      if (near) {
+        near->slot = slot;
+        visit(*near);
+      }
+      ++slot;
+    };
+    for (int k = 0; k < count(); ++k) {
+      tell(nearest_point(k, points, within));
+      for (int shape = 0; shape < shapes.count(); ++shape)
+        tell(nearest_of_shape(k, shapes, shape, within));
+      for (int hull = 0; hull < hull_capsules_.count(); ++hull)
+        tell(nearest_of_hull(k, hull, within));
+    }
+  }
+  /// The nearest point to a solid, if within a distance; the same of a shape, and of a hull.
+  std::optional<HeldNear> nearest_point(int k, const ObstacleView& points, double within);
+  std::optional<HeldNear> nearest_of_shape(int k, const ShapePairs& shapes, int shape,
+                                           double within) const;
+  std::optional<HeldNear> nearest_of_hull(int k, int hull, double within);
+
+ private:
+  const Frame& frame(int k) const { return frames_[static_cast<std::size_t>(k)]; }
+
+  const Held& held_;
+  double clearance_, self_clearance_;
+  CollisionState balls_;
+  HullCapsules hull_capsules_;
+  std::vector<Frame> frames_;  ///< of the bodies that hold them
+};
+
+}  // namespace pdoik::detail

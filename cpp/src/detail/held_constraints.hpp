@@ -1,0 +1,78 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "detail/constraint_family.hpp"
+#include "detail/held_clearance.hpp"
+#include "detail/scene.hpp"
+
+namespace pdoik::detail {
+
+/// What the robot holds off points, shapes and the robot: one group.
+class HeldConstraints {
+ public:
+  /// The model and the hulls outlive it.
+  HeldConstraints(const Model& model, const CollisionState& hulls) : model_(model), hulls_(hulls) {}
+
+  /// What is held in a scene, which outlives it: asked again whenever that changes. Allocates.
+  void hold(const Scene& scene) {
+    scene_ = &scene;
+    held_.reset();
+    if (scene.held().count() > 0)
+      held_.emplace(model_.robot, model_.hulls, model_.options, scene.held());
+    near_.reserve(most());
+  }
+  void use(bool wanted) { wanted_ = wanted; }
+  std::size_t most() const {
+    return held_ ? static_cast<std::size_t>(held_->most(scene_->shapes().count())) : 0;
+  }
+
+  bool wants_points() const { return wanted_ && held_.has_value(); }
+  int groups() const { return 1; }
+  /// Whether anything touches where a rollout is and the hulls are.
+  bool any_touches(const Rollout& rollout) {
+    if (!held_) return false;
+    find_within(rollout, 0.0);
+    return !near_.empty();
+  }
+
+  template <class Reach>
+  void find(const Rollout& rollout, Reach&& reach) {
+    near_.clear();
+    if (wants_points()) find_within(rollout, reach(0));
+  }
+  int count() const { return static_cast<int>(near_.size()); }
+  ConstraintKey key(int k) const { return constraint_key(0, at(k).slot); }
+
+  struct Near : HeldNear {
+    double c;
+  };
+  const Near& at(int k) const { return near_[static_cast<std::size_t>(k)]; }
+  void add_row(const Near& at, const Rollout& rollout, double* row) const {
+    for (const auto& [body, point, direction] : at.pulls)
+      rollout.add_row(body, direction, cross3(point, direction), row);
+  }
+  void add_wrenches(const Near& at, double slope, Rollout& rollout) const {
+    for (const auto& [body, point, direction] : at.pulls)
+      rollout.add_force(body, point, broadcast(slope) * direction);
+  }
+
+ private:
+  void find_within(const Rollout& rollout, double within) {
+    near_.clear();
+    held_->place([&](int body) -> const Frame& { return rollout.frame(body); }, hulls_.positions(),
+                 hulls_.frames());
+    held_->find(scene_->obstacles(), scene_->shapes(), within,
+                [&](const HeldNear& near) { near_.push_back({near, -near.distance}); });
+  }
+
+  const Model& model_;
+  const CollisionState& hulls_;
+  const Scene* scene_ = nullptr;
+  std::optional<HeldClearance> held_;
+  bool wanted_ = false;
+  std::vector<Near> near_;
+};
+
+}  // namespace pdoik::detail

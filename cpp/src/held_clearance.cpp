@@ -1,0 +1,93 @@
+#include "detail/held_clearance.hpp"
+
+#include <cmath>
+
+namespace pdoik::detail {
+
+using Kind = WorstConstraint::Kind;
+
+HeldClearance::HeldClearance(const Robot& robot, const HullModel& hulls, const Options& options,
+                             const Held& held)
+    : held_(held),
+      clearance_(options.clearance),
+      self_clearance_(options.self_clearance),
+      balls_(held.balls(), held.balls().moving),
+      hull_capsules_(robot, hulls, hulls.all()),
+      frames_(static_cast<std::size_t>(held.count())) {
+  balls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
+}
+
+std::optional<HeldNear> HeldClearance::nearest_point(int k, const ObstacleView& points,
+                                                     double within) {
+  const Solid& solid = held_[k].solid;
+  HeldNear least;
+  least.distance = within;
+  SolidDistance nearest{};
+  Vec4 at{};
+  const auto visit = [&](const NearPair* begin, const NearPair* end) {
+    for (const NearPair* pair = begin; pair != end; ++pair) {
+      const Vec4 o = points[pair->obstacle];
+      const SolidDistance found = solid.distance(to_local(frame(k), o));
+      if (!(found.distance - o[3] < least.distance)) continue;
+      least.distance = found.distance - o[3];
+      least.other = points->id(pair->obstacle);
+      nearest = found;
+      at = o;
+    }
+    return true;
+  };
+  const auto grow = [&](std::size_t) { return least.distance; };
+  balls_.visit_near_of(static_cast<std::size_t>(k), points, grow, visit);
+  if (least.other < 0) return std::nullopt;
+  least.kind = Kind::HeldPoint;
+  least.held = k;
+  // As the body carries the place where the point is, the point comes deeper or farther.
+  least.pulls.each[least.pulls.count++] = {held_[k].body, at, rotate(frame(k), nearest.gradient)};
+  return least;
+}
+
+std::optional<HeldNear> HeldClearance::nearest_of_shape(int k, const ShapePairs& shapes, int shape,
+                                                        double within) const {
+  if (!held_.heeds_shape(k, shape)) return std::nullopt;
+  const Solid &solid = held_[k].solid, &still = shapes.solid(shape);
+  if (still.bound(transform(frame(k), solid.centre()), solid.radius()) - clearance_ >= within)
+    return std::nullopt;
+  const ConvexDistance found = convex_distance(solid, frame(k), still);
+  if (!(found.distance - clearance_ < within)) return std::nullopt;
+  HeldNear near{Kind::HeldShape, k, shape, found.distance - clearance_, 0, {}};
+  near.pulls.each[near.pulls.count++] = {held_[k].body, found.point, -found.gradient};
+  return near;
+}
+
+std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double within) {
+  if (!held_.heeds_hull(k, hull)) return std::nullopt;
+  const Solid& solid = held_[k].solid;
+  const Frame& T = frame(k);
+  const double far = within + self_clearance_;
+  const Vec4 apart = transform(T, solid.centre()) - hull_capsules_.around(hull).middle;
+  // A hull that is hollow, whose middle is not a number, is near nothing.
+  if (!(std::sqrt(dot3(apart, apart)) - solid.radius() - hull_capsules_.semi_major(hull) < far))
+    return std::nullopt;
+  double least = far;
+  const PlacedCapsule* nearest = nullptr;
+  SegmentSolidDistance where{};
+  for (const PlacedCapsule& capsule : hull_capsules_.of(hull)) {
+    const Vec4 middle = to_local(T, capsule.middle), half = to_local(T, T.p + capsule.half);
+    if (solid.bound(middle, std::sqrt(dot3(half, half)) + capsule.radius) >= least) continue;
+    const SegmentSolidDistance found = solid.distance(middle, half, least + capsule.radius);
+    if (!(found.distance - capsule.radius < least)) continue;
+    least = found.distance - capsule.radius;
+    nearest = &capsule;
+    where = found;
+  }
+  if (nearest == nullptr) return std::nullopt;
+  HeldNear near{Kind::HeldHull, k, nearest->source, least - self_clearance_, 0, {}};
+  const Vec4 point = transform(T, where.point), gradient = rotate(T, where.gradient);
+  const double half2 = dot3(nearest->half, nearest->half);
+  const double t = half2 > 0.0 ? dot3(point - nearest->middle, nearest->half) / half2 : 0.0;
+  near.pulls.each[near.pulls.count++] = {held_[k].body, point, gradient};
+  hull_capsules_.pull(hull, *nearest, t, -gradient, near.pulls);
+  return near;
+}
+
+}  // namespace pdoik::detail

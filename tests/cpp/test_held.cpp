@@ -1,0 +1,367 @@
+#include <gtest/gtest.h>
+
+#include "arms.hpp"
+#include "detail/convex_distance.hpp"
+#include "finite_differences.hpp"
+#include "pdoik/tracker.hpp"
+#include "random_shapes.hpp"
+#include "workbench.hpp"
+
+/// Solids that a link carries: distances of two solids, gradients by differences, and solves.
+namespace pdoik::detail {
+namespace {
+
+using namespace pdoik::testing;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Shape moved(Shape shape, const Eigen::Isometry3d& T) {
+  if (shape.kind == Shape::Kind::HalfSpace) {
+    const Eigen::Vector3d normal = T.linear() * shape.T_base_shape.linear().col(2);
+    return Shape::half_space(shape.name, normal, T * shape.T_base_shape.translation());
+  }
+  shape.T_base_shape = T * shape.T_base_shape;
+  return shape;
+}
+
+/// A bound from above that comes down to the distance of two solids that are apart: points of
+/// either, projected onto the other in turn. 0 where they are not.
+double by_projections(const Shape& one, const Shape& two, int rounds) {
+  Eigen::Vector3d p = one.T_base_shape.translation(), q = p;
+  for (int round = 0; round < rounds; ++round) {
+    q = projected(two, p);
+    p = projected(one, q);
+  }
+  return (p - q).norm();
+}
+
+struct Pair {
+  explicit Pair(std::uint64_t seed) : random(seed) {
+    moving = random_shape(random, random.integer(0, 3), "moving");
+    if (seed % 3 == 0) moving = random_shape(random, 5, "moving");  // no half-space
+    still = random_shape(random, static_cast<int>(seed), "still");
+    T = random.pose(0.8);
+  }
+  ConvexDistance at(const Eigen::Isometry3d& where) const {
+    return convex_distance(Solid(moving), to_frame(where), Solid(still));
+  }
+  Random random;
+  Shape moving, still;
+  Eigen::Isometry3d T;
+};
+
+TEST(ConvexDistance, apart_it_is_what_projections_in_turn_come_down_to) {
+  int apart = 0;
+  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Pair pair(seed);
+    const ConvexDistance found = pair.at(pair.T);
+    const double above = by_projections(moved(pair.moving, pair.T), pair.still, 400);
+    EXPECT_LE(found.distance, above + 1e-9);
+    if (found.distance < 0.01) continue;
+    ++apart;
+    // Projections in turn are slow where faces are nearly parallel.
+    EXPECT_NEAR(found.distance, above, 2e-3 * above);
+  }
+  EXPECT_GT(apart, 300);
+}
+
+TEST(ConvexDistance, inside_each_other_it_is_the_least_way_out) {
+  int inside = 0;
+  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Pair pair(seed);
+    pair.T.translation() *= 0.3;
+    const ConvexDistance found = pair.at(pair.T);
+    if (found.distance > -1e-3) continue;
+    ++inside;
+    const auto after = [&](const Eigen::Vector3d& way) {
+      Eigen::Isometry3d T = pair.T;
+      T.pretranslate(way);
+      return pair.at(T).distance;
+    };
+    EXPECT_NEAR(after(-(found.distance - 1e-4) * to_vector3(found.gradient)), 1e-4, 1e-5);
+    for (int k = 0; k < 30; ++k)
+      EXPECT_LE(after(-(found.distance + 1e-4) * pair.random.direction()), 1e-6);
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(inside, 300);
+}
+
+TEST(ConvexDistance, it_changes_as_its_gradient_says) {
+  int checked = 0;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Pair pair(seed);
+    const ConvexDistance found = pair.at(pair.T);
+    const auto c = [&](const Eigen::VectorXd& x) {
+      Eigen::Isometry3d T = pair.T;
+      const Eigen::Vector3d turn = x.tail<3>();
+      T.prerotate(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+      T.pretranslate(Eigen::Vector3d(x.head<3>()));
+      return pair.at(T).distance;
+    };
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(6);
+    const Eigen::VectorXd one = central_gradient(c, zero, 1e-6),
+                          two = central_gradient(c, zero, 1e-5);
+    if ((one - two).cwiseAbs().maxCoeff() > 1e-4) continue;  // at a kink
+    Eigen::VectorXd expected(6);
+    expected << to_vector3(found.gradient),
+        to_vector3(found.point).cross(to_vector3(found.gradient));
+    EXPECT_LT((one - expected).cwiseAbs().maxCoeff(), 2e-3) << found.distance;
+    ++checked;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(checked, 700);
+}
+
+// --- What a robot holds -------------------------------------------------------------------------
+
+/// An arm with what it holds, among shapes and points.
+struct Holding {
+  explicit Holding(int seed)
+      : random(static_cast<std::uint64_t>(seed)),
+        robot(with_hulls(Robot::builtin(arm_names()[static_cast<std::size_t>(seed % 3)]))) {
+    if (seed % 2 == 0) robot.set_occupancy(with_capsules(robot, robot.occupancy(), random, 6));
+    link = robot.link_names().back();
+    held = random_shape(random, random.integer(0, 3), "held");
+    held.size *= 0.4;
+    held.T_base_shape.translation() *= 0.4;
+  }
+  /// Its least distance from points, shapes and hulls that are not its own, at q.
+  struct Distances {
+    double obstacles = kInfinity, itself = kInfinity;
+  };
+  Distances distances(const Eigen::VectorXd& q, const std::vector<Shape>& shapes,
+                      const ObstacleMatrix& points) const {
+    Distances least;
+    const Eigen::Isometry3d T = robot.fk(q, link);
+    const Solid solid(moved(held, T));
+    for (Eigen::Index k = 0; k < points.rows(); ++k) {
+      const Eigen::Vector3d o = points.row(k).head<3>().transpose();
+      least.obstacles = std::min(least.obstacles, solid.distance(to_vec4(o)).distance);
+    }
+    for (const Shape& shape : shapes) {
+      least.obstacles = std::min(least.obstacles,
+                                 convex_distance(Solid(held), to_frame(T), Solid(shape)).distance);
+    }
+    return least;
+  }
+
+  Random random;
+  Robot robot;
+  std::string link;
+  Shape held;
+};
+
+TEST(Held, the_judge_finds_what_it_is_nearest_to) {
+  int by_held = 0, by_itself = 0;
+  for (int seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Holding holding(seed);
+    Solver solver(holding.robot, timeless());
+    std::vector<Shape> shapes;
+    for (int k = 0; k < 3; ++k)
+      shapes.push_back(
+          random_shape(holding.random, holding.random.integer(0, 5), "shape " + std::to_string(k)));
+    const ObstacleMatrix points = random_obstacles(holding.random, 20, 1.0);
+    solver.set_shapes(Shapes(shapes));
+    solver.set_obstacles(points);
+    const Eigen::VectorXd q = random_configuration(holding.robot, holding.random);
+    Result without, with;
+    solver.judge(holding.robot.fk(q), q, without);
+    solver.attach(holding.link, {&holding.held, 1});
+    solver.judge(holding.robot.fk(q), q, with);
+    const double expected =
+        std::min(without.clearance, holding.distances(q, shapes, points).obstacles);
+    EXPECT_NEAR(with.clearance, expected, 1e-6);
+    using Kind = WorstConstraint::Kind;
+    by_held += with.worst.kind == Kind::HeldPoint || with.worst.kind == Kind::HeldShape;
+    by_itself += with.worst.kind == Kind::HeldHull;
+    if (with.worst.kind >= Kind::HeldPoint) {
+      EXPECT_NE(solver.describe(with.worst).find("clearance of held to "), std::string::npos);
+    }
+    EXPECT_EQ(with.success, with.clearance >= -solver.options().clearance_tolerance &&
+                                with.self_distance >= -solver.options().clearance_tolerance);
+    double least = kInfinity;
+    const std::vector<ObstacleClearance> each = solver.clearances(q);
+    ASSERT_EQ(each.size(), shapes.size() + 1);
+    for (const ObstacleClearance& obstacle : each) {
+      least = std::min(least, obstacle.distance);
+      Solver alone(holding.robot, timeless());  // among that obstacle
+      alone.attach(holding.link, {&holding.held, 1});
+      if (obstacle.shape < 0)
+        alone.set_obstacles(points);
+      else
+        alone.set_shapes(Shapes({shapes[static_cast<std::size_t>(obstacle.shape)]}));
+      Result of_one;
+      alone.judge(holding.robot.fk(q), q, of_one);
+      EXPECT_NEAR(obstacle.distance, of_one.clearance, 1e-9);
+      EXPECT_NE(obstacle.hull < 0, obstacle.held < 0);
+    }
+    EXPECT_NEAR(least, with.clearance, 1e-9);
+    solver.detach(holding.link);
+    solver.judge(holding.robot.fk(q), q, with);
+    EXPECT_EQ(with.clearance, without.clearance);
+    EXPECT_EQ(with.self_distance, without.self_distance);
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(by_held, 10);
+  EXPECT_GT(by_itself, 0);
+}
+
+TEST(Held, its_constraints_rows_are_central_differences_in_both_forms) {
+  int checked[3] = {0, 0, 0};
+  for (int seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Holding holding(seed);
+    Workbench bench(holding.robot, {});
+    std::vector<Shape> shapes;
+    for (int k = 0; k < 3; ++k)
+      shapes.push_back(
+          random_shape(holding.random, holding.random.integer(0, 5), "shape " + std::to_string(k)));
+    auto set = std::make_shared<ShapeSet>();
+    for (const Shape& shape : shapes) set->solids.emplace_back(shape);
+    set->shapes = shapes;
+    bench.set_obstacles(random_obstacles(holding.random, 30, 0.8));
+    bench.scene.use(set);
+    bench.scene.attach(holding.link, {&holding.held, 1}, {});
+    HeldConstraints& family = bench.problem.constraints.held;
+    family.hold(bench.scene);
+    family.use(true);
+    const Eigen::VectorXd q = random_configuration(holding.robot, holding.random, 0.01);
+    const auto place = [&](const Eigen::VectorXd& x) {
+      bench.roll_out(x);
+      family.find(bench.problem.rollout, [](int) { return 0.2; });
+    };
+    place(q);
+    std::vector<HeldConstraints::Near> nears;
+    std::vector<Eigen::VectorXd> rows;
+    for (int k = 0; k < family.count(); ++k) {
+      if (k > 0) {
+        EXPECT_LT(family.key(k - 1), family.key(k));
+      }
+      nears.push_back(family.at(k));
+      rows.emplace_back(Eigen::VectorXd::Zero(holding.robot.dof()));
+      family.add_row(nears.back(), bench.problem.rollout, rows.back().data());
+      bench.problem.rollout.clear_wrenches();
+      family.add_wrenches(nears.back(), 3.0, bench.problem.rollout);
+      Eigen::VectorXd gradient(holding.robot.dof());
+      bench.problem.rollout.reverse(gradient.data(), holding.robot.dof());
+      EXPECT_LT((gradient - 3.0 * rows.back()).cwiseAbs().maxCoeff(), 1e-12);
+    }
+    for (std::size_t n = 0; n < nears.size(); ++n) {
+      const auto c = [&](const Eigen::VectorXd& x) {
+        place(x);
+        for (int k = 0; k < family.count(); ++k)
+          if (family.at(k).slot == nears[n].slot) return family.at(k).c;
+        return -1.0;
+      };
+      const Eigen::VectorXd one = central_gradient(c, q, 1e-6), two = central_gradient(c, q, 1e-5);
+      if ((one - two).cwiseAbs().maxCoeff() > 1e-4) continue;  // at a kink
+      EXPECT_LT((rows[n] - one).cwiseAbs().maxCoeff(), 2e-3)
+          << rows[n].transpose() << "\n"
+          << one.transpose() << "\nkind " << static_cast<int>(nears[n].kind) << " c " << nears[n].c;
+      ++checked[static_cast<int>(nears[n].kind) -
+                static_cast<int>(WorstConstraint::Kind::HeldPoint)];
+    }
+    if (HasFailure()) return;
+  }
+  for (const int count : checked) EXPECT_GT(count, 50);
+}
+
+TEST(Held, solves_and_steps_keep_it_off_and_blocked_says_what_it_touches) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  const std::string hand = robot.link_names().back();
+  Eigen::Isometry3d in_hand = Eigen::Isometry3d::Identity();
+  in_hand.translation().z() = 0.16;
+  const Shape stick = Shape::box("stick", in_hand, {0.03, 0.03, 0.12});
+  int solved = 0, kept = 0;
+  for (int seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    const Eigen::VectorXd q = random_configuration(robot, random, 0.05);
+    const Eigen::Isometry3d T = robot.fk(q, hand);
+    Solver solver(robot, timeless());
+    solver.attach(hand, {&stick, 1});
+    // A ball beside the stick where the target has it.
+    const Shape beside =
+        Shape::sphere("ball", T * (in_hand * Eigen::Vector3d(0.08, 0.0, 0.0)), 0.05);
+    solver.set_shapes(Shapes({beside}));
+    const Result result = solver.solve(robot.fk(q), q);
+    if (result.success) {
+      ++solved;
+      const ConvexDistance apart =
+          convex_distance(Solid(stick), to_frame(robot.fk(result.q, hand)), Solid(beside));
+      EXPECT_GE(apart.distance, -1e-6);
+    }
+    // And one that it is stuck in.
+    solver.set_shapes(Shapes({Shape::sphere("ball", T * in_hand.translation(), 0.01)}));
+    const Result stuck = solver.solve(robot.fk(q), q);
+    EXPECT_EQ(stuck.status, Status::Blocked);
+    EXPECT_EQ(solver.describe(stuck.worst), "clearance of stick to ball");
+    const std::vector<Eigen::Isometry3d> targets{robot.fk(q)};
+    const std::vector<Eigen::VectorXd> starts{q};
+    EXPECT_EQ(solver.solve_batch(targets, starts).front().status, Status::Blocked);
+    Solver empty_handed(solver);
+    empty_handed.detach();
+    EXPECT_NE(empty_handed.solve(robot.fk(q), q).status, Status::Blocked);
+    // A tracker that is asked to push the stick through a wall stays before it.
+    Tracker tracker(robot, timeless());
+    if (!result.success) continue;
+    tracker.reset(result.q);
+    tracker.attach(hand, {&stick, 1});
+    const Eigen::Isometry3d from = robot.fk(result.q, hand);
+    const Shape wall =
+        Shape::half_space("wall", -from.linear().col(2), from * Eigen::Vector3d(0.0, 0.0, 0.23));
+    tracker.set_shapes(Shapes({wall}));
+    Eigen::Isometry3d goal = robot.fk(result.q);
+    if (tracker.step(goal).clearance < 1e-3) continue;  // the wall is through the arm
+    tracker.reset(result.q);
+    for (int k = 0; k < 40; ++k) {
+      goal.translate(Eigen::Vector3d(0.0, 0.0, 0.001));
+      const TrackerResult& step = tracker.step(goal);
+      const ConvexDistance apart =
+          convex_distance(Solid(stick), to_frame(robot.fk(step.q, hand)), Solid(wall));
+      EXPECT_GE(apart.distance, -1e-5);
+      kept += step.tracking == TrackerStatus::Infeasible && step.clearance < 1e-5;
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(solved, 20);
+  EXPECT_GT(kept, 50);
+}
+
+TEST(Held, what_may_touch_it_and_what_makes_no_sense) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  const std::string hand = robot.link_names().back();
+  Eigen::Isometry3d in_hand = Eigen::Isometry3d::Identity();
+  in_hand.translation().z() = 0.2;
+  const Shape cube = Shape::box("cube", in_hand, {0.05, 0.05, 0.05});
+  Random random(3);
+  const Eigen::VectorXd q = random_configuration(robot, random, 0.2);
+  const Shape table = Shape::sphere("table", robot.fk(q, hand) * in_hand.translation(), 0.01);
+  Solver solver(robot, timeless());
+  solver.set_shapes(Shapes({table}));
+  const std::vector<std::string> touching{"table"};
+  solver.attach(hand, {&cube, 1}, touching);
+  Result result;
+  solver.judge(robot.fk(q), q, result);
+  EXPECT_GT(result.clearance, 0.0);
+  solver.detach();
+  solver.attach(hand, {&cube, 1});
+  solver.judge(robot.fk(q), q, result);
+  EXPECT_LT(result.clearance, 0.0);
+  const auto refuses = [&](const std::string& link, const Shape& shape) {
+    EXPECT_THROW(solver.attach(link, {&shape, 1}), std::invalid_argument);
+  };
+  refuses(hand, cube);  // one more of that name
+  refuses("nobody", Shape::sphere("ball", {0, 0, 0}, 0.1));
+  refuses(robot.link_names().front(), Shape::sphere("ball", {0, 0, 0}, 0.1));
+  refuses(hand, Shape::half_space("floor", {0, 0, 1}, {0, 0, 0}));
+  refuses(hand, Shape::box("flat", in_hand, {0.1, 0.0, 0.1}));
+  EXPECT_THROW(solver.detach("nobody"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace pdoik::detail
