@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import OverhangWarning
 from .hulls import FloatArray, Point, tidy_point
-from .overhang import Overhang, overhang
+from .overhang import Overhang, each_overhang, overhang
 from .segments import Capsules, free, surface, to_segments
 from .settle import Proof
 from .solid import Solid
@@ -23,8 +25,12 @@ _FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 90
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
+_CLOSE = 0.9  # of the aims, from where no more is left out after a proof
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
 _PATIENCE = 2  # capsules whose loss is tried in vain before the rest stay
+
+
+AIM = Overhang(mean=0.004, worst=0.015)
 
 
 class Capsule(NamedTuple):
@@ -34,13 +40,14 @@ class Capsule(NamedTuple):
     a: Point  # one end of the segment, in the link's frame [m]
     b: Point  # the other end [m]
     radius: float  # [m]
+    overhang: float = 0.0  # of its surface beyond the link at most, 0 where nobody knows [m]
 
 
 def fit_capsules(
     triangles: FloatArray,
     *,
-    max_overhang: float = 0.015,
-    mean_overhang: float = 0.004,
+    max_overhang: float = AIM.worst,
+    mean_overhang: float = AIM.mean,
     most: int | None = None,
 ) -> list[tuple[Point, Point, float]]:
     """Few capsules that together hold a surface and what it encloses, and stick out little.
@@ -73,15 +80,34 @@ def fit_capsules(
         raise ValueError(f"most must be at least 1, got {most}")
     if not len(triangles):
         return []
-    found, _ = tight(Solid.of(triangles), Overhang(mean_overhang, max_overhang), most)
+    aim = Overhang(mean_overhang, max_overhang)
+    found, _ = _Fit(Solid.of(triangles), aim, most or _MOST).run()
+    return _rows(found)
+
+
+def fit_link(
+    link: str, triangles: FloatArray, *, most: int | None = None
+) -> tuple[list[Capsule], Overhang]:
+    """The capsules of `fit_capsules` fixed to a link, and how far their union sticks out.
+
+    Warns:
+        OverhangWarning: It is farther than `AIM`.
+    """
+    solid = Solid.of(triangles)
+    found, out = _Fit(solid, AIM, most or _MOST).run()
+    if not out.meets(AIM):
+        told = f"{link}: {len(found.radius)} capsules stick out {out}, the aims are {AIM}"
+        warnings.warn(told, OverhangWarning, stacklevel=2)
+    each = np.round(each_overhang(solid, found), 6)
+    rows = zip(_rows(found), each, strict=True)
+    return [Capsule(link, *row, float(overhang)) for row, overhang in rows], out
+
+
+def _rows(capsules: Capsules) -> list[tuple[Point, Point, float]]:
     return [
-        (tidy_point(a), tidy_point(b), float(radius)) for a, b, radius in zip(*found, strict=True)
+        (tidy_point(a), tidy_point(b), float(radius))
+        for a, b, radius in zip(*capsules, strict=True)
     ]
-
-
-def tight(solid: Solid, aim: Overhang, most: int | None = None) -> tuple[Capsules, Overhang]:
-    """The capsules of `fit_capsules`, and how far they stick out."""
-    return _Fit(solid, aim, most or _MOST).run()
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,13 +145,18 @@ class _Fit:
         now = self._moved(self.first.take(slice(self.most)), _FIRST_STEPS)
         proofs = [self._proven(now)]
         for _ in range(_MOST_PROOFS):
+            before = now.count
             now = self._fewer(self._more(now))
             proofs.append(self._proven(now))
-            if proofs[-1].score <= 1 or now.count >= self.most:
+            score = proofs[-1].score
+            if now.count == (self.most if score > 1 else before) or _CLOSE < score <= 1:
                 break
-            now = _Set(now.capsules, proofs[-1].overhang, proofs[-1].score)
+            now = _Set(now.capsules, proofs[-1].overhang, score)
         holding = [entry for entry in proofs if entry.score <= 1]
-        best = holding[-1] if holding else min(proofs, key=lambda entry: entry.score)
+        if holding:
+            best = min(holding, key=lambda entry: entry.count)
+        else:
+            best = min(proofs, key=lambda entry: entry.score)
         return best.capsules, best.overhang
 
     def _moved(self, capsules: Capsules, steps: int) -> _Set:
