@@ -3,4 +3,4 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bash third_party/setup.sh
-exec .venv/bin/python bench/demo.py "$@"
+exec .venv/bin/python -B bench/demo.py "$@"

@@ -109,7 +109,7 @@ def recheck(
 def hull_clearance(
     occupancy: pdoik.Occupancy, poses: Mapping[str, FloatArray], points: FloatArray
 ) -> float:
-    """The least over all hulls and points, see Verdict [m]."""
+    """The least over all hulls and points, see Verdict; of a link with capsules only these [m]."""
     centres = points[:, :3]
     radii = points[:, 3] if points.shape[1] == 4 else np.zeros(len(points))
 
@@ -117,10 +117,20 @@ def hull_clearance(
         return np.asarray(poses[link][:3, :3] @ np.array(local) + poses[link][:3, 3])
 
     least = np.inf
+    closer = {capsule[0] for capsule in occupancy.capsules}
+    for link, local_a, local_b, radius, *_ in occupancy.capsules:
+        a, along = place(link, local_a), place(link, local_b) - place(link, local_a)
+        t = np.clip((centres - a) @ along / max(float(along @ along), 1e-300), 0, 1)
+        distances = np.linalg.norm(centres - a - t[:, None] * along, axis=1)
+        least = min(least, float((distances - radius - radii).min()))
     for link, center, radius in occupancy.spheres:
+        if link in closer:
+            continue
         distances = np.linalg.norm(centres - place(link, center), axis=1)
         least = min(least, float((distances - radius - radii).min()))
     for link_a, focus_a, link_b, focus_b, semi_major in occupancy.spheroids:
+        if closer & {link_a, link_b}:
+            continue
         a, b = place(link_a, focus_a), place(link_b, focus_b)
         gaps = sum(np.linalg.norm(centres - focus, axis=1) for focus in (a, b)) / 2 - semi_major
         # A gap is never more than the distance, so only those below the radius need the latter.

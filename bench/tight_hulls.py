@@ -20,7 +20,7 @@ from experiment import Arm
 from h1_hulls import _circumscribed
 from pdoik._files import write_whole
 from pdoik.h1.shapes import SHAPES
-from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_capsules
+from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_link
 from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
 from pdoik.occupancy_fit.overhang import overhang
 from pdoik.occupancy_fit.segments import Capsules
@@ -56,12 +56,12 @@ def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
     capsules: list[Capsule] = []
     if name != "h1":
         for link, mesh in meshes.items():
-            capsules += [Capsule(link, *hull) for hull in fit_capsules(mesh)]
+            capsules += fit_link(link, mesh)[0]
             print(f"{link}: {len(capsules)} capsules so far", flush=True)
         return capsules
     for shape in SHAPES:
         if shape.kind == "cylinder":
-            capsules += [Capsule(shape.link, *hull) for hull in fit_capsules(_circumscribed(shape))]
+            capsules += fit_link(shape.link, _circumscribed(shape))[0]
         else:
             a, b = tidy_point(np.array(shape.a)), tidy_point(np.array(shape.b))
             capsules.append(Capsule(shape.link, a, b, round(shape.radius + MARGIN, 9)))
@@ -70,7 +70,10 @@ def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
 
 def read(name: str) -> list[Capsule]:
     rows = yaml.safe_load((ROBOTS / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
-    return [Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"]) for r in rows]
+    return [
+        Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"], r.get("overhang", 0.0))
+        for r in rows
+    ]
 
 
 def measure(

@@ -53,7 +53,7 @@ stage_simd() {
   done
 }
 
-# What several threads may do at once, under ThreadSanitizer, whose map of memory has no room for addresses drawn too freely.
+# What several threads may do at once (the fuzzers' corpora need one), under ThreadSanitizer, whose map of memory has no room for addresses drawn too freely.
 stage_tsan() {
   configure_and_build build/tsan -D PDOIK_SANITIZE=thread -D PDOIK_TESTS=threads \
     -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
@@ -134,7 +134,8 @@ stage_consumer() {
   for package in urdfdom yaml-cpp PCL; do hidden+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
   build_consumer core "$installed" "${hidden[@]}" -D PDOIK_IO=OFF
   run_core core
-  build_consumer core_inside -D PDOIK_SOURCE="$PWD" "${hidden[@]}" -D PDOIK_IO=OFF
+  # Compiled as `inside` was, command for command: ccache has core's objects from there.
+  build_consumer core_inside -D PDOIK_SOURCE="$PWD" "$native" -D EIGEN_ABI=ON "${hidden[@]}" -D PDOIK_IO=OFF
   run_core core_inside
   is_parents_own core_inside
   if build_consumer hidden "$installed" "${hidden[@]}" &>build/consumer/hidden.log; then

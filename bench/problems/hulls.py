@@ -41,7 +41,9 @@ def fitted_robot(
     key = hashlib.sha256(f"{xml} {factor} {parts}".encode()).hexdigest()[:16]
     file = kept / f"{files.name}-{key}.yaml"
     if not file.is_file():
-        fit = fit_occupancy(xml, files.package_dirs, factor, files.base, max_parts=parts)
+        # What stands on a foot has links above its base, which the description hangs it below.
+        base = files.base if len(files.tips) == 1 else None
+        fit = fit_occupancy(xml, files.package_dirs, factor, base, max_parts=parts)
         kept.mkdir(parents=True, exist_ok=True)
         write_text(file, fit.to_yaml(f"{files.name}: {meshes} meshes, factor {factor:g}"))
     robot.occupancy = pdoik.Occupancy.load(file)

@@ -18,6 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 LEAF = 0.01  # of the cloud [m]
 FINER = 3  # points of a surface per leaf, in each direction
 MILLIMETRE, MILLIRADIAN = 1e-3, 1e-3
+TOUCH = 0.08  # how far from its target a tool may touch where it has to: as wide as a flange [m]
 
 
 class MethodError(RuntimeError):
@@ -49,8 +50,8 @@ class Method:
         way: How the solids are given.
         robot: With its hulls.
         budgets: max_time of each solve of a problem [s].
-        like: A problem of the set: by which links its robots stand, and whether the base may touch.
-            What else may touch can be said of shapes, but not of a cloud.
+        like: A problem of the set: by which links its robots stand, whether the base may touch, and
+            whether the tool has to.
 
     Raises:
         MethodError: The way is unknown.
@@ -69,6 +70,7 @@ class Method:
         contacts = like.contacts if like else {}
         balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
         may_touch = {link for link, _ in like.allowed} if like else set()
+        tool_touches = bool((may_touch & set(robot.link_names)) - {robot.base_link, *contacts})
         self._solvers = {
             budget: pdoik.Solver(
                 robot,
@@ -79,6 +81,7 @@ class Method:
                     rotation_tolerance=MILLIRADIAN,
                     self_collision=True,
                     balance=balance,
+                    touch=pdoik.Touch(radius=TOUCH if tool_touches else 0.0),
                     base_collision=robot.base_link not in may_touch,
                 ),
             )

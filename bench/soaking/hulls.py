@@ -2,6 +2,8 @@
 
 A hull is the set of all points whose mean distance to two foci is at most its semi-major axis A;
 one focus makes it a ball. Foci farther apart than 2 A hold nothing.
+Beside these there are capsules, balls swept along segments; their ends and radii stand in the same
+arrays as foci and A.
 """
 
 from __future__ import annotations
@@ -60,7 +62,13 @@ def hull_distance(points: FloatArray, a: FloatArray, b: FloatArray, A: FloatArra
     return distance
 
 
-def clearance(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> FloatArray:
+def clearance(
+    a: FloatArray,
+    b: FloatArray,
+    A: FloatArray,
+    points: FloatArray,
+    swept: npt.NDArray[np.bool_] | None = None,
+) -> FloatArray:
     """Least distance of any point, less its radius, to any hull, (B,), infinite without any [m].
 
     Args:
@@ -68,7 +76,11 @@ def clearance(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -
         b: The other foci, (B, H, 3).
         A: Semi-major axes, (H,).
         points: Centres and radii, (N, 4), or of each placement its own, (B, N, 4).
+        swept: Which hulls are capsules, (H,).
     """
+    if swept is not None and swept.any():
+        wide = clearance(a[:, ~swept], b[:, ~swept], A[~swept], points)
+        return np.minimum(wide, _to_capsules(a[:, swept], b[:, swept], A[swept], points))
     least = np.full(len(a), np.inf)
     hulls, count = len(A), points.shape[-2]
     if hulls == 0 or count == 0:
@@ -113,6 +125,19 @@ def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> F
     return least
 
 
+def _to_capsules(a: FloatArray, b: FloatArray, r: FloatArray, points: FloatArray) -> FloatArray:
+    """See `clearance`, of capsules only."""
+    least = np.full(len(a), np.inf)
+    if points.shape[-2] == 0:
+        return least
+    for n in range(len(a)):
+        own = points[n] if points.ndim == 3 else points
+        for p, q, radius in zip(a[n], b[n], r, strict=True):
+            gap = _to_segment(own[:, :3], p, q) - radius - own[:, 3]
+            least[n] = min(least[n], float(gap.min()))
+    return least
+
+
 def _half_sums(a: FloatArray, b: FloatArray, points: FloatArray) -> FloatArray:
     """Mean distances of points to the foci, (B, H, N), good to about 1e-8 of the coordinates."""
     centre = a.mean(axis=(0, 1))
@@ -147,19 +172,23 @@ def _exact(
 
 
 def capsules(
-    a: FloatArray, b: FloatArray, A: FloatArray
+    a: FloatArray, b: FloatArray, A: FloatArray, swept: npt.NDArray[np.bool_] | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The capsules around hulls: ends of their segments and radii, NaN of one that holds nothing.
 
     A spheroid with semi-axes A > B lies in the capsule of radius B around the segment that reaches
-    A - B to either side of its centre on its axis.
+    A - B to either side of its centre on its axis. What is `swept` is one already, (H,).
     """
     half = 0.5 * (b - a)
     h = np.linalg.norm(half, axis=-1)
     B = np.sqrt(np.where(h < A, (A - h) * (A + h), np.nan))
     reach = half * ((A - B) / np.where(h > 0.0, h, 1.0))[..., None]
     middle = 0.5 * (a + b)
-    return middle - reach, middle + reach, B
+    if swept is None:
+        return middle - reach, middle + reach, B
+    along = swept[:, None]
+    first, last = np.where(along, a, middle - reach), np.where(along, b, middle + reach)
+    return first, last, np.where(swept, A, B)
 
 
 def segment_distance(p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray) -> FloatArray:

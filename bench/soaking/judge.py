@@ -105,7 +105,11 @@ class Judge:
 
     def __init__(self, spec: RobotSpec, joint_names: Sequence[str]) -> None:
         self.kinematics = Kinematics(spec, joint_names)
-        ends = [(link, xyz, link, xyz, r) for link, xyz, r in spec.spheres] + list(spec.spheroids)
+        wide = [(link, xyz, link, xyz, r) for link, xyz, r in spec.spheres] + list(spec.spheroids)
+        closer = {link for link, *_ in spec.capsules}  # what a link with capsules fills is these
+        wide = [end for end in wide if not closer & {end[0], end[2]}]
+        ends = wide + [(link, p, link, q, r) for link, p, q, r in spec.capsules]
+        self.swept = np.arange(len(ends)) >= len(wide)  # which are capsules
         self.A = np.array([end[4] for end in ends])
         self._ends = [
             _Points(self.kinematics, [(end[k], end[k + 1]) for end in ends]) for k in (0, 2)
@@ -147,10 +151,12 @@ class Judge:
         clear, hollow = own.copy(), np.zeros(count, dtype=bool)
         if len(self.A) and (asked.self_collision or (points is not None and points.size)):
             a, b = self.hulls(placed)
-            hollow = (np.linalg.norm(b - a, axis=2) >= 2 * self.A * (1 - 1e-12)).any(axis=1)
+            empty = np.linalg.norm(b - a, axis=2) >= 2 * self.A * (1 - 1e-12)
+            hollow = (empty & ~self.swept).any(axis=1)
             if points is not None and points.size:
                 counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
-                clear = clearance(a[:, counted], b[:, counted], self.A[counted], points)
+                at = (a[:, counted], b[:, counted], self.A[counted])
+                clear = clearance(*at, points, self.swept[counted])
             if asked.self_collision:
                 own = self.self_distance(a, b)
         balance = np.zeros(count)
@@ -177,7 +183,7 @@ class Judge:
         """Least distance between the capsules around hulls that may touch, (B,) [m]."""
         if len(self.pairs) == 0:
             return np.full(len(a), np.inf)
-        p, q, radius = capsules(a, b, self.A)
+        p, q, radius = capsules(a, b, self.A, self.swept)
         i, j = self.pairs.T
         apart = segment_distance(p[:, i], q[:, i], p[:, j], q[:, j]) - radius[:, i] - radius[:, j]
         least: FloatArray = np.where(np.isnan(apart), np.inf, apart).min(axis=1)

@@ -19,6 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 Triple = tuple[float, float, float]
 Sphere = tuple[str, Triple, float]
 Spheroid = tuple[str, Triple, str, Triple, float]
+Capsule = tuple[str, Triple, Triple, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +38,7 @@ class RobotSpec:
     floating_base: list[list[float]] | None = None  # lower and upper of x y z yaw pitch roll
     spheres: list[Sphere] = field(default_factory=list)
     spheroids: list[Spheroid] = field(default_factory=list)
+    capsules: list[Capsule] = field(default_factory=list)
     ignored_pairs: list[tuple[str, str]] = field(default_factory=list)
 
     @classmethod
@@ -45,7 +47,9 @@ class RobotSpec:
         spheres = [(link, tuple(xyz), radius) for link, xyz, radius in values["spheres"]]
         spheroids = [(a, tuple(p), b, tuple(q), A) for a, p, b, q, A in values["spheroids"]]
         pairs = [tuple(pair) for pair in values["ignored_pairs"]]
-        rest = {"spheres": spheres, "spheroids": spheroids, "ignored_pairs": pairs}
+        capsules = [(link, tuple(p), tuple(q), r) for link, p, q, r in values.get("capsules", [])]
+        hulls = {"spheres": spheres, "spheroids": spheroids, "capsules": capsules}
+        rest = {**hulls, "ignored_pairs": pairs}
         return cls(**{**values, **rest})
 
     def to_json(self) -> dict[str, Any]:
@@ -70,7 +74,9 @@ class RobotSpec:
             if self.name:
                 return pdoik.Robot.builtin(self.name, **where)
             robot = pdoik.Robot.from_urdf(self.urdf, **where)
-        robot.occupancy = pdoik.Occupancy(spheres=self.spheres, spheroids=self.spheroids)
+        robot.occupancy = pdoik.Occupancy(
+            spheres=self.spheres, spheroids=self.spheroids, capsules=self.capsules
+        )
         robot.ignored_pairs = self.ignored_pairs
         return robot
 
@@ -100,6 +106,10 @@ def builtin_spec(name: str) -> RobotSpec:
                 float(s["semi_major"]),
             )
             for s in hulls.get("spheroids", [])
+        ],
+        capsules=[
+            (c["link"], tuple(map(float, c["a"])), tuple(map(float, c["b"])), float(c["radius"]))
+            for c in hulls.get("capsules", [])
         ],
         ignored_pairs=[(pair.attrib["link1"], pair.attrib["link2"]) for pair in pairs],
     )

@@ -29,7 +29,7 @@ from pdoik._core import (
     simd_name,
     voxel_downsample,
 )
-from pdoik.errors import LoadError, PdoikError, RobotWarning
+from pdoik.errors import LoadError, OverhangWarning, PdoikError, RobotWarning
 from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
     AugmentedLagrangianOptions,
@@ -61,6 +61,7 @@ __all__ = [
     "LoadError",
     "Occupancy",
     "Options",
+    "OverhangWarning",
     "PdoikError",
     "Reachability",
     "Result",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,16 +11,28 @@ import numpy.typing as npt
 from pdoik import Robot
 
 FloatArray = npt.NDArray[np.float64]
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlacedHull:
+class PlacedSpheroid:
     """A sphere (foci that coincide) or spheroid in the base frame."""
 
     name: str
     focus_a: FloatArray  # (3,), [m]
     focus_b: FloatArray  # (3,), [m]
     semi_major: float  # [m]
+    fills: bool = True  # False: it only says where to look for its link's capsules
+
+    @property
+    def ends(self) -> FloatArray:
+        """Its foci, (2, 3) [m]."""
+        return np.array([self.focus_a, self.focus_b])
+
+    @property
+    def extent(self) -> float:
+        """No part of it is farther from the middle of its ends [m]."""
+        return self.semi_major
 
     def gap(self, points: FloatArray) -> FloatArray:
         """Half the sum of distances to the foci, minus a (Eq. link_coll_avoid), (N,) [m].
@@ -31,39 +44,106 @@ class PlacedHull:
         return np.asarray((to_a + to_b) / 2 - self.semi_major, dtype=np.float64)
 
 
-def placed_hulls(robot: Robot, q: FloatArray) -> list[PlacedHull]:
-    """The robot's hulls at `q`, spheres first."""
-    poses = {link: robot.fk(q, link) for link in robot.link_names}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlacedCapsule:
+    """What lies within a radius of a segment, in the base frame."""
 
-    def place(link: str, local: tuple[float, float, float]) -> FloatArray:
+    name: str
+    a: FloatArray  # (3,), [m]
+    b: FloatArray  # (3,), [m]
+    radius: float  # [m]
+    fills: bool = True
+
+    @property
+    def ends(self) -> FloatArray:
+        """Of its segment, (2, 3) [m]."""
+        return np.array([self.a, self.b])
+
+    @property
+    def extent(self) -> float:
+        """No part of it is farther from the middle of its ends [m]."""
+        return float(np.linalg.norm(self.b - self.a)) / 2 + self.radius
+
+    def gap(self, points: FloatArray) -> FloatArray:
+        """Distance to it, negative inside, (N,) [m]."""
+        v = self.b - self.a
+        t = np.clip((points - self.a) @ v / max(float(v @ v), 1e-300), 0, 1)
+        nearest = self.a + t[:, None] * v
+        return np.asarray(np.linalg.norm(points - nearest, axis=1) - self.radius)
+
+
+PlacedHull = PlacedSpheroid | PlacedCapsule
+
+
+def placed_hulls(robot: Robot, q: FloatArray) -> list[PlacedHull]:
+    """The robot's hulls at `q` as the occupancy numbers them: spheres, spheroids, capsules."""
+    poses = {link: robot.fk(q, link) for link in robot.link_names}
+    wide = wide_hulls(robot)
+
+    def place(link: str, local: Point) -> FloatArray:
         return np.asarray(poses[link][:3, :3] @ np.array(local) + poses[link][:3, 3])
 
-    spheres = [
-        PlacedHull(
-            name=link,
-            focus_a=place(link, center),
-            focus_b=place(link, center),
-            semi_major=radius,
-        )
-        for link, center, radius in robot.occupancy.spheres
-    ]
+    balls = [(link, c, link, c, radius) for link, c, radius in robot.occupancy.spheres]
     spheroids = [
-        PlacedHull(
+        PlacedSpheroid(
             name=link_a if link_a == link_b else f"{link_a} to {link_b}",
             focus_a=place(link_a, focus_a),
             focus_b=place(link_b, focus_b),
             semi_major=semi_major,
+            fills=k not in wide,
         )
-        for link_a, focus_a, link_b, focus_b, semi_major in robot.occupancy.spheroids
+        for k, (link_a, focus_a, link_b, focus_b, semi_major) in enumerate(
+            [*balls, *robot.occupancy.spheroids]
+        )
     ]
-    return spheres + spheroids
+    capsules = [
+        PlacedCapsule(name=link, a=place(link, a), b=place(link, b), radius=radius)
+        for link, a, b, radius, _ in robot.occupancy.capsules
+    ]
+    return [*spheroids, *capsules]
 
 
-def gaps(hulls: list[PlacedHull], points: FloatArray) -> FloatArray:
-    """The gap of each point to its nearest hull, (N,) [m]; infinite without hulls."""
+def wide_hulls(robot: Robot) -> frozenset[int]:
+    """Numbers of the spheres and spheroids that are rigid to a link with capsules.
+
+    These say where to look for the link's capsules, which are what it fills.
+    """
+    occupancy = robot.occupancy
+    with_capsules = {link for link, *_ in occupancy.capsules}
+    if not with_capsules:
+        return frozenset()
+
+    def owner(link_a: str, a: Point, link_b: str, b: Point) -> str | None:
+        if _is_carried(robot, link_a, link_b, b):
+            return link_a
+        return link_b if _is_carried(robot, link_b, link_a, a) else None
+
+    owners: list[str | None] = [link for link, *_ in occupancy.spheres]
+    owners += [owner(*hull[:4]) for hull in occupancy.spheroids]
+    return frozenset(k for k, link in enumerate(owners) if link in with_capsules)
+
+
+def _is_carried(robot: Robot, by: str, link: str, local: Point) -> bool:
+    """Whether a point of a link stays where it is to another, as on the axis of their joint."""
+    if by == link:
+        return True
+    rng = np.random.default_rng(0)
+    seen = [
+        np.linalg.solve(robot.fk(q, by), robot.fk(q, link) @ [*local, 1.0])
+        for q in rng.uniform(-1, 1, (3, robot.dof))  # any: limits do not matter here
+    ]
+    return bool(np.ptp(seen, axis=0).max() < 1e-9)
+
+
+def gaps(hulls: Sequence[PlacedHull], points: FloatArray) -> FloatArray:
+    """The gap of each point to the nearest hull that the robot fills, (N,) [m]; infinite without.
+
+    What only says where to look for capsules is left out.
+    """
     nearest = np.full(len(points), np.inf)
     for hull in hulls:
-        np.minimum(nearest, hull.gap(points), out=nearest)
+        if hull.fills:
+            np.minimum(nearest, hull.gap(points), out=nearest)
     return nearest
 
 

@@ -11,3 +11,7 @@ class LoadError(PdoikError, ValueError):
 
 class RobotWarning(UserWarning):
     """A robot's description is odd in a way that does not stop kinematics."""
+
+
+class OverhangWarning(UserWarning):
+    """The capsules that hold a link stick out farther than they should."""

@@ -112,7 +112,10 @@ def spheroid_distance(points: Array, f1: Array, f2: Array, semi_major: float) ->
 
 
 def clearance(occupancy: pdoik.Occupancy, poses: dict[str, Array], obstacles: Array) -> float:
-    """Least distance from an obstacle, less its radius, to a hull; poses are in the base frame."""
+    """Least distance from an obstacle, less its radius, to a hull; poses are in the base frame.
+
+    A link that has capsules is what these fill; its other hulls do not count.
+    """
     if len(obstacles) == 0:
         return np.inf
 
@@ -123,10 +126,20 @@ def clearance(occupancy: pdoik.Occupancy, poses: dict[str, Array], obstacles: Ar
     points = obstacles[:, :3]
     radii = obstacles[:, 3] if obstacles.shape[1] == 4 else np.zeros(len(obstacles))
     least = np.inf
+    closer = {capsule[0] for capsule in occupancy.capsules}
+    for link, xyz_a, xyz_b, radius, *_ in occupancy.capsules:
+        a, along = place(link, xyz_a), place(link, xyz_b) - place(link, xyz_a)
+        t = np.clip((points - a) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+        distances = np.linalg.norm(points - a - t[:, None] * along, axis=1) - radius
+        least = min(least, float((distances - radii).min()))
     for link, xyz, radius in occupancy.spheres:
+        if link in closer:
+            continue
         distances = np.linalg.norm(points - place(link, xyz), axis=1) - radius
         least = min(least, float((distances - radii).min()))
     for link_a, xyz_a, link_b, xyz_b, semi_major in occupancy.spheroids:
+        if closer & {link_a, link_b}:
+            continue
         distances = spheroid_distance(
             points, place(link_a, xyz_a), place(link_b, xyz_b), semi_major
         )

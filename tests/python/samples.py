@@ -40,3 +40,23 @@ def box_of_points(rng: np.random.Generator, count: int, columns: int = 3) -> Arr
     if columns == 3:
         return points
     return np.hstack([points, rng.uniform(0.0, 0.04, (len(points), 1))])
+
+
+def with_capsules(robot: pdoik.Robot) -> pdoik.Robot:
+    """The robot with capsules within its last two hulls, and one where it had no hull.
+
+    Of an arm whose hulls are spheroids, each on one link.
+    """
+    occupancy = robot.occupancy
+    *_, (before, p, _, q, before_size), (last, a, _, b, last_size) = occupancy.spheroids
+    robot.occupancy = pdoik.Occupancy(
+        spheres=occupancy.spheres,
+        spheroids=occupancy.spheroids,
+        capsules=[
+            (before, p, q, 0.3 * before_size),
+            (last, a, b, 0.5 * last_size),
+            (last, a, a, 0.3 * last_size),
+            (robot.tip_links[0], (0.0, 0.0, 0.05), (0.0, 0.1, 0.1), 0.02),
+        ],
+    )
+    return robot

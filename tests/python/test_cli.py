@@ -269,6 +269,15 @@ def test_a_urdf_goes_from_geometry_to_a_solution_clear_of_a_cloud(
     assert json.loads(run("info", urdf, "--occupancy", hulls, "--json").stdout)["spheroids"] > 0
 
 
+def test_occupancy_warns_of_links_that_too_few_capsules_hold(
+    urdf: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pdoik.occupancy_fit.capsules._MOST", 1)
+    outcome = run("occupancy", urdf, "--max-parts", "1")
+    assert outcome.exit_code == 0, outcome.output
+    assert "warning: upper: capsules stick out" in " ".join(outcome.stderr.split())
+
+
 def test_occupancy_refuses_what_it_cannot_fit(tmp_path: Path, urdf: Path) -> None:
     misuse(run("occupancy", tmp_path / "none.urdf"), "none.urdf")
     misuse(run("occupancy", urdf, "--out", tmp_path / "no" / "a.yaml"), "--out")

@@ -1,17 +1,20 @@
 """The demo: its second opinion is sound, and it runs."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import pdoik
 from references import PinocchioRobot
 from test_scenes import BENCH, bench_module
 
 recheck = bench_module("recheck")
+demo = bench_module("demo")
 
 
 @pytest.fixture
@@ -66,17 +69,64 @@ def test_it_confirms_solutions_and_nothing_near_them(robot: pdoik.Robot, chain: 
     assert confirms(result.q, inside) == solver.judge(T_base_tip, result.q, inside).success
 
 
-def test_it_runs_and_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def touches(robot: pdoik.Robot, q: np.ndarray, scan: np.ndarray) -> bool:
+    """Whether a point of the scan lies in a hull, by SciPy's tree and the hulls' definition."""
+    tree, slack = cKDTree(scan), 1e-9
+
+    def place(link: str, local: tuple[float, float, float]) -> np.ndarray:
+        return (robot.fk(q, link) @ [*local, 1.0])[:3]
+
+    for link, center, radius in robot.occupancy.spheres:
+        if tree.query(place(link, center))[0] < radius - slack:
+            return True
+    for link_a, focus_a, link_b, focus_b, semi_major in robot.occupancy.spheroids:
+        a, b = place(link_a, focus_a), place(link_b, focus_b)
+        near = scan[tree.query_ball_point((a + b) / 2, semi_major)]
+        sums = np.linalg.norm(near - a, axis=1) + np.linalg.norm(near - b, axis=1)
+        if (sums < 2 * (semi_major - slack)).any():
+            return True
+    return False
+
+
+@pytest.mark.parametrize("leaf", [None, 0.1])
+def test_nothing_it_calls_solved_touches_the_scan(
+    robot: pdoik.Robot, chain: object, rng: np.random.Generator, leaf: float | None
+) -> None:
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+    models = demo.primitive_models()
+    rows = [demo.solve_one(solver, chain, models, 9, leaf, rng) for _ in range(20)]
+    solved = [row for row in rows if row.solved]
+    assert len(solved) > len(rows) / 2
+    assert not any(touches(robot, row.result.q, row.scene.points) for row in solved)
+    assert all(row.confirmed for row in rows if row.result.success)
+
+    def thinned_touches(row: object) -> bool:
+        result = solver.solve(row.T_base_tip, obstacles=row.scene.cloud(0.1))
+        return bool(result.success) and touches(robot, result.q, row.scene.points)
+
+    assert any(map(thinned_touches, rows)), "these scenes would show no fault"
+
+
+def test_it_runs_draws_and_leaves_nothing_in_the_checkout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.delenv("PDOIK_SHARED", raising=False)  # it would find scans there
-    command = [sys.executable, str(BENCH / "demo.py"), "--targets", "4", "--max-objects", "4"]
+    checkout = tmp_path / "checkout"
+    (checkout / "bench").mkdir(parents=True)
+    for file in BENCH.glob("*.py"):
+        shutil.copy(file, checkout / "bench")
+    before = set(checkout.rglob("*"))
+    command = [sys.executable, "-B", "bench/demo.py", "--targets", "4", "--max-objects", "4"]
     outcome = subprocess.run(
-        [*command, "--max-time", "2"], cwd=tmp_path, capture_output=True, text=True, check=False
+        [*command, "--max-time", "2"], cwd=checkout, capture_output=True, text=True, check=False
     )
     assert outcome.returncode == 0, outcome.stdout + outcome.stderr
     assert "shapes made from primitives" in outcome.stdout
-    solved = next(line for line in outcome.stdout.splitlines() if "solved" in line)
-    assert solved.split()[1:] == ["4", "/", "4"] * 3
-    assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
+    solved = next(line for line in outcome.stdout.splitlines() if "clear of the whole scan" in line)
+    assert solved.split()[-9:] == ["4", "/", "4"] * 3
+    picture = checkout / "build" / "bench" / "demo.png"  # where Git looks at nothing
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert set(checkout.rglob("*")) - before == {picture, *picture.parents[:2]}
 
 
 def test_a_folder_without_scans_is_misuse(tmp_path: Path) -> None:

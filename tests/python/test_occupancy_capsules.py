@@ -13,8 +13,8 @@ import trimesh
 import yaml
 from numpy.typing import NDArray
 
-from pdoik import Occupancy
-from pdoik.occupancy_fit import Capsule, OccupancyFit, fit_capsules, fit_occupancy
+from pdoik import Occupancy, OverhangWarning
+from pdoik.occupancy_fit import Capsule, OccupancyFit, fit_capsules, fit_link, fit_occupancy
 from pdoik.occupancy_fit.geometry import load_geometry
 
 SEED = 20250611
@@ -174,6 +174,24 @@ def test_bad_arguments_are_refused_by_name(arguments: dict[str, object], message
         fit_capsules(given.pop("triangles"), **given)  # type: ignore[arg-type]
 
 
+def test_capsules_that_stick_out_too_far_are_told_with_link_and_distances() -> None:
+    with pytest.warns(OverhangWarning, match=r"elbow: 3 capsules stick out .* mean .* 15\.0 mm"):
+        _, out = fit_link("elbow", SHAPES["l_shape"], most=3)
+    assert out.worst > 0.015 or out.mean > 0.004
+
+
+def test_no_point_of_a_capsule_is_farther_from_its_link_than_the_capsules_overhang() -> None:
+    capsules, _ = fit_link("plate", SHAPES["plate"])
+    rng = np.random.default_rng(SEED)
+    direction = rng.normal(size=(100_000, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    place = rng.uniform(size=(100_000, 1))
+    for _, a, b, radius, overhang in capsules:
+        points = a + place * np.subtract(b, a) + radius * direction
+        beyond = np.maximum(np.abs(points) - [0.1, 0.03, 0.01], 0)
+        assert np.linalg.norm(beyond, axis=1).max() == pytest.approx(overhang, rel=0.03)
+
+
 PLATE = """<robot name="r"><link name="a"><collision><geometry><box size="0.1 0.05 0.02"/>
 </geometry></collision></link></robot>"""
 
@@ -186,7 +204,9 @@ def fit() -> OccupancyFit:
 def test_the_file_gives_back_the_same_numbers(fit: OccupancyFit) -> None:
     assert fit.capsules
     rows = yaml.safe_load(fit.to_yaml())["capsules"]
-    back = [Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"]) for r in rows]
+    back = [
+        Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"], r["overhang"]) for r in rows
+    ]
     assert tuple(back) == fit.capsules
 
 
@@ -209,7 +229,7 @@ def test_capsules_are_an_option_and_not_the_papers(fit: OccupancyFit) -> None:
 def test_the_report_counts_and_measures(fit: OccupancyFit) -> None:
     (row,) = fit.report.links
     assert row.n_capsules == len(fit.capsules)
-    distances = out([tuple(hull)[1:] for hull in fit.capsules], box((0.1, 0.05, 0.02)))
+    distances = out([tuple(hull)[1:4] for hull in fit.capsules], box((0.1, 0.05, 0.02)))
     assert row.mean_overhang == pytest.approx(distances.mean(), rel=0.1)
     assert row.worst_overhang == pytest.approx(distances.max(), rel=0.1)
     assert f"{1e3 * row.mean_overhang:.2f}" in str(fit.report)
@@ -221,8 +241,8 @@ def test_moved_capsules_hold_the_moved_geometry(fit: OccupancyFit) -> None:
     moved = fit.moved({"a": ("other", T)})
     assert {hull.link for hull in moved.capsules} == {"other"}
     points = on_surface(box((0.1, 0.05, 0.02)), 5000)
-    before = gap([tuple(hull)[1:] for hull in fit.capsules], points)
-    after = gap([tuple(hull)[1:] for hull in moved.capsules], points @ T[:3, :3].T + T[:3, 3])
+    before = gap([tuple(hull)[1:4] for hull in fit.capsules], points)
+    after = gap([tuple(hull)[1:4] for hull in moved.capsules], points @ T[:3, :3].T + T[:3, 3])
     np.testing.assert_allclose(after, before, atol=1e-8)
     assert after.max() < 0
 

@@ -7,11 +7,11 @@ import pytest
 from matplotlib.image import imread
 
 import pdoik
-from pdoik._hulls import gaps, placed_hulls, skeleton
+from pdoik._hulls import PlacedCapsule, gaps, placed_hulls, skeleton, wide_hulls
 from pdoik.picture import draw_solution
 from pdoik.picture.facets import FacetSoup, spheroid_axes
 from pdoik.picture.view import best_azimuth
-from samples import with_hulls
+from samples import with_capsules, with_hulls
 
 NAMES = ("panda", "ur10", "iiwa14")
 
@@ -47,6 +47,16 @@ def test_a_picture_shows_arm_hulls_points_and_frames(tmp_path: Path, name: str) 
     for color in ((0.16, 0.18, 0.21), (0.55, 0.68, 0.82), (0.13, 0.36, 0.80), (0.75, 0.13, 0.13)):
         assert is_like(image, color) > 50, color
     assert [entry.name for entry in tmp_path.iterdir()] == ["picture.png"]
+
+
+def test_many_points_are_dots_coloured_by_their_gap(tmp_path: Path) -> None:
+    solver, result, T_base_tip = solved()
+    tip = solver.robot.fk(result.q)[:3, 3]
+    near = tip + np.random.default_rng(0).uniform(-0.05, 0.05, (4000, 3))
+    draw_solution(tmp_path / "few.png", solver.robot, result, T_base_tip, cloud=near[:1])
+    draw_solution(tmp_path / "dots.png", solver.robot, result, T_base_tip, cloud=near)
+    red = [is_like(pixels(tmp_path / name), (0.83, 0.08, 0.11)) for name in ("few.png", "dots.png")]
+    assert red[1] > 2 * red[0]
 
 
 def test_a_failure_is_drawn_as_one(tmp_path: Path) -> None:
@@ -92,6 +102,53 @@ def test_gaps_have_the_sign_and_never_more_than_the_size_of_the_judges_clearance
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_gaps_to_a_robot_in_capsules_are_the_judges_clearance(name: str) -> None:
+    robot = with_capsules(pdoik.Robot.builtin(name))
+    solver = pdoik.Solver(robot)
+    rng = np.random.default_rng(2)
+    q = rng.uniform(robot.lower, robot.upper)
+    hulls = placed_hulls(robot, q)
+    assert sum(not hull.fills for hull in hulls) >= 2
+    capsules = [hull for hull in hulls if isinstance(hull, PlacedCapsule)]
+    points = np.concatenate([hull.ends.mean(axis=0) for hull in capsules] * 100).reshape(-1, 3)
+    points += rng.uniform(-0.25, 0.25, points.shape)
+    nearest = np.min([hull.gap(points) for hull in capsules], axis=0)
+    gap = gaps(hulls, points)
+    for k, point in enumerate(points):
+        clearance = solver.judge(robot.fk(q), q, obstacles=point[None]).clearance
+        assert np.sign(gap[k]) == np.sign(clearance)
+        if gap[k] == nearest[k] and clearance > 0:  # of a capsule, not of a spheroid's inequality
+            assert gap[k] == pytest.approx(clearance, abs=1e-9)
+    assert (gap == nearest).mean() > 0.2
+
+
+def test_a_spheroid_across_a_joint_is_wide_only_if_its_link_carries_it() -> None:
+    robot = pdoik.Robot.from_urdf(BRANCHED, tip_link="tip")
+    on_axis, off_axis = (0.0, 0.3, 0.0), (0.3, 0.0, 0.0)  # of joint j2, from a to b
+    robot.occupancy = pdoik.Occupancy(
+        spheres=[("b", off_axis, 0.1), ("arm", off_axis, 0.1)],
+        spheroids=[
+            ("a", (0, 0, 0.2), "b", on_axis, 0.6),  # a carries both foci
+            ("a", (0, 0, 0.2), "b", off_axis, 0.9),  # j2 moves them apart
+            ("b", off_axis, "a", (0, 0, 1), 0.6),  # the second is on the axis: b carries both
+        ],
+        capsules=[("b", off_axis, on_axis, 0.1)],
+    )
+    assert wide_hulls(robot) == {0, 4}
+    q = np.array([0.3, 0.4, 0.5])
+    fills = [hull.fills for hull in placed_hulls(robot, q)]
+    assert fills == [False, True, True, True, False, True]
+    # The judge agrees: in one hull of each kind, far from all that fills.
+    solver = pdoik.Solver(robot, pdoik.Options(goal="position"))
+    for hull, filled in zip(placed_hulls(robot, q), fills, strict=True):
+        point = hull.ends.mean(axis=0)
+        others = [h for h in placed_hulls(robot, q) if h.fills and h is not hull]
+        if gaps(others, point[None])[0] > 0:
+            clearance = solver.judge(robot.fk(q), q, obstacles=point[None]).clearance
+            assert (clearance < 0) == filled
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_the_skeleton_runs_from_base_to_tip(name: str) -> None:
     solver, result, _ = solved(name)
     bones = skeleton(solver.robot, result.q, solver.robot.tip_links[0])
@@ -117,6 +174,16 @@ def test_spheroid_facets_lie_on_the_spheroid() -> None:
     sums = sum(np.linalg.norm(corners - focus, axis=1) for focus in (focus_a, focus_b))
     np.testing.assert_allclose(sums, 2 * semi_major, atol=1e-12)
     assert ((soup.colors >= 0) & (soup.colors <= 1)).all()
+
+
+@pytest.mark.parametrize("b", [(0.5, 0.1, 0.7), (0.1, 0.2, 0.3)])
+def test_capsule_facets_lie_on_the_capsule(b: tuple[float, float, float]) -> None:
+    capsule = PlacedCapsule(name="", a=np.array([0.1, 0.2, 0.3]), b=np.array(b), radius=0.2)
+    soup = FacetSoup()
+    soup.capsule(capsule.a, capsule.b, capsule.radius, "red", 0.5)
+    np.testing.assert_allclose(capsule.gap(soup.corners.reshape(-1, 3)), 0, atol=1e-12)
+    reach = np.abs(soup.corners.reshape(-1, 3) - capsule.ends.mean(axis=0))
+    assert np.linalg.norm(reach, axis=1).max() == pytest.approx(capsule.extent)
 
 
 def test_a_sphere_is_a_spheroid_whose_foci_coincide() -> None:

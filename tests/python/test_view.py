@@ -24,9 +24,10 @@ from pdoik.view.binding import binding, margin_text
 from pdoik.view.humanoid import balance_over_feet, floor_height, object_frame, support_polygon
 from pdoik.view.model import deepest_tip, read_robot
 from pdoik.view.player import Player
-from pdoik.view.shapes import hull_instances, pose_of, turns_of_x, wxyz_of
+from pdoik.view.shapes import pose_of, spheroid_instances, turns_of_x, wxyz_of
 from pdoik.view.status import Meter, status_html
 from pdoik.view.visuals import load_visuals
+from samples import with_capsules
 
 TIP = "panda_link8"
 REACHED = [0.3, 0.4, 0.0, -1.8, 0.0, 2.2, 0.8]
@@ -549,9 +550,28 @@ def test_the_drawn_hulls_are_the_solvers(robot: pdoik.Robot, rng: np.random.Gene
     hulls = placed_hulls(robot, rng.uniform(-1, 1, robot.dof))
     u = rng.normal(size=(50, 3))
     u /= np.linalg.norm(u, axis=1, keepdims=True)
-    for hull, wxyz, center, axes in zip(hulls, *hull_instances(hulls), strict=True):
+    for hull, wxyz, center, axes in zip(hulls, *spheroid_instances(hulls), strict=True):
         T = pose_of(wxyz, center)
         np.testing.assert_allclose(hull.gap(u * axes @ T[:3, :3].T + center), 0, atol=1e-9)
+
+
+def test_the_binding_capsule_is_found(rng: np.random.Generator) -> None:
+    robot = with_capsules(pdoik.Robot.builtin("panda"))
+    session = Session(robot, PATIENT)
+    hulls = placed_hulls(robot, np.array(REACHED))
+    session.set_thinning(0.0, False)
+    for k in range(len(hulls) - len(robot.occupancy.capsules), len(hulls)):
+        points = rng.uniform(2, 3, (5, 3))
+        points[3] = hulls[k].ends.mean(axis=0)
+        session.set_cloud(points)
+        session.set_posture(REACHED)
+        shown = session.solve_once()
+        assert shown is not None
+        found = binding(shown.result, shown.robot)
+        assert found.obstacle == 3
+        (hull,) = found.hulls
+        assert hulls[hull].gap(points[3:4])[0] < 0
+        assert f"{hulls[hull].name} (capsule" in shown.result.worst_constraint
 
 
 def test_turns_of_x_turn_x(rng: np.random.Generator) -> None:

@@ -164,6 +164,18 @@ def opened(browser: Any) -> Iterator[Page]:
 
 
 @pytest.fixture
+def in_capsules(browser: Any) -> Iterator[Page]:
+    """A Panda with a bar in its hand: one capsule, in a wide ball, and no other hull."""
+    robot = pdoik.Robot.builtin("panda")
+    robot.occupancy = pdoik.Occupancy(
+        spheres=[(TIP, (0.0, 0.2, 0.1), 0.3)],
+        capsules=[(TIP, (0.0, 0.1, 0.1), (0.0, 0.3, 0.1), 0.05)],
+    )
+    with page_of(browser, Session(robot, pdoik.Options(max_time=5.0))) as page:
+        yield page
+
+
+@pytest.fixture
 def standing(browser: Any) -> Iterator[Page]:
     """The H1 on its left foot; its right foot and left elbow can be dragged."""
     robot = pdoik.Robot.builtin("h1", LEFT, [RIGHT, ELBOW])
@@ -211,6 +223,41 @@ def test_the_arm_gives_way_to_the_ball_that_the_mouse_drags(opened: Page) -> Non
     assert np.abs(opened.q - q).max() > 0.02
     np.testing.assert_allclose(session.robot.fk(opened.q), session.targets[TIP], atol=5e-5)
     assert opened.page.get_by_text("solved", exact=True).is_visible()
+
+
+def test_the_capsules_are_drawn_and_the_wide_hull_around_them_on_a_switch(
+    in_capsules: Page,
+) -> None:
+    in_capsules.settled()
+    page, session = in_capsules.page, in_capsules.viewer.session
+    T = session.robot.fk(in_capsules.q)
+
+    def most_blue(local: tuple[float, float, float]) -> int:
+        """By how much blue is above red around a point of the tip's frame; negative: red above."""
+        x, y = in_capsules.pixel(T[:3, :3] @ local + T[:3, 3]).astype(int)
+        shot = np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB"), dtype=int)
+        around = shot[y - 8 : y + 9, x - 8 : x + 9]
+        above = (around[..., 2] - around[..., 0]).ravel()
+        return int(above[np.abs(above).argmax()])
+
+    tube, cap, wire = (0.0, 0.22, 0.1), (0.0, 0.33, 0.1), (0.0, 0.35, -0.05)
+    for part in (tube, cap):
+        in_capsules.wait(lambda part=part: most_blue(part) > 15, "blue")
+    assert abs(most_blue(wire)) < 10  # the floor and its lines
+    page.get_by_label("Wide hulls").check(force=True)
+    in_capsules.wait(lambda: most_blue(wire) > 15, "the wide hull")
+    page.get_by_label("Wide hulls").uncheck(force=True)
+    page.get_by_label("Hulls", exact=True).uncheck(force=True)
+    for part in (tube, cap, wire):
+        in_capsules.wait(lambda part=part: abs(most_blue(part)) < 10, "nothing")
+
+    page.get_by_label("Hulls", exact=True).check(force=True)
+    session.set_ball(T[:3, :3] @ (0.0, 0.1, 0.1) + T[:3, 3], 0.01)
+    session.set_posture(in_capsules.q)  # it stays, and is judged anew
+    in_capsules.viewer.worker.wake()
+    page.get_by_text("panda_link8 (capsule 0)").wait_for(timeout=1e3 * PATIENCE)
+    for part in (tube, cap):
+        in_capsules.wait(lambda part=part: most_blue(part) < -15, "red")
 
 
 def test_a_slider_poses_the_robot_and_the_target_jumps_to_the_tip(opened: Page) -> None:

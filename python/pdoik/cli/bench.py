@@ -100,7 +100,7 @@ def random_problem(robot: pdoik.Robot, n_points: int, rng: np.random.Generator) 
         hulls = placed_hulls(robot, q)
         if not hulls:
             raise ValueError(f"{robot.name} has no hulls to keep points clear of")
-        ends = np.array([(hull.focus_a, hull.focus_b) for hull in hulls]).reshape(-1, 3)
+        ends = np.concatenate([hull.ends for hull in hulls])
         box = ends.min(axis=0) - _FARTHEST, ends.max(axis=0) + _FARTHEST
         while len(points) < n_points:
             drawn = rng.uniform(*box, size=(4 * n_points, 3))

@@ -50,6 +50,7 @@ def _facts(robot: pdoik.Robot) -> dict[str, object]:
         "link_names": list(robot.link_names),
         "spheres": len(robot.occupancy.spheres),
         "spheroids": len(robot.occupancy.spheroids),
+        "capsules": len(robot.occupancy.capsules),
         "warnings": list(robot.warnings),
     }
 
@@ -68,10 +69,15 @@ def _print(robot: pdoik.Robot) -> None:
     rest.add_row("base link", escape(robot.base_link))
     rest.add_row("tip links", escape(", ".join(robot.tip_links)))
     rest.add_row("links", escape(", ".join(robot.link_names)))
-    spheres, spheroids = len(robot.occupancy.spheres), len(robot.occupancy.spheroids)
+    occupancy = robot.occupancy
+    counts = {
+        "spheres": len(occupancy.spheres),
+        "spheroids": len(occupancy.spheroids),
+        "capsules": len(occupancy.capsules),
+    }
     hulls = (
-        f"{spheres} spheres, {spheroids} spheroids"
-        if len(robot.occupancy)
+        ", ".join(f"{count} {kind}" for kind, count in counts.items())
+        if len(occupancy)
         else ("none: the solver cannot see obstacles; see pdoik occupancy --help")
     )
     rest.add_row("hulls", hulls)

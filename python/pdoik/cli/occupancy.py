@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from .messages import err, fail, misuse_fails, out
+from .messages import err, fail, misuse_fails, out, warn
 
 if TYPE_CHECKING:
     from pdoik.occupancy_fit import FitReport
@@ -46,13 +47,15 @@ def occupancy(
 
     [bold]Example[/]: pdoik occupancy arm.urdf --package-dir share --out arm.occupancy.yaml
     """
-    from pdoik.occupancy_fit import fit_occupancy  # SciPy and trimesh take long to import
+    from pdoik.errors import OverhangWarning
+    from pdoik.occupancy_fit import AIM, fit_occupancy  # SciPy and trimesh take long to import
 
     if not urdf.is_file():
         fail(f"{urdf}: no such file")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")
-    with misuse_fails(), err.status("fitting hulls"):
+    with misuse_fails(), err.status("fitting hulls"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", OverhangWarning)  # told under the table
         fit = fit_occupancy(
             urdf,
             package_dir or (),
@@ -91,6 +94,9 @@ def occupancy(
     )
     if fit.capsules:
         out.print(_capsule_table(fit.report))
+        for link in fit.report.links:
+            if not link.overhang.meets(AIM):
+                warn(f"{link.link}: capsules stick out {link.overhang}, the aims are {AIM}")
     for name in fit.report.skipped:
         out.print(f"{escape(name)}: no collision geometry, skipped", highlight=False)
     if out_file is not None:

@@ -5,13 +5,14 @@
 >>> fit.write("robot.occupancy.yaml")  # doctest: +SKIP
 """
 
-from .capsules import Capsule, fit_capsules
+from .capsules import AIM, Capsule, fit_capsules, fit_link
 from .fit import fit_occupancy
 from .hulls import Sphere, Spheroid
 from .report import FitReport, HullReport, LinkReport
 from .result import OccupancyFit
 
 __all__ = [
+    "AIM",
     "Capsule",
     "FitReport",
     "HullReport",
@@ -20,5 +21,6 @@ __all__ = [
     "Sphere",
     "Spheroid",
     "fit_capsules",
+    "fit_link",
     "fit_occupancy",
 ]

@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import OverhangWarning
 from .hulls import FloatArray, Point, tidy_point
-from .overhang import Overhang, overhang
+from .overhang import Overhang, each_overhang, overhang
 from .segments import Capsules, free, surface, to_segments
-from .settle import settle
+from .settle import Proof
 from .solid import Solid
-from .wrap import greedy_cover, shrink_wrap
+from .wrap import ShrinkWrap, greedy_cover
 
 _LANDMARKS = 1500
+_POINTS = 6000  # of the surface where overhangs are measured in between
 _INNER = 300  # points inside that are asked for while capsules move
 _FIRST_SWELL = 0.85  # how far the first set sticks out, over the most that is allowed
-_MOST_ROUNDS = 30
+_MOST_ROUNDS, _MOST_PROOFS = 30, 6
 _FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 90
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
+_CLOSE = 0.9  # of the aims, from where no more is left out after a proof
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
-_STEPS_BACK = 4  # of the last sets: one that meets the aims with the inside proven is taken
-_PATIENCE = 3  # capsules whose loss is tried in vain before the rest stay
+_PATIENCE = 2  # capsules whose loss is tried in vain before the rest stay
+
+
+AIM = Overhang(mean=0.004, worst=0.015)
 
 
 class Capsule(NamedTuple):
@@ -33,18 +40,19 @@ class Capsule(NamedTuple):
     a: Point  # one end of the segment, in the link's frame [m]
     b: Point  # the other end [m]
     radius: float  # [m]
+    overhang: float = 0.0  # of its surface beyond the link at most, 0 where nobody knows [m]
 
 
 def fit_capsules(
     triangles: FloatArray,
     *,
-    max_overhang: float = 0.015,
-    mean_overhang: float = 0.004,
+    max_overhang: float = AIM.worst,
+    mean_overhang: float = AIM.mean,
     most: int | None = None,
 ) -> list[tuple[Point, Point, float]]:
     """Few capsules that together hold a surface and what it encloses, and stick out little.
 
-    Where concave, geometry is followed as it is. What is held, and how that is proven: `settle`.
+    Where concave, geometry is followed as it is. What is held, and how that is proven: `Proof`.
     The two bounds on what sticks out (`overhang`) are aims: with `most` they may be missed.
 
     Args:
@@ -72,59 +80,139 @@ def fit_capsules(
         raise ValueError(f"most must be at least 1, got {most}")
     if not len(triangles):
         return []
-    fit = _Fit(Solid.of(triangles), Overhang(mean_overhang, max_overhang), most or _MOST)
-    found = fit.run()
+    aim = Overhang(mean_overhang, max_overhang)
+    found, _ = _Fit(Solid.of(triangles), aim, most or _MOST).run()
+    return _rows(found)
+
+
+def fit_link(
+    link: str, triangles: FloatArray, *, most: int | None = None
+) -> tuple[list[Capsule], Overhang]:
+    """The capsules of `fit_capsules` fixed to a link, and how far their union sticks out.
+
+    Warns:
+        OverhangWarning: It is farther than `AIM`.
+    """
+    solid = Solid.of(triangles)
+    found, out = _Fit(solid, AIM, most or _MOST).run()
+    if not out.meets(AIM):
+        told = f"{link}: {len(found.radius)} capsules stick out {out}, the aims are {AIM}"
+        warnings.warn(told, OverhangWarning, stacklevel=2)
+    each = np.round(each_overhang(solid, found), 6)
+    rows = zip(_rows(found), each, strict=True)
+    return [Capsule(link, *row, float(overhang)) for row, overhang in rows], out
+
+
+def _rows(capsules: Capsules) -> list[tuple[Point, Point, float]]:
     return [
-        (tidy_point(a), tidy_point(b), float(radius)) for a, b, radius in zip(*found, strict=True)
+        (tidy_point(a), tidy_point(b), float(radius))
+        for a, b, radius in zip(*capsules, strict=True)
     ]
 
 
+@dataclass(frozen=True, slots=True)
+class _Set:
+    """Capsules that hold many points of the link."""
+
+    capsules: Capsules
+    overhang: Overhang
+    score: float  # at most 1 where both aims hold
+
+    @property
+    def count(self) -> int:
+        return len(self.capsules.radius)
+
+
 class _Fit:
-    """The search for one link: split what sticks out, until the aims hold; then leave out."""
+    """The search for one link: split what sticks out, until the aims hold; then leave out.
+
+    It asks only that many points be held. What it ends with is proven; if that swells the capsules
+    beyond the aims, the search goes on with room left for so much.
+    """
 
     def __init__(self, solid: Solid, aim: Overhang, most: int) -> None:
         self.solid, self.aim, self.most = solid, aim, most
-        landmarks = solid.landmarks(_LANDMARKS)
         inner, _ = solid.inner_points()
-        thin = inner[:: max(len(inner) // _INNER, 1)]
-        self.landmarks = np.concatenate([landmarks, thin])
-        self.points = np.concatenate([self.landmarks, solid.samples.data[::2]])
+        landmarks = [solid.landmarks(_LANDMARKS), inner[:: max(len(inner) // _INNER, 1)]]
+        self.points = np.concatenate([*landmarks, solid.samples.data])
+        self.wrap = ShrinkWrap(solid, self.points, aim.worst)
+        self.first = greedy_cover(solid, np.concatenate(landmarks), _FIRST_SWELL * aim.worst)
+        self.proof = Proof(solid)
+        self.swelling = Overhang(0.0, 0.0)  # by the proof
 
-    def run(self) -> Capsules:
-        moving = greedy_cover(self.solid, self.landmarks, _FIRST_SWELL * self.aim.worst)
-        moving = moving.take(np.arange(min(self.most, len(moving.radius))))
-        moving = self._wrap(moving, _FIRST_STEPS)
-        best, score = self._settle(moving, with_inside=False)
-        moving = best
+    def run(self) -> tuple[Capsules, Overhang]:
+        """Where no set meets the aims, the one that comes nearest."""
+        now = self._moved(self.first.take(slice(self.most)), _FIRST_STEPS)
+        proofs = [self._proven(now)]
+        for _ in range(_MOST_PROOFS):
+            before = now.count
+            now = self._fewer(self._more(now))
+            proofs.append(self._proven(now))
+            score = proofs[-1].score
+            if now.count == (self.most if score > 1 else before) or _CLOSE < score <= 1:
+                break
+            now = _Set(now.capsules, proofs[-1].overhang, score)
+        holding = [entry for entry in proofs if entry.score <= 1]
+        if holding:
+            best = min(holding, key=lambda entry: entry.count)
+        else:
+            best = min(proofs, key=lambda entry: entry.score)
+        return best.capsules, best.overhang
+
+    def _moved(self, capsules: Capsules, steps: int) -> _Set:
+        moved = self.proof.approximate(self.wrap.move(capsules, steps))
+        got = overhang(self.solid, moved, _POINTS)
+        out = Overhang(got.mean + self.swelling.mean, got.worst + self.swelling.worst)
+        return _Set(moved, out, self._score(out))
+
+    def _proven(self, now: _Set) -> _Set:
+        """Proven; what the proof added to the overhang is expected of the next sets too."""
+        proven = self.proof.settle(now.capsules)
+        out, before, added = overhang(self.solid, proven), now.overhang, self.swelling
+        self.swelling = Overhang(
+            added.mean + out.mean - before.mean, added.worst + out.worst - before.worst
+        )
+        return _Set(proven, out, self._score(out))
+
+    def _score(self, out: Overhang) -> float:
+        return _SPARE * max(out.mean / self.aim.mean, out.worst / self.aim.worst)
+
+    def _more(self, now: _Set) -> _Set:
+        """Ever more capsules, those that stick out most being split, until the aims hold."""
+        best = now
         for _ in range(_MOST_ROUNDS):
-            if score <= 1 or len(moving.radius) >= self.most:
+            if best.score <= 1 or now.count >= self.most:
                 break
-            moving = self._wrap(self._split(moving), _NEXT_STEPS)
-            moving, new_score = self._settle(moving, with_inside=False)
-            if new_score < score:
-                best, score = moving, new_score
-        for fewest in reversed(self._drop(best, score)):
-            settled, new_score = self._settle(fewest, with_inside=True)
-            if new_score <= 1:
+            now = self._moved(self._split(now.capsules, now.score), _NEXT_STEPS)
+            best = min(best, now, key=lambda entry: entry.score)
+        return best
+
+    def _fewer(self, best: _Set) -> _Set:
+        """Ever fewer capsules as long as the aims hold; while they are far, several at a time."""
+        in_vain: set[int] = set()
+        haste = _HASTE
+        while best.score <= 1 and best.count > 1 and len(in_vain) < _PATIENCE:
+            order = [int(k) for k in np.argsort(self._losses(best.capsules)) if k not in in_vain]
+            if not order:
                 break
-        return settled
+            count = max(1, int(haste * (1 - best.score) * best.count))
+            left = np.delete(np.arange(best.count), order[:count])
+            fewer = self._moved(best.capsules.take(left), _DROP_STEPS)
+            if fewer.score > 1 and count == 1:
+                fewer = self._moved(fewer.capsules, _DROP_STEPS)
+            if fewer.score <= 1:
+                best, in_vain = fewer, set()
+            elif count > 1:
+                haste /= 2
+            else:
+                in_vain.add(order[0])
+        return best
 
-    def _wrap(self, capsules: Capsules, steps: int) -> Capsules:
-        return shrink_wrap(self.solid, self.points, capsules, steps=steps, worst=self.aim.worst)
-
-    def _settle(self, capsules: Capsules, *, with_inside: bool) -> tuple[Capsules, float]:
-        settled = settle(self.solid, capsules, with_inside=with_inside)
-        return settled, self._score(settled)
-
-    def _score(self, capsules: Capsules) -> float:
-        """At most 1 where both aims hold."""
-        got = overhang(self.solid, capsules)
-        return _SPARE * max(got.mean / self.aim.mean, got.worst / self.aim.worst)
-
-    def _split(self, capsules: Capsules) -> Capsules:
+    def _split(self, capsules: Capsules, score: float) -> Capsules:
         """Halves in place of the capsules that stick out most; of a short one, side by side."""
         a, b, radius = capsules
-        count = min(max(1, round(_GROWTH * len(radius))), self.most - len(radius))
+        count = max(1, round(min(_GROWTH, score - 1) * len(radius)))
+        count = min(count, self.most - len(radius))
         chosen = np.argsort(-self._costs(capsules))[:count]
         quarter = (b - a)[chosen] / 4
         aside = np.eye(3)[np.arange(count) % 3] * radius[chosen, None]
@@ -147,32 +235,9 @@ class _Fit:
         excess = np.maximum(out - self.aim.mean, 0) / self.aim.mean
         return np.asarray((excess + (out / self.aim.worst) ** 6).sum(axis=1) * on.areas)
 
-    def _drop(self, best: Capsules, score: float) -> list[Capsules]:
-        """Ever fewer capsules, several left out at a time while the aims are far, as they hold."""
-        kept = [best]
-        in_vain: set[int] = set()
-        haste = _HASTE
-        while score <= 1 and len(best.radius) > 1 and len(in_vain) < _PATIENCE:
-            loss = self._losses(best)
-            order = [int(k) for k in np.argsort(loss) if k not in in_vain]
-            if not order:
-                break
-            count = max(1, int(haste * (1 - score) * len(loss)))
-            fewer = best.take(np.delete(np.arange(len(loss)), order[:count]))
-            fewer = self._wrap(fewer, _DROP_STEPS)
-            settled, new_score = self._settle(fewer, with_inside=False)
-            if new_score <= 1:
-                best, score, in_vain = settled, new_score, set()
-                kept.append(best)
-            elif count > 1:
-                haste /= 2
-            else:
-                in_vain.add(order[0])
-        return kept[-_STEPS_BACK:]
-
     def _losses(self, capsules: Capsules) -> FloatArray:
         """How much would be bare without each capsule, (K,)."""
-        gap = to_segments(self.points, capsules.a, capsules.b) - capsules.radius
+        gap = to_segments(self.points.astype(np.float32), capsules.a, capsules.b) - capsules.radius
         own = gap.argmin(axis=1)
         nearest = np.partition(gap, 1, axis=1)[:, 1]  # of the others
         bare = np.maximum(nearest, 0) ** 2

@@ -9,14 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import LoadError
-from .capsules import Capsule, fit_capsules
+from .capsules import Capsule, fit_link
 from .geometry import LinkGeometry, load_geometry
 from .hulls import Point, Shape, Sphere, Spheroid, around, convex_volume, tidy_point
-from .overhang import Overhang, overhang
+from .overhang import Overhang
 from .report import FitReport, HullReport, LinkReport
 from .result import OccupancyFit
-from .segments import Capsules
-from .solid import Solid
 from .split import Part, cover_stages, union_volume
 
 _ORIGIN: Point = (0.0, 0.0, 0.0)
@@ -70,6 +68,9 @@ def fit_occupancy(
             of constraints and adds no volume. No capsules then.
         capsules: Fit capsules too.
 
+    Warns:
+        OverhangWarning: A link's capsules stick out farther than they should; `report` tells too.
+
     Raises:
         LoadError: The description or a mesh cannot be read, or it has no collision geometry.
         ValueError: An argument is out of range, or a link is not in the description.
@@ -90,15 +91,8 @@ def fit_occupancy(
         fits = [_joint_to_joint(link) for link in solid]
         return _result(fits, skipped, _joint_spheres(fits), {})
     stages = [_link_stages(link, max_volume_factor, max_parts) for link in solid]
-    tight = {link.name: _tight(link) for link in solid} if capsules else {}
+    tight = {link.name: fit_link(link.name, link.triangles) for link in solid} if capsules else {}
     return _result(_within_budget(stages, max_hulls), skipped, [], tight)
-
-
-def _tight(link: LinkGeometry) -> tuple[list[Capsule], Overhang]:
-    """The link's capsules, and how far they stick out."""
-    found = [Capsule(link.name, *capsule) for capsule in fit_capsules(link.triangles)]
-    a, b, radius = (np.array([hull[i] for hull in found]) for i in (1, 2, 3))
-    return found, overhang(Solid.of(link.triangles), Capsules(a, b, radius))
 
 
 def _joint_to_joint(link: LinkGeometry) -> _LinkFit:

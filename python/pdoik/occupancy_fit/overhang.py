@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .hulls import FloatArray
 from .segments import Capsules, free, surface
 from .solid import Solid
 
-_POINTS = 20_000  # on all capsules of a link together
+OVERHANG_POINTS = 20_000  # on all capsules of a link together
 
 
 class Overhang(NamedTuple):
@@ -18,8 +19,20 @@ class Overhang(NamedTuple):
     mean: float  # weighted by area [m]
     worst: float  # of the sampled points [m]
 
+    def meets(self, aim: Overhang) -> bool:
+        return self.mean <= aim.mean and self.worst <= aim.worst
 
-def overhang(solid: Solid, capsules: Capsules, points: int = _POINTS) -> Overhang:
+    def __str__(self) -> str:
+        return f"{1e3 * self.mean:.2f} mm in the mean and {1e3 * self.worst:.1f} mm at worst"
+
+
+def each_overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> FloatArray:
+    """How far each capsule's surface, inside others or not, is from the solid at most, (K,) [m]."""
+    on = surface(capsules, max(points // len(capsules.radius), 60))
+    return solid.outside(on.points.reshape(-1, 3)).reshape(on.at.shape).max(axis=1)
+
+
+def overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> Overhang:
     """Measured on points spread over the surface of the capsules' union.
 
     Walls of cavities inside the solid are not part of the outer surface.

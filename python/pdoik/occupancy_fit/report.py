@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .overhang import Overhang
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HullReport:
@@ -35,6 +37,10 @@ class LinkReport:
     n_capsules: int = 0
     mean_overhang: float = 0.0  # from the capsules' outer surface to the geometry, [m]
     worst_overhang: float = 0.0  # [m]
+
+    @property
+    def overhang(self) -> Overhang:
+        return Overhang(self.mean_overhang, self.worst_overhang)
 
     @property
     def factor(self) -> float:

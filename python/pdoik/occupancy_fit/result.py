@@ -45,7 +45,9 @@ class OccupancyFit:
             lines.append("capsules:")
         lines += [
             f"  - {{link: {_name(hull.link)}, a: {_row(hull.a)}, b: {_row(hull.b)},"
-            f" radius: {_number(hull.radius)}}}"
+            f" radius: {_number(hull.radius)}"
+            + (f", overhang: {_number(hull.overhang)}" if hull.overhang else "")
+            + "}"
             for hull in self.capsules
         ]
         return "\n".join(lines) + "\n"
@@ -85,7 +87,12 @@ class OccupancyFit:
             ),
             report=self.report,
             capsules=tuple(
-                Capsule(*move(hull.link, hull.a), move(hull.link, hull.b)[1], hull.radius)
+                Capsule(
+                    *move(hull.link, hull.a),
+                    move(hull.link, hull.b)[1],
+                    hull.radius,
+                    hull.overhang,
+                )
                 for hull in self.capsules
             ),
         )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .hulls import FloatArray
+
+AnyFloats = NDArray[np.floating[Any]]
 
 _BLOCK = 20_000  # distances at a time: as much as stays in a processor's cache
 _GOLDEN_TURN = np.pi * (3 - np.sqrt(5))
@@ -20,30 +22,43 @@ class Capsules(NamedTuple):
     b: FloatArray  # (K, 3) [m]
     radius: FloatArray  # (K,) [m]
 
-    def take(self, index: NDArray[np.intp] | NDArray[np.bool_] | list[int]) -> Capsules:
+    def take(self, index: NDArray[np.intp] | NDArray[np.bool_] | slice | list[int]) -> Capsules:
         """The capsules that an index or a mask chooses."""
         return Capsules(self.a[index], self.b[index], self.radius[index])
 
 
-def to_segments(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
+def to_segments(points: AnyFloats, a: FloatArray, b: FloatArray) -> AnyFloats:
     """Distance of each point (P, 3) to each segment, (P, K) [m].
 
-    To 1e-8 m or better where points and segments are within metres of each other.
+    To 1e-8 m or better where points and segments are within metres of each other. Points in single
+    precision give distances in it, in half the time: to 1e-5 m beyond 1 mm from a segment.
     """
-    center = points.mean(axis=0) if len(points) else np.zeros(3)
+    kind = points.dtype
+    center = points.mean(axis=0, dtype=np.float64) if len(points) else np.zeros(3)
     a, along = a - center, b - a
-    length2 = np.einsum("ki,ki->k", along, along)
-    share = 1 / np.maximum(length2, 1e-18)
-    from_a, a2 = np.einsum("ki,ki->k", a, along), np.einsum("ki,ki->k", a, a)
-    distance = np.empty((len(points), len(a)))
+    length = np.linalg.norm(along, axis=1)
+    axis = along / np.maximum(length, 1e-12)[:, None]
+    zero, one = np.zeros((len(a), 1)), np.ones((len(a), 1))
+    a2 = np.einsum("ki,ki->k", a, a)[:, None]
+    from_a = np.einsum("ki,ki->k", a, axis)[:, None]
+    # A point's place along the axis, and its squared distance from a, as products with (p, p^2, 1).
+    to_place = np.concatenate([axis, zero, -from_a], axis=1).T.astype(kind)
+    to_square = np.concatenate([-2 * a, one, a2], axis=1).T.astype(kind)
+    length = length.astype(kind)
+    distance = np.empty((len(points), len(a)), dtype=kind)
     step = max(_BLOCK // max(len(a), 1), 1)
     for n in range(0, len(points), step):
         p = points[n : n + step] - center
-        s = p @ along.T - from_a  # (p - a) . (b - a)
-        t = np.minimum(np.maximum(s * share, 0), 1)
-        square = np.einsum("pi,pi->p", p, p)[:, None] - 2 * (p @ a.T) + a2
-        square -= t * (2 * s - t * length2)
-        np.sqrt(np.maximum(square, 0), out=distance[n : n + step])
+        p2 = np.einsum("pi,pi->p", p, p)[:, None]
+        p = np.concatenate([p, p2, np.ones_like(p2)], axis=1).astype(kind)
+        place, square = p @ to_place, distance[n : n + step]
+        on_segment = np.minimum(np.maximum(place, 0), length)
+        np.matmul(p, to_square, out=square)
+        place += place  # |p - a|^2 - s^2 + (s - t)^2 with s = place, t = on_segment
+        place -= on_segment
+        place *= on_segment
+        square -= place
+        np.sqrt(np.maximum(square, 0, out=square), out=square)
     return distance
 
 
@@ -92,11 +107,18 @@ def surface(capsules: Capsules, count: int, turn: float = 0.0) -> Surface:
     )
 
 
-def free(capsules: Capsules, on: Surface) -> NDArray[np.bool_]:
-    """Which of the surface points are in no other capsule, (K, N)."""
-    shape = on.points.shape[:2]
-    gap = to_segments(on.points.reshape(-1, 3), capsules.a, capsules.b) - capsules.radius
-    gap = gap.reshape(*shape, -1)
-    own = np.arange(shape[0])
-    gap[own, :, own] = np.inf
-    return np.asarray((gap > 0).all(axis=2))
+def free(
+    capsules: Capsules, on: Surface, among: NDArray[np.bool_] | None = None
+) -> NDArray[np.bool_]:
+    """Which of the surface points, or of those `among` them, are in no other capsule, (K, N).
+
+    In single precision, good to 1e-5 m.
+    """
+    among = np.ones(on.at.shape, dtype=bool) if among is None else among
+    own = np.nonzero(among)[0]
+    points = on.points[among].astype(np.float32)
+    gap = to_segments(points, capsules.a, capsules.b) - capsules.radius.astype(np.float32)
+    gap[np.arange(len(own)), own] = np.inf
+    outer = np.zeros(on.at.shape, dtype=bool)
+    outer[among] = (gap > 0).all(axis=1)
+    return outer

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .hulls import DECIMALS, MARGIN, FloatArray
-from .segments import Capsules, to_segments
+from .segments import AnyFloats, Capsules, to_segments
 from .solid import Solid, areas, bisect, subdivide
 
 _COARSE = 6e-3  # edges of patches at first [m]
@@ -17,8 +17,8 @@ _CHUNK = 400_000  # entries of a matrix of corners by capsules
 _SHRINK_ROUNDS = 4
 
 
-def settle(solid: Solid, capsules: Capsules, *, with_inside: bool = True) -> Capsules:
-    """The capsules with radii such that each small cell of the solid lies within one of them.
+class Proof:
+    """Radii such that each small cell of a solid lies within one of the capsules.
 
     Cells are patches that make up the whole surface, and all voxels inside that are free of
     surface. A capsule is convex: it holds a cell if it holds the corners. Radii first grow and
@@ -27,31 +27,44 @@ def settle(solid: Solid, capsules: Capsules, *, with_inside: bool = True) -> Cap
     where that takes least. So the surface is held exactly, with `MARGIN` to spare, and so is the
     inside but for what lies in voxels that hold surface too: a cavity left there is thinner than a
     voxel, and the held surface closes it.
-
-    Segments are rounded to `DECIMALS` first; a capsule that no cell needs is left out.
-
-    Args:
-        solid: What to hold.
-        capsules: Where to begin; segments stay.
-        with_inside: Ask it of voxels too; False is faster, for trials.
     """
-    a, b = np.round(capsules.a, DECIMALS) + 0.0, np.round(capsules.b, DECIMALS) + 0.0
-    radius = capsules.radius.copy()
-    coarse = max(_COARSE, float(np.sqrt(5 * areas(solid.triangles).sum() / _MOST_PATCHES)))
-    patches = subdivide(solid.triangles, coarse)
-    corners = np.unique(patches.reshape(-1, 3), axis=0)
-    points = to_segments(np.concatenate([corners, solid.samples.data]), a, b)
-    points = np.concatenate([points, _core_needs(solid, a, b)])
-    radius = _shrunk(points, _grown(points, radius))  # nearly enough: few cells have to be cut
-    needs = [_needs(patches, a, b, radius, bisect, _FINE)]
-    if with_inside:
-        needs.append(
-            _needs(_open_voxels(solid, a, b, radius), a, b, radius, _octants, _FINE_INSIDE)
+
+    def __init__(self, solid: Solid) -> None:
+        coarse = max(_COARSE, float(np.sqrt(5 * areas(solid.triangles).sum() / _MOST_PATCHES)))
+        self._solid = solid
+        self._patches = subdivide(solid.triangles, coarse)
+        corners = np.unique(self._patches.reshape(-1, 3), axis=0)
+        self._points = np.concatenate([corners, solid.samples.data])
+
+    def approximate(self, capsules: Capsules) -> Capsules:
+        """The capsules with about the radii that `settle` gives, in a fraction of the time.
+
+        Only many points of the surface are held, so radii come out some tenths of a millimetre
+        too small.
+        """
+        need = to_segments(self._points.astype(np.float32), capsules.a, capsules.b)
+        radius = _shrunk(need, _grown(need, capsules.radius))
+        kept = radius > 0
+        return Capsules(capsules.a[kept], capsules.b[kept], radius[kept] + MARGIN)
+
+    def settle(self, capsules: Capsules) -> Capsules:
+        """The capsules with proven radii, no larger than that takes.
+
+        Segments are rounded to `DECIMALS` first; a capsule that no cell needs is left out.
+        """
+        a, b = np.round(capsules.a, DECIMALS) + 0.0, np.round(capsules.b, DECIMALS) + 0.0
+        points = np.concatenate([to_segments(self._points, a, b), _core_needs(self._solid, a, b)])
+        radius = _shrunk(points, _grown(points, capsules.radius))  # few cells have to be cut then
+        voxels = _open_voxels(self._solid, a, b, radius)
+        need = np.concatenate(
+            [
+                _needs(self._patches, a, b, radius, bisect, _FINE),
+                _needs(voxels, a, b, radius, _octants, _FINE_INSIDE),
+            ]
         )
-    need = np.concatenate(needs)
-    radius = _grown(need, radius)
-    kept = radius > 0
-    return Capsules(a[kept], b[kept], np.round(radius[kept] + MARGIN, DECIMALS))
+        radius = _grown(need, radius)
+        kept = radius > 0
+        return Capsules(a[kept], b[kept], np.round(radius[kept] + MARGIN, DECIMALS))
 
 
 def _needs(
@@ -118,7 +131,7 @@ def _open_voxels(solid: Solid, a: FloatArray, b: FloatArray, radius: FloatArray)
     return centers[loose, None] + solid.edge * corners
 
 
-def _grown(need: FloatArray, radius: FloatArray) -> FloatArray:
+def _grown(need: AnyFloats, radius: FloatArray) -> FloatArray:
     """Radii with which each cell is held: the worst one grows the capsule it takes least of."""
     radius = radius.copy()
     lack = (need[(need > radius).all(axis=1)] - radius).T.copy()  # (K, N)
@@ -133,20 +146,21 @@ def _grown(need: FloatArray, radius: FloatArray) -> FloatArray:
     return radius
 
 
-def _shrunk(need: FloatArray, radius: FloatArray) -> FloatArray:
+def _shrunk(need: AnyFloats, radius: FloatArray) -> FloatArray:
     """Radii each as small as the others allow, 0 where a capsule is not needed.
 
     In rounds, half of what is possible at a time, so that neighbors share what is to be gained.
     """
     radius = radius.copy()
-    holds = np.ascontiguousarray((need <= radius).T)  # (K, N)
-    count = holds.sum(axis=0)
+    need = np.ascontiguousarray(need.T)  # (K, N)
+    holds = need <= radius[:, None]
+    count = holds.sum(axis=0, dtype=np.int16)
     for last in [False] * _SHRINK_ROUNDS + [True]:
         for k in np.argsort(-radius):
             alone = holds[k] & (count == 1)
-            least = float(need[alone, k].max(initial=0.0))
+            least = float(need[k, alone].max(initial=0.0))
             radius[k] = least if last else (least + radius[k]) / 2
-            still = (need[:, k] <= radius[k]) & (radius[k] > 0)
-            count += still.astype(int) - holds[k]
+            still = (need[k] <= radius[k]) & (radius[k] > 0)
+            count += still.astype(np.int16) - holds[k]
             holds[k] = still
     return radius

@@ -19,18 +19,20 @@ from PIL import Image
 
 from pdoik import Result, Robot
 from pdoik._files import write_whole
-from pdoik._hulls import PlacedHull, gaps, placed_hulls, skeleton
+from pdoik._hulls import PlacedCapsule, PlacedHull, gaps, placed_hulls, skeleton
 
 from .facets import FacetSoup, spheroid_axes
 from .view import best_azimuth
 
-__all__ = ["PlacedHull", "draw_solution", "gaps", "placed_hulls", "skeleton"]
+__all__ = ["draw_solution"]
 
 FloatArray = npt.NDArray[np.float64]
 
 _HULL, _BONE, _JOINT, _SURFACE = "#6f9fcf", "#2b2f36", "#f28e2b", "#8a8f98"
 _GAP_COLORS = LinearSegmentedColormap.from_list("gap", ["#d3151b", "#f59a23", "#e6d47f", "#9fb1bf"])
 _FAR = 0.3  # gaps beyond it look alike [m]
+_MOST_BALLS = 3000  # of more points each is a dot
+_MOST_DOTS = 15000  # shown, of points or surface
 _ELEVATION = 20.0  # [deg]
 
 
@@ -50,11 +52,12 @@ def draw_solution(
 
     Args:
         path: Where to; an old file there is replaced once the new one is whole.
-        robot: The robot; its occupancy is drawn as translucent surfaces.
+        robot: The robot; its occupancy is drawn as translucent surfaces, wide hulls around
+            capsules faintly.
         result: What the solver or its judge returned.
         T_base_tip: The target, (4, 4).
-        cloud: The obstacle points that were solved against, (K, 3) [m], as balls coloured by their
-            gap to the nearest hull.
+        cloud: The obstacle points that were solved against, (K, 3) [m], as balls, or dots where
+            they are many, coloured by their gap to the nearest hull.
         surface: What they were made from, (N, 3) [m], as faint dots.
         title: The first line; None for the robot's name and the status.
         size: Edge of the picture [inch].
@@ -76,12 +79,19 @@ def draw_solution(
 
     solids, frames = FacetSoup(), FacetSoup()
     for hull in hulls:
-        axes = spheroid_axes(hull.focus_a, hull.focus_b, hull.semi_major)
-        solids.ellipsoid((hull.focus_a + hull.focus_b) / 2, axes, _HULL, alpha=0.24)
+        if isinstance(hull, PlacedCapsule):
+            solids.capsule(hull.a, hull.b, hull.radius, _HULL, alpha=0.24)
+        else:
+            axes = spheroid_axes(hull.focus_a, hull.focus_b, hull.semi_major)
+            alpha = 0.24 if hull.fills else 0.05
+            solids.ellipsoid(hull.ends.mean(axis=0), axes, _HULL, alpha=alpha)
     for start, end in pairwise(bones):
         solids.cone(start, end, (1.3 * unit, 1.3 * unit), _BONE)
     solids.balls(bones[:-1], 2.3 * unit, np.tile(to_rgb(_JOINT), (len(bones) - 1, 1)), n=12)
-    solids.balls(cloud[near], 1.5 * unit, _GAP_COLORS(np.clip(gap[near] / _FAR, 0, 1))[:, :3])
+    colors = _GAP_COLORS(np.clip(gap[near] / _FAR, 0, 1))[:, :3]
+    dots = near.sum() > _MOST_BALLS
+    if not dots:
+        solids.balls(cloud[near], 1.5 * unit, colors)
     frames.frame(np.asarray(T_base_tip), 26 * unit, 0.4 * unit)
     frames.frame(robot.fk(q, tip), 14 * unit, 1.0 * unit)
 
@@ -93,8 +103,13 @@ def draw_solution(
     _shadows(axes3d, bones, cloud[near], center[2] - reach)
     if len(surface):
         inside = surface[np.abs(surface - center).max(axis=1) <= reach]
-        shown = inside[:: max(1, len(inside) // 15000)]
+        shown = inside[:: max(1, len(inside) // _MOST_DOTS)]
         axes3d.scatter(*shown.T, s=1.2, c=_SURFACE, alpha=0.4, lw=0, depthshade=False, zorder=2)
+    if dots:
+        every = max(1, int(near.sum()) // _MOST_DOTS)
+        axes3d.scatter(
+            *cloud[near][::every].T, s=3, c=colors[::every], lw=0, depthshade=False, zorder=2
+        )
     for soup, zorder in ((solids, 3), (frames, 4)):
         facets = Poly3DCollection(soup.corners, facecolors=soup.colors, lw=0, antialiaseds=False)
         facets.set_zorder(zorder)
@@ -129,8 +144,8 @@ def _frame(
     """Centre and half edge [m] of a cube around the arm, its target, and obstacles near by."""
     arm = [bones, target[None]]
     for hull in hulls:
-        middle = (hull.focus_a + hull.focus_b) / 2
-        arm += [middle[None] - hull.semi_major, middle[None] + hull.semi_major]
+        middle = hull.ends.mean(axis=0)
+        arm += [middle[None] - hull.extent, middle[None] + hull.extent]
     inner = np.concatenate(arm)
     extent = float(np.ptp(inner, axis=0).max())
     near = cloud[gaps(hulls, cloud) < extent] if hulls else cloud
@@ -171,8 +186,11 @@ def _legend(
     bone = Line2D([], [], color=_BONE, lw=4, marker="o", mfc=_JOINT, mew=0, ms=9)
     bone.set_label("links and joints")
     handles = [bone]
+    filled = sum(hull.fills for hull in hulls)
     if hulls:
-        handles.append(dot(_HULL, 14, f"{len(hulls)} hulls", 0.5))
+        handles.append(dot(_HULL, 14, f"{filled} hulls", 0.5))
+    if filled < len(hulls):
+        handles.append(dot(_HULL, 14, f"{len(hulls) - filled} wide ones around them", 0.15))
     handles.append(Line2D([], [], color="#1f5fd0", lw=4, label=f"{tip} (x red, y green, z blue)"))
     handles.append(Line2D([], [], color="#1f5fd0", lw=1.6, label="its target"))
     if len(cloud):

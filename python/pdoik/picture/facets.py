@@ -75,6 +75,24 @@ class FacetSoup:
         grid = start + t * (end - start) + radius * ring  # (pieces + 1, n + 1, 3)
         self.add(_quads(grid), np.array(to_rgb(color)), alpha)
 
+    def capsule(
+        self, a: FloatArray, b: FloatArray, radius: float, color: Color, alpha: float, n: int = 16
+    ) -> None:
+        """What lies within a radius of a segment, its tube cut into pieces as a cone's."""
+        v = b - a
+        length = float(np.linalg.norm(v))
+        axis = v / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
+        side, up = _normals(axis)
+        around = np.linspace(0, 2 * np.pi, n + 1)
+        ring = np.cos(around)[:, None] * side + np.sin(around)[:, None] * up  # (n + 1, 3)
+        cap = np.linspace(-np.pi / 2, 0, n // 4 + 1)
+        pieces = max(1, int(np.ceil(length / 0.03)))
+        tube = np.linspace(0, length, pieces + 1)[1:-1]
+        along = np.concatenate([radius * np.sin(cap), tube, length - radius * np.sin(cap[::-1])])
+        wide = radius * np.concatenate([np.cos(cap), np.ones(len(tube)), np.cos(cap[::-1])])
+        grid = a + along[:, None, None] * axis + wide[:, None, None] * ring
+        self.add(_quads(grid), np.array(to_rgb(color)), alpha)
+
     def arrow(
         self, start: FloatArray, vector: FloatArray, radius: float, color: Color, alpha: float = 1.0
     ) -> None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import pdoik
 
-_HULL = re.compile(r"\((sphere|spheroid) (\d+)\)")
+_HULL = re.compile(r"\((sphere|spheroid|capsule) (\d+)\)")
 _OBSTACLE = re.compile(r" to obstacle (\d+)$")
 _SHAPE = re.compile(r"^(clearance of .*?\((?:sphere|spheroid|capsule) \d+\)) to (.+)$")
 
@@ -16,7 +16,7 @@ _SHAPE = re.compile(r"^(clearance of .*?\((?:sphere|spheroid|capsule) \d+\)) to 
 class Binding(NamedTuple):
     """Where the worst constraint is a clearance: of which hulls, to which point or shape."""
 
-    hulls: tuple[int, ...]  # in the order of `placed_hulls`: spheres, then spheroids
+    hulls: tuple[int, ...]  # in the order of `placed_hulls`
     obstacle: int | None
     shape: str | None
 
@@ -33,7 +33,8 @@ def binding(result: pdoik.Result, robot: pdoik.Robot, shapes: Collection[str] = 
     named = _SHAPE.match(text)
     if named is not None and named[2] in shapes:
         text, shape = named[1], named[2]
-    before = {"sphere": 0, "spheroid": len(robot.occupancy.spheres)}
+    spheres, spheroids = len(robot.occupancy.spheres), len(robot.occupancy.spheroids)
+    before = {"sphere": 0, "spheroid": spheres, "capsule": spheres + spheroids}
     hulls = _HULL.findall(text)
     point = _OBSTACLE.search(text)
     return Binding(

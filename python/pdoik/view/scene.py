@@ -13,14 +13,14 @@ import pdoik
 from pdoik._hulls import placed_hulls, way_to
 
 from .binding import binding
+from .hull_scene import HullScene
 from .humanoid import first_posture
 from .model import Model
 from .session import Shown
-from .shapes import hull_instances, segments, turns_of_x, wxyz_of
+from .shapes import segments, turns_of_x, wxyz_of
 
 FloatArray = npt.NDArray[np.float64]
 
-_HULL, _HULL_TIGHT, _HULL_BROKEN = (38, 98, 184), (240, 140, 20), (224, 20, 20)
 _BONE, _JOINT = (43, 47, 54), (242, 142, 43)
 
 
@@ -55,22 +55,17 @@ class RobotScene:
             )
             for tip in model.robot.tip_links
         }
-        self._hulls = self._add_hulls() if len(model.robot.occupancy) else None
+        self._hulls = HullScene(server, model.robot)
         self._bones, self._joints = self._add_skeleton(0.011 * size)
 
     def remove(self) -> None:
         self._server.scene.remove_by_name("/robot")
 
-    def show_parts(
-        self, *, hulls: bool | None = None, meshes: bool | None = None, skeleton: bool | None = None
-    ) -> None:
-        """Show or hide kinds of things; None leaves one as it is."""
-        if hulls is not None and self._hulls is not None:
-            self._hulls.visible = hulls
-        if meshes is not None:
-            self._meshes.visible = meshes
-        if skeleton is not None:
-            self._bones.visible = self._joints.visible = skeleton
+    def show_parts(self, *, hulls: bool, wide_hulls: bool, meshes: bool, skeleton: bool) -> None:
+        """Show or hide kinds of things."""
+        self._hulls.show_parts(hulls=hulls, wide_hulls=wide_hulls)
+        self._meshes.visible = meshes
+        self._bones.visible = self._joints.visible = skeleton
 
     def show(self, shown: Shown) -> None:
         """Pose everything; hulls of the binding constraint turn orange, or red if it fails."""
@@ -81,37 +76,12 @@ class RobotScene:
             node.wxyz, node.position = wxyz_of(poses[link][:3, :3]), poses[link][:3, 3]
         self._last_poses = poses
         self._pose_skeleton(poses)
-        if self._hulls is not None:
-            hulls = placed_hulls(self._robot, shown.q)
-            wxyz, centers, axes = hull_instances(hulls)
-            colors = np.tile(np.array(_HULL, dtype=np.uint8), (len(hulls), 1))
-            shapes = [shape.name for shape in shown.cloud.shapes]
-            tight = list(binding(shown.result, self._robot, shapes).hulls)
-            colors[tight] = _HULL_TIGHT if shown.result.success else _HULL_BROKEN
-            self._hulls.batched_wxyzs = wxyz
-            self._hulls.batched_positions = centers
-            self._hulls.batched_scales = axes
-            self._hulls.batched_colors = colors
+        shapes = [shape.name for shape in shown.cloud.shapes]
+        tight = binding(shown.result, self._robot, shapes).hulls
+        self._hulls.show(shown.q, tight, fails=not shown.result.success)
 
     def _drawn_links(self) -> set[str]:
         return {*self._links, *self._axes, *(link for way in self._ways for link in way)}
-
-    def _add_hulls(self) -> Any:
-        unit = trimesh.creation.icosphere(subdivisions=3, radius=1.0)
-        n = len(self._robot.occupancy)
-        return self._server.scene.add_batched_meshes_simple(
-            "/robot/hulls",
-            np.asarray(unit.vertices),
-            np.asarray(unit.faces),
-            batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
-            batched_positions=np.zeros((n, 3)),
-            batched_scales=np.ones((n, 3)),
-            batched_colors=np.tile(np.array(_HULL, dtype=np.uint8), (n, 1)),
-            opacity=0.38,
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
 
     def _add_skeleton(self, radius: float) -> tuple[Any, Any]:
         n_bones = sum(len(way) - 1 for way in self._ways)
@@ -173,7 +143,7 @@ def camera_of(model: Model, q: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _ends(robot: pdoik.Robot, q: FloatArray) -> FloatArray:
     """Origins of the links and centres of the hulls, (N, 3) [m]."""
     links = [robot.fk(q, link)[:3, 3] for link in robot.link_names]
-    hulls = [(hull.focus_a + hull.focus_b) / 2 for hull in placed_hulls(robot, q)]
+    hulls = [hull.ends.mean(axis=0) for hull in placed_hulls(robot, q)]
     return np.array(links + hulls)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from pdoik._hulls import PlacedHull, gaps
+from pdoik._hulls import PlacedCapsule, PlacedHull, PlacedSpheroid, gaps
 
 FloatArray = npt.NDArray[np.float64]
 ByteArray = npt.NDArray[np.uint8]
@@ -34,7 +34,9 @@ def pose_of(wxyz: npt.ArrayLike, position: npt.ArrayLike) -> FloatArray:
     return T
 
 
-def hull_instances(hulls: Sequence[PlacedHull]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def spheroid_instances(
+    hulls: Sequence[PlacedSpheroid],
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Quaternions (H, 4), centres (H, 3) and semi-axes (H, 3) [m]; the first axis is the pole."""
     a = np.array([hull.focus_a for hull in hulls]).reshape(-1, 3)
     b = np.array([hull.focus_b for hull in hulls]).reshape(-1, 3)
@@ -43,6 +45,20 @@ def hull_instances(hulls: Sequence[PlacedHull]) -> tuple[FloatArray, FloatArray,
     minor = np.sqrt(np.maximum(major**2 - half**2, 0.0))
     wxyz = turns_of_x((b - a) / np.maximum(2 * half, 1e-12)[:, None])
     return wxyz, (a + b) / 2, np.column_stack([major, minor, minor])
+
+
+def capsule_instances(
+    hulls: Sequence[PlacedCapsule],
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Quaternions (C, 4) that turn x along the segments, their ends (C, 2, 3), lengths, radii (C,).
+
+    Lengths in metres.
+    """
+    ends = np.array([hull.ends for hull in hulls]).reshape(-1, 2, 3)
+    vectors = ends[:, 1] - ends[:, 0]
+    lengths = np.linalg.norm(vectors, axis=1)
+    wxyz = turns_of_x(vectors / np.maximum(lengths, 1e-12)[:, None])
+    return wxyz, ends, lengths, np.array([hull.radius for hull in hulls])
 
 
 def turns_of_x(directions: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import viser
 
 import pdoik
+from pdoik._hulls import wide_hulls
 
 from .goals_panel import GoalsPanel
 from .humanoid import balance_over_feet, can_balance
@@ -53,6 +54,9 @@ class SolveTab:
             self.move_cloud = gui.add_checkbox("Move cloud", False)
         with gui.add_folder("Show"):
             self.hulls = gui.add_checkbox("Hulls", True)
+            self.wide_hulls = gui.add_checkbox(
+                "Wide hulls", False, hint="Those that only say where to look for capsules"
+            )
             self.meshes = gui.add_checkbox("Meshes", True)
             self.skeleton = gui.add_checkbox(
                 "Skeleton", not page.model.visuals, hint="Inside the meshes, if any"
@@ -100,7 +104,14 @@ class SolveTab:
         def on_parts(_: object) -> None:
             self.apply_parts(page)
 
-        for control in (self.hulls, self.meshes, self.skeleton, self.cloud, self.shapes):
+        for control in (
+            self.hulls,
+            self.wide_hulls,
+            self.meshes,
+            self.skeleton,
+            self.cloud,
+            self.shapes,
+        ):
             control.on_update(on_parts)
 
     def follow_robot(self) -> None:
@@ -112,6 +123,7 @@ class SolveTab:
         self.goals = GoalsPanel(self._gui, session, self._goal_chosen)
         self.goal_axis.visible = self.goals.has_axis
         self.self_collision.visible = len(robot.occupancy) > 0
+        self.wide_hulls.visible = len(wide_hulls(robot)) > 0
         self.self_collision.value = session.options.self_collision
         self.balance.visible = can_balance(robot)
         self.balance.value = bool(session.options.balance.contacts)
@@ -124,7 +136,10 @@ class SolveTab:
     def apply_parts(self, page: Page) -> None:
         """Show what is ticked."""
         page.robot_scene.show_parts(
-            hulls=self.hulls.value, meshes=self.meshes.value, skeleton=self.skeleton.value
+            hulls=self.hulls.value,
+            wide_hulls=self.wide_hulls.value,
+            meshes=self.meshes.value,
+            skeleton=self.skeleton.value,
         )
         page.obstacle_scene.show_cloud(self.cloud.value)
         page.shape_scene.show_shapes(self.shapes.value)

@@ -14,6 +14,7 @@ import numpy.typing as npt
 import viser
 
 import pdoik
+from pdoik._hulls import wide_hulls
 from pdoik.clouds import load_cloud
 from pdoik.errors import PdoikError
 from pdoik.scenes import read_scene_file
@@ -300,7 +301,10 @@ class Viewer:
         self.reach_tab.follow_robot()
         self.files_tab.show(robot, from_file=self.model.urdf is not None)
         self.solve_tab.apply_parts(self)
-        facts = f"{robot.name}: {robot.dof} joints, {len(robot.occupancy)} hulls"
+        wide = len(wide_hulls(robot))
+        facts = f"{robot.name}: {robot.dof} joints, {len(robot.occupancy) - wide} hulls"
+        if wide:
+            facts += f" in {wide} wide ones"
         if self.model.visuals:
             facts += f", meshes of {len(self.model.visuals)} links"
         if not len(robot.occupancy):
@@ -315,6 +319,7 @@ def _of_links(occupancy: pdoik.Occupancy, known: set[str]) -> pdoik.Occupancy:
     return pdoik.Occupancy(
         spheres=[hull for hull in occupancy.spheres if hull[0] in known],
         spheroids=[hull for hull in occupancy.spheroids if {hull[0], hull[2]} <= known],
+        capsules=[hull for hull in occupancy.capsules if hull[0] in known],
     )
 
 
