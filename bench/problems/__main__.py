@@ -56,7 +56,9 @@ def run(
     robot: Robot = "panda",
     count: Annotated[int, typer.Option(min=1, help="Problems of each set.")] = 100,
     seed: Annotated[int, typer.Option(min=0, help="Of our own families.")] = 0,
-    method: Annotated[list[str] | None, typer.Option(help="cloud or shapes; repeatable.")] = None,
+    method: Annotated[
+        list[str] | None, typer.Option(help="cloud, solid_cloud or shapes; repeatable.")
+    ] = None,
     budget: Annotated[list[float] | None, typer.Option(help="[ms]; repeatable.")] = None,
     meshes: Meshes = "visual",
     hull_meshes: Annotated[str, typer.Option(help="What the hulls hold.")] = "collision",

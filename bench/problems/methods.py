@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -117,18 +118,30 @@ def _goals(problem: Problem) -> Any:
     return dict(problem.targets)
 
 
-def surface_cloud(solids: Sequence[Solid], leaf: float = LEAF) -> FloatArray:
-    """Balls that hold the solids' surfaces, (N, 4): one for each cell of a grid [m]."""
+def surface_cloud(solids: Sequence[Solid], leaf: float = LEAF, sink: bool = False) -> FloatArray:
+    """Balls that hold the solids' surfaces, (N, 4): one for each cell of a grid [m].
+
+    Args:
+        solids: What is there.
+        leaf: Edge of the cells [m].
+        sink: Sink the balls into the solids, so that they stand out less.
+    """
     spacing = leaf / FINER
     points = np.concatenate([solid.sample(spacing) for solid in solids])
-    balls = pdoik.voxel_downsample(points, leaf, radii=True)
+    balls = pdoik.voxel_downsample(points, leaf, radii=True, solid=sink)
     balls[:, 3] += spacing / np.sqrt(2)  # as far as the surface may be from a point of the grid
     return balls
 
 
-def _cloud(robot: pdoik.Robot) -> Callable[[Problem], Any]:
+def _cloud(robot: pdoik.Robot, sink: bool = False) -> Callable[[Problem], Any]:
     del robot  # which a cloud knows nothing of
-    return lambda problem: pdoik.Cloud(surface_cloud(problem.solids)) if problem.solids else None
+
+    def scene(problem: Problem) -> pdoik.Cloud | None:
+        if not problem.solids:
+            return None
+        return pdoik.Cloud(surface_cloud(problem.solids, sink=sink))
+
+    return scene
 
 
 def _shapes(robot: pdoik.Robot) -> Callable[[Problem], Any]:
@@ -157,4 +170,4 @@ def _shape(solid: Solid) -> pdoik.Shape:
     raise MethodError(f"{solid.name}: no shape for a {solid.kind}")
 
 
-WAYS = {"cloud": _cloud, "shapes": _shapes}
+WAYS = {"cloud": _cloud, "solid_cloud": partial(_cloud, sink=True), "shapes": _shapes}

@@ -9,16 +9,34 @@ namespace {
 
 /// Calls take(points) with what thinning leaves, or with the points themselves.
 template <class Take>
-auto thinned(const PointsView& points, const std::optional<double>& leaf, bool radii, Take&& take) {
-  if (!leaf) return points.is_single() ? take(points.in_single()) : take(points.in_double());
+auto thinned(const PointsView& points, const std::optional<Thinning>& thinning,
+             const SinkOptions& sink, Take&& take) {
+  if (!thinning && sink.viewpoints.rows() > 0) throw std::invalid_argument(kNotSolid);
+  if (!thinning) return points.is_single() ? take(points.in_single()) : take(points.in_double());
   const RowMatrix cast =
       points.is_single() ? RowMatrix(points.in_single().cast<double>()) : RowMatrix();
   const Obstacles all = points.is_single() ? Obstacles(cast) : points.in_double();
-  const Points kept = voxel_downsample(all, *leaf);
-  RowMatrix rows(kept.rows(), radii ? 4 : 3);
-  rows.leftCols<3>() = kept;
-  if (radii) rows.col(3) = covering_radii(all, kept, *leaf);
-  return take(Obstacles(rows));
+  return take(Obstacles(thin(all, *thinning, sink)));
+}
+
+std::optional<Thinning> to_thinning(const std::optional<double>& leaf, bool radii, bool solid) {
+  if (leaf) return Thinning{*leaf, radii, solid};
+  if (radii || solid)
+    throw std::invalid_argument(std::string(solid ? "solid" : "radii") +
+                                " is about balls of a leaf's cells, and there is no leaf");
+  return std::nullopt;
+}
+
+/// Centres of sunk balls lie elsewhere than their points, so that a region's balls are not those of
+/// a region's points.
+void check_part(const ThinnedCloud& cloud, const Eigen::AlignedBox3d& region) {
+  if (!cloud.thinning || !cloud.thinning->solid) return;
+  const auto points = cloud.cloud.points();
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (region.contains(points.row(i).head<3>().transpose())) continue;
+    throw std::invalid_argument(
+        "region leaves out a part of a solid cloud, which is changed as a whole only");
+  }
 }
 
 Eigen::AlignedBox3d to_region(const ArrayLike& values) {
@@ -54,17 +72,18 @@ begin meanwhile wait for the update. Any number of threads may solve and update 
 True
 >>> cloud.remove([[-1, -1, 2], [1, 1, 3]]) > 40_000
 True)")
-      .def(py::init([](const ArrayLike& points, const std::optional<double>& leaf, bool radii) {
-             if (radii && !leaf)
-               throw std::invalid_argument(
-                   "radii are those of a leaf's cells, and there is no leaf");
+      .def(py::init([](const ArrayLike& points, const std::optional<double>& leaf, bool radii,
+                       bool solid, const std::optional<ArrayLike>& viewpoint) {
+             const std::optional<Thinning> thinning = to_thinning(leaf, radii, solid);
              const PointsView view(points, "points");
+             const Points viewpoints = to_viewpoints(viewpoint);
              const py::gil_scoped_release release;
-             return ThinnedCloud{
-                 thinned(view, leaf, radii, [](const auto& rows) { return Cloud(rows); }), leaf,
-                 radii};
+             return ThinnedCloud{thinned(view, thinning, {.viewpoints = viewpoints},
+                                         [](const auto& rows) { return Cloud(rows); }),
+                                 thinning};
            }),
            py::arg("points"), py::arg("leaf") = py::none(), py::arg("radii") = false,
+           py::arg("solid") = false, py::arg("viewpoint") = py::none(),
            R"(Take points in.
 
 Args:
@@ -73,6 +92,8 @@ Args:
     leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
         voxel_downsample; rows with NaN or infinity are then left out. None keeps all.
     radii: Give each kept point the radius of a ball such that the balls hold every point there was.
+    solid: The points are the surface of solid things: sink these balls into them, see voxel_downsample.
+    viewpoint: Of a solid cloud, where it was seen from, shape (3,), or (N, 3) for each point [m].
 
 Raises:
     ValueError: The shape is wrong, a number is NaN, infinite or beyond 1e6, a radius is negative (naming the
@@ -80,31 +101,37 @@ Raises:
       .def("__len__", [](const ThinnedCloud& self) { return self.cloud.size(); })
       .def(
           "update",
-          [](ThinnedCloud& self, const ArrayLike& points, const ArrayLike& region) {
+          [](ThinnedCloud& self, const ArrayLike& points, const ArrayLike& region,
+             const std::optional<ArrayLike>& viewpoint) {
             const PointsView view(points, "points");
             const Eigen::AlignedBox3d box = to_region(region);
+            const Points viewpoints = to_viewpoints(viewpoint);
             const py::gil_scoped_release release;
-            return thinned(view, self.leaf, self.radii,
+            check_part(self, box);
+            return thinned(view, self.thinning, {.viewpoints = viewpoints, .within = box},
                            [&](const auto& rows) { return self.cloud.update(rows, box); });
           },
-          py::arg("points"), py::arg("region"),
+          py::arg("points"), py::arg("region"), py::arg("viewpoint") = py::none(),
           R"(Put points in place of all those in a region, at the cost of what changes.
 
 Args:
-    points: As in the constructor, thinned out as the cloud was; all within the region.
+    points: As in the constructor, thinned out as the cloud was; all within the region. No ball of a
+        solid cloud sinks out of it.
     region: An axis-aligned box, shape (2, 3): its lowest and its highest x, y, z [m].
+    viewpoint: Of a solid cloud, as in the constructor.
 
 Returns:
     How many points there were in the region.
 
 Raises:
-    ValueError: As the constructor; a region that is inside out or no number; a point outside of it. The cloud
-        is then as before.)")
+    ValueError: As the constructor; a region that is inside out or no number, or leaves out a part of a solid
+        cloud, whose balls are not where its points are; a point outside of it. The cloud is then as before.)")
       .def(
           "remove",
           [](ThinnedCloud& self, const ArrayLike& region) {
             const Eigen::AlignedBox3d box = to_region(region);
             const py::gil_scoped_release release;
+            check_part(self, box);
             return self.cloud.remove(box);
           },
           py::arg("region"),
@@ -114,7 +141,7 @@ Returns:
     How many there were.
 
 Raises:
-    ValueError: A region that is inside out or no number.)")
+    ValueError: A region that is inside out or no number, or leaves out a part of a solid cloud.)")
       .def_property_readonly(
           "points", [](const ThinnedCloud& self) { return self.cloud.points(); },
           "A copy of the points, x y z radius, shape (N, 4) [m], in the cloud's own order.")

@@ -19,7 +19,7 @@ std::optional<ThinnedCloud> to_cloud(const std::optional<ObstaclesLike>& cloud) 
   if (!cloud) return std::nullopt;
   if (py::isinstance<ThinnedCloud>(cloud->value)) return cloud->value.cast<ThinnedCloud>();
   const PointsView points = PointsView::float64(ArrayLike{cloud->value}, "cloud");
-  return ThinnedCloud{Cloud(points.in_double()), std::nullopt, false};
+  return ThinnedCloud{Cloud(points.in_double()), std::nullopt};
 }
 
 SceneObject make(const std::vector<Shape>& shapes, const std::optional<ObstaclesLike>& cloud,

@@ -1,18 +1,16 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
-#include "arrays.hpp"
 #include "pdoik/cloud.hpp"
+#include "thinning.hpp"
 
 namespace pdoik::python {
 
 /// A cloud and how its points are thinned before it takes them in.
 struct ThinnedCloud {
   Cloud cloud;
-  std::optional<double> leaf;
-  bool radii = false;
+  std::optional<Thinning> thinning;
 };
 
 }  // namespace pdoik::python

@@ -6,6 +6,7 @@ import re
 _DEBIAN_PACKAGES = {
     "libpcl_common.so.1.13": "libpcl-common1.13",
     "libpcl_filters.so.1.13": "libpcl-filters1.13",
+    "libpcl_kdtree.so.1.13": "libpcl-kdtree1.13",
     "liburdfdom_model.so.3.0": "liburdfdom-model3.0",
     "libconsole_bridge.so.1.0": "libconsole-bridge1.0",
     "libyaml-cpp.so.0.7": "libyaml-cpp0.7",

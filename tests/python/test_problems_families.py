@@ -82,11 +82,12 @@ def test_unknown_families_and_robots_are_named() -> None:
         problems_of("cage", "ur10", 1)
 
 
-def test_the_clouds_balls_hold_the_surface() -> None:
+@pytest.mark.parametrize("sink", [False, True])
+def test_the_clouds_balls_hold_the_surface(sink: bool) -> None:
     wall = box("wall", (0.3, 0.2, 0.1), pose((0.5, 0, 0.3)))
-    balls = surface_cloud([wall])
+    balls = surface_cloud([wall], sink=sink)
     points = wall.sample(0.0007)
-    near, at = cKDTree(balls[:, :3]).query(points, k=4)
+    near, at = cKDTree(balls[:, :3]).query(points, k=20)
     assert (near - balls[at, 3]).min(axis=1).max() <= 1e-9
 
 

@@ -23,4 +23,5 @@
 #include "pdoik/shapes.hpp"
 #include "pdoik/simd.hpp"
 #include "pdoik/solver.hpp"
+#include "pdoik/sunk_balls.hpp"
 #include "pdoik/tracker.hpp"
