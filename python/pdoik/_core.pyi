@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import os
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'Occupancy', 'Options', 'Result', 'Robot', 'Scene', 'Shape', 'Solver', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'ObstacleClearance', 'Occupancy', 'Options', 'Result', 'Robot', 'Scene', 'Shape', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -38,13 +38,15 @@ class Occupancy:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, *, spheres: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), spheroids: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), capsules: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
+    def __init__(self, *, spheres: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), spheroids: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, str, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = (), capsules: collections.abc.Sequence[tuple[str, numpy.typing.ArrayLike, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] | tuple[str, numpy.typing.ArrayLike, numpy.typing.ArrayLike, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
         """
         Args:
             spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
             spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
                 semi-major axis [m].
-            capsules: Tuples (link, xyz_a, xyz_b, radius): the segment's ends in the link's frame and radius [m].
+            capsules: Tuples (link, xyz_a, xyz_b, radius) or (link, xyz_a, xyz_b, radius, overhang): the segment's
+                ends in the link's frame and radius [m]; and how far its surface stands beyond the link itself at
+                most, 0 where nobody knows [m] (see Options.forgive_overhang).
         
         Raises:
             ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.
@@ -64,9 +66,9 @@ class Occupancy:
         The text that `load` reads back exactly.
         """
     @property
-    def capsules(self) -> list[tuple[str, tuple[float, float, float], tuple[float, float, float], float]]:
+    def capsules(self) -> list[tuple[str, tuple[float, float, float], tuple[float, float, float], float, float]]:
         """
-        Tuples (link, xyz_a, xyz_b, radius), lengths in metres.
+        Tuples (link, xyz_a, xyz_b, radius, overhang), lengths in metres.
         """
     @property
     def spheres(self) -> list[tuple[str, tuple[float, float, float], float]]:
@@ -296,15 +298,16 @@ class Scene:
     
     It does not change, but its cloud may. Any number of solvers may share it.
     """
-    def __init__(self, shapes: collections.abc.Sequence[Shape] = (), *, cloud: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, allowed: collections.abc.Sequence[tuple[str, str]] = ()) -> None:
+    def __init__(self, shapes: collections.abc.Sequence[Shape] = (), *, cloud: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, allowed: collections.abc.Sequence[tuple[str, str] | tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
         """
         Put shapes and points together.
         
         Args:
             shapes: Of different names.
             cloud: A Cloud, which is shared and not copied; or points as Cloud takes them.
-            allowed: Pairs (link, shape) by name that may touch: the table that the base stands on, what the hand is
-                to hold. Of the link all hulls.
+            allowed: What may touch, (link, shape) by name or (link, shape, depth): the table that the base stands
+                on, what the hand is to hold. Of the link all hulls; to any depth or to this one [m], from where
+                their distance then counts.
         
         Raises:
             ValueError: Two shapes have one name, or contact is allowed with a shape that is not there. A link that the
@@ -313,9 +316,9 @@ class Scene:
     def __repr__(self) -> str:
         ...
     @property
-    def allowed(self) -> list[tuple[str, str]]:
+    def allowed(self) -> list[tuple[str, str] | tuple[str, str, float]]:
         """
-        Pairs (link, shape) that may touch.
+        (link, shape) of what may touch, or (link, shape, depth) where a depth was given [m].
         """
     @property
     def cloud(self) -> Cloud | None:
@@ -793,6 +796,27 @@ class BalanceOptions:
     @up.setter
     def up(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
+class TouchOptions:
+    def __init__(self) -> None:
+        ...
+    @property
+    def depth(self) -> float:
+        ...
+    @depth.setter
+    def depth(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def links(self) -> list[str]:
+        ...
+    @links.setter
+    def links(self, arg0: collections.abc.Sequence[str]) -> None:
+        ...
+    @property
+    def radius(self) -> float:
+        ...
+    @radius.setter
+    def radius(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class Options:
     """
     The C++ options, which pdoik.Options fills.
@@ -800,6 +824,7 @@ class Options:
     augmented_lagrangian: AugmentedLagrangianOptions
     balance: BalanceOptions
     base_collision: bool
+    forgive_overhang: bool
     goal: str
     inner: str
     lbfgs: LbfgsOptions
@@ -807,6 +832,7 @@ class Options:
     method: str
     prefer: str
     self_collision: bool
+    touch: TouchOptions
     def __init__(self) -> None:
         ...
     @property
@@ -1035,7 +1061,9 @@ class Result:
         `solved`; `time_limit`: max_time struck first; `exhausted`: every start ended in a local minimum;
         `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
         tip; `base_collision`: an obstacle lies in a hull that no joint moves, and no answer exists; `blocked`: what is
-        rigid to the tip is in an obstacle at the target, and no answer exists. In all but the first, q is the best found.
+        rigid to the tip is in an obstacle at the target, and no answer exists, or some fifty starts that reached the
+        target all ended with the same hull in the same obstacle, and none is likely. In all but the first, q is the
+        best found.
         """
     @property
     def success(self) -> bool:
@@ -1151,12 +1179,71 @@ class BatchResult:
         """
         Shape (B,) [rad] or [m].
         """
+class ObstacleClearance:
+    """
+    How near the robot, and what it carries, is to one obstacle: see Solver.clearances.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def distance(self) -> float:
+        """
+        Negative by how deep it is; infinite where nothing is to keep off it [m].
+        """
+    @property
+    def obstacle(self) -> str:
+        """
+        The shape's name, or 'points'.
+        """
+    @property
+    def part(self) -> str:
+        """
+        The nearest hull, or what is carried; '' where nothing is to keep off it.
+        """
+    @property
+    def point(self) -> int | None:
+        """
+        The nearest point's row, of points.
+        """
 class Solver:
     def __init__(self, robot: Robot, options: Options) -> None:
         ...
     def _reach_poses(self, T_base_tip: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float32]]:
         """
         Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.
+        """
+    def attach(self, link: str, shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = ()) -> None:
+        """
+        Let a link carry solids from now on: they keep off points, shapes and the robot's other links.
+        
+        They count beside what links carry already, in all calls that follow. Parts of the same body, and fingers
+        after it, may touch them.
+        
+        Args:
+            link: By name; a joint must move it.
+            shapes: Their poses are in the link's frame. No half-spaces.
+            may_touch: Links of the robot and shapes of scenes, by name, that they may touch.
+        
+        Raises:
+            ValueError: There is no such link or no joint moves it, a shape is a half-space, or its name is that of
+                something carried already.
+        """
+    def clearances(self, q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> list[ObstacleClearance]:
+        """
+        How near each shape, and the points if there are any, is at a configuration.
+        
+        The least of them is the clearance that `judge` gives.
+        
+        Args:
+            q: Joint positions, shape (n,) [rad] or [m].
+            obstacles: As in `solve`.
+        
+        Raises:
+            ValueError: As in `solve`.
+        """
+    def detach(self, link: str | None = None) -> None:
+        """
+        Let a link, or without a name all of them, carry nothing any more.
         """
     def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> Result:
         """
@@ -1273,8 +1360,16 @@ class TrackerResult(Result):
 class Tracker:
     def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+    def attach(self, link: str, shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = ()) -> None:
+        """
+        As Solver.attach, for the steps that follow.
+        """
     def clear_latency(self) -> None:
         ...
+    def detach(self, link: str | None = None) -> None:
+        """
+        As Solver.detach.
+        """
     def reset(self, q: numpy.typing.ArrayLike) -> None:
         """
         Where the next step starts from: the measured configuration, most often.

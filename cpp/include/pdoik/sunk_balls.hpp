@@ -40,9 +40,9 @@ struct SinkOptions {
 /// - the other side of a board, or the face around an edge, is so near that nothing is won.
 ///
 /// With viewpoints, what is behind a seen surface counts as solid: a sheet that was seen from one
-/// side only grows on the other, by up to R + d, where nobody has looked. Beside an edge of what was
-/// seen, a ball goes no deeper than such that the face behind that edge, if it goes straight down,
-/// is passed by less than the ball stood out before.
+/// side only grows on the other, by up to R + d, where nobody has looked. Beside an edge of what
+/// was seen, a ball goes no deeper than such that the face behind that edge, if it goes straight
+/// down, is passed by less than the ball stood out before.
 /// @param points  (N, 3), the cloud before thinning; rows with NaN or infinity are left out.
 /// @param kept  (K, 3), such as voxel_downsample's.
 /// @param leaf  Edge of the cells that they were kept for [m].

@@ -29,7 +29,8 @@ class Overhang(NamedTuple):
 def each_overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> FloatArray:
     """How far each capsule's surface, inside others or not, is from the solid at most, (K,) [m]."""
     on = surface(capsules, max(points // len(capsules.radius), 60))
-    return solid.outside(on.points.reshape(-1, 3)).reshape(on.at.shape).max(axis=1)
+    outside: FloatArray = solid.outside(on.points.reshape(-1, 3)).reshape(on.at.shape)
+    return np.asarray(outside.max(axis=1))
 
 
 def overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> Overhang:

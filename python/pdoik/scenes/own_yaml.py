@@ -67,9 +67,8 @@ def read_allowed(content: Mapping[str, Any], file: Path) -> list[AllowedContact]
     """
     contacts = content.get("allowed") or []
     if not isinstance(contacts, list):
-        raise EntryError(
-            file, f"expected a list of [link, shape] or [link, shape, depth], got {contacts!r}", "allowed"
-        )
+        expected = "expected a list of [link, shape] or [link, shape, depth]"
+        raise EntryError(file, f"{expected}, got {contacts!r}", "allowed")
     return [_read_contact(contact, file, f"allowed[{k}]") for k, contact in enumerate(contacts)]
 
 

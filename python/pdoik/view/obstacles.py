@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from pdoik.scenes.pieces import AllowedContact
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,7 +32,7 @@ class Obstacles:
         T_base_cloud: Where the cloud's frame is, (4, 4).
         ball: None for none.
         shapes: Solids, in the base frame.
-        allowed: Pairs (link, shape) that may touch.
+        allowed: What may touch, (link, shape) or (link, shape, depth).
     """
 
     surface: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
@@ -40,7 +41,7 @@ class Obstacles:
     T_base_cloud: FloatArray = field(default_factory=lambda: np.eye(4))
     ball: Ball | None = None
     shapes: tuple[pdoik.Shape, ...] = ()
-    allowed: tuple[tuple[str, str], ...] = ()
+    allowed: tuple[AllowedContact, ...] = ()
 
     @property
     def there(self) -> bool:
@@ -52,7 +53,7 @@ class Obstacles:
         if not self.shapes:
             return points
         known = set(robot.link_names)
-        allowed = [pair for pair in self.allowed if pair[0] in known]
+        allowed = [contact for contact in self.allowed if contact[0] in known]
         return pdoik.Scene(self.shapes, cloud=points if len(points) else None, allowed=allowed)
 
     def with_leaf(self, leaf: float, radii: bool) -> Obstacles:

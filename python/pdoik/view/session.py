@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from pdoik.scenes.pieces import AllowedContact
 
 from .humanoid import first_posture, is_h1
 from .obstacles import Ball, Obstacles
@@ -185,15 +186,15 @@ class Session:
         self._change_obstacles(surface=surface, T_base_cloud=np.eye(4))
 
     def set_shapes(
-        self, shapes: Sequence[pdoik.Shape], allowed: Sequence[tuple[str, str]] = ()
+        self, shapes: Sequence[pdoik.Shape], allowed: Sequence[AllowedContact] = ()
     ) -> None:
-        """Take other shapes, and pairs (link, shape) that may touch.
+        """Take other shapes, and what may touch: (link, shape) or (link, shape, depth).
 
         Raises:
             ValueError: Two have one name, or contact is allowed with what is not there.
         """
         pdoik.Scene(shapes, allowed=allowed)
-        missing = {link for link, _ in allowed} - set(self.robot.link_names)
+        missing = {contact[0] for contact in allowed} - set(self.robot.link_names)
         if missing:
             raise ValueError(f"allowed: {self.robot.name} has no link {min(missing)!r}")
         self._change_obstacles(shapes=tuple(shapes), allowed=tuple(allowed))
