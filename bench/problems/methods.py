@@ -52,7 +52,8 @@ class Method:
         robot: With its hulls.
         budgets: max_time of each solve of a problem [s].
         like: A problem of the set: by which links its robots stand, whether the base may touch, and
-            whether the tool has to.
+            whether the tool has to. Of shapes it is said which the tool may touch; a cloud has no
+            names, so what is near the target may be touched there.
 
     Raises:
         MethodError: The way is unknown.
@@ -82,7 +83,7 @@ class Method:
                     rotation_tolerance=MILLIRADIAN,
                     self_collision=True,
                     balance=balance,
-                    touch=pdoik.Touch(radius=TOUCH if tool_touches else 0.0),
+                    touch=pdoik.Touch(radius=TOUCH if tool_touches and way == "cloud" else 0.0),
                     base_collision=robot.base_link not in may_touch,
                 ),
             )

@@ -18,24 +18,29 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
 
 
-def run_python_blocks(folder: Path) -> None:
+@pytest.fixture(scope="module")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which the Python examples have run, one after the other."""
     pytest.importorskip("rosbags", reason="the extra sim2real is not installed")
+    folder = tmp_path_factory.mktemp("readme")
     example = [sys.executable, str(REPOSITORY / "bench/diagnose_example.py"), "arm_study"]
     subprocess.run(example, cwd=folder, check=True, stdout=subprocess.DEVNULL)
     program = "\n".join(blocks("python"))
     subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=folder, check=True)
+    return folder
 
 
-def test_the_python_examples_run_one_after_the_other(tmp_path: Path) -> None:
-    assert len(blocks("python")) == 7
-    run_python_blocks(tmp_path)
+def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
+    assert len(blocks("python")) == 8
+    for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
+        assert (examples / name).is_file(), name
 
 
-def test_the_command_lines_run_and_solve(tmp_path: Path) -> None:
+def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None:
     pdoik = shutil.which("pdoik", path=str(Path(sys.executable).parent))
     if pdoik is None:
         pytest.skip("the command pdoik is not installed beside this Python")
-    run_python_blocks(tmp_path)  # writes arm.urdf
+    shutil.copytree(examples, tmp_path, dirs_exist_ok=True)  # arm.urdf
     points = np.random.default_rng(0).uniform([0.5, -0.6, 0.0], [0.8, -0.3, 0.3], (500, 3))
     header = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 500\nHEIGHT 1\n"
     rows = "\n".join(" ".join(map(str, row)) for row in points)
