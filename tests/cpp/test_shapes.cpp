@@ -247,6 +247,25 @@ TEST(Shapes, the_clearance_is_the_least_distance_to_any_and_says_whose) {
   }
 }
 
+TEST(Shapes, the_capsule_about_a_spheroid_stands_out_by_what_is_said) {
+  for (const double A : {0.21, 0.3, 0.4, 0.6, 1.0, 4.0}) {
+    const double B = 0.2, h = std::sqrt((A - B) * (A + B)), straight = A - B;
+    const Eigen::Vector3d focus(h, 0.0, 0.0);
+    double farthest = 0.0;
+    const auto look = [&](double x, double y) {
+      const double out = spheroid_distance(Eigen::Vector3d(x, y, 0.0), focus, -focus, A).distance;
+      EXPECT_GE(out, -1e-9);
+      farthest = std::max(farthest, out);
+    };
+    for (int k = 0; k <= 1000; ++k) {
+      look(straight * k / 1000.0, B);
+      const double angle = M_PI_2 * k / 1000.0;
+      look(straight + B * std::sin(angle), B * std::cos(angle));
+    }
+    EXPECT_NEAR(farthest, B * (1.0 - std::sqrt(2.0 * B / (A + B))), 1e-6);
+  }
+}
+
 TEST(Shapes, their_constraints_rows_are_central_differences_in_both_forms) {
   int checked = 0;
   for (int seed = 1; seed <= 200; ++seed) {

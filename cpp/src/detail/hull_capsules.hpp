@@ -36,7 +36,8 @@ struct Pulls {
 /// its axis, and touches it at its tips and its waist. Proof, at x >= 0 along the axis, where the
 /// spheroid reaches out to y^2 = B^2 (1 - x^2 / A^2). Beside the segment, x <= A - B, the distance
 /// from it is y <= B. Beyond its end it is (t^2 + y^2)^(1/2) with t = x - (A - B) > 0, which is at
-/// most B if t <= B x / A; and B x / A - t = (A - B)(1 - x / A) >= 0 since x <= A.
+/// most B if t <= B x / A; and B x / A - t = (A - B)(1 - x / A) >= 0 since x <= A. It stands out by
+/// B (1 - (2 B / (A + B))^(1/2)) at most: 0.18 B of A = 2 B, 0.42 B of A = 5 B.
 ///
 /// That capsule has its middle at m = (a + b) / 2 and half s g, where g = (b - a) / 2 is half of
 /// what joins the foci, h = |g|, B = (A^2 - h^2)^(1/2) and s = (A - B) / h = h / (A + B). Foci that
