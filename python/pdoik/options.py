@@ -107,7 +107,7 @@ class Touch:
     Attributes:
         radius: Obstacles that are no farther than this from a goal's target may be touched; 0 for
             none [m].
-        depth: No deeper than this [m].
+        depth: No deeper than this, of a point whatever its radius [m].
         links: Which links may touch them; none for a tip's and those after it.
 
     Raises:

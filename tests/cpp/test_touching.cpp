@@ -33,12 +33,14 @@ struct Gripper {
     return solver.solve(T, q);
   }
   /// The same with points on the slab's face, about the tool's axis and out to `width`.
-  Result solve_among_points(const Options& options, double away, double width) const {
+  Result solve_among_points(const Options& options, double away, double width,
+                            double radius = 0.0) const {
     Solver solver(robot, options);
-    ObstacleMatrix points(9, 3);
+    ObstacleMatrix points(9, 4);
+    points.col(3).setConstant(radius);
     for (int k = 0; k < 9; ++k) {
       const Eigen::Vector3d p(width * (k % 3 - 1), width * (k / 3 - 1), 0.1 + kRadius + away);
-      points.row(k) = (T * p).transpose();
+      points.row(k).head<3>() = (T * p).transpose();
     }
     solver.set_obstacles(points);
     return solver.solve(T, q);
@@ -93,6 +95,9 @@ TEST(Touching, at_the_target_contact_is_let_to_a_depth_and_within_a_radius) {
   options.touch = {.radius = end + 0.01, .depth = 0.005};
   EXPECT_TRUE(solves(-0.004));
   EXPECT_FALSE(solves(-0.006));
+  // Of points that stand for more than themselves the points count.
+  EXPECT_TRUE(gripper.solve_among_points(options, -0.004, 0.0, 0.01).success);
+  EXPECT_FALSE(gripper.solve_among_points(options, -0.006, 0.0, 0.01).success);
   options.touch.radius = 0.5 * end;  // which the slab is beyond
   EXPECT_FALSE(solves(-0.004));
   options.touch = {.radius = end + 0.01, .depth = 0.005, .links = {gripper.robot.link_names()[2]}};

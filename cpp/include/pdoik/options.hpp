@@ -59,7 +59,7 @@ struct BalanceOptions {
 struct TouchOptions {
   /// Obstacles that are no farther than this from a goal's target may be touched; 0 for none [m].
   double radius = 0.0;
-  double depth = 0.01;  ///< no deeper than this [m]
+  double depth = 0.01;  ///< no deeper than this, of a point whatever its radius [m]
   /// Which links may touch them; empty for a tip's and those after it.
   std::vector<std::string> links = {};
 };

@@ -194,17 +194,17 @@ class CollisionState {
     const auto is_let = [&](const NearPair& pair) {
       const Hull& hull = this->hull(pair);
       const Vec4 o = obstacles[pair.obstacle];
-      return touching_->lets(hull.source, o) && depth(hull, o) <= touching_->depth();
+      return touching_->lets(hull.source, o) && point_depth(hull, o) <= touching_->depth();
     };
     const auto begin = pairs_.begin(), end = begin + count;
     return static_cast<int>(std::remove_if(begin, end, is_let) - begin);
   }
-  /// How deep a ball lies in what a hull stands for [m].
-  double depth(const Hull& hull, const Vec4& o) const {
-    if (hull.has_capsules()) return depth_in_capsules(hull, o).depth + o[3];
-    return o[3] - spheroid_distance(to_vector3(o), to_vector3(position(hull.a)),
-                                    to_vector3(position(hull.b)), hull.semi_major)
-                      .distance;
+  /// How deep a point, whatever its radius, lies in what a hull stands for [m].
+  double point_depth(const Hull& hull, const Vec4& o) const {
+    if (hull.has_capsules()) return depth_in_capsules(hull, o).depth;
+    return -spheroid_distance(to_vector3(o), to_vector3(position(hull.a)),
+                              to_vector3(position(hull.b)), hull.semi_major)
+                .distance;
   }
 
   /// @param by_distance  Whether what lies within a distance `grow` is meant, not half a sum of
