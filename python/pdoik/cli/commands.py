@@ -15,6 +15,7 @@ from .h1 import h1
 from .info import info
 from .messages import out
 from .occupancy import occupancy
+from .pairs import pairs
 from .predict import predict
 from .replay import replay
 from .solve import solve
@@ -33,6 +34,7 @@ app = typer.Typer(
 app.command()(solve)
 app.command()(info)
 app.command()(occupancy)
+app.command()(pairs)
 app.command()(bench)
 app.command()(view)
 app.command()(h1)

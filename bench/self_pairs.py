@@ -1,0 +1,139 @@
+"""What self-collision by hulls refuses of free configurations and misses of colliding ones.
+
+    python bench/self_pairs.py --samples 5000
+
+Hulls fitted to meshes (`pdoik occupancy`) with the pairs of `pdoik pairs`, with and without the
+robot's SRDF, and the shipped hulls with the shipped pairs; coal on the published collision meshes
+is the judge, on configurations that the pairs were not found by.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from itertools import combinations
+from pathlib import Path
+from typing import Annotated, Any
+
+import coal
+import numpy as np
+import numpy.typing as npt
+import typer
+
+import pdoik
+from arm_meshes import arm_meshes
+from experiment import ARMS, Arm
+from markdown import markdown_table
+from pdoik.link_pairs import sample_pairs
+from pdoik.occupancy_fit.geometry import load_geometry
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # bench.problems, from the repository's root
+from bench.problems.hulls import fitted_robot
+from bench.problems.robots import robot_files
+
+FloatArray = npt.NDArray[np.float64]
+CLEARANCES = (0.0, -0.002, -0.004)  # [m]
+COLUMNS = ("robot", "hulls", "pairs left out", "free", "clearance [mm]", "refused", "missed")
+
+
+def main(
+    samples: Annotated[int, typer.Option(help="Configurations to judge.")] = 5000,
+    seed: Annotated[int, typer.Option(help="Of these; the pairs are found with another.")] = 1,
+) -> None:
+    """Print the table."""
+    rows = []
+    for name in ("panda", "ur10"):
+        files = robot_files(name)
+        meshes = {m.name: m.triangles for m in load_geometry(files.xml(), files.package_dirs)}
+        robot = fitted_robot(files)
+        listed = {"nothing": []}
+        if files.srdf is not None:
+            known = set(robot.link_names)
+            pairs = pdoik.load_srdf_pairs(files.srdf)
+            listed["its SRDF"] = [pair for pair in pairs if known.issuperset(pair)]
+        for word, given in listed.items():
+            robot.ignored_pairs = []
+            found = sample_pairs(robot, files.xml(), files.package_dirs, listed=given)
+            robot.ignored_pairs = found.ignored
+            rows += _judge(robot, meshes, samples, seed, [name, "fitted", f"{word}, sampled"])
+    for name in ARMS:
+        arm = Arm.builtin(name)
+        rows += _judge(arm.robot, arm_meshes(arm), samples, seed, [name, "shipped", "shipped"])
+    print(markdown_table(COLUMNS, rows))
+
+
+def _judge(
+    robot: pdoik.Robot, meshes: Mapping[str, FloatArray], samples: int, seed: int, words: list[str]
+) -> list[list[str]]:
+    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
+    goals = {tip: np.eye(4) for tip in robot.tip_links}
+    meet = _coal(robot, {link: part for link, part in meshes.items() if len(part)})
+    rng = np.random.default_rng(seed)
+    drawn = rng.uniform(robot.lower, robot.upper, (samples, robot.dof))
+    distance = np.array([solver.judge(goals, q).self_distance for q in drawn])
+    collides = np.array([meet(q) for q in drawn])
+    free = ~collides
+    return [
+        [
+            *words,
+            f"{free.mean():.3f}",
+            f"{1e3 * clearance:g}",
+            f"{(distance[free] < clearance).mean():.4f}",
+            f"{(distance[collides] >= clearance).sum()} / {collides.sum()}",
+        ]
+        for clearance in CLEARANCES
+    ]
+
+
+def _coal(robot: pdoik.Robot, meshes: Mapping[str, FloatArray]) -> Callable[[FloatArray], bool]:
+    """Whether any two links meet that are not ignored and not joined by a joint."""
+    trees = {link: _tree(triangles) for link, triangles in meshes.items()}
+    ignored = {frozenset(pair) for pair in robot.ignored_pairs}
+    rng = np.random.default_rng(0)
+    rigid_or_joined = _joined(robot, list(trees), rng)
+    pairs = [
+        pair
+        for pair in combinations(trees, 2)
+        if frozenset(pair) not in ignored and frozenset(pair) not in rigid_or_joined
+    ]
+
+    def meet(q: FloatArray) -> bool:
+        poses = {link: robot.fk(q, link) for link in trees}
+        places = {link: coal.Transform3s(T[:3, :3], T[:3, 3]) for link, T in poses.items()}
+        for a, b in pairs:
+            result = coal.CollisionResult()
+            coal.collide(trees[a], places[a], trees[b], places[b], coal.CollisionRequest(), result)
+            if result.isCollision():
+                return True
+        return False
+
+    return meet
+
+
+def _joined(robot: pdoik.Robot, links: list[str], rng: np.random.Generator) -> set[frozenset[str]]:
+    """Pairs that at most one joint moves against each other, by moving one after the other."""
+    q = rng.uniform(robot.lower, robot.upper)
+    moves: dict[frozenset[str], int] = {frozenset(pair): 0 for pair in combinations(links, 2)}
+    before = {link: robot.fk(q, link) for link in links}
+    for joint in range(robot.dof):
+        moved = q.copy()
+        moved[joint] = robot.lower[joint] if q[joint] > 0 else robot.upper[joint]
+        after = {link: robot.fk(moved, link) for link in links}
+        for pair in combinations(links, 2):
+            a, b = pair
+            apart = [np.linalg.inv(T[a]) @ T[b] for T in (before, after)]
+            moves[frozenset(pair)] += not np.allclose(*apart, atol=1e-9)
+    return {pair for pair, count in moves.items() if count <= 1}
+
+
+def _tree(triangles: FloatArray) -> Any:
+    tree = coal.BVHModelOBBRSS()
+    tree.beginModel(len(triangles), 3 * len(triangles))
+    tree.addVertices(triangles.reshape(-1, 3))
+    tree.addTriangles(np.arange(3 * len(triangles)).reshape(-1, 3))
+    tree.endModel()
+    return tree
+
+
+if __name__ == "__main__":
+    typer.run(main)
