@@ -25,6 +25,7 @@ _FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 90
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
+_SWELLING = 0.15  # by a proof, of the aims, until one has told
 _CLOSE = 0.9  # of the aims, from where no more is left out after a proof
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
 _PATIENCE = 2  # capsules whose loss is tried in vain before the rest stay
@@ -138,12 +139,12 @@ class _Fit:
         self.wrap = ShrinkWrap(solid, self.points, aim.worst)
         self.first = greedy_cover(solid, np.concatenate(landmarks), _FIRST_SWELL * aim.worst)
         self.proof = Proof(solid)
-        self.swelling = Overhang(0.0, 0.0)  # by the proof
+        self.swelling = Overhang(_SWELLING * aim.mean, _SWELLING * aim.worst)  # by the proof
 
     def run(self) -> tuple[Capsules, Overhang]:
         """Where no set meets the aims, the one that comes nearest."""
         now = self._moved(self.first.take(slice(self.most)), _FIRST_STEPS)
-        proofs = [self._proven(now)]
+        proofs: list[_Set] = []
         for _ in range(_MOST_PROOFS):
             before = now.count
             now = self._fewer(self._more(now))
