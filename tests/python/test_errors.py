@@ -13,6 +13,7 @@ from pdoik.options import to_core
 
 T = pdoik.Robot.builtin("panda").fk(np.zeros(7))
 NESTED = {
+    "touch": pdoik.Touch,
     "balance": pdoik.Balance,
     "lbfgs": pdoik.LbfgsOptions,
     "augmented_lagrangian": pdoik.AugmentedLagrangianOptions,
@@ -229,6 +230,8 @@ def test_every_option_reaches_the_core() -> None:
                 result[field.name] = NESTED[field.name](**changed(NESTED[field.name]))
             elif field.name == "contacts":
                 result[field.name] = {"sole": [(0.1, 0.2, 0.3)]}
+            elif field.name == "links":
+                result[field.name] = ("sole", "heel")
             elif field.name == "goal_axis" or isinstance(field.default, tuple):
                 result[field.name] = (0.1, 0.2, 0.3)
             elif isinstance(field.default, str):

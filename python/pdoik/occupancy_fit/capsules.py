@@ -26,7 +26,7 @@ _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
 _SWELLING = 0.15  # by a proof, of the aims, until one has told
-_CLOSE = 0.9  # of the aims, from where no more is left out after a proof
+_CLOSE = 0.95  # of the aims, from where no more is left out after a proof
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
 _PATIENCE = 2  # capsules whose loss is tried in vain before the rest stay
 
