@@ -42,7 +42,7 @@ std::optional<HeldNear> HeldClearance::nearest_point(int k, const ObstacleView& 
   least.kind = Kind::HeldPoint;
   least.held = k;
   // As the body carries the place where the point is, the point comes deeper or farther.
-  least.pulls.each[least.pulls.count++] = {held_[k].body, at, rotate(frame(k), nearest.gradient)};
+  least.pulls.add(held_[k].body, at, rotate(frame(k), nearest.gradient));
   return least;
 }
 
@@ -55,7 +55,7 @@ std::optional<HeldNear> HeldClearance::nearest_of_shape(int k, const ShapePairs&
   const ConvexDistance found = convex_distance(solid, frame(k), still);
   if (!(found.distance - clearance_ < within)) return std::nullopt;
   HeldNear near{Kind::HeldShape, k, shape, found.distance - clearance_, 0, {}};
-  near.pulls.each[near.pulls.count++] = {held_[k].body, found.point, -found.gradient};
+  near.pulls.add(held_[k].body, found.point, -found.gradient);
   return near;
 }
 
@@ -85,7 +85,7 @@ std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double w
   const Vec4 point = transform(T, where.point), gradient = rotate(T, where.gradient);
   const double half2 = dot3(nearest->half, nearest->half);
   const double t = half2 > 0.0 ? dot3(point - nearest->middle, nearest->half) / half2 : 0.0;
-  near.pulls.each[near.pulls.count++] = {held_[k].body, point, gradient};
+  near.pulls.add(held_[k].body, point, gradient);
   hull_capsules_.pull(hull, *nearest, t, -gradient, near.pulls);
   return near;
 }

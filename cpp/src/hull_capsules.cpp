@@ -80,16 +80,12 @@ std::span<const PlacedCapsule> HullCapsules::of(int k) {
 void HullCapsules::pull(int k, const PlacedCapsule& capsule, double t, const Vec4& force,
                         Pulls& pulls) const {
   const PlacedHull& hull = this->hull(k);
-  const auto add = [&](int body, const Vec4& point, const Vec4& dc_dpoint) -> Vec4& {
-    Pull& each = pulls.each[pulls.count++];
-    each = {body, point, dc_dpoint};
-    return each.dc_dpoint;
-  };
   const auto add_focus = [&](int point, const Vec4& dc_dpoint) -> Vec4& {
-    return add(body_of_point_[static_cast<std::size_t>(point)], positions_[point], dc_dpoint);
+    const int body = body_of_point_[static_cast<std::size_t>(point)];
+    return pulls.add(body, positions_[point], dc_dpoint).dc_dpoint;
   };
   if (hull.count > 0) {
-    add(hull.body, capsule.middle + broadcast(t) * capsule.half, force);
+    pulls.add(hull.body, capsule.middle + broadcast(t) * capsule.half, force);
     return;
   }
   if (hull.a == hull.b) {

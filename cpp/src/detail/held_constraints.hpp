@@ -10,7 +10,7 @@
 namespace pdoik::detail {
 
 /// What the robot holds off points, shapes and the robot: one group.
-class HeldConstraints {
+class HeldConstraints : public ByPulls {
  public:
   /// The model and the hulls outlive it.
   HeldConstraints(const Model& model, const CollisionState& hulls) : model_(model), hulls_(hulls) {}
@@ -49,14 +49,6 @@ class HeldConstraints {
     double c;
   };
   const Near& at(int k) const { return near_[static_cast<std::size_t>(k)]; }
-  void add_row(const Near& at, const Rollout& rollout, double* row) const {
-    for (const auto& [body, point, direction] : at.pulls)
-      rollout.add_row(body, direction, cross3(point, direction), row);
-  }
-  void add_wrenches(const Near& at, double slope, Rollout& rollout) const {
-    for (const auto& [body, point, direction] : at.pulls)
-      rollout.add_force(body, point, broadcast(slope) * direction);
-  }
 
  private:
   void find_within(const Rollout& rollout, double within) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "detail/hull_model.hpp"
+#include "detail/pulls.hpp"
 #include "detail/touching.hpp"
 
 namespace pdoik::detail {
@@ -13,21 +14,6 @@ struct PlacedCapsule {
   Vec4 middle{}, half{};
   double radius = 0.0;
   int source = -1;  ///< the hull's or capsule's place in the occupancy
-};
-
-/// dc/dpoint of a constraint c, by a point that moves with a body.
-struct Pull {
-  int body;
-  Vec4 point, dc_dpoint;
-};
-
-/// What pulls at a constraint: a point may be there twice, and the sum counts.
-struct Pulls {
-  Pull each[4];
-  int count = 0;
-
-  const Pull* begin() const { return each; }
-  const Pull* end() const { return each + count; }
 };
 
 /// The robot's hulls as capsules: those that a hull has, or else the one that holds it.

@@ -10,7 +10,7 @@
 namespace pdoik::detail {
 
 /// The robot's hulls off one another, if that is asked for: each pair a group of its own.
-class SelfConstraints {
+class SelfConstraints : public ByPulls {
  public:
   /// The hulls outlive it.
   SelfConstraints(const Model& model, const CollisionState& hulls) : hulls_(hulls) {
@@ -30,15 +30,6 @@ class SelfConstraints {
   int count() const { return self_ ? self_->near_count() : 0; }
   ConstraintKey key(int k) const { return constraint_key(at(k).pair, 0); }
   const SelfCollision::Near& at(int k) const { return self_->near(k); }
-
-  void add_row(const SelfCollision::Near& at, const Rollout& rollout, double* row) const {
-    for (const auto& [body, point, direction] : at.pulls)
-      rollout.add_row(body, direction, cross3(point, direction), row);
-  }
-  void add_wrenches(const SelfCollision::Near& at, double slope, Rollout& rollout) const {
-    for (const auto& [body, point, direction] : at.pulls)
-      rollout.add_force(body, point, broadcast(slope) * direction);
-  }
 
  private:
   const CollisionState& hulls_;

@@ -10,7 +10,7 @@ namespace pdoik::detail {
 
 /// Hulls off shapes, each pair of a hull and a shape by what of the hull is deepest: one group per
 /// hull.
-class ShapeConstraints {
+class ShapeConstraints : public ByPulls {
  public:
   /// The model outlives it.
   ShapeConstraints(const Robot& robot, const HullModel& model)
@@ -71,14 +71,6 @@ class ShapeConstraints {
     Pulls pulls;
   };
   const Near& at(int k) const { return near_[static_cast<std::size_t>(k)]; }
-  void add_row(const Near& at, const Rollout& rollout, double* row) const {
-    for (const auto& [body, point, direction] : at.pulls)
-      rollout.add_row(body, direction, cross3(point, direction), row);
-  }
-  void add_wrenches(const Near& at, double slope, Rollout& rollout) const {
-    for (const auto& [body, point, direction] : at.pulls)
-      rollout.add_force(body, point, broadcast(slope) * direction);
-  }
 
  private:
   HullCapsules capsules_;
