@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 
 namespace pdoik::testing {
 
@@ -17,6 +18,14 @@ Eigen::VectorXd central_gradient(Function&& f, Eigen::VectorXd x, double h) {
     x[i] = middle;
   }
   return gradient;
+}
+
+/// The same for a function with kinks: nothing where two steps say different things.
+template <class Function>
+std::optional<Eigen::VectorXd> smooth_gradient(Function&& f, const Eigen::VectorXd& x) {
+  const Eigen::VectorXd one = central_gradient(f, x, 1e-6), two = central_gradient(f, x, 1e-5);
+  if ((one - two).cwiseAbs().maxCoeff() > 1e-4) return std::nullopt;
+  return one;
 }
 
 /// The vector a of the antisymmetric part [a]x of M.

@@ -309,11 +309,11 @@ TEST(Shapes, their_constraints_rows_are_central_differences_in_both_forms) {
           if (family.key(k) == constraint_key(nears[n].hull, nears[n].shape)) return family.at(k).c;
         return -1.0;
       };
-      const Eigen::VectorXd one = central_gradient(c, q, 1e-6), two = central_gradient(c, q, 1e-5);
-      if ((one - two).cwiseAbs().maxCoeff() > 1e-4) continue;  // at a kink
-      EXPECT_LT((rows[n] - one).cwiseAbs().maxCoeff(), 5e-4)
+      const auto slope = smooth_gradient(c, q);
+      if (!slope) continue;  // at a kink
+      EXPECT_LT((rows[n] - *slope).cwiseAbs().maxCoeff(), 5e-4)
           << rows[n].transpose() << "\n"
-          << one.transpose() << "\nhull " << nears[n].hull << " source "
+          << slope->transpose() << "\nhull " << nears[n].hull << " source "
           << bench.hulls.moving[static_cast<std::size_t>(nears[n].hull)].source << " rigid "
           << bench.hulls.moving[static_cast<std::size_t>(nears[n].hull)].rigid << " shape "
           << static_cast<int>(shapes[static_cast<std::size_t>(nears[n].shape)].kind) << " c "
