@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Mapping
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import coal
 import numpy as np
@@ -24,6 +24,7 @@ import pdoik
 from arm_meshes import arm_meshes
 from experiment import ARMS, Arm
 from markdown import markdown_table
+from mesh_judge import Body
 from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit.geometry import load_geometry
 
@@ -87,7 +88,7 @@ def _judge(
 
 def _coal(robot: pdoik.Robot, meshes: Mapping[str, FloatArray]) -> Callable[[FloatArray], bool]:
     """Whether any two links meet that are not ignored and not joined by a joint."""
-    trees = {link: _tree(triangles) for link, triangles in meshes.items()}
+    trees = {link: Body.of(link, triangles).tree for link, triangles in meshes.items()}
     ignored = {frozenset(pair) for pair in robot.ignored_pairs}
     rng = np.random.default_rng(0)
     rigid_or_joined = _joined(robot, list(trees), rng)
@@ -124,15 +125,6 @@ def _joined(robot: pdoik.Robot, links: list[str], rng: np.random.Generator) -> s
             apart = [np.linalg.inv(T[a]) @ T[b] for T in (before, after)]
             moves[frozenset(pair)] += not np.allclose(*apart, atol=1e-9)
     return {pair for pair, count in moves.items() if count <= 1}
-
-
-def _tree(triangles: FloatArray) -> Any:
-    tree = coal.BVHModelOBBRSS()
-    tree.beginModel(len(triangles), 3 * len(triangles))
-    tree.addVertices(triangles.reshape(-1, 3))
-    tree.addTriangles(np.arange(3 * len(triangles)).reshape(-1, 3))
-    tree.endModel()
-    return tree
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import pytest
 
 import pdoik
 from command_line import misuse, run
-from pdoik._hulls import placed_hulls
+from pdoik._hulls import PlacedHull, placed_hulls
 from pdoik.h1.robot import FEET, JOINT_NAMES
 from pdoik.h1.shapes import SOLE_HEIGHT
 from pdoik.view import Log, Session, Shown, Worker, load_log
@@ -555,22 +555,30 @@ def test_the_drawn_hulls_are_the_solvers(robot: pdoik.Robot, rng: np.random.Gene
         np.testing.assert_allclose(hull.gap(u * axes @ T[:3, :3].T + center), 0, atol=1e-9)
 
 
+def shown_with_a_point_in(
+    session: Session, hulls: list[PlacedHull], k: int, rng: np.random.Generator
+) -> tuple[Shown, int]:
+    """What is shown of a cloud with one point in hull k, and the hull that binds."""
+    points = rng.uniform(2, 3, (5, 3))
+    points[3] = hulls[k].ends.mean(axis=0)
+    session.set_thinning(0.0, False)
+    session.set_cloud(points)
+    session.set_posture(REACHED)
+    shown = session.solve_once()
+    assert shown is not None
+    found = binding(shown.result, shown.robot)
+    assert found.obstacle == 3
+    (hull,) = found.hulls
+    assert hulls[hull].gap(points[3:4])[0] < 0
+    return shown, hull
+
+
 def test_the_binding_capsule_is_found(rng: np.random.Generator) -> None:
     robot = with_capsules(pdoik.Robot.builtin("panda"))
     session = Session(robot, PATIENT)
     hulls = placed_hulls(robot, np.array(REACHED))
-    session.set_thinning(0.0, False)
     for k in range(len(hulls) - len(robot.occupancy.capsules), len(hulls)):
-        points = rng.uniform(2, 3, (5, 3))
-        points[3] = hulls[k].ends.mean(axis=0)
-        session.set_cloud(points)
-        session.set_posture(REACHED)
-        shown = session.solve_once()
-        assert shown is not None
-        found = binding(shown.result, shown.robot)
-        assert found.obstacle == 3
-        (hull,) = found.hulls
-        assert hulls[hull].gap(points[3:4])[0] < 0
+        shown, hull = shown_with_a_point_in(session, hulls, k, rng)
         assert f"{hulls[hull].name} (capsule" in shown.result.worst_constraint
 
 
@@ -589,17 +597,7 @@ def test_quaternions_come_back(robot: pdoik.Robot) -> None:
 def test_the_binding_hull_and_point_are_found(session: Session, rng: np.random.Generator) -> None:
     hulls = placed_hulls(session.robot, np.array(REACHED))
     for k in (0, 7, len(hulls) - 1):
-        points = rng.uniform(2, 3, (5, 3))
-        points[3] = (hulls[k].focus_a + hulls[k].focus_b) / 2
-        session.set_thinning(0.0, False)
-        session.set_cloud(points)
-        session.set_posture(REACHED)
-        shown = session.solve_once()
-        assert shown is not None
-        found = binding(shown.result, shown.robot)
-        assert found.obstacle == 3
-        (hull,) = found.hulls
-        assert hulls[hull].gap(points[3:4])[0] < 0
+        shown, hull = shown_with_a_point_in(session, hulls, k, rng)
         assert hulls[hull].name in shown.result.worst_constraint
         assert margin_text(shown.result, shown.robot).startswith("missed by ")
 

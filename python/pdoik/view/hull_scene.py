@@ -13,6 +13,7 @@ import viser
 import pdoik
 from pdoik._hulls import PlacedCapsule, PlacedSpheroid, placed_hulls, wide_hulls
 
+from .instances import add_instances
 from .shapes import capsule_instances, spheroid_instances
 
 FloatArray = npt.NDArray[np.float64]
@@ -87,17 +88,14 @@ class HullScene:
     def _add(self, name: str, mesh: Any, n: int, *, wireframe: bool = False) -> Any:
         if not n:
             return None
-        return self._server.scene.add_batched_meshes_simple(
+        return add_instances(
+            self._server,
             f"/robot/{name}",
-            np.asarray(mesh.vertices),
-            np.asarray(mesh.faces),
-            batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
-            batched_positions=np.zeros((n, 3)),
-            batched_scales=np.ones((n, 3)),
-            batched_colors=np.tile(np.array(_HULL, dtype=np.uint8), (n, 1)),
+            mesh,
+            n,
+            _HULL,
             opacity=_OPACITY,
             wireframe=wireframe,
-            lod="off",
             cast_shadow=False,
             receive_shadow=False,
         )

@@ -15,6 +15,7 @@ from pdoik._hulls import placed_hulls, way_to
 from .binding import binding
 from .hull_scene import HullScene
 from .humanoid import first_posture
+from .instances import add_instances
 from .model import Model
 from .session import Shown
 from .shapes import segments, turns_of_x, wxyz_of
@@ -90,16 +91,7 @@ class RobotScene:
         bone.apply_transform(np.eye(4)[[2, 0, 1, 3]])  # z, its axis, becomes x
         joint = trimesh.creation.icosphere(subdivisions=2, radius=1.9 * radius)
         nodes = [
-            self._server.scene.add_batched_meshes_simple(
-                f"/robot/{name}",
-                np.asarray(mesh.vertices),
-                np.asarray(mesh.faces),
-                batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
-                batched_positions=np.zeros((n, 3)),
-                batched_scales=np.ones((n, 3)),
-                batched_colors=np.tile(np.array(color, dtype=np.uint8), (n, 1)),
-                lod="off",
-            )
+            add_instances(self._server, f"/robot/{name}", mesh, n, color)
             for name, mesh, n, color in (
                 ("bones", bone, n_bones, _BONE),
                 ("joints", joint, n_joints, _JOINT),
