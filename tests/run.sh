@@ -38,7 +38,7 @@ stage_cpp() {
 # The same tests under the address and undefined-behaviour sanitizers, with Eigen's assertions on.
 stage_asan() {
   configure_and_build build/asan -D PDOIK_SANITIZE=address,undefined \
-    -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
+    -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-Og -g1"
   UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 \
     run_ctest build/asan "$@"
 }

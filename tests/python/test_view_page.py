@@ -39,7 +39,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-WIDTH, HEIGHT = 800, 540
+WIDTH, HEIGHT = 1000, 540  # the panel hides nothing of the robot
 PATIENCE = 120.0  # [s], with software rendering on a busy machine
 TIP = "panda_link8"
 LEFT, RIGHT, ELBOW = "left_ankle_link", "right_ankle_link", "left_elbow_link"
@@ -90,26 +90,38 @@ class Page:
         across = np.array([offset @ right, -offset @ np.cross(right, forward)])
         return np.array([WIDTH / 2, HEIGHT / 2]) + focal * across / (offset @ forward)
 
+    def around(self, xy: np.ndarray[Any, Any]) -> np.ndarray[Any, np.dtype[np.int_]]:
+        """The colours about a pixel, (17, 17, 3)."""
+        x, y = xy.astype(int)
+        shot = Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
+        return np.asarray(shot, dtype=int)[y - 8 : y + 9, x - 8 : x + 9]
+
+    def is_yellow(self, xy: np.ndarray[Any, Any]) -> bool:
+        """Whether anything about a pixel is, as an arrow that a press would grip."""
+        red, green, blue = np.moveaxis(self.around(xy), -1, 0)
+        return bool((np.minimum(red, green) - blue).max() > 50)
+
     def drag(self, gizmo: Gizmo, axis: int, pixels: float) -> None:
-        """Press on an arrow's head, move along the arrow, release; again until the gizmo moves."""
+        """Press on an arrow's head, move along the arrow, release."""
         T = gizmo.pose
         mouse = self.page.mouse
+        grip = self.pixel(T[:3, 3] + 0.85 * gizmo.scale * T[:3, axis])
+        way = grip - self.pixel(T[:3, 3])
+        way *= pixels / np.linalg.norm(way)
 
-        def once() -> bool:
-            grip = self.pixel(T[:3, 3] + 0.85 * gizmo.scale * T[:3, axis])
-            way = grip - self.pixel(T[:3, 3])
-            way *= pixels / np.linalg.norm(way)
+        def is_lit() -> bool:  # an arrow sees a mouse that moves, and is drawn by then
+            mouse.move(*(grip + 1))
             mouse.move(*grip)
-            self.page.wait_for_timeout(500)  # a slow page has to draw what the mouse is to press
-            mouse.down()
-            for share in np.linspace(0, 1, 8)[1:]:
-                mouse.move(*(grip + share * way))
-                self.page.wait_for_timeout(30)
-            mouse.up()
-            self.page.wait_for_timeout(500)  # the last pose is on its way; a miss turns the camera
-            return not np.array_equal(gizmo.pose, T)
+            return self.is_yellow(grip)
 
-        self.wait(once, f"{gizmo.name} to be dragged")
+        self.wait(is_lit, f"{gizmo.name}'s arrow to see the mouse")
+        mouse.down()
+        for share in np.linspace(0, 1, 8)[1:]:
+            mouse.move(*(grip + share * way))
+            self.page.wait_for_timeout(30)
+        mouse.up()
+        self.wait(lambda: not np.array_equal(gizmo.pose, T), f"{gizmo.name} to be dragged")
+        self.page.wait_for_timeout(500)  # the last pose is on its way
 
     def upload(self, button: str, file: Path) -> None:
         with self.page.expect_file_chooser(timeout=1e3 * PATIENCE) as chooser:
@@ -234,9 +246,7 @@ def test_the_capsules_are_drawn_and_the_wide_hull_around_them_on_a_switch(
 
     def most_blue(local: tuple[float, float, float]) -> int:
         """By how much blue is above red around a point of the tip's frame; negative: red above."""
-        x, y = in_capsules.pixel(T[:3, :3] @ local + T[:3, 3]).astype(int)
-        shot = np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB"), dtype=int)
-        around = shot[y - 8 : y + 9, x - 8 : x + 9]
+        around = in_capsules.around(in_capsules.pixel(T[:3, :3] @ local + T[:3, 3]))
         above = (around[..., 2] - around[..., 0]).ravel()
         return int(above[np.abs(above).argmax()])
 
