@@ -1,6 +1,6 @@
 # Flags of our own targets, as interface targets:
 #   pdoik_warnings  what we want to be warned of
-#   pdoik_sanitize  what PDOIK_SANITIZE asks for, but for null pointers, which need no check of their own to be seen
+#   pdoik_sanitize  what PDOIK_SANITIZE asks for
 #   pdoik_native    what PDOIK_NATIVE asks for, or else pdoik_eigen_abi; linked by all that is compiled here
 #   pdoik_eigen_abi how the library has Eigen align and allocate; installed as pdoik::eigen_abi
 # The library links them as $<BUILD_INTERFACE:...>: a user of the installed library gets none of them.
@@ -12,7 +12,7 @@ target_compile_options(pdoik_warnings INTERFACE
 add_library(pdoik_sanitize INTERFACE)
 if(PDOIK_SANITIZE)
   target_compile_options(pdoik_sanitize INTERFACE
-    -fsanitize=${PDOIK_SANITIZE} -fno-sanitize=null -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fsanitize=${PDOIK_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(pdoik_sanitize INTERFACE -fsanitize=${PDOIK_SANITIZE})
 endif()
 

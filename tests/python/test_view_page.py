@@ -90,11 +90,15 @@ class Page:
         across = np.array([offset @ right, -offset @ np.cross(right, forward)])
         return np.array([WIDTH / 2, HEIGHT / 2]) + focal * across / (offset @ forward)
 
+    def shot(self) -> np.ndarray[Any, np.dtype[np.int_]]:
+        """The colours of the page, (HEIGHT, WIDTH, 3)."""
+        image = Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
+        return np.asarray(image, dtype=int)
+
     def around(self, xy: np.ndarray[Any, Any]) -> np.ndarray[Any, np.dtype[np.int_]]:
         """The colours about a pixel, (17, 17, 3)."""
         x, y = xy.astype(int)
-        shot = Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
-        return np.asarray(shot, dtype=int)[y - 8 : y + 9, x - 8 : x + 9]
+        return self.shot()[y - 8 : y + 9, x - 8 : x + 9]
 
     def is_yellow(self, xy: np.ndarray[Any, Any]) -> bool:
         """Whether anything about a pixel is, as an arrow that a press would grip."""
@@ -352,11 +356,11 @@ def test_a_map_is_computed_drawn_in_its_colours_cancelled_saved_and_taken_back(
 
     def blue_minus_red(chosen: np.ndarray[Any, Any]) -> float:
         """Of the pixels in the middle of such faces on the cut, the median."""
-        shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+        shot = opened.shot()
         at = [opened.pixel(middle) for middle in middles[chosen & on_cut]]
         inside = [xy for xy in at if 0 <= xy[0] < WIDTH / 2 and 0 <= xy[1] < HEIGHT]
         assert len(inside) > 10
-        pixels = np.array([shot.getpixel((int(x), int(y))) for x, y in inside], dtype=int)
+        pixels = np.array([shot[int(y), int(x)] for x, y in inside])
         return float(np.median(pixels[:, 2] - pixels[:, 0]))
 
     opened.wait(lambda: blue_minus_red(squares.shares >= 0.9) < -80, "yellow")
