@@ -38,7 +38,9 @@ def python_calls(
     """
     robot = pdoik.Robot.builtin("panda")
     points = np.empty((0, 3)) if cloud is None else np.fromfile(cloud).reshape(-1, 3)
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=budget, base_collision=False))
+    solver = pdoik.Solver(
+        robot, pdoik.Options(max_time=budget, base_collision=False, self_collision=False)
+    )
     rng = np.random.default_rng(effort.seed)
     until, rows = time.monotonic() + effort.seconds, []
     for turn in range(-WARM_UP, effort.repeats):

@@ -49,9 +49,7 @@ def main(
         robot = fitted_robot(files)
         listed = {"nothing": []}
         if files.srdf is not None:
-            known = set(robot.link_names)
-            pairs = pdoik.load_srdf_pairs(files.srdf)
-            listed["its SRDF"] = [pair for pair in pairs if known.issuperset(pair)]
+            listed["its SRDF"] = pdoik.load_srdf_pairs(files.srdf, robot)
         for word, given in listed.items():
             robot.ignored_pairs = []
             found = sample_pairs(robot, files.xml(), files.package_dirs, listed=given)

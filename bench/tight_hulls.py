@@ -2,6 +2,7 @@
 
 .venv/bin/python bench/tight_hulls.py panda ur10 iiwa14 h1          measure the shipped files
 .venv/bin/python bench/tight_hulls.py panda ur10 iiwa14 h1 --fit    fit anew, write and measure
+.venv/bin/python bench/tight_hulls.py panda ur10 iiwa14 h1 --pairs  write which links may touch
 """
 
 from __future__ import annotations
@@ -15,11 +16,13 @@ import numpy as np
 import numpy.typing as npt
 import yaml
 
+import pdoik
 from arm_meshes import arm_meshes
 from experiment import Arm
 from h1_hulls import _circumscribed
 from pdoik._files import write_whole
 from pdoik.h1.shapes import SHAPES
+from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_link
 from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
 from pdoik.occupancy_fit.overhang import overhang
@@ -28,6 +31,10 @@ from pdoik.occupancy_fit.solid import Solid
 
 FloatArray = npt.NDArray[np.float64]
 ROBOTS = Path(__file__).parents[1] / "cpp/robots"
+MAY_TOUCH = {  # though the geometry meets
+    "panda": [("panda_link5", "panda_link7")],  # by the maker's SRDF
+    "h1": [("torso_link", f"{side}_shoulder_roll_link") for side in ("left", "right")],  # at rest
+}
 HEADER = """\
 #
 # Capsules: a second, closer cover of the same geometry, as it is instead of its convex hull, by
@@ -105,15 +112,29 @@ def write(name: str, capsules: list[Capsule], rows: list[tuple[str, int, float, 
     write_whole(path, f"{text}capsules:\n{listed}")
 
 
+def write_pairs(name: str, meshes: dict[str, FloatArray]) -> None:
+    """Put the pairs that `pdoik pairs` would leave out into the robot's SRDF."""
+    robot = pdoik.Robot.builtin(name)
+    robot.occupancy = pdoik.Occupancy.load(ROBOTS / f"{name}.occupancy.yaml")
+    robot.ignored_pairs = MAY_TOUCH.get(name, [])
+    report = sample_pairs(robot, meshes)
+    report.write(ROBOTS / f"{name}.srdf")
+    print(f"{name}: {len(report.ignored)} pairs, refuses {100 * report.flagged_share:.2f} %")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("robots", nargs="+", choices=["panda", "ur10", "iiwa14", "h1"])
     parser.add_argument("--fit", action="store_true", help="fit anew and write the files")
+    parser.add_argument("--pairs", action="store_true", help="write the SRDFs")
     options = parser.parse_args()
     for name in options.robots:
         meshes = geometry(name)
+        if options.pairs:
+            write_pairs(name, meshes)
+            continue
         start = time.process_time()
         capsules = fit(name, meshes) if options.fit else read(name)
         seconds = time.process_time() - start

@@ -31,8 +31,9 @@ def paper_options(terms: Terms) -> pdoik.Options:
 
 
 def default_options(terms: Terms) -> pdoik.Options:
-    """As a user gets it, but for the goal and its tolerances."""
+    """As a user gets it, but for goal, tolerances and self-collision, which no peer knows."""
     return pdoik.Options(
+        self_collision=False,
         goal=terms.goal,
         goal_axis=terms.goal_axis,
         position_tolerance=terms.position_tolerance,

@@ -24,6 +24,7 @@ struct Scene {
 Options loose() {
   Options options;
   options.position_tolerance = options.rotation_tolerance = 1e-3;
+  options.self_collision = false;
   return options;
 }
 

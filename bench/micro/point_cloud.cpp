@@ -42,6 +42,7 @@ void SolveAmong(benchmark::State& state) {
   const Robot robot = Robot::builtin(kArms[static_cast<std::size_t>(state.range(0))]);
   Options options;
   options.base_collision = false;
+  options.self_collision = false;
   Solver solver(robot, options);
   solver.set_obstacles(table_and_balls(1000000));
   testing::Random random(8);

@@ -49,7 +49,6 @@ def fitted_robot(
     robot.occupancy = pdoik.Occupancy.load(file)
     pairs = set(pdoik.pairs_always_touching(robot))
     if files.srdf is not None:
-        known = set(robot.link_names)
-        pairs |= {pair for pair in pdoik.load_srdf_pairs(files.srdf) if known.issuperset(pair)}
+        pairs |= set(pdoik.load_srdf_pairs(files.srdf, robot))
     robot.ignored_pairs = sorted(pairs)
     return robot

@@ -83,7 +83,7 @@ class Method:
                     rotation_tolerance=MILLIRADIAN,
                     self_collision=True,
                     balance=balance,
-                    touch=pdoik.Touch(radius=TOUCH if tool_touches and way == "cloud" else 0.0),
+                    touch=pdoik.Touch(radius=TOUCH if tool_touches and way != "shapes" else 0.0),
                     base_collision=robot.base_link not in may_touch,
                 ),
             )

@@ -70,7 +70,8 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
       balance_(robot, options.balance) {
   for (CollisionState* state : {&collision_, &fixed_hulls_})
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
-  if (options.self_collision) self_.emplace(robot, HullModel(robot), options.self_clearance);
+  if (options.keeps_off_itself(robot))
+    self_.emplace(robot, HullModel(robot), options.self_clearance);
 }
 
 void Judge::judge_goal(const Goal& goal, Verdict& verdict, Result& result) const {

@@ -117,6 +117,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("touch", &Options::touch)
       .def_readwrite("balance", &Options::balance)
       .def_readwrite("self_collision", &Options::self_collision)
+      .def("keeps_off_itself", &Options::keeps_off_itself, py::arg("robot"))
       .def_readwrite("self_clearance", &Options::self_clearance)
       .def_readwrite("posture_weight", &Options::posture_weight)
       .def_readwrite("joint_weights", &Options::joint_weights)

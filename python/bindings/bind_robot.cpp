@@ -62,12 +62,14 @@ std::optional<FloatingBaseBounds> to_bounds(const std::optional<Bounds>& floatin
 
 Robot from_urdf(const PathOrText& path_or_xml, const std::optional<std::string>& base_link,
                 const TipLinks& tip_link, const std::optional<ArrayLike>& T_world_base,
-                const std::optional<Bounds>& floating_base) {
+                const std::optional<Bounds>& floating_base, const std::optional<PathOrText>& srdf) {
   const auto T = to_placement(T_world_base);
   const auto bounds = to_bounds(floating_base);
   const auto load = [&] {
     const py::gil_scoped_release release;
-    return placed(load_urdf(path_or_xml.value), base_link, tip_link, T, bounds);
+    Robot robot = placed(load_urdf(path_or_xml.value), base_link, tip_link, T, bounds);
+    if (srdf) robot.set_ignored_pairs(load_srdf_pairs(srdf->value, robot));
+    return robot;
   };
   return with_warnings(load());
 }
@@ -148,7 +150,7 @@ void def_constructors(py::class_<Robot>& robot) {
       .def_static("from_urdf", &from_urdf, py::arg("path_or_xml"),
                   py::arg("base_link") = py::none(), py::arg("tip_link") = py::none(),
                   py::kw_only(), py::arg("T_world_base") = py::none(),
-                  py::arg("floating_base") = py::none(),
+                  py::arg("floating_base") = py::none(), py::arg("srdf") = py::none(),
                   R"(Read a URDF.
 
 Args:
@@ -159,9 +161,11 @@ Args:
         in the frame of a link "world" that is put under it.
     floating_base: Instead, how far the base link may go in the world: lower and upper bounds of x, y, z [m],
         yaw, pitch and roll [rad], each of shape (6,). They are the first six joints, base_x to base_roll.
+    srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers keep the robot's
+        hulls off one another unless told otherwise.
 
 Raises:
-    LoadError: The file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
+    LoadError: A file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
         of order, an axis is zero.
 
 Warns:
@@ -358,12 +362,16 @@ namespace {
 void bind_pairs(py::module_& module) {
   module.def(
       "load_srdf_pairs",
-      [](const PathOrText& path_or_xml) { return load_srdf_pairs(path_or_xml.value); },
-      py::arg("path_or_xml"),
+      [](const PathOrText& path_or_xml, const Robot* robot) {
+        return robot == nullptr ? load_srdf_pairs(path_or_xml.value)
+                                : load_srdf_pairs(path_or_xml.value, *robot);
+      },
+      py::arg("path_or_xml"), py::arg("robot") = nullptr,
       R"(The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
 
 Args:
     path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+    robot: Leave out pairs of links that this robot has not; None for all pairs.
 
 Raises:
     LoadError: The file cannot be read, or says what pairs cannot.)");

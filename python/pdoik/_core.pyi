@@ -412,7 +412,7 @@ class Robot:
             T_last_tool: Pose of `tool` in the last link's frame, shape (4, 4). None for the identity.
         """
     @staticmethod
-    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None) -> Robot:
+    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None) -> Robot:
         """
         Read a URDF.
         
@@ -424,9 +424,11 @@ class Robot:
                 in the frame of a link "world" that is put under it.
             floating_base: Instead, how far the base link may go in the world: lower and upper bounds of x, y, z [m],
                 yaw, pitch and roll [rad], each of shape (6,). They are the first six joints, base_x to base_roll.
+            srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers keep the robot's
+                hulls off one another unless told otherwise.
         
         Raises:
-            LoadError: The file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
+            LoadError: A file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
                 of order, an axis is zero.
         
         Warns:
@@ -831,9 +833,11 @@ class Options:
     levenberg_marquardt: LevenbergMarquardtOptions
     method: str
     prefer: str
-    self_collision: bool
+    self_collision: bool | None
     touch: TouchOptions
     def __init__(self) -> None:
+        ...
+    def keeps_off_itself(self, robot: Robot) -> bool:
         ...
     @property
     def clearance(self) -> float:
@@ -1500,12 +1504,13 @@ class Lagrangian:
         """
         The number of variables.
         """
-def load_srdf_pairs(path_or_xml: str | os.PathLike[str]) -> list[tuple[str, str]]:
+def load_srdf_pairs(path_or_xml: str | os.PathLike[str], robot: Robot = None) -> list[tuple[str, str]]:
     """
     The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
     
     Args:
         path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+        robot: Leave out pairs of links that this robot has not; None for all pairs.
     
     Raises:
         LoadError: The file cannot be read, or says what pairs cannot.

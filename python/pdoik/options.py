@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdoik import _core
+from pdoik._core import Robot
 
 Vector3 = Sequence[float] | NDArray[np.float64]
 Axis = Literal["x", "y", "z"]
@@ -188,7 +189,9 @@ class Options:
         touch: What may be touched at the target, and by which links.
         balance: Where the centre of mass has to be.
         self_collision: Keep hulls of links that are not adjacent off one another, but for
-            Robot.ignored_pairs.
+            Robot.ignored_pairs; None for where that says something of the links: there are such
+            pairs (a shipped robot, one with an SRDF) and the hulls are close (there are
+            capsules). Not with method "paper". See `keeps_off_itself`.
         self_clearance: By at least this much [m].
         prefer: "first" ends with the first solution found; "nearest" spends the budget on finding
             one near the posture, or the start if none is given.
@@ -231,7 +234,7 @@ class Options:
 
     touch: Touch = Touch()
     balance: Balance = Balance()
-    self_collision: bool = _DEFAULT.self_collision
+    self_collision: bool | None = None
     self_clearance: float = _DEFAULT.self_clearance
 
     prefer: Literal["first", "nearest"] = "first"
@@ -268,6 +271,10 @@ class Options:
             raise ValueError(f"joint_weights has shape {weights.shape}, expected (n,)")
         object.__setattr__(self, "joint_weights", tuple(weights.tolist()))
         to_core(self)
+
+    def keeps_off_itself(self, robot: Robot) -> bool:
+        """What self_collision comes to for a robot."""
+        return to_core(self).keeps_off_itself(robot)
 
 
 def to_core(options: Options) -> _core.Options:

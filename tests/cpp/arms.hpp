@@ -34,6 +34,7 @@ inline Robot with_hulls(Robot robot) {
                                    Eigen::Vector3d::Zero(), 0.5 * apart + 0.03});
   }
   robot.set_occupancy(occupancy);
+  robot.set_ignored_pairs({});  // the shipped ones are of the shipped hulls
   return robot;
 }
 

@@ -248,8 +248,10 @@ TEST(LeastSquares, the_distance_constraints_derivatives_by_the_foci_are_central_
 TEST(LeastSquares, touches_where_some_point_is_in_some_hull) {
   Random random(21);
   int touched = 0, clear = 0;
-  for (int k = 0; k < 200; ++k) {
-    Workbench bench(Robot::builtin(k % 2 == 0 ? "panda" : "ur10"), Options{});
+  Options options;
+  options.self_collision = false;
+  for (int k = 0; k < 300; ++k) {
+    Workbench bench(Robot::builtin(k % 2 == 0 ? "panda" : "ur10"), options);
     bench.set_obstacles(random_obstacles(random, 12, 0.7, k % 3 == 0 ? 0.0 : 0.1));
     const Eigen::VectorXd q = random_configuration(bench.robot, random);
     bench.least_squares.count_no_obstacles();

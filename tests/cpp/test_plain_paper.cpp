@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "binomial.hpp"
+#include "brute_force.hpp"
 #include "finite_differences.hpp"
 #include "plain_paper.hpp"
 #include "random_robots.hpp"
@@ -116,7 +117,7 @@ Comparison compare_answers(Options options, int obstacles) {
   options.max_time = 10.0;
   Comparison counts;
   for (const char* name : {"panda", "ur10", "iiwa14"}) {
-    const Robot robot = Robot::builtin(name);
+    const Robot robot = without_capsules(Robot::builtin(name));
     Random random(7);
     Solver solver(robot, options);
     PlainPaper plain(robot, options);

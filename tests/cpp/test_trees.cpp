@@ -140,8 +140,9 @@ TEST(Trees, the_nearest_of_many_is_no_farther_than_the_first) {
       const Eigen::VectorXd q0 = random_configuration(robot, random);
       const Eigen::Isometry3d target = robot.fk(random_configuration(robot, random));
       Result first, nearest;
-      Solver(robot, {.max_time = 1.0}).solve(target, &q0, first);
+      Solver(robot, {.self_collision = false, .max_time = 1.0}).solve(target, &q0, first);
       Options options;
+      options.self_collision = false;
       options.prefer = Prefer::Nearest;
       options.max_time = 1.0;
       options.max_restarts = 100;
@@ -161,7 +162,7 @@ TEST(Trees, steps_are_never_longer_than_asked_for) {
   for (int k = 0; k < 30; ++k) {
     const Eigen::VectorXd q0 = random_configuration(robot, random),
                           step = random.vector(7, 0.0, 0.1);
-    Solver solver(robot, {.max_time = 0.02, .max_restarts = 20});
+    Solver solver(robot, {.self_collision = false, .max_time = 0.02, .max_restarts = 20});
     const Goal goal = solver.goal(robot.fk(random_configuration(robot, random)));
     Result result;
     solver.solve({.goals = {&goal, 1}, .q0 = &q0, .max_step = &step}, result);

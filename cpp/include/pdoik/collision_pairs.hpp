@@ -15,6 +15,8 @@ namespace pdoik {
 /// @throws LoadError  unreadable file, malformed XML, missing attribute, or an element that says
 /// what pairs cannot (<disable_default_collisions>, xacro); names the file and the element.
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml);
+/// Those of links that a robot has: an SRDF may be of a description with more, such as fingers.
+std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml, const Robot& robot);
 
 /// Pairs of links that touch in at least `share` of random configurations, as MoveIt's Setup
 /// Assistant finds them: hulls of links that are close but not joined, whose overlap says nothing.

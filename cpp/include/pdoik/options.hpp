@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "pdoik/levenberg_marquardt.hpp"
 
 namespace pdoik {
+
+class Robot;
 
 enum class Method {
   Default,  ///< restarts from a low-discrepancy sequence, Levenberg-Marquardt and L-BFGS inside
@@ -88,7 +91,10 @@ struct Options {
   TouchOptions touch = {};
 
   BalanceOptions balance = {};
-  bool self_collision = false;  ///< keep hulls of links that are not adjacent off one another
+  /// Keep hulls of links that are not adjacent off one another; nothing for where this says
+  /// something of the links: it is known which pairs may touch (the robot has ignored pairs) and
+  /// hulls are close (it has capsules). Not with the paper's method.
+  std::optional<bool> self_collision = std::nullopt;
   double self_clearance = 0.0;  ///< by at least this much [m]
 
   Prefer prefer = Prefer::First;
@@ -120,6 +126,9 @@ struct Options {
   LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 4.0, .curvature = 0.5};
   AugmentedLagrangianOptions augmented_lagrangian = {};
   LevenbergMarquardtOptions levenberg_marquardt{.stall_ratio = 0.8, .stall_window = 2};
+
+  /// What self_collision comes to for a robot.
+  bool keeps_off_itself(const Robot& robot) const;
 };
 
 }  // namespace pdoik

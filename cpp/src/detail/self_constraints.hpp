@@ -14,7 +14,7 @@ class SelfConstraints : public ByPulls {
  public:
   /// The hulls outlive it.
   SelfConstraints(const Model& model, const CollisionState& hulls) : hulls_(hulls) {
-    if (model.options.self_collision)
+    if (model.options.keeps_off_itself(model.robot))
       self_.emplace(model.robot, HullModel(model.robot), model.options.self_clearance);
   }
 

@@ -1,6 +1,8 @@
 // The parser is the one that urdfdom is built on: TinyXML, which its header brings, or from version
 // 4 on TinyXML-2, which it does not.
 #include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
 #ifndef TINYXML_INCLUDED
 #include <tinyxml2.h>
 #endif
@@ -60,6 +62,17 @@ std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml) {
     const std::string link = attribute(*each, "link1", where);
     pairs.emplace_back(link, attribute(*each, "link2", where));
   }
+  return pairs;
+}
+
+std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml, const Robot& robot) {
+  const std::vector<std::string>& names = robot.link_names();
+  const auto is_link = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::vector<LinkPair> pairs = load_srdf_pairs(path_or_xml);
+  std::erase_if(
+      pairs, [&](const LinkPair& pair) { return !is_link(pair.first) || !is_link(pair.second); });
   return pairs;
 }
 

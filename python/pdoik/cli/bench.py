@@ -22,11 +22,9 @@ from .tables import length_text, time_text
 
 FloatArray = npt.NDArray[np.float64]
 
-_NEAREST, _FARTHEST = (
-    0.02,
-    0.3,
-)  # gaps between the posture behind a target and its obstacle points [m]
+_NEAREST, _FARTHEST = 0.02, 0.3  # gaps from a target's posture to its obstacle points [m]
 _N_WARM_UP = 20
+_POSTURES = 1000  # drawn until one does not touch itself
 
 
 class Problem(NamedTuple):
@@ -54,8 +52,9 @@ def bench(
 ) -> None:
     """Time solves of random pose targets, one after the other on one core.
 
-    A target is the tip's pose in a random posture, so each has a solution. Its obstacle points lie
-    2 to 30 cm from that posture's hulls. Times are the solver's own.
+    A target is the tip's pose in a random posture that does not touch itself, so each has a
+    solution. Its obstacle points lie 2 to 30 cm from that posture's hulls. Times are the solver's
+    own.
 
     [bold]Example[/]: pdoik bench --robot panda --targets 500 --obstacles 200
     """
@@ -86,15 +85,14 @@ def bench(
     )
 
 
-def random_problem(robot: pdoik.Robot, n_points: int, rng: np.random.Generator) -> Problem:
+def random_problem(solver: pdoik.Solver, n_points: int, rng: np.random.Generator) -> Problem:
     """A target within reach, and points that leave room for one solution at least.
 
     Raises:
-        ValueError: The robot has no hulls, but points are wanted.
+        ValueError: The robot has no hulls, but points are wanted; or it always touches itself.
     """
-    lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-    q = rng.uniform(lower, upper)
+    robot = solver.robot
+    q = _random_posture(solver, rng)
     points = np.empty((0, 3))
     if n_points:
         hulls = placed_hulls(robot, q)
@@ -109,6 +107,17 @@ def random_problem(robot: pdoik.Robot, n_points: int, rng: np.random.Generator) 
     return Problem(robot.fk(q), points[:n_points])
 
 
+def _random_posture(solver: pdoik.Solver, rng: np.random.Generator) -> FloatArray:
+    robot = solver.robot
+    lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    for _ in range(_POSTURES):
+        q = rng.uniform(lower, upper)
+        if solver.judge(robot.fk(q), q).success:
+            return q
+    raise ValueError(f"{robot.name} touches itself by its hulls in {_POSTURES} random postures")
+
+
 def _run(
     robot: pdoik.Robot,
     options: pdoik.Options,
@@ -117,14 +126,14 @@ def _run(
     rng: np.random.Generator,
 ) -> list[pdoik.Result]:
     solver = pdoik.Solver(robot, options)
-    warm_up = random_problem(robot, n_points, rng)
+    warm_up = random_problem(solver, n_points, rng)
     for _ in range(_N_WARM_UP):
         solver.solve(warm_up.T_base_tip, obstacles=warm_up.points)
     results = []
     with Progress(console=err, transient=True, disable=not err.is_terminal) as progress:
         label = f"{robot.name}, {n_points} points"
         for _ in progress.track(range(n_targets), description=label):
-            problem = random_problem(robot, n_points, rng)
+            problem = random_problem(solver, n_points, rng)
             results.append(solver.solve(problem.T_base_tip, obstacles=problem.points))
     return results
 

@@ -20,6 +20,20 @@ HullsFile = Annotated[
     Path | None,
     typer.Option(help="Hulls of the robot, YAML (see pdoik occupancy).", rich_help_panel=ROBOT),
 ]
+SrdfFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="SRDF with the pairs of links that may touch (see pdoik pairs).",
+        rich_help_panel=ROBOT,
+    ),
+]
+SelfCollision = Annotated[
+    bool | None,
+    typer.Option(
+        help="Keep hulls off one another; on with capsules and an SRDF otherwise.",
+        rich_help_panel=GOAL,
+    ),
+]
 GoalAxis = Annotated[Axis, typer.Option(help="Of the tip, for --goal axis.", rich_help_panel=GOAL)]
 CloudFile = Annotated[
     Path | None,

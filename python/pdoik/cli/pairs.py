@@ -55,14 +55,13 @@ def pairs(
         fail(f"--out: there is no folder {out_file.parent}")
     with misuse_fails():
         robot = load_robot(str(urdf), base_link, tip_link, occupancy)
-        known = set(robot.link_names)
-        listed = [] if srdf is None else pdoik.load_srdf_pairs(srdf)
+        listed = [] if srdf is None else pdoik.load_srdf_pairs(srdf, robot)
         with err.status("sampling configurations"):
             report = sample_pairs(
                 robot,
                 urdf if meshes else None,
                 package_dir or (),
-                listed=[pair for pair in listed if known.issuperset(pair)],
+                listed=listed,
                 samples=samples,
                 seed=seed,
             )

@@ -22,22 +22,22 @@ def load_robot(
     base_link: str | None = None,
     tip_link: str | Sequence[str] | None = None,
     occupancy: Path | None = None,
+    srdf: Path | None = None,
 ) -> pdoik.Robot:
     """A built-in robot by name, or a URDF file; leaves with status 2 when it is neither."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RobotWarning)  # pdoik info tells them
-        if name in BUILTIN:
-            if base_link or tip_link:
-                fail(f"--base-link and --tip-link are for URDF files; {name} is built in")
-            robot = pdoik.Robot.builtin(name)
-        elif Path(name).is_file():
-            with misuse_fails():
-                robot = pdoik.Robot.from_urdf(name, base_link=base_link, tip_link=tip_link or None)
-        else:
+        if name not in BUILTIN and not Path(name).is_file():
             fail(f"expected a URDF file or one of the robots {', '.join(BUILTIN)}; got {name!r}")
+        load = pdoik.Robot.builtin if name in BUILTIN else pdoik.Robot.from_urdf
+        with misuse_fails():
+            robot = load(name, base_link=base_link, tip_link=tip_link or None)
     if occupancy is not None:
         with misuse_fails(f"--occupancy {occupancy}"):
             robot.occupancy = pdoik.Occupancy.load(str(occupancy))
+    if srdf is not None:
+        with misuse_fails(f"--srdf {srdf}"):
+            robot.ignored_pairs = pdoik.load_srdf_pairs(srdf, robot)
     return robot
 
 

@@ -28,6 +28,8 @@ from .options import (
     Method,
     Radii,
     SceneFile,
+    SelfCollision,
+    SrdfFile,
 )
 from .report import Solution, facts, print_report
 from .robots import load_robot, numbers
@@ -55,6 +57,7 @@ def solve(
         ),
     ],
     occupancy: HullsFile = None,
+    srdf: SrdfFile = None,
     base_link: BaseLink = None,
     tip_link: Annotated[
         str | None, typer.Option(help="Last link; the only leaf otherwise.", rich_help_panel=ROBOT)
@@ -75,6 +78,7 @@ def solve(
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
     clearance: Clearance = _DEFAULTS.clearance,
+    self_collision: SelfCollision = None,
     q0: Annotated[
         str | None,
         typer.Option(
@@ -115,7 +119,7 @@ def solve(
     _check_picture(picture)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
-    loaded = load_robot(robot, base_link, tip_link, occupancy)
+    loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
     with misuse_fails("--target"):
         T_base_tip = parse_target(target, goal)
     start = None
@@ -137,6 +141,7 @@ def solve(
             rotation_tolerance=rotation_tolerance,
             clearance=clearance,
             base_collision=base_collision,
+            self_collision=self_collision,
             max_time=max_time,
             max_restarts=max_restarts,
             seed=seed,

@@ -26,6 +26,8 @@ from .options import (
     Method,
     Radii,
     SceneFile,
+    SelfCollision,
+    SrdfFile,
 )
 from .robots import BUILTIN, load_robot, numbers
 
@@ -46,6 +48,7 @@ def view(
         ),
     ] = None,
     occupancy: HullsFile = None,
+    srdf: SrdfFile = None,
     package_dir: Annotated[
         list[Path] | None,
         typer.Option(
@@ -75,10 +78,7 @@ def view(
     max_time: Annotated[
         float, typer.Option(help="Deadline of a solve, seconds.", rich_help_panel=GOAL)
     ] = 0.02,
-    self_collision: Annotated[
-        bool | None,
-        typer.Option(help="Keep hulls off each other; on for H1 otherwise.", rich_help_panel=GOAL),
-    ] = None,
+    self_collision: SelfCollision = None,
     cloud: CloudFile = None,
     scene: SceneFile = None,
     leaf: Leaf = 0.02,
@@ -136,7 +136,7 @@ def view(
     from pdoik.view.server import open_browser, start_server
     from pdoik.view.viewer import Viewer
 
-    loaded = _load(robot, base_link, tip_link, occupancy)
+    loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
     with misuse_fails():
         model = (
             shipped_model(loaded)
@@ -150,7 +150,7 @@ def view(
             clearance=clearance,
             base_collision=base_collision,
             max_time=max_time,
-            self_collision=robot == "h1" if self_collision is None else self_collision,
+            self_collision=self_collision,
         )
         goals = None if goal is None else dict.fromkeys(loaded.tip_links, goal)
     with misuse_fails("--q0" if q0 is not None else ""):
@@ -181,17 +181,3 @@ def view(
         stop.get()
         viewer.forget_uploads()  # all that would outlive the process
         end_now()
-
-
-def _load(
-    name: str, base_link: str | None, tip_link: list[str] | None, occupancy: Path | None
-) -> pdoik.Robot:
-    """As `load_robot`, and shipped robots seen from other links."""
-    if name not in BUILTIN or not (base_link or tip_link):
-        return load_robot(name, base_link, tip_link, occupancy)
-    with misuse_fails():
-        robot = pdoik.Robot.builtin(name, base_link, tip_link or None)
-    if occupancy is not None:
-        with misuse_fails(f"--occupancy {occupancy}"):
-            robot.occupancy = pdoik.Occupancy.load(str(occupancy))
-    return robot

@@ -10,16 +10,17 @@ from xml.sax.saxutils import quoteattr
 from .._files import write_whole
 
 Pair = tuple[str, str]
-Verdict = Literal["Listed", "Default", "Always", "Never", "Kept"]
+Verdict = Literal["Listed", "Adjacent", "Default", "Always", "Never", "Kept"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairCount:
-    """A pair of links whose hulls touched in some sample.
+    """A pair of links that are adjacent or whose hulls touched in some sample.
 
-    Verdicts are the Setup Assistant's reasons: "Always" touching, "Never" (the hulls touch, the
-    meshes in no sample), "Default" (touching in a configuration that is known to be free);
-    "Listed" by the caller; all others are "Kept".
+    Verdicts are the Setup Assistant's reasons: "Adjacent" (joined by one joint at most, and never
+    tested), "Always" touching, "Never" (the hulls touch, the meshes in no sample), "Default"
+    (touching in a configuration that is known to be free); "Listed" by the caller; all others are
+    "Kept".
     """
 
     links: Pair

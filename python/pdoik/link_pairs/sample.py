@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import copy
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ FloatArray = npt.NDArray[np.float64]
 
 def sample_pairs(
     robot: pdoik.Robot,
-    urdf: str | Path | None = None,
+    urdf: str | Path | Mapping[str, FloatArray] | None = None,
     package_dirs: Sequence[str | Path] = (),
     *,
     listed: Collection[Pair] = (),
@@ -47,7 +48,7 @@ def sample_pairs(
     Args:
         robot: With its hulls; its own ignored pairs count as listed.
         urdf: The robot's description, a file or XML text, whose collision geometry the hulls
-            hold; None for none.
+            hold; or that geometry, triangles (T, 3, 3) by link in its frame [m]; None for none.
         package_dirs: As in `fit_occupancy`.
         listed: Pairs that are ignored in any case, such as an SRDF's.
         free: Configurations that are known to be free, each (n,).
@@ -73,10 +74,13 @@ def sample_pairs(
     hulls = Counter(pair for touching in hulls_touch for pair in touching)
     met = Counter(pair for meeting in meshes_meet for pair in meeting)
     at_rest = {pair for q in free for pair in _touching(robot, q)}
+    adjacent = _adjacent(robot)
 
     def verdict(pair: Pair) -> Verdict:
         if pair in given:
             return "Listed"
+        if pair in adjacent:
+            return "Adjacent"
         if pair in at_rest:
             return "Default"
         if (hulls if meshes is None else met)[pair] >= ALWAYS * samples:
@@ -85,7 +89,7 @@ def sample_pairs(
             return "Never"
         return "Kept"
 
-    verdicts = {pair: verdict(pair) for pair in sorted({*hulls, *given, *at_rest})}
+    verdicts = {pair: verdict(pair) for pair in sorted({*hulls, *given, *at_rest, *adjacent})}
     kept = {pair for pair, word in verdicts.items() if word == "Kept"}
     is_free = [not kept & meeting for meeting in meshes_meet]
     refused = [bool(kept & touching) for touching in hulls_touch]
@@ -139,9 +143,35 @@ def _pair(a: str, b: str) -> Pair:
     return (a, b) if a < b else (b, a)
 
 
-def _meshes(urdf: str | Path, package_dirs: Sequence[str | Path]) -> dict[str, Mesh]:
-    links = load_geometry(urdf, package_dirs)
-    return {link.name: Mesh(link.triangles) for link in links if len(link.triangles)}
+def _adjacent(robot: pdoik.Robot) -> set[Pair]:
+    """Links with hulls that at most one joint moves against each other."""
+    hulls = robot.occupancy
+    links = {hull[0] for hull in (*hulls.spheres, *hulls.spheroids, *hulls.capsules)}
+    pairs = [*combinations(sorted(links | {hull[2] for hull in hulls.spheroids}), 2)]
+    start = _configurations(robot, 1, 0)[0]
+    movers = Counter[Pair]()
+    at_start = _between(robot, start, pairs)
+    for joint in range(robot.dof):
+        q = start.copy()
+        q[joint] = np.clip(q[joint] + 0.1, robot.lower[joint], robot.upper[joint])
+        q[joint] -= 0.1 * (q[joint] == start[joint])
+        moved = _between(robot, q, pairs)
+        movers.update(p for p in pairs if not np.allclose(at_start[p], moved[p], atol=1e-9))
+    return {pair for pair in pairs if movers[pair] <= 1}
+
+
+def _between(robot: pdoik.Robot, q: FloatArray, pairs: Collection[Pair]) -> dict[Pair, FloatArray]:
+    """Where the second link of each pair is in the frame of the first, (4, 4)."""
+    poses = {link: robot.fk(q, link) for link in {link for pair in pairs for link in pair}}
+    return {(a, b): np.linalg.solve(poses[a], poses[b]) for a, b in pairs}
+
+
+def _meshes(
+    urdf: str | Path | Mapping[str, FloatArray], package_dirs: Sequence[str | Path]
+) -> dict[str, Mesh]:
+    if not isinstance(urdf, Mapping):
+        urdf = {link.name: link.triangles for link in load_geometry(urdf, package_dirs)}
+    return {link: Mesh(triangles) for link, triangles in urdf.items() if len(triangles)}
 
 
 def _configurations(robot: pdoik.Robot, samples: int, seed: int) -> FloatArray:

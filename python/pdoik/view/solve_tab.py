@@ -43,7 +43,7 @@ class SolveTab:
             hint="Fail where a point is in a hull that no joint moves",
         )
         self.self_collision: Any = gui.add_checkbox(
-            "Self-collision", options.self_collision, hint="Keep hulls off each other, too"
+            "Self-collision", False, hint="Keep hulls off each other, too"
         )
         self.balance: Any = gui.add_checkbox(
             "Balance", False, hint="Keep the centre of mass over the soles"
@@ -124,7 +124,7 @@ class SolveTab:
         self.goal_axis.visible = self.goals.has_axis
         self.self_collision.visible = len(robot.occupancy) > 0
         self.wide_hulls.visible = len(wide_hulls(robot)) > 0
-        self.self_collision.value = session.options.self_collision
+        self.self_collision.value = session.options.keeps_off_itself(robot)
         self.balance.visible = can_balance(robot)
         self.balance.value = bool(session.options.balance.contacts)
 

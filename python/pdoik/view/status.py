@@ -112,7 +112,7 @@ def _clearance(result: pdoik.Result, shown: Shown) -> str:
 def _extras(shown: Shown) -> list[tuple[str, str]]:
     """What only some solves ask for."""
     rows = []
-    if shown.options.self_collision and len(shown.robot.occupancy):
+    if shown.options.keeps_off_itself(shown.robot) and len(shown.robot.occupancy):
         rows.append(("self-distance", f"{1e3 * shown.result.self_distance:.1f} mm"))
     if shown.options.balance.contacts:
         lost = shown.result.balance_violation
