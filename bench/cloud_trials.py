@@ -26,6 +26,7 @@ from cloud_hulls import Capsule
 from cloud_queries import Judge, queries
 from cloud_scene import hundredth, random_configurations, table_and_balls
 from cloud_structures import STRUCTURES, as_wanted
+from experiment import Arm
 
 Row = dict[str, Any]
 Job = Mapping[str, Any]
@@ -131,7 +132,7 @@ def update(job: Job) -> list[Row]:
 
 def query(job: Job) -> list[Row]:
     """Whether configurations are free, and their clearance: ours and the peers' among one cloud."""
-    robot = pdoik.Robot.builtin(job["robot"])
+    robot = Arm.builtin(job["robot"]).robot
     points = table_and_balls(job["points"], job["seed"])
     methods = queries(robot, points)
     chosen = _chosen(robot, points, job["configurations"], job["seed"] + 1)
@@ -164,7 +165,7 @@ def query(job: Job) -> list[Row]:
 
 def solve(job: Job) -> list[Row]:
     """The same targets among ever more points, in turn, each from mid-range."""
-    robot = pdoik.Robot.builtin(job["robot"])
+    robot = Arm.builtin(job["robot"]).robot
     options = pdoik.Options(max_time=SOLVE_BUDGET, base_collision=False, self_collision=False)
     solver = pdoik.Solver(robot, options)
     clouds = {n: pdoik.Cloud(table_and_balls(n, job["seed"])) for n in job["sizes"]}

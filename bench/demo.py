@@ -37,6 +37,7 @@ FloatArray = npt.NDArray[np.float64]
 
 ROBOTS = ("panda", "ur10", "iiwa14")
 LEAST_SOLVED = 0.99
+FORGIVE = False  # overhangs: the second check takes hulls as they are
 PICTURE = Path(__file__).resolve().parents[1] / "build" / "bench" / "demo.png"
 _SHOWN_CLEARANCE = 0.005  # of the posture drawn, where there is one [m]
 _SHOWN_HEIGHT = 0.2  # of its target: the scenes have no floor, but readers expect one [m]
@@ -95,7 +96,9 @@ def main(
         if out.suffix.lower() != ".png" or not out.parent.is_dir():
             raise ValueError(f"--out: expected a .png file in a folder that exists, got {out}")
         models, source = _models(ycb)
-        options = pdoik.Options(goal=goal, clearance=clearance, max_time=max_time)
+        options = pdoik.Options(
+            goal=goal, clearance=clearance, max_time=max_time, forgive_overhang=FORGIVE
+        )
         console.print(
             f"objects: {source}\n{_words(options, max_objects, leaf, targets)}", highlight=False
         )
@@ -166,6 +169,18 @@ def _run(
         ]
 
 
+def _posture_off_itself(
+    solver: pdoik.Solver, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """A random posture in which no links touch, (n,), and where its tip is, (4, 4)."""
+    robot = solver.robot
+    while True:
+        q = rng.uniform(robot.lower, robot.upper)
+        T_base_tip = robot.fk(q)
+        if solver.judge(T_base_tip, q).success:
+            return q, T_base_tip
+
+
 def solve_one(
     solver: pdoik.Solver,
     chain: UrdfChain,
@@ -175,8 +190,7 @@ def solve_one(
     rng: np.random.Generator,
 ) -> Outcome:
     robot = solver.robot
-    q_rand = rng.uniform(robot.lower, robot.upper)
-    T_base_tip = robot.fk(q_rand)
+    q_rand, T_base_tip = _posture_off_itself(solver, rng)
 
     def is_clear(scene: Scene) -> bool:
         return solver.judge(T_base_tip, q_rand, obstacles=scene.points).success

@@ -36,9 +36,12 @@ class Arm:
 
     @classmethod
     def builtin(cls, name: str) -> Arm:
-        """The built-in robot of this name."""
+        """The built-in robot of this name in the paper's hulls, which are all that peers know."""
         urdf = Path(str(importlib.resources.files("pdoik") / "robots" / f"{name}.urdf"))
-        return cls(name=name, robot=pdoik.Robot.builtin(name), urdf=urdf)
+        robot = pdoik.Robot.builtin(name)
+        wide = robot.occupancy
+        robot.occupancy = pdoik.Occupancy(spheres=wide.spheres, spheroids=wide.spheroids)
+        return cls(name=name, robot=robot, urdf=urdf)
 
     @property
     def tip_link(self) -> str:

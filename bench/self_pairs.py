@@ -57,6 +57,7 @@ def main(
             rows += _judge(robot, meshes, samples, seed, [name, "fitted", f"{word}, sampled"])
     for name in ARMS:
         arm = Arm.builtin(name)
+        arm.robot.occupancy = pdoik.Robot.builtin(name).occupancy  # its capsules, too
         rows += _judge(arm.robot, arm_meshes(arm), samples, seed, [name, "shipped", "shipped"])
     print(markdown_table(COLUMNS, rows))
 

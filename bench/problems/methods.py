@@ -18,7 +18,6 @@ import pdoik
 FloatArray = npt.NDArray[np.float64]
 LEAF = 0.01  # of the cloud [m]
 FINER = 3  # points of a surface per leaf, in each direction
-MILLIMETRE, MILLIRADIAN = 1e-3, 1e-3
 TOUCH = 0.08  # how far from its target a tool may touch where it has to: as wide as a flange [m]
 
 
@@ -79,8 +78,6 @@ class Method:
                 pdoik.Options(
                     max_time=budget,
                     max_restarts=1_000_000,
-                    position_tolerance=MILLIMETRE,
-                    rotation_tolerance=MILLIRADIAN,
                     self_collision=True,
                     balance=balance,
                     touch=pdoik.Touch(radius=TOUCH if tool_touches and way != "shapes" else 0.0),

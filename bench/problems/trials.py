@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 from bench.problems.judge import Judge
-from bench.problems.methods import MILLIMETRE, MILLIRADIAN, Answer, Method
+from bench.problems.methods import Answer, Method
 from bench.problems.problem import Problem
+
+TOLERANCE = 1e-4  # of a right answer's position [m] and rotation [rad]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,7 +155,7 @@ def _fault(judge: Judge, problem: Problem, answer: Answer) -> str | None:
     """What is wrong with a claimed answer."""
     if not answer.claimed:
         return None
-    missed = judge.misses(answer.q, problem.targets, MILLIMETRE, MILLIRADIAN)
+    missed = judge.misses(answer.q, problem.targets, TOLERANCE, TOLERANCE)
     return missed or judge.fault(problem, answer.q)
 
 

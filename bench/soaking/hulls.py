@@ -133,7 +133,7 @@ def _to_capsules(a: FloatArray, b: FloatArray, r: FloatArray, points: FloatArray
     for n in range(len(a)):
         own = points[n] if points.ndim == 3 else points
         for p, q, radius in zip(a[n], b[n], r, strict=True):
-            gap = _to_segment(own[:, :3], p, q) - radius - own[:, 3]
+            gap = to_segment(own[:, :3], p, q) - radius - own[:, 3]
             least[n] = min(least[n], float(gap.min()))
     return least
 
@@ -198,8 +198,8 @@ def segment_distance(p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray)
     their lines meets both.
     """
     ends = np.minimum(
-        np.minimum(_to_segment(p, r, s), _to_segment(q, r, s)),
-        np.minimum(_to_segment(r, p, q), _to_segment(s, p, q)),
+        np.minimum(to_segment(p, r, s), to_segment(q, r, s)),
+        np.minimum(to_segment(r, p, q), to_segment(s, p, q)),
     )
     u, v, w = q - p, s - r, r - p
     normal = np.cross(u, v)
@@ -212,7 +212,8 @@ def segment_distance(p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray)
     return np.where(both, np.minimum(across, ends), ends)
 
 
-def _to_segment(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
+def to_segment(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
+    """From points (..., 3) to the segments from p to q [m]."""
     u = q - p
     square = np.einsum("...i,...i", u, u)
     along = np.einsum("...i,...i", point - p, u) / np.where(square > 0.0, square, 1.0)

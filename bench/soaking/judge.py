@@ -108,7 +108,7 @@ class Judge:
         wide = [(link, xyz, link, xyz, r) for link, xyz, r in spec.spheres] + list(spec.spheroids)
         closer = {link for link, *_ in spec.capsules}  # what a link with capsules fills is these
         wide = [end for end in wide if not closer & {end[0], end[2]}]
-        ends = wide + [(link, p, link, q, r) for link, p, q, r in spec.capsules]
+        ends = wide + [(link, p, link, q, r) for link, p, q, r, _ in spec.capsules]
         self.swept = np.arange(len(ends)) >= len(wide)  # which are capsules
         self.A = np.array([end[4] for end in ends])
         self._ends = [
@@ -116,14 +116,22 @@ class Judge:
         ]
         self.links = [(end[0], end[2]) for end in ends]
         self._probe()
+        over = np.array([0.0] * len(wide) + [capsule[4] for capsule in spec.capsules])
+        self.forgiven = np.where(self.placed_by_goal, np.minimum(over, self.A / 2), 0.0)
 
     def _probe(self) -> None:
-        """Find out by random configurations which hulls stand still and which pairs count."""
+        """Find out by random configurations what stands still or goes with a tip, and pairs."""
         Q = random_configurations(self.kinematics, SAMPLES, np.random.default_rng(0))
         placed = self.kinematics.place(Q)
         a, b = (ends(placed) for ends in self._ends)
         moves = np.maximum(np.ptp(a, axis=0), np.ptp(b, axis=0)).max(axis=1, initial=0.0)
         self.fixed = moves < STILL
+        self.placed_by_goal = self.fixed.copy()
+        for tip in self.kinematics.spec.tip_links:
+            R, p = self.kinematics.link(placed, tip)
+            seen = [(end - p[:, None]) @ R for end in (a, b)]
+            spread = np.maximum(*(np.ptp(end, axis=0) for end in seen)).max(axis=1, initial=0.0)
+            self.placed_by_goal |= spread < STILL
         foci = np.concatenate([a, b], axis=1)
         levers = np.linalg.norm(foci[:, :, None] - placed.p[:, None], axis=-1)
         self._lever = max(1.0, 1.5 * levers.max(initial=0.0))
@@ -155,7 +163,7 @@ class Judge:
             hollow = (empty & ~self.swept).any(axis=1)
             if points is not None and points.size:
                 counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
-                at = (a[:, counted], b[:, counted], self.A[counted])
+                at = (a[:, counted], b[:, counted], (self.A - self.forgiven)[counted])
                 clear = clearance(*at, points, self.swept[counted])
             if asked.self_collision:
                 own = self.self_distance(a, b)

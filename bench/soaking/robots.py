@@ -19,7 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 Triple = tuple[float, float, float]
 Sphere = tuple[str, Triple, float]
 Spheroid = tuple[str, Triple, str, Triple, float]
-Capsule = tuple[str, Triple, Triple, float]
+Capsule = tuple[str, Triple, Triple, float, float]  # radius, overhang
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +47,10 @@ class RobotSpec:
         spheres = [(link, tuple(xyz), radius) for link, xyz, radius in values["spheres"]]
         spheroids = [(a, tuple(p), b, tuple(q), A) for a, p, b, q, A in values["spheroids"]]
         pairs = [tuple(pair) for pair in values["ignored_pairs"]]
-        capsules = [(link, tuple(p), tuple(q), r) for link, p, q, r in values.get("capsules", [])]
+        capsules = [
+            (link, tuple(p), tuple(q), r, *(overhang or [0.0]))
+            for link, p, q, r, *overhang in values.get("capsules", [])
+        ]
         hulls = {"spheres": spheres, "spheroids": spheroids, "capsules": capsules}
         rest = {**hulls, "ignored_pairs": pairs}
         return cls(**{**values, **rest})
@@ -108,7 +111,10 @@ def builtin_spec(name: str) -> RobotSpec:
             for s in hulls.get("spheroids", [])
         ],
         capsules=[
-            (c["link"], tuple(map(float, c["a"])), tuple(map(float, c["b"])), float(c["radius"]))
+            (
+                *(c["link"], tuple(map(float, c["a"])), tuple(map(float, c["b"]))),
+                *(float(c["radius"]), float(c.get("overhang", 0.0))),
+            )
             for c in hulls.get("capsules", [])
         ],
         ignored_pairs=[(pair.attrib["link1"], pair.attrib["link2"]) for pair in pairs],

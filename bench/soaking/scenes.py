@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import pdoik
+from soaking.hulls import to_segment
 from soaking.judge import Goals, Judge, random_configurations
 from soaking.robots import FloatArray, RobotSpec
 
@@ -243,13 +244,16 @@ def draw_cloud(
 def _clear_of(
     judge: Judge, kept: FloatArray, cloud: FloatArray, margin: float
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Points whose mean distance to the foci says that they are clear of every hull, (N,)."""
+    """Points that are clear of every hull by a bound of their distance, (N,)."""
     a, b = judge.hulls(judge.kinematics.place(kept))
     points = four_columns(cloud)
     assert points is not None
     clear = np.ones(len(cloud), dtype=bool)
     for row in range(len(kept)):
         for h, A in enumerate(judge.A):
-            s = sum(np.linalg.norm(points[:, :3] - end[row, h], axis=1) for end in (a, b)) / 2
+            if judge.swept[h]:
+                s = to_segment(points[:, :3], a[row, h], b[row, h])
+            else:
+                s = sum(np.linalg.norm(points[:, :3] - end[row, h], axis=1) for end in (a, b)) / 2
             clear &= s - points[:, 3] >= A + margin
     return clear

@@ -151,7 +151,8 @@ def passing_depth(
             break
         way = record.last[k] + np.linspace(0.0, 1.0, looks + 1)[:, None] * moved
         a, b = judge.hulls(judge.kinematics.place(way))
-        gaps = clearance(a[:, counted], b[:, counted], judge.A[counted], clouds[k])
+        radii = (judge.A - judge.forgiven)[counted]
+        gaps = clearance(a[:, counted], b[:, counted], radii, clouds[k], judge.swept[counted])
         allowed = min(gaps[0], gaps[-1], asked.clearance - asked.clearance_tolerance)
         depth[int(k)] = max(0.0, float(allowed - gaps.min()))
     return depth

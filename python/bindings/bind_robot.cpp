@@ -362,11 +362,11 @@ namespace {
 void bind_pairs(py::module_& module) {
   module.def(
       "load_srdf_pairs",
-      [](const PathOrText& path_or_xml, const Robot* robot) {
-        return robot == nullptr ? load_srdf_pairs(path_or_xml.value)
-                                : load_srdf_pairs(path_or_xml.value, *robot);
+      [](const PathOrText& path_or_xml, const std::optional<Robot>& robot) {
+        return robot ? load_srdf_pairs(path_or_xml.value, *robot)
+                     : load_srdf_pairs(path_or_xml.value);
       },
-      py::arg("path_or_xml"), py::arg("robot") = nullptr,
+      py::arg("path_or_xml"), py::arg("robot") = py::none(),
       R"(The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
 
 Args:

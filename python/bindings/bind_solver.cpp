@@ -331,7 +331,8 @@ Raises:
       .def("clearances", &clearances, py::arg("q"), py::arg("obstacles") = py::none(),
            R"(How near each shape, and the points if there are any, is at a configuration.
 
-The least of them is the clearance that `judge` gives.
+The least of them is the clearance that `judge` gives, but for what Options.touch lets touch: that depends on the
+target, which is not asked for here.
 
 Args:
     q: Joint positions, shape (n,) [rad] or [m].

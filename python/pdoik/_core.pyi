@@ -1236,7 +1236,8 @@ class Solver:
         """
         How near each shape, and the points if there are any, is at a configuration.
         
-        The least of them is the clearance that `judge` gives.
+        The least of them is the clearance that `judge` gives, but for what Options.touch lets touch: that depends on the
+        target, which is not asked for here.
         
         Args:
             q: Joint positions, shape (n,) [rad] or [m].
@@ -1504,7 +1505,7 @@ class Lagrangian:
         """
         The number of variables.
         """
-def load_srdf_pairs(path_or_xml: str | os.PathLike[str], robot: Robot = None) -> list[tuple[str, str]]:
+def load_srdf_pairs(path_or_xml: str | os.PathLike[str], robot: Robot | None = None) -> list[tuple[str, str]]:
     """
     The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
     

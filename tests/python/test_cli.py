@@ -164,10 +164,10 @@ def test_the_start_decides_where_the_answer_is() -> None:
 
 def test_points_that_thinning_left_out_are_warned_of(tmp_path: Path) -> None:
     solved = json.loads(solve("--json").stdout)
-    tip = np.array(solved["T_base_tip"])[:3, 3]
+    in_flange = (np.array(solved["T_base_tip"]) @ [0.0, 0.0, -0.05, 1.0])[:3]
     # Two points of one cell, one of them inside the arm, the mean far from it.
     points = tmp_path / "pair.npy"
-    np.save(points, np.array([tip, [5.9, 5.9, 5.9]]))
+    np.save(points, np.array([in_flange, [5.9, 5.9, 5.9]]))
     outcome = solve("--cloud", points, "--leaf", "6", "--no-radii")
     assert outcome.exit_code == 0
     assert "warning:" in outcome.stderr

@@ -57,7 +57,7 @@ def test_a_bad_target_file_is_misuse(
         (["--max-time", "-1"], ["max_time"]),
         (["--position-tolerance", "0"], ["position_tolerance"]),
         (["--seed", "-1"], ["seed"]),
-        (["--base-link", "a"], ["--base-link", "panda"]),
+        (["--base-link", "a"], ["link", "'a'"]),
         (["--occupancy", "none.yaml"], ["none.yaml"]),
         (["--picture", "out.bmp"], ["--picture", ".png"]),
         (["--picture", "no/such/folder/out.png"], ["--picture", "no/such/folder"]),

@@ -39,7 +39,8 @@ def test_its_kinematics_and_limits_are_pinocchios(
 def test_its_verdict_is_the_judges(
     robot: pdoik.Robot, chain: object, rng: np.random.Generator, goal: str
 ) -> None:
-    solver = pdoik.Solver(robot, pdoik.Options(goal=goal, goal_axis="x"))
+    options = pdoik.Options(goal=goal, goal_axis="x", forgive_overhang=demo.FORGIVE)
+    solver = pdoik.Solver(robot, options)
     for _ in range(50):
         q, q_target = rng.uniform(robot.lower, robot.upper, (2, robot.dof))
         points = rng.uniform(-1, 1, (30, 3))
@@ -53,7 +54,7 @@ def test_its_verdict_is_the_judges(
 
 
 def test_it_confirms_solutions_and_nothing_near_them(robot: pdoik.Robot, chain: object) -> None:
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0, forgive_overhang=demo.FORGIVE))
     q_target = robot.mid_configuration() + 0.2
     T_base_tip = robot.fk(q_target)
     result = solver.solve(T_base_tip)
@@ -76,10 +77,23 @@ def touches(robot: pdoik.Robot, q: np.ndarray, scan: np.ndarray) -> bool:
     def place(link: str, local: tuple[float, float, float]) -> np.ndarray:
         return (robot.fk(q, link) @ [*local, 1.0])[:3]
 
+    for link, local_a, local_b, radius, _ in robot.occupancy.capsules:
+        a, along = place(link, local_a), place(link, local_b) - place(link, local_a)
+        length = np.linalg.norm(along)
+        near = scan[tree.query_ball_point(a + along / 2, length / 2 + radius)]
+        t = np.clip((near - a) @ along / max(length**2, 1e-300), 0, 1)
+        gaps = np.linalg.norm(near - a - t[:, None] * along, axis=1)
+        if (gaps < radius - slack).any():
+            return True
+    closer = {capsule[0] for capsule in robot.occupancy.capsules}  # whose wide hulls do not count
     for link, center, radius in robot.occupancy.spheres:
+        if link in closer:
+            continue
         if tree.query(place(link, center))[0] < radius - slack:
             return True
     for link_a, focus_a, link_b, focus_b, semi_major in robot.occupancy.spheroids:
+        if closer & {link_a, link_b}:
+            continue
         a, b = place(link_a, focus_a), place(link_b, focus_b)
         near = scan[tree.query_ball_point((a + b) / 2, semi_major)]
         sums = np.linalg.norm(near - a, axis=1) + np.linalg.norm(near - b, axis=1)
@@ -92,7 +106,7 @@ def touches(robot: pdoik.Robot, q: np.ndarray, scan: np.ndarray) -> bool:
 def test_nothing_it_calls_solved_touches_the_scan(
     robot: pdoik.Robot, chain: object, rng: np.random.Generator, leaf: float | None
 ) -> None:
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0, forgive_overhang=demo.FORGIVE))
     models = demo.primitive_models()
     rows = [demo.solve_one(solver, chain, models, 9, leaf, rng) for _ in range(20)]
     solved = [row for row in rows if row.solved]

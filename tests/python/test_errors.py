@@ -237,6 +237,8 @@ def test_every_option_reaches_the_core() -> None:
             elif isinstance(field.default, str):
                 choices = get_args(hints[field.name])
                 result[field.name] = next(c for c in choices if c != field.default)
+            elif field.name == "self_collision":
+                result[field.name] = True
             elif isinstance(field.default, bool):
                 result[field.name] = not field.default
             else:

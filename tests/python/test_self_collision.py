@@ -44,7 +44,9 @@ def test_answers_off_themselves_are_so_in_mujoco(h1: pdoik.Robot, rng: np.random
         data = world.standing_data(np.array([positions[name] for name in order]))
         return min(mujoco.mj_geomDistance(model, data, i, j, 1.0, None) for i, j in pairs)
 
-    careful = pdoik.Solver(h1, pdoik.Options(goal="position", self_collision=True, **PATIENT))
+    careful = pdoik.Solver(
+        h1, pdoik.Options(goal="position", **{**PATIENT, "self_collision": True})
+    )
     careless = pdoik.Solver(h1, pdoik.Options(goal="position", **PATIENT))
     arms = TIPS[2:]
     solved, least = 0, {careful: np.inf, careless: np.inf}
@@ -77,7 +79,7 @@ def test_ignored_pairs_may_touch(h1: pdoik.Robot) -> None:
     assert not result.success
     assert result.self_distance < 0.0
     assert re.fullmatch(
-        r"clearance of \w+ \(spheroid \d+\) to \w+ \(spheroid \d+\)", result.worst_constraint
+        r"clearance of \w+ \(capsule \d+\) to \w+ \(capsule \d+\)", result.worst_constraint
     )
     for pair in pdoik.pairs_touching_at(robot, q):
         assert frozenset(pair) in joined(h1)

@@ -90,6 +90,7 @@ def arm_of_capsules(name: str) -> pdoik.Robot:
         end = np.linalg.inv(robot.fk(q, link)) @ robot.fk(q, following)[:, 3]
         capsules.append((link, (0.0, 0.0, 0.0), tuple(end[:3]), 0.03))
     robot.occupancy = pdoik.Occupancy(capsules=capsules)
+    robot.ignored_pairs = []  # the shipped ones are of the shipped hulls
     return robot
 
 

@@ -125,7 +125,7 @@ def test_the_nearest_answer_is_no_farther_than_the_first(
     robot: pdoik.Robot, rng: np.random.Generator
 ) -> None:
     first = pdoik.Solver(robot, pdoik.Options(**PATIENT))
-    options = pdoik.Options(prefer="nearest", max_time=60.0, max_restarts=60)
+    options = pdoik.Options(prefer="nearest", **PATIENT)
     nearest = pdoik.Solver(robot, options)
     sums = np.zeros(2)
     for _ in range(10):
@@ -146,7 +146,7 @@ def test_no_step_is_longer_than_allowed_whatever_the_target(
     seed: int, rng: np.random.Generator
 ) -> None:
     robot = pdoik.Robot.builtin("h1")
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=60.0, max_restarts=3))
+    solver = pdoik.Solver(robot, pdoik.Options(**{**PATIENT, "max_restarts": 3}))
     q0 = random_configuration(robot, rng)
     step = rng.uniform(0, 0.1, robot.dof)
     step[seed % robot.dof] = 0.0

@@ -403,6 +403,8 @@ def test_one_tip_of_the_h1_is_dragged_while_its_foot_stays_until_it_is_let_go(
     assert standing.page.get_by_text("solved", exact=True).is_visible()
 
     page = standing.page
+    page.get_by_label("Self-collision", exact=True).uncheck(force=True)  # on for a shipped robot
+    standing.wait(lambda: session.options.self_collision is False, "no self-collision")
     page.get_by_label("Self-collision", exact=True).check(force=True)
     standing.wait(lambda: session.options.self_collision, "the self-collision")
     page.get_by_label("Balance", exact=True).check(force=True)

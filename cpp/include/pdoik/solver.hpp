@@ -129,7 +129,8 @@ class Solver {
   Goal goal(const Eigen::Isometry3d& T_base_tip, int tip = 0) const;
 
   /// The distance of each shape, and of the points if there are any, at a configuration: the least
-  /// of them is the clearance that judge gives. Allocates.
+  /// of them is the clearance that judge gives, but for what Options::touch lets touch, which
+  /// depends on the target. Allocates.
   /// @throws std::invalid_argument on a wrong length, NaN or infinity.
   std::vector<ObstacleClearance> clearances(VectorIn q);
 

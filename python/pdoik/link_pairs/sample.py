@@ -145,9 +145,11 @@ def _pair(a: str, b: str) -> Pair:
 
 def _adjacent(robot: pdoik.Robot) -> set[Pair]:
     """Links with hulls that at most one joint moves against each other."""
-    hulls = robot.occupancy
-    links = {hull[0] for hull in (*hulls.spheres, *hulls.spheroids, *hulls.capsules)}
-    pairs = [*combinations(sorted(links | {hull[2] for hull in hulls.spheroids}), 2)]
+    occupancy = robot.occupancy
+    links = {sphere[0] for sphere in occupancy.spheres}
+    links |= {link for a, _, b, _, _ in occupancy.spheroids for link in (a, b)}
+    links |= {capsule[0] for capsule in occupancy.capsules}
+    pairs = [*combinations(sorted(links), 2)]
     start = _configurations(robot, 1, 0)[0]
     movers = Counter[Pair]()
     at_start = _between(robot, start, pairs)
@@ -163,7 +165,7 @@ def _adjacent(robot: pdoik.Robot) -> set[Pair]:
 def _between(robot: pdoik.Robot, q: FloatArray, pairs: Collection[Pair]) -> dict[Pair, FloatArray]:
     """Where the second link of each pair is in the frame of the first, (4, 4)."""
     poses = {link: robot.fk(q, link) for link in {link for pair in pairs for link in pair}}
-    return {(a, b): np.linalg.solve(poses[a], poses[b]) for a, b in pairs}
+    return {(a, b): np.linalg.inv(poses[a]) @ poses[b] for a, b in pairs}
 
 
 def _meshes(
