@@ -75,8 +75,9 @@ class RobotSpec:
             if self.T_world_base is not None:
                 where["T_world_base"] = self.T_world_base
             if self.name:
-                return pdoik.Robot.builtin(self.name, **where)
-            robot = pdoik.Robot.from_urdf(self.urdf, **where)
+                robot = pdoik.Robot.builtin(self.name, **where)
+            else:
+                robot = pdoik.Robot.from_urdf(self.urdf, **where)
         robot.occupancy = pdoik.Occupancy(
             spheres=self.spheres, spheroids=self.spheroids, capsules=self.capsules
         )
