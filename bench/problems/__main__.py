@@ -11,6 +11,7 @@ Run from the repository's root. Problems, hulls and results are kept in build/be
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +21,12 @@ from bench.problems.families import FAMILIES
 from bench.problems.hulls import fitted_robot
 from bench.problems.judge import Judge
 from bench.problems.loaders import read_problems
-from bench.problems.make import CEILING_STARTS, problems_of, with_valid_configuration
+from bench.problems.make import (
+    CEILING_STARTS,
+    judges_of,
+    problems_of,
+    with_valid_configuration,
+)
 from bench.problems.methods import Method
 from bench.problems.problem import Problem
 from bench.problems.robots import RobotFiles, robot_files
@@ -77,7 +83,7 @@ def run(
         judge = Judge(files, meshes, solver_robot.joint_names)  # type: ignore[arg-type]
         may_touch = judge.left_out_pairs() & set(combinations(sorted(solver_robot.link_names), 2))
         solver_robot.ignored_pairs = sorted({*solver_robot.ignored_pairs, *may_touch})
-        sets = _sets(judge, families, source, count, seed)
+        sets = _sets(files, solver_robot.joint_names, families, source, count, seed)
         rows, records = [], []
         budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]
         with Progress(console=console, transient=True) as progress:
@@ -147,22 +153,23 @@ def _files(
 
 
 def _sets(
-    judge: Judge,
+    files: RobotFiles,
+    joint_names: Sequence[str],
     families: list[str] | None,
     source: list[Path] | None,
     count: int,
     seed: int,
 ) -> dict[str, list[Problem]]:
     """Problems by the name of their set."""
-    files = judge.files
     sets: dict[str, list[Problem]] = {}
+    judges = judges_of(files, joint_names) if source else ()
     for path in source or []:
         for name, problems in read_problems(path, files).items():
             with console.status(f"looking for valid configurations of {name}"):
                 sets[name] = [
                     problem
                     if problem.goal_q is not None
-                    else with_valid_configuration(problem, judge, CEILING_STARTS)
+                    else with_valid_configuration(problem, judges, CEILING_STARTS)
                     for problem in problems[:count]
                 ]
     if source and not families:
@@ -170,7 +177,7 @@ def _sets(
     mine = families or [name for name, family in FAMILIES.items() if files.name in family.robots]
     for name in mine:
         with console.status(f"making {name} for {files.name}"):
-            sets[name] = problems_of(name, files.name, count, seed)
+            sets[name] = problems_of(name, files.name, count, seed, joint_names=joint_names)
     return sets
 
 

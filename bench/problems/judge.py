@@ -125,12 +125,20 @@ class Judge:
         if not contacts:
             return 0.0
         self._move(q)
-        center = pinocchio.centerOfMass(self._model, self._data, self._expand(q))
-        center = self._T_base_root.act(center)[:2]
+        center = self._T_base_root.act(self._center_of_mass(q))[:2]
         places = [(self._in_base(self._frame(link)), points) for link, points in contacts.items()]
         ground = np.concatenate([points @ T[:3, :3].T + T[:3, 3] for T, points in places])
         edges = ConvexHull(ground[:, :2]).equations
         return max(0.0, float((edges[:, :2] @ center + edges[:, 2]).max()))
+
+    def _center_of_mass(self, q: FloatArray) -> FloatArray:
+        """In the root's frame, (3,) [m]; Pinocchio's own is without the root's mass."""
+        moving = pinocchio.computeTotalMass(self._model)
+        center = pinocchio.centerOfMass(self._model, self._data, self._expand(q))
+        root = self._model.inertias[0]
+        return np.asarray(
+            (moving * center + root.mass * root.lever) / (moving + root.mass), dtype=np.float64
+        )
 
     def touching(
         self, q: FloatArray, solids: Sequence[Solid], allowed: Collection[Contact] = ()

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio
 from bench.problems.families import FAMILIES
 from bench.problems.families.family import Draft, Family
 from bench.problems.judge import Judge
 from bench.problems.problem import Problem, load, save
-from bench.problems.robots import robot_files
+from bench.problems.robots import RobotFiles, robot_files
 from bench.problems.sample_ik import FloatArray, configurations
 
 from peer_library import ROOT
 
 KEPT = ROOT / "build/bench/problems/made"
+RULES = 2  # counts up when it changes what is a valid configuration
 STARTS = 60  # of the search for a valid configuration
 CEILING_STARTS = 300  # the same where the share that can be reached at all is asked for
 DRAWS = 200  # scenes in a row without a valid configuration, then it gives up
@@ -34,10 +36,12 @@ def problems_of(
     seed: int = 0,
     kept: Path = KEPT,
     advance: Callable[[], object] = lambda: None,
+    joint_names: Sequence[str] | None = None,
 ) -> list[Problem]:
     """The first `count` problems of a family, from the kept file if it has them.
 
-    Problem k depends on the family, the robot, the seed and k alone.
+    Problem k depends on the family, the robot, the seed and k alone. Its configuration is valid by
+    the visual and by the collision meshes: published problems are valid by the latter.
 
     Args:
         family: One of FAMILIES.
@@ -46,6 +50,7 @@ def problems_of(
         seed: Of all of them.
         kept: Folder of the files.
         advance: Called after each problem that had to be made.
+        joint_names: The order of goal_q; None for Pinocchio's.
 
     Raises:
         FamilyError: The family is unknown, does not have the robot, or no scene is valid.
@@ -55,33 +60,50 @@ def problems_of(
     kind = FAMILIES[family]
     if robot not in kind.robots:
         raise FamilyError(f"{family} has the robots {sorted(kind.robots)}, not {robot!r}")
-    file = kept / f"{family}-{robot}-seed{seed}-v{kind.version}.json"
+    file = kept / f"{family}-{robot}-seed{seed}-v{RULES}.{kind.version}.json"
     problems = load(file) if file.is_file() else []
     if len(problems) < count:
-        judge = Judge(robot_files(robot), "visual")
+        judges = judges_of(robot_files(robot))
         for k in range(len(problems), count):
-            problems.append(_make(kind, robot, judge, seed, k))
+            problems.append(_make(kind, robot, judges, seed, k))
             advance()
         save(file, problems)
-    return problems[:count]
+    if joint_names is None:
+        return problems[:count]
+    known = list(pinocchio.buildModelFromXML(robot_files(robot).xml()).names)[1:]
+    order = [known.index(name) for name in joint_names]
+    return [
+        problem if problem.goal_q is None else replace(problem, goal_q=problem.goal_q[order])
+        for problem in problems[:count]
+    ]
 
 
-def with_valid_configuration(problem: Problem, judge: Judge, starts: int) -> Problem:
+def judges_of(files: RobotFiles, joint_names: Sequence[str] | None = None) -> tuple[Judge, Judge]:
+    """By the meshes that one sees, and by the coarser ones."""
+    return Judge(files, "visual", joint_names), Judge(files, "collision", joint_names)
+
+
+def _is_good(judges: Sequence[Judge], problem: Problem, q: FloatArray) -> bool:
+    return all(judge.is_good(problem, q) for judge in judges)
+
+
+def with_valid_configuration(problem: Problem, judges: Sequence[Judge], starts: int) -> Problem:
     """The problem with a configuration that meets its targets and touches nothing, if one is found.
 
     Args:
         problem: Without goal_q.
-        judge: Of its robot; goal_q is in its order of joints.
+        judges: Of its robot, who all have to agree; goal_q is in the first one's order of joints.
         starts: Random ones of the search; the same problem is always searched alike.
     """
     rng = np.random.default_rng(sum(problem.name.encode()))
-    for q in configurations(judge, problem.targets, rng, starts):
-        if judge.is_good(problem, q):
+    for q in configurations(judges[0], problem.targets, rng, starts):
+        if _is_good(judges, problem, q):
             return replace(problem, goal_q=q)
     return problem
 
 
-def _make(family: Family, robot: str, judge: Judge, seed: int, k: int) -> Problem:
+def _make(family: Family, robot: str, judges: Sequence[Judge], seed: int, k: int) -> Problem:
+    judge = judges[0]
     name = f"{family.name}-{robot}-{k:04d}"
     rng = np.random.default_rng([seed, sum(family.name.encode()), sum(robot.encode()), k])
     tips = judge.files.tips
@@ -100,7 +122,7 @@ def _make(family: Family, robot: str, judge: Judge, seed: int, k: int) -> Proble
         )
         starts = CEILING_STARTS if family.contact else STARTS
         for q in _candidates(draft, judge, wanted, rng, starts):
-            if judge.is_good(problem, q):
+            if _is_good(judges, problem, q):
                 return replace(problem, goal_q=q, targets={tip: judge.fk(q, tip) for tip in tips})
         if family.contact:
             return problem

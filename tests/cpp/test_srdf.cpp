@@ -33,6 +33,15 @@ TEST(Srdf, pairs_come_in_the_files_order_and_fit_the_robot) {
   EXPECT_EQ(load_srdf_pairs("\xEF\xBB\xBF" + kPandaSrdf), kPandaPairs);
 }
 
+TEST(Srdf, pairs_of_links_that_a_robot_has_not_are_left_out) {
+  const Robot robot = Robot::builtin("panda");
+  const std::string more =
+      "<robot name='panda'><disable_collisions link1='panda_hand' link2='panda_link7'/>" +
+      kPandaSrdf.substr(kPandaSrdf.find("<disable"));
+  EXPECT_EQ(load_srdf_pairs(more).size(), kPandaPairs.size() + 1);
+  EXPECT_EQ(load_srdf_pairs(more, robot), kPandaPairs);
+}
+
 TEST(Srdf, a_files_path_does_as_well) {
   const std::string path = ::testing::TempDir() + "pdoik_test.srdf";
   std::ofstream(path) << kPandaSrdf;

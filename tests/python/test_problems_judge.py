@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,7 +13,7 @@ pytest.importorskip("pinocchio")
 
 import trimesh
 from bench.problems.judge import Judge
-from bench.problems.robots import robot_files
+from bench.problems.robots import RobotFiles, robot_files
 from bench.problems.sample_ik import configurations
 from bench.problems.solids import Solid, box, mesh, pose
 
@@ -96,3 +99,26 @@ def test_configurations_meet_their_target_within_limits(
     assert len(found) >= 3
     for q in found:
         assert judge.misses(q, target, 1e-7, 1e-7) is None
+
+
+def test_the_centre_of_mass_is_that_of_all_links(tmp_path: Path) -> None:
+    """The root's, too, which stands still in its own frame and not in a foot's."""
+    mass = (
+        '<inertial><mass value="{}"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    )
+    urdf = tmp_path / "seesaw.urdf"
+    urdf.write_text(
+        f'<robot name="seesaw"><link name="root">{mass.format(9)}</link>'
+        f'<link name="end">{mass.format(1)}</link>'
+        '<joint name="j" type="revolute"><parent link="root"/><child link="end"/>'
+        '<origin xyz="1 0 0"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>'
+    )
+    files = RobotFiles(name="seesaw", urdf=urdf, srdf=None, package_dirs=(), tips=("end",))
+    square = 0.01 * np.array([[1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0.0]])
+    off = Judge(files).off_balance(np.zeros(1), {"root": square})
+    assert off == pytest.approx(0.1 - 0.01)
+    from_end = replace(files, base="end")  # the foot is the other link
+    off = Judge(from_end).off_balance(np.zeros(1), {"end": square})
+    assert off == pytest.approx(0.9 - 0.01)

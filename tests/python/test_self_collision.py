@@ -125,3 +125,55 @@ def test_pairs_that_always_touch_are_found_and_no_others() -> None:
     ]:
         with pytest.raises(ValueError, match=message):
             pdoik.pairs_always_touching(robot, **arguments)
+
+
+def test_it_is_on_where_pairs_and_close_hulls_are_known() -> None:
+    robot = pdoik.Robot.builtin("panda")
+    unset, on, off = (pdoik.Options(self_collision=word) for word in (None, True, False))
+    assert unset.keeps_off_itself(robot)
+    assert not off.keeps_off_itself(robot)
+    assert not pdoik.Options(method="paper").keeps_off_itself(robot)
+    assert pdoik.Options(method="paper", self_collision=True).keeps_off_itself(robot)
+    pairs, hulls = robot.ignored_pairs, robot.occupancy
+    robot.ignored_pairs = []
+    assert not unset.keeps_off_itself(robot)
+    assert on.keeps_off_itself(robot)
+    robot.ignored_pairs = pairs
+    robot.occupancy = pdoik.Occupancy(spheres=hulls.spheres, spheroids=hulls.spheroids)
+    assert not unset.keeps_off_itself(robot)
+
+
+def test_solves_keep_a_shipped_arm_off_itself_unless_told_otherwise(
+    rng: np.random.Generator,
+) -> None:
+    robot = pdoik.Robot.builtin("ur10")
+    touching = 0
+    for _ in range(40):
+        q = random_configuration(robot, rng)
+        T = robot.fk(q)
+        free = pdoik.Solver(robot, pdoik.Options(self_collision=False)).judge(T, q)
+        kept = pdoik.Solver(robot).judge(T, q)
+        assert free.success
+        assert kept.success == (kept.self_distance >= -1e-6)
+        ignored = {frozenset(pair) for pair in robot.ignored_pairs}
+        meet = {frozenset(pair) for pair in pdoik.pairs_touching_at(robot, q)} - ignored
+        assert kept.success == (not meet)
+        touching += not kept.success
+        answer = pdoik.Solver(robot, pdoik.Options(max_time=0.1)).solve(T)
+        assert not answer.success or answer.self_distance >= -1e-6
+    assert touching > 3
+
+
+def test_an_srdf_of_a_larger_robot_serves_a_part_of_it(tmp_path: Path) -> None:
+    pairs = [("panda_link5", "panda_link7"), ("panda_link7", "panda_finger")]
+    lines = "".join(f'<disable_collisions link1="{a}" link2="{b}"/>' for a, b in pairs)
+    path = tmp_path / "panda.srdf"
+    path.write_text(f'<robot name="panda">{lines}</robot>')
+    urdf = ROBOTS / "panda.urdf"
+    robot = pdoik.Robot.from_urdf(urdf, srdf=path)
+    assert robot.ignored_pairs == pairs[:1]
+    assert pdoik.load_srdf_pairs(path, robot) == pairs[:1]
+    assert pdoik.load_srdf_pairs(path) == pairs
+    assert pdoik.Robot.from_urdf(urdf).ignored_pairs == []
+    with pytest.raises(pdoik.LoadError, match=r"none\.srdf"):
+        pdoik.Robot.from_urdf(urdf, srdf=tmp_path / "none.srdf")
