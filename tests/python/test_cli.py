@@ -52,9 +52,27 @@ def test_a_target_in_an_obstacle_is_blocked_and_says_what_touches(tmp_path: Path
     target = " ".join(f"{v:.6f}" for v in (*T[:3, 3], w, x, y, z))
     outcome = solve("--cloud", cloud, target=target)
     assert outcome.exit_code == 1
-    assert outcome.stdout.startswith("not solved: the tool itself is in an obstacle")
+    assert outcome.stdout.startswith("not solved: every start ends in the same obstacle")
     assert "to obstacle 0" in outcome.stdout
     assert "try another target" in outcome.stdout
+
+
+def test_links_are_kept_off_each_other_where_the_pairs_are_known(tmp_path: Path) -> None:
+    # The hand would have to go through the arm's own foot.
+    inside = "0.0 0.0 0.12 1 0 0 0"
+
+    kept = solve("--goal", "position", target=inside)
+    assert kept.exit_code == 1
+    assert "panda_link0" in kept.stdout
+    assert "--no-self-collision" in kept.stdout
+    assert "between links" in kept.stdout
+    assert solve("--goal", "position", "--no-self-collision", target=inside).exit_code == 0
+    srdf = tmp_path / "all.srdf"
+    names = pdoik.Robot.builtin("panda").link_names
+    pairs = [f'<disable_collisions link1="{a}" link2="{b}"/>' for a in names for b in names]
+    srdf.write_text(f'<robot name="panda">{"".join(pairs)}</robot>')
+    assert solve("--goal", "position", "--srdf", srdf, target=inside).exit_code == 0
+    misuse(solve("--srdf", tmp_path / "none.srdf"), "--srdf", "none.srdf")
 
 
 def test_json_holds_the_whole_result(wall: Path) -> None:

@@ -38,7 +38,7 @@ _MEANING = {
     "exhausted": "not solved: every start ended in a local minimum; this is the best found",
     "out_of_reach": "not solved: the target is farther than the arm stretches; this is the nearest",
     "base_collision": "not solved: an obstacle is inside a hull that no joint moves",
-    "blocked": "not solved: the tool itself is in an obstacle at the target",
+    "blocked": "not solved: every start ends in the same obstacle",
 }
 
 
@@ -163,6 +163,8 @@ def _errors(solution: Solution) -> Table:
         if len(obstacles.cloud) != len(obstacles.surface):
             what = f"to all {len(obstacles.surface)} points of {obstacles.file.name}"
             add("", length_text(solution.surface_clearance), what)
+    if math.isfinite(result.self_distance):
+        add("between links", length_text(result.self_distance), "least distance of their hulls")
     add("tightest" if result.success else "worst", escape(result.worst_constraint))
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, "
     add("time", time_text(result.time), effort + f"{result.restarts} restarts")
@@ -207,6 +209,11 @@ def advice(solution: Solution) -> list[str]:
             n_starts = options.max_restarts + 1
             tips.append(f"another target: after {n_starts} starts this one may have no solution")
             tips.append(f"--max-restarts {10 * n_starts} with a longer --max-time")
+        if result.self_distance < options.self_clearance - options.clearance_tolerance:
+            tips.append(
+                "--srdf with the pairs of links that may touch (pdoik pairs finds them), or"
+                " --no-self-collision"
+            )
         if options.goal in looser:
             tips.append(looser[options.goal])
     if solution.obstacles is not None and result.status not in {"out_of_reach", "base_collision"}:
