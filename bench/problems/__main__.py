@@ -112,13 +112,19 @@ def run(
 def draw(
     out: Annotated[Path, typer.Option(help="The picture.")] = OUT / "families.png",
     seed: Annotated[int, typer.Option(min=0)] = 0,
+    failed: Annotated[
+        list[Path] | None, typer.Option(help="Results of run: draw what was not solved instead.")
+    ] = None,
 ) -> None:
-    """One problem of each family, drawn with its defining configuration."""
-    from bench.problems.draw import draw_sheet
+    """One problem of each family, drawn with its defining configuration; or what failed."""
+    from bench.problems.draw import draw_failures, draw_sheet
 
     with plain_errors():
         out.parent.mkdir(parents=True, exist_ok=True)
-        draw_sheet(out, seed)
+        if failed:
+            console.print(f"{draw_failures(out, failed, seed=seed)} problems drawn")
+        else:
+            draw_sheet(out, seed)
 
 
 def _files(

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 AMONG = 20  # problems that the drawn one is the first solvable of
 COLUMNS = 4
 MANY = 20_000  # triangles: a link without a collision mesh is drawn by its visual one up to here
+RED = (0.85, 0.25, 0.2)
 LIGHT = np.array([0.4, -0.6, 0.7])
 
 
@@ -50,19 +55,67 @@ def draw_sheet(path: Path, seed: int = 0) -> None:
     plt.close(figure)
 
 
-def _draw(axes: Any, problem: Problem, coarse: Judge, fine: Judge) -> None:
+def draw_failures(path: Path, results: Sequence[Path], most: int = 8, seed: int = 0) -> int:
+    """Draw problems that were not solved in their valid configurations, what was said to touch red.
+
+    Args:
+        path: The PNG.
+        results: What `run` wrote, of one robot and our own families.
+        most: Of each set one after the other, so many in all.
+        seed: Of the problems.
+
+    Returns:
+        How many were drawn; without any there is no picture.
+    """
+    by_set: dict[str, dict[str, tuple[str, str]]] = {}
+    for file in results:
+        for row in json.loads(file.read_text())["rows"]:
+            for trial in row["trials"]:
+                if trial["known"] and not trial["claimed"]:
+                    reason = f"{row['method']}, {row['budget']:g} ms: {trial['reason']}"
+                    by_set.setdefault(row["set"], {})[trial["problem"]] = (row["robot"], reason)
+    turns = [list(failed.items()) for failed in by_set.values()]
+    chosen = [one[k] for k in range(most) for one in turns if k < len(one)][:most]
+    if not chosen:
+        return 0
+    rows = -(-len(chosen) // COLUMNS)
+    figure = plt.figure(figsize=(3.2 * COLUMNS, 3.4 * rows), dpi=110)
+    files = robot_files(chosen[0][1][0])
+    judges = Judge(files, "collision"), Judge(files, "visual")
+    for k, (name, (robot, reason)) in enumerate(chosen):
+        family, _, index = name.rsplit("-", 2)
+        problem = problems_of(family, robot, int(index) + 1, seed)[-1]
+        axes = figure.add_subplot(rows, COLUMNS, k + 1, projection="3d")
+        named = re.search(r"clearance of (\S+).* to (\S+)", reason)
+        _draw(axes, problem, *judges, red=frozenset(named.groups()) if named else frozenset())
+        axes.set_title("\n".join(textwrap.wrap(f"{name}: {reason}", 48)), fontsize=6)
+    figure.subplots_adjust(0, 0, 1, 0.93, 0, 0.12)
+    figure.savefig(path)
+    plt.close(figure)
+    return len(chosen)
+
+
+def _draw(
+    axes: Any,
+    problem: Problem,
+    coarse: Judge,
+    fine: Judge,
+    red: frozenset[str] = frozenset(),
+) -> None:
     axes.computed_zorder = False  # the robot shows through what is before it
     carriers = {solid for _, solid in problem.allowed}
     for solid in problem.solids:
         color = (0.85, 0.65, 0.3) if solid.name in carriers else (0.55, 0.6, 0.7)
+        if solid.name in red:
+            color = RED
         _add(axes, np.asarray(solid.surface().triangles), color, 0.28, 1)
     if problem.goal_q is not None:
         links = dict(coarse.link_surfaces(problem.goal_q))
         for name, triangles in fine.link_surfaces(problem.goal_q):
             if len(triangles) < MANY:
                 links.setdefault(name, triangles)
-        for triangles in links.values():
-            _add(axes, triangles, (0.92, 0.92, 0.9), 1.0, 2)
+        for name, triangles in links.items():
+            _add(axes, triangles, RED if name in red else (0.92, 0.92, 0.9), 1.0, 2)
     for T in problem.targets.values():
         for axis, color in enumerate("rgb"):
             line = np.stack([T[:3, 3], T[:3, 3] + 0.12 * T[:3, axis]])
