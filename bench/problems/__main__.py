@@ -27,7 +27,7 @@ from bench.problems.make import (
     problems_of,
     with_valid_configuration,
 )
-from bench.problems.methods import Method
+from bench.problems.methods import Method, usual_way
 from bench.problems.problem import Problem
 from bench.problems.robots import RobotFiles, robot_files
 from bench.problems.trials import COLUMNS, Row, cells, to_json
@@ -63,7 +63,11 @@ def run(
     count: Annotated[int, typer.Option(min=1, help="Problems of each set.")] = 100,
     seed: Annotated[int, typer.Option(min=0, help="Of our own families.")] = 0,
     method: Annotated[
-        list[str] | None, typer.Option(help="cloud, solid_cloud or shapes; repeatable.")
+        list[str] | None,
+        typer.Option(
+            help="shapes, cloud or solid_cloud; repeatable. Shapes, or for concave meshes"
+            " solid_cloud, otherwise."
+        ),
     ] = None,
     budget: Annotated[list[float] | None, typer.Option(help="[ms]; repeatable.")] = None,
     meshes: Meshes = "visual",
@@ -88,7 +92,7 @@ def run(
         budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
-                for way in method or ["cloud"]:
+                for way in method or [usual_way(problems)]:
                     answering = Method(way, solver_robot, budgets, problems[0])
                     task = progress.add_task(f"{name} {way}", total=len(problems))
                     done = run_trials(

@@ -30,6 +30,15 @@ RED = (0.85, 0.25, 0.2)
 LIGHT = np.array([0.4, -0.6, 0.7])
 
 
+class _Judges(dict[str, tuple[Judge, Judge]]):
+    """By coarse and by fine meshes, of each robot that is asked for."""
+
+    def __missing__(self, robot: str) -> tuple[Judge, Judge]:
+        files = robot_files(robot)
+        self[robot] = Judge(files, "collision"), Judge(files, "visual")
+        return self[robot]
+
+
 def draw_sheet(path: Path, seed: int = 0) -> None:
     """Draw every family with its first robot.
 
@@ -37,14 +46,11 @@ def draw_sheet(path: Path, seed: int = 0) -> None:
         path: The PNG.
         seed: Of the problems.
     """
-    judges: dict[str, tuple[Judge, Judge]] = {}
+    judges = _Judges()
     rows = -(-len(FAMILIES) // COLUMNS)
     figure = plt.figure(figsize=(3.2 * COLUMNS, 3.2 * rows), dpi=110)
     for k, family in enumerate(FAMILIES.values()):
         robot = next(iter(family.robots))
-        if robot not in judges:
-            files = robot_files(robot)
-            judges[robot] = (Judge(files, "collision"), Judge(files, "visual"))
         problems = problems_of(family.name, robot, AMONG if family.contact else 1, seed)
         problem = next((p for p in problems if p.goal_q is not None), problems[0])
         axes = figure.add_subplot(rows, COLUMNS, k + 1, projection="3d")
@@ -60,7 +66,7 @@ def draw_failures(path: Path, results: Sequence[Path], most: int = 8, seed: int 
 
     Args:
         path: The PNG.
-        results: What `run` wrote, of one robot and our own families.
+        results: What `run` wrote, of our own families.
         most: Of each set one after the other, so many in all.
         seed: Of the problems.
 
@@ -78,18 +84,20 @@ def draw_failures(path: Path, results: Sequence[Path], most: int = 8, seed: int 
     chosen = [one[k] for k in range(most) for one in turns if k < len(one)][:most]
     if not chosen:
         return 0
-    rows = -(-len(chosen) // COLUMNS)
-    figure = plt.figure(figsize=(3.2 * COLUMNS, 3.4 * rows), dpi=110)
-    files = robot_files(chosen[0][1][0])
-    judges = Judge(files, "collision"), Judge(files, "visual")
+    columns = min(COLUMNS, len(chosen))
+    rows = -(-len(chosen) // columns)
+    figure = plt.figure(figsize=(3.2 * columns, 3.6 * rows), dpi=110)
+    judges = _Judges()
     for k, (name, (robot, reason)) in enumerate(chosen):
         family, _, index = name.rsplit("-", 2)
         problem = problems_of(family, robot, int(index) + 1, seed)[-1]
-        axes = figure.add_subplot(rows, COLUMNS, k + 1, projection="3d")
+        axes = figure.add_subplot(rows, columns, k + 1, projection="3d")
         named = re.search(r"clearance of (\S+).* to (\S+)", reason)
-        _draw(axes, problem, *judges, red=frozenset(named.groups()) if named else frozenset())
+        _draw(
+            axes, problem, *judges[robot], red=frozenset(named.groups()) if named else frozenset()
+        )
         axes.set_title("\n".join(textwrap.wrap(f"{name}: {reason}", 48)), fontsize=6)
-    figure.subplots_adjust(0, 0, 1, 0.93, 0, 0.12)
+    figure.subplots_adjust(0, 0, 1, 1 - 0.14 / rows, 0, 0.16)
     figure.savefig(path)
     plt.close(figure)
     return len(chosen)

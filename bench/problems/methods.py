@@ -163,9 +163,21 @@ def _shape(solid: Solid) -> pdoik.Shape:
             return shape.capsule(solid.name, *solid.size, solid.T)
         case "half_space":
             return shape.half_space(solid.name, solid.T[:3, 2], solid.T[:3, 3])
+        case "mesh" if not _is_convex(solid):
+            raise MethodError(f"{solid.name} is not convex: give it as a cloud")
         case "mesh":
             return shape.convex_mesh(solid.name, solid.vertices, solid.T)
     raise MethodError(f"{solid.name}: no shape for a {solid.kind}")
+
+
+def _is_convex(solid: Solid) -> bool:
+    return solid.kind != "mesh" or bool(solid.surface().is_convex)
+
+
+def usual_way(problems: Sequence[Problem]) -> str:
+    """Shapes; sunk clouds where something is a mesh that is not convex."""
+    convex = all(_is_convex(solid) for problem in problems for solid in problem.solids)
+    return "shapes" if convex else "solid_cloud"
 
 
 WAYS = {"cloud": _cloud, "solid_cloud": partial(_cloud, sink=True), "shapes": _shapes}
