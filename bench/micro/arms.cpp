@@ -54,8 +54,11 @@ std::vector<ReachScene> reach_scenes(const Robot& robot, int count, int points) 
   Solver solver(robot);
   Result result;
   std::vector<ReachScene> scenes;
-  for (int k = 0; k < count; ++k) {
+  while (static_cast<int>(scenes.size()) < count) {
     const Eigen::VectorXd q = random_configuration(robot, random);
+    solver.set_obstacles(Points(0, 3));
+    solver.judge(robot.fk(q), q, result);
+    if (!result.success) continue;  // it touches itself
     ReachScene scene{robot.fk(q), Points(points, 3)};
     for (int i = 0; i < points;) {
       scene.points.row(i) = random_point(random);

@@ -26,6 +26,7 @@ struct ReachScene {
   Eigen::Isometry3d T_base_tip;
   Points points;
 };
+/// Poses of random configurations that touch neither themselves nor the points.
 std::vector<ReachScene> reach_scenes(const Robot& robot, int count, int points);
 
 /// The parts of one evaluation, wired as the solver wires them, among random points.

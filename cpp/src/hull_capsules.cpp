@@ -22,11 +22,15 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
                       each.body, each.first_block, each.excess});
     PlacedHull& hull = hulls_.back();
     hull.around.source = each.source;
+    hull.around.reach = A;  // the capsule around a spheroid ends where that does
     hull.first = static_cast<int>(capsules_.size());
     for (int k = 0; k < 4 * each.blocks; ++k) {
       const CapsuleBlock& block = blocks_[static_cast<std::size_t>(each.first_block + k / 4)];
       if (block.source[k % 4] < 0) continue;  // padding, which comes last
-      capsules_.push_back({Vec4{}, Vec4{}, block.radius[k % 4], block.source[k % 4]});
+      const Vec4 along{block.vx[k % 4], block.vy[k % 4], block.vz[k % 4], 0.0};
+      const double radius = block.radius[k % 4];
+      capsules_.push_back({Vec4{}, Vec4{}, radius, 0.5 * std::sqrt(dot3(along, along)) + radius,
+                           block.source[k % 4]});
       ++hull.count;
     }
   }

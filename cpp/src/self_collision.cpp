@@ -124,10 +124,9 @@ SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double
   const double excess = capsules_.excess(one) + capsules_.excess(two) + 1e-12;
   if (!try_pair(capsules_.around(one), capsules_.around(two), excess)) return nearest;
   for (const PlacedCapsule& a : capsules_.of(one)) {
-    const double reach = std::sqrt(dot3(a.half, a.half)) + a.radius;
     for (const PlacedCapsule& b : capsules_.of(two)) {
       const Vec4 apart = a.middle - b.middle;
-      const double bound = nearest.distance + reach + b.radius + std::sqrt(dot3(b.half, b.half));
+      const double bound = nearest.distance + a.reach + b.reach;
       if (!(bound > 0.0) || dot3(apart, apart) >= bound * bound) continue;
       try_pair(a, b, 0.0);
     }

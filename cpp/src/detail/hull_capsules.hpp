@@ -13,7 +13,8 @@ namespace pdoik::detail {
 struct PlacedCapsule {
   Vec4 middle{}, half{};
   double radius = 0.0;
-  int source = -1;  ///< the hull's or capsule's place in the occupancy
+  double reach = 0.0;  ///< nothing of it is farther than this from its middle [m]
+  int source = -1;     ///< the hull's or capsule's place in the occupancy
 };
 
 /// The robot's hulls as capsules: those that a hull has, or else the one that holds it.
