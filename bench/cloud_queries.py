@@ -38,9 +38,7 @@ class Judge:
     def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
         self.hulls = moving_hulls(robot)
         self._cloud = pdoik.Cloud(points)
-        self._solver = pdoik.Solver(
-            robot, pdoik.Options(base_collision=False, self_collision=False)
-        )
+        self._solver = pdoik.Solver(robot, pdoik.Options(base_collision=False))
         self._robot = robot
 
     def prepare(self, q: FloatArray, placed: Placed) -> Any:

@@ -166,7 +166,7 @@ def query(job: Job) -> list[Row]:
 def solve(job: Job) -> list[Row]:
     """The same targets among ever more points, in turn, each from mid-range."""
     robot = Arm.builtin(job["robot"]).robot
-    options = pdoik.Options(max_time=SOLVE_BUDGET, base_collision=False, self_collision=False)
+    options = pdoik.Options(max_time=SOLVE_BUDGET, base_collision=False)
     solver = pdoik.Solver(robot, options)
     clouds = {n: pdoik.Cloud(table_and_balls(n, job["seed"])) for n in job["sizes"]}
     most = clouds[max(clouds)]

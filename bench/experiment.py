@@ -36,7 +36,10 @@ class Arm:
 
     @classmethod
     def builtin(cls, name: str) -> Arm:
-        """The built-in robot of this name in the paper's hulls, which are all that peers know."""
+        """The built-in robot of this name in the paper's hulls, which are all that peers know.
+
+        Without capsules nothing keeps it off itself by default, which peers do not do either.
+        """
         urdf = Path(str(importlib.resources.files("pdoik") / "robots" / f"{name}.urdf"))
         robot = pdoik.Robot.builtin(name)
         wide = robot.occupancy

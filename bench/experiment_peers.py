@@ -56,7 +56,6 @@ def compare_with_peers(
 
 def _pdoik(arm: Arm, judge: PinocchioJudge) -> Method:
     options = pdoik.Options(
-        self_collision=False,
         position_tolerance=TOLERANCE,
         rotation_tolerance=TOLERANCE,
         max_time=MAX_TIME,

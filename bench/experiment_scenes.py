@@ -38,9 +38,7 @@ def solve_scenes(
     points: list[str] = []
     for index, arm in enumerate(arms):
         rng = np.random.default_rng([seed, index])
-        solver = pdoik.Solver(
-            arm.robot, pdoik.Options(goal="axis", goal_axis="z", self_collision=False)
-        )
+        solver = pdoik.Solver(arm.robot, pdoik.Options(goal="axis", goal_axis="z"))
         tasks = [_random_task(arm, solver, models, rng) for _ in range(scenes)]
         chain = UrdfChain(arm.urdf, arm.robot.joint_names)
 

@@ -58,10 +58,7 @@ def solve_and_judge(
         )
     )
     options = pdoik.Options(
-        self_collision=False,
-        position_tolerance=TOLERANCE,
-        rotation_tolerance=TOLERANCE,
-        clearance_tolerance=ROUNDING,
+        position_tolerance=TOLERANCE, rotation_tolerance=TOLERANCE, clearance_tolerance=ROUNDING
     )
     verdict = recheck(chain, robot, options, problem.T_base_tip, answer.q, problem.points)
     collision = maker.judge.collision(answer.q, problem.bodies) if problem.bodies else None

@@ -87,7 +87,6 @@ def _solver(robot: str, hulls: int | str, fits: str) -> pdoik.Solver:
         arm.robot.occupancy = occupancy(stages, hulls, hulls, base)
     options = pdoik.Options(
         goal="axis",
-        self_collision=False,
         position_tolerance=0.01,
         rotation_tolerance=0.01,
         max_time=MAX_TIME,

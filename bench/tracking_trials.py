@@ -104,10 +104,7 @@ def run_method(job: Mapping[str, Any]) -> list[dict[str, Any]]:
     run = random_run(arm.name, np.random.default_rng(seed))
     chain = UrdfChain(arm.urdf, arm.robot.joint_names)
     options = pdoik.Options(
-        self_collision=False,
-        position_tolerance=TOLERANCE,
-        rotation_tolerance=TOLERANCE,
-        clearance_tolerance=1e-6,
+        position_tolerance=TOLERANCE, rotation_tolerance=TOLERANCE, clearance_tolerance=1e-6
     )
     reference = float(np.abs(np.diff(run.q, axis=0)).max())
     rows = []

@@ -70,7 +70,6 @@ class Verdict:
             arm.robot,
             pdoik.Options(
                 goal=terms.goal,
-                self_collision=False,
                 position_tolerance=terms.position_tolerance,
                 rotation_tolerance=terms.rotation_tolerance,
                 clearance_tolerance=0.0,  # as the compiled peers have it
