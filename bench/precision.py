@@ -42,7 +42,7 @@ import matplotlib.pyplot as plt
 
 ROBOTS = ("iiwa14", "ur10")
 OBJECTS = (1, 3)
-METHODS = ("PDO-IK", "PDO-IK, omega = 0", "pdoik", "R-TR", "R-CG")
+METHODS = ("PDO-IK", "PDO-IK, omega = 0", "pdoik", "pdoik, capsules", "R-TR", "R-CG")
 FINEST = 1e-9  # no method stops for being good enough [m] and [rad]
 TOLERANCES = tuple(10.0**-k for k in range(1, 9))
 ERRORS = {"position_error": "position [m]", "rotation_error": "rotation [rad]"}

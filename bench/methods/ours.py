@@ -86,6 +86,16 @@ class PdoikDefault(_Pdoik):
         super().__init__(arm, default_options(terms))
 
 
+class PdoikCapsules(_Pdoik):
+    """The default method on the shipped robot as a user gets it: capsules, kept off itself."""
+
+    name = "pdoik, capsules"
+
+    def __init__(self, arm: Arm, terms: Terms) -> None:
+        options = dataclasses.replace(default_options(terms), self_collision=None)
+        super().__init__(dataclasses.replace(arm, robot=pdoik.Robot.builtin(arm.name)), options)
+
+
 class PdoikOneStart(_Pdoik):
     """`max_restarts=0`: the answer nearest the start, or none."""
 
