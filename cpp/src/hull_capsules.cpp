@@ -1,5 +1,6 @@
 #include "detail/hull_capsules.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -35,6 +36,12 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
     }
   }
   middles_.resize(hulls_.size());
+}
+
+std::size_t HullCapsules::most() const {
+  int most = 1;
+  for (const PlacedHull& hull : hulls_) most = std::max(most, hull.count);
+  return static_cast<std::size_t>(most);
 }
 
 void HullCapsules::place(const Vec4* positions, const Frame* frames) {

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <tuple>
+#include <utility>
 
 namespace pdoik::detail {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRounding = 1e-12;  // [m]
 
 /// Which links a hull sits on, and which bodies all of it moves with.
 class Seat {
@@ -102,6 +105,7 @@ SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double 
     }
   }
   near_.resize(pairs_.size());
+  for (std::vector<Standing>& side : standing_) side.reserve(capsules_.most());
 }
 
 void SelfCollision::place(const Vec4* positions, const Frame* frames) {
@@ -109,26 +113,58 @@ void SelfCollision::place(const Vec4* positions, const Frame* frames) {
   capsules_.place(positions, frames);
 }
 
+namespace {
+
+/// Those of some capsules that stand farther along a direction than `from`, and how far they do;
+/// the farthest comes first.
+/// @return  How far that one stands.
+double stand_beyond(std::span<const PlacedCapsule> capsules, const Vec4& direction, double from,
+                    std::vector<Standing>& out) {
+  out.clear();
+  for (const PlacedCapsule& capsule : capsules) {
+    const double stands =
+        dot3(capsule.middle, direction) + std::abs(dot3(capsule.half, direction)) + capsule.radius;
+    if (!(stands > from)) continue;
+    out.push_back({&capsule, stands});
+    if (stands > out.front().stands) std::swap(out.front(), out.back());
+  }
+  return out.empty() ? -kInfinity : out.front().stands;
+}
+
+}  // namespace
+
 SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double than) {
   const int one = pair.a, two = pair.b;
+  // Capsules lie within the ones that hold their hulls, but for their excess.
+  const double excess = capsules_.excess(one) + capsules_.excess(two) + kRounding;
+  const PlacedCapsule &around_one = capsules_.around(one), &around_two = capsules_.around(two);
+  const SegmentDistance outer =
+      segment_distance(around_one.middle, around_one.half, around_two.middle, around_two.half);
+  const double least = outer.distance - around_one.radius - around_two.radius - excess;
+  if (!(least < than)) return {};
+
+  // Along any direction two capsules are at least as far apart as what they stand out along it.
+  const Vec4 apart = around_one.middle - around_two.middle;
+  const Vec4& across = outer.distance > kRounding ? outer.gap : apart;
+  const double length = std::sqrt(dot3(across, across));
+  const Vec4 to_one = length > kRounding ? broadcast(1.0 / length) * across : Vec4{1, 0, 0, 0};
+  const std::span<const PlacedCapsule> ones = capsules_.of(one), twos = capsules_.of(two);
+  const double from = -than - kRounding;
+  const double far_one = stand_beyond(ones, -to_one, -kInfinity, standing_[0]);
+  const double far_two = stand_beyond(twos, to_one, from - far_one, standing_[1]);
   Nearest nearest;
   nearest.distance = than;
-  const auto try_pair = [&](const PlacedCapsule& a, const PlacedCapsule& b, double excess) {
-    const SegmentDistance found = segment_distance(a.middle, a.half, b.middle, b.half);
-    const double distance = found.distance - a.radius - b.radius - excess;
-    if (!(distance < nearest.distance)) return false;
-    if (excess == 0.0) nearest = {distance, found, &a, &b};
-    return true;
-  };
-  // Capsules lie within the ones that hold their hulls, but for their excess.
-  const double excess = capsules_.excess(one) + capsules_.excess(two) + 1e-12;
-  if (!try_pair(capsules_.around(one), capsules_.around(two), excess)) return nearest;
-  for (const PlacedCapsule& a : capsules_.of(one)) {
-    for (const PlacedCapsule& b : capsules_.of(two)) {
-      const Vec4 apart = a.middle - b.middle;
-      const double bound = nearest.distance + a.reach + b.reach;
-      if (!(bound > 0.0) || dot3(apart, apart) >= bound * bound) continue;
-      try_pair(a, b, 0.0);
+  for (const Standing& a : standing_[0]) {
+    if (!(a.stands + far_two > -nearest.distance - kRounding)) continue;
+    for (const Standing& b : standing_[1]) {
+      if (!(a.stands + b.stands > -nearest.distance - kRounding)) continue;
+      const Vec4 between = a.capsule->middle - b.capsule->middle;
+      const double bound = nearest.distance + a.capsule->reach + b.capsule->reach;
+      if (!(bound > 0.0) || dot3(between, between) >= bound * bound) continue;
+      const SegmentDistance found =
+          segment_distance(a.capsule->middle, a.capsule->half, b.capsule->middle, b.capsule->half);
+      const double distance = found.distance - a.capsule->radius - b.capsule->radius;
+      if (distance < nearest.distance) nearest = {distance, found, a.capsule, b.capsule};
     }
   }
   return nearest;

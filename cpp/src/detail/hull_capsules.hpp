@@ -46,6 +46,8 @@ class HullCapsules {
   const Touching* touching() const { return touching_; }
 
   int count() const { return static_cast<int>(hulls_.size()); }
+  /// The most capsules that a hull is.
+  std::size_t most() const;
   /// The capsule that holds a hull, but for its excess.
   const PlacedCapsule& around(int k) const { return hull(k).around; }
   /// Their middles, of all hulls.

@@ -8,6 +8,12 @@
 
 namespace pdoik::detail {
 
+/// A capsule, and how far it stands out along some direction [m].
+struct Standing {
+  const PlacedCapsule* capsule;
+  double stands;
+};
+
 /// Distances between the robot's own hulls, each as its capsules or held in one (the paper leaves
 /// this open: "constraining distances between points attached on the robot").
 ///
@@ -106,6 +112,7 @@ class SelfCollision {
   std::vector<Pair> pairs_;
   std::vector<Glance> glances_;
   std::vector<Near> near_;
+  std::vector<Standing> standing_[2];  ///< of two hulls' capsules, those that may be the nearest
   int near_count_ = 0;
   double margin_;
   bool has_capsules_ = false;  ///< any hull
