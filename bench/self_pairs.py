@@ -10,12 +10,10 @@ is the judge, on configurations that the pairs were not found by.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
-from itertools import combinations
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-import coal
 import numpy as np
 import numpy.typing as npt
 import typer
@@ -24,9 +22,9 @@ import pdoik
 from arm_meshes import arm_meshes
 from experiment import ARMS, Arm
 from markdown import markdown_table
-from mesh_judge import Body
 from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit.geometry import load_geometry
+from self_judge import self_judge
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # bench.problems, from the repository's root
 from bench.problems.hulls import fitted_robot
@@ -67,7 +65,7 @@ def _judge(
 ) -> list[list[str]]:
     solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
     goals = {tip: np.eye(4) for tip in robot.tip_links}
-    meet = _coal(robot, {link: part for link, part in meshes.items() if len(part)})
+    meet = self_judge(robot, {link: part for link, part in meshes.items() if len(part)})
     rng = np.random.default_rng(seed)
     drawn = rng.uniform(robot.lower, robot.upper, (samples, robot.dof))
     distance = np.array([solver.judge(goals, q).self_distance for q in drawn])
@@ -83,47 +81,6 @@ def _judge(
         ]
         for clearance in CLEARANCES
     ]
-
-
-def _coal(robot: pdoik.Robot, meshes: Mapping[str, FloatArray]) -> Callable[[FloatArray], bool]:
-    """Whether any two links meet that are not ignored and not joined by a joint."""
-    trees = {link: Body.of(link, triangles).tree for link, triangles in meshes.items()}
-    ignored = {frozenset(pair) for pair in robot.ignored_pairs}
-    rng = np.random.default_rng(0)
-    rigid_or_joined = _joined(robot, list(trees), rng)
-    pairs = [
-        pair
-        for pair in combinations(trees, 2)
-        if frozenset(pair) not in ignored and frozenset(pair) not in rigid_or_joined
-    ]
-
-    def meet(q: FloatArray) -> bool:
-        poses = {link: robot.fk(q, link) for link in trees}
-        places = {link: coal.Transform3s(T[:3, :3], T[:3, 3]) for link, T in poses.items()}
-        for a, b in pairs:
-            result = coal.CollisionResult()
-            coal.collide(trees[a], places[a], trees[b], places[b], coal.CollisionRequest(), result)
-            if result.isCollision():
-                return True
-        return False
-
-    return meet
-
-
-def _joined(robot: pdoik.Robot, links: list[str], rng: np.random.Generator) -> set[frozenset[str]]:
-    """Pairs that at most one joint moves against each other, by moving one after the other."""
-    q = rng.uniform(robot.lower, robot.upper)
-    moves: dict[frozenset[str], int] = {frozenset(pair): 0 for pair in combinations(links, 2)}
-    before = {link: robot.fk(q, link) for link in links}
-    for joint in range(robot.dof):
-        moved = q.copy()
-        moved[joint] = robot.lower[joint] if q[joint] > 0 else robot.upper[joint]
-        after = {link: robot.fk(moved, link) for link in links}
-        for pair in combinations(links, 2):
-            a, b = pair
-            apart = [np.linalg.inv(T[a]) @ T[b] for T in (before, after)]
-            moves[frozenset(pair)] += not np.allclose(*apart, atol=1e-9)
-    return {pair for pair, count in moves.items() if count <= 1}
 
 
 if __name__ == "__main__":

@@ -27,9 +27,20 @@ RATES = {
 
 
 def summary_table(trials: pd.DataFrame) -> str:
-    """One row per arm and method, over all numbers of obstacles that it took part in."""
-    header = ["arm", "method", "n", "success [95%]", "P_joint", "P_col", "P_ee"]
-    header += ["median", "p95", "mean log10 T", "evaluations", "claims not confirmed", "language"]
+    """One row per arm and method, over all numbers of obstacles that it took part in.
+
+    P_self is the share of answers whose links meet, "off itself" of successes whose do not.
+    """
+    header = ["arm", "method", "n", "success [95%]", "P_joint", "P_col", "P_ee", "P_self"]
+    header += [
+        "off itself",
+        "median",
+        "p95",
+        "mean log10 T",
+        "evaluations",
+        "claims not confirmed",
+        "language",
+    ]
     rows = []
     for (robot, method), some in _grouped(trials, ["robot", "method"]):
         claims = some[some.claimed]
@@ -39,7 +50,8 @@ def summary_table(trials: pd.DataFrame) -> str:
                 method,
                 len(some),
                 share(some.success),
-                *(f"{some[rate].mean():.3f}" for rate in list(RATES)[1:]),
+                *(f"{some[rate].mean():.3f}" for rate in (*list(RATES)[1:], "meets_itself")),
+                f"{(some.success & ~some.meets_itself).mean():.3f}",
                 duration(some.time.median()),
                 duration(some.time.quantile(0.95)),
                 f"{np.log10(some.time).mean():.2f}",

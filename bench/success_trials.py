@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -12,11 +12,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import pdoik
+from arm_meshes import arm_meshes
 from experiment import ARMS, Arm
 from mesh_judge import Body, MeshJudge
 from methods import Answer, Method, Problem, Terms, make_method
 from recheck import UrdfChain
 from scenes import ObjectModel, Scene, primitive_models, random_scene, ycb_models
+from self_judge import self_judge
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -92,13 +95,14 @@ class Criteria:
 
     chain: UrdfChain
     judge: MeshJudge
+    meets_itself: Callable[[FloatArray], bool]
     tip_link: str
 
     @classmethod
     def of(cls, arm: Arm) -> Criteria:
         """For answers of this arm."""
         chain = UrdfChain(arm.urdf, arm.robot.joint_names)
-        return cls(chain, mesh_judge(arm.name), arm.tip_link)
+        return cls(chain, mesh_judge(arm.name), itself_judge(arm.name), arm.tip_link)
 
     def verdict(self, scenario: Scenario, answer: Answer, terms: Terms) -> dict[str, Any]:
         """Errors, violations and which criteria hold."""
@@ -124,6 +128,7 @@ class Criteria:
             "fails_limits": not within,
             "fails_collision": collision is not None,
             "fails_pose": not reached,
+            "meets_itself": self.meets_itself(answer.q),  # no criterion of the paper's
             "success": in_time and reached and within and collision is None,
         }
 
@@ -180,6 +185,13 @@ def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
 def mesh_judge(robot: str) -> MeshJudge:
     """The judge of a shipped robot, loaded once per process."""
     return MeshJudge(arm_named(robot))
+
+
+@lru_cache
+def itself_judge(robot: str) -> Callable[[FloatArray], bool]:
+    """Says of a shipped robot's configuration whether its links meet by the published meshes."""
+    meshes = {link: part for link, part in arm_meshes(arm_named(robot)).items() if len(part)}
+    return self_judge(pdoik.Robot.builtin(robot), meshes)
 
 
 @lru_cache
