@@ -27,7 +27,7 @@ from bench.problems.make import (
     problems_of,
     with_valid_configuration,
 )
-from bench.problems.methods import Method, usual_way
+from bench.problems.methods import SPACING, Method, usual_way
 from bench.problems.problem import Problem
 from bench.problems.robots import RobotFiles, robot_files
 from bench.problems.trials import COLUMNS, Row, cells, to_json
@@ -69,7 +69,7 @@ def run(
             " solid_cloud, otherwise."
         ),
     ] = None,
-    budget: Annotated[list[float] | None, typer.Option(help="[ms]; repeatable.")] = None,
+    budget: Annotated[list[float] | None, typer.Option(help="Milliseconds; repeatable.")] = None,
     meshes: Meshes = "visual",
     hull_meshes: Annotated[str, typer.Option(help="What the hulls hold.")] = "collision",
     urdf: Annotated[Path | None, typer.Option(help="Another description of the robot.")] = None,
@@ -78,6 +78,9 @@ def run(
     tip: Annotated[str | None, typer.Option(help="Tip link, with --urdf.")] = None,
     base: Annotated[str | None, typer.Option(help="Base link, with --urdf.")] = None,
     hold: Annotated[list[str] | None, typer.Option(help="JOINT=VALUE that stands still.")] = None,
+    spacing: Annotated[
+        float, typer.Option(min=0.05, help="Of the points that clouds are made of, in mm.")
+    ] = 1e3 * SPACING,
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = OUT,
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
@@ -93,7 +96,7 @@ def run(
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
                 for way in method or [usual_way(problems)]:
-                    answering = Method(way, solver_robot, budgets, problems[0])
+                    answering = Method(way, solver_robot, budgets, problems[0], spacing / 1e3)
                     task = progress.add_task(f"{name} {way}", total=len(problems))
                     done = run_trials(
                         problems, answering, judge, lambda task=task: progress.advance(task)

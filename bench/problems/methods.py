@@ -17,7 +17,7 @@ import pdoik
 
 FloatArray = npt.NDArray[np.float64]
 LEAF = 0.01  # of the cloud [m]
-FINER = 3  # points of a surface per leaf, in each direction
+SPACING = LEAF / 3  # of the points of a surface [m]
 TOUCH = 0.08  # how far from its target a tool may touch where it has to: as wide as a flange [m]
 
 
@@ -53,6 +53,7 @@ class Method:
         like: A problem of the set: by which links its robots stand, whether the base may touch, and
             whether the tool has to. Of shapes it is said which the tool may touch; a cloud has no
             names, so what is near the target may be touched there.
+        spacing: Of the points of a surface that clouds are made of [m].
 
     Raises:
         MethodError: The way is unknown.
@@ -64,10 +65,12 @@ class Method:
         robot: pdoik.Robot,
         budgets: Sequence[float],
         like: Problem | None = None,
+        spacing: float = SPACING,
     ) -> None:
         if way not in WAYS:
             raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
-        self.name, self.budgets, self._prepare = way, tuple(budgets), WAYS[way](robot)
+        self.name, self.budgets = way, tuple(budgets)
+        self._prepare = WAYS[way](robot, spacing)
         contacts = like.contacts if like else {}
         balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
         may_touch = {link for link, _ in like.allowed} if like else set()
@@ -116,33 +119,37 @@ def _goals(problem: Problem) -> Any:
     return dict(problem.targets)
 
 
-def surface_cloud(solids: Sequence[Solid], leaf: float = LEAF, sink: bool = False) -> FloatArray:
+def surface_cloud(
+    solids: Sequence[Solid], leaf: float = LEAF, sink: bool = False, spacing: float = SPACING
+) -> FloatArray:
     """Balls that hold the solids' surfaces, (N, 4): one for each cell of a grid [m].
 
     Args:
         solids: What is there.
         leaf: Edge of the cells [m].
         sink: Sink the balls into the solids, so that they stand out less.
+        spacing: Of the points that are sampled of the surface [m].
     """
-    spacing = leaf / FINER
     points = np.concatenate([solid.sample(spacing) for solid in solids])
     balls = pdoik.voxel_downsample(points, leaf, radii=True, solid=sink)
     balls[:, 3] += spacing / np.sqrt(2)  # as far as the surface may be from a point of the grid
     return balls
 
 
-def _cloud(robot: pdoik.Robot, sink: bool = False) -> Callable[[Problem], Any]:
+def _cloud(robot: pdoik.Robot, spacing: float, sink: bool = False) -> Callable[[Problem], Any]:
     del robot  # which a cloud knows nothing of
 
     def scene(problem: Problem) -> pdoik.Cloud | None:
         if not problem.solids:
             return None
-        return pdoik.Cloud(surface_cloud(problem.solids, sink=sink))
+        return pdoik.Cloud(surface_cloud(problem.solids, sink=sink, spacing=spacing))
 
     return scene
 
 
-def _shapes(robot: pdoik.Robot) -> Callable[[Problem], Any]:
+def _shapes(robot: pdoik.Robot, spacing: float) -> Callable[[Problem], Any]:
+    del spacing  # shapes are exact
+
     def scene(problem: Problem) -> pdoik.Scene:
         allowed = [pair for pair in problem.allowed if pair[0] in robot.link_names]
         return pdoik.Scene([_shape(solid) for solid in problem.solids], allowed=allowed)
