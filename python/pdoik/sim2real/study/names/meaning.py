@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..logs import Column
 from . import words
-from .tokens import Spelling, Token, spelling
+from .tokens import Token, spelling
 
 Spellings = Mapping[str, tuple[tuple[str, ...], ...]]
 
@@ -55,11 +55,12 @@ def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
     if not quantity:
         return None
     left = [each for k, each in enumerate(at) if k not in used and not _is_said(each.text)]
-    unit, left = _unit(left, spelled, label, quantity)
+    written = column.unit or label.unit or spelled.unit
+    unit, left = _unit(left, written, quantity)
     places = {place} | {tokens[k].component for k in whole}
     unclear = [each.text for each in left if each.component in places]
     if quantity == "time":
-        return None if left or whole else Meaning(column=column, channel="time", unit=unit)
+        return None if unclear or whole else Meaning(column=column, channel="time", unit=unit)
     channel = words.CHANNELS_OF.get((quantity, commanded), "")
     if quantity in ("ctrl", "actuator_force"):
         channel = quantity
@@ -69,8 +70,8 @@ def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
         return None
     if not channel:
         return None
-    if unclear or (spelled.unit and not unit):
-        said = unclear[0] if unclear else spelled.unit
+    if unclear or (written and not unit):
+        said = unclear[0] if unclear else written
         return f"{said!r} is not understood" if joint is not None else None
     series = f"{column.array}[]" if column.index is not None else _series(column.name, numbers)
     return Meaning(
@@ -156,14 +157,11 @@ def _is_said(text: str) -> bool:
     return text in words.COMMANDED or text in words.MEASURED or text in words.EMPTY
 
 
-def _unit(
-    left: list[Token], spelled: Spelling, label: Spelling, quantity: str
-) -> tuple[str, list[Token]]:
-    """The unit in brackets or at the end, and the words left without it."""
+def _unit(left: list[Token], written: str, quantity: str) -> tuple[str, list[Token]]:
+    """The unit as it is written apart or else at the end, and the words left without it."""
     known = words.UNITS.get(quantity, {})
-    bracket = words.plain(label.unit or spelled.unit)
-    if bracket:
-        return known.get(bracket, ""), left
+    if words.plain(written):
+        return known.get(words.plain(written), ""), left
     for length in (3, 2, 1):
         tail = "".join(each.text for each in left[-length:])
         if len(left) >= length and tail in known:

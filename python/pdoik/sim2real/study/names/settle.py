@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from pdoik.errors import LoadError
@@ -9,11 +10,16 @@ from pdoik.errors import LoadError
 from ..columns import SUPPLY, channel_of, is_known
 from ..logs import Column
 from ..recording import CHANNELS
-from .known import SHOWN, Known, Settled
+from ..units import parent
+from . import words
+from .known import SHOWN, Known, Settled, listed
 from .mapped import take_mapped
 from .meaning import Meaning, meaning_of
 from .mujoco_order import Entry
 from .tokens import joint_spellings
+
+_PATHS = re.compile(r"[/.]")
+_JOINT = re.compile(r"[./](pos|position|vel|velocity|effort|torque)$")
 
 
 def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Settled], list[str]]:
@@ -28,7 +34,8 @@ def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Set
     taken = {each.column.name for each in found.values()}
     for column in columns:
         if is_known(column.name) and column.name not in found and column.name not in taken:
-            found[column.name] = Settled(column=column, target=column.name, exact=True)
+            unit = words.UNITS.get(parent(column.name), {}).get(words.plain(column.unit), "")
+            found[column.name] = Settled(column=column, target=column.name, unit=unit, exact=True)
     taken |= {each.column.name for each in found.values()}
     free = [each for each in columns if each.name not in taken and not each.aside]
     notes = _take_meant(name, free, known, found)
@@ -46,7 +53,7 @@ def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Set
 def _take_meant(
     name: str, columns: Sequence[Column], known: Known, found: dict[str, Settled]
 ) -> list[str]:
-    joints = known.joints if known.joints is not None else known.others
+    joints = known.joints if known.joints is not None else known.others or _labelled(columns)
     spellings = joint_spellings(joints)
     meant: list[Meaning] = []
     unclear: list[tuple[str, str]] = []
@@ -63,8 +70,8 @@ def _take_meant(
             claims.setdefault(settled.target, []).append(settled)
     times = claims.pop("time", [])
     if times and "time" not in found:
-        plainest = min(len(each.column.name.split("/")) for each in times)
-        claims["time"] = [e for e in times if len(e.column.name.split("/")) == plainest]
+        depths = [len(_PATHS.split(each.column.name)) for each in times]
+        claims["time"] = [e for e, k in zip(times, depths, strict=True) if k == min(depths)]
     for target, settled_ in claims.items():
         if target in found:
             continue
@@ -79,6 +86,11 @@ def _take_meant(
         shown = "; ".join(f"{column!r}: {why}" for column, why in unclear[:SHOWN])
         reasons.append(f"not read, unless 'columns:' in the study maps it: {shown}")
     return list(dict.fromkeys(reasons))
+
+
+def _labelled(columns: Sequence[Column]) -> tuple[str, ...]:
+    """What logs that label their numbers call the joints, where nothing else names them."""
+    return tuple(dict.fromkeys(_JOINT.sub("", c.label) for c in columns if c.label))
 
 
 def _claims(
@@ -106,6 +118,10 @@ def _claims(
         settled = None if entry is None else _of_entry(each, entry)
         return [] if settled is None else [settled]
     if each.channel not in CHANNELS:
+        return []
+    if column.label:
+        labels = [e.column.label for e in all_ if e.series == each.series and e.joint is None]
+        reasons.append(f"of {shown} not read, as they are no joints: {listed(labels)}")
         return []
     if known.joints is None:
         reasons.append(

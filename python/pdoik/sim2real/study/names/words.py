@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..units import KNOWN
 
+
 def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
@@ -54,8 +55,8 @@ OTHER = _words(
     "error errors err acc accel acceleration accelerations qacc qdd ddq std stddev var"
     " variance covariance min max limit limits lower upper temp temperature temperatures ext"
     " external ee eef tcp tip cartesian pose root body base sin cos gain gains kp kd ki offset"
-    " stiffness damping gravity bias rel relative delta diff initial status mode output"
-    " outputs quat quaternion x y z wxyz xyzw reward dones"
+    " stiffness damping gravity bias rel relative delta diff initial next previous status mode"
+    " output outputs quat quaternion x y z wxyz xyzw reward dones"
 )
 """Words that say a column is no channel, wherever they stand in its name."""
 
