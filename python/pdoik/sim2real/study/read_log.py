@@ -13,7 +13,7 @@ from pdoik.errors import LoadError
 from .columns import SUPPLY, Table, nearest
 from .logs import Log, Part, check_size, open_log
 from .names.known import Known, Settled, listed
-from .names.settle import settle
+from .names.settle import naming_notes, settle
 from .recording import FloatArray
 from .units import KNOWN, Units
 
@@ -36,7 +36,8 @@ def read_log(
     """
     rate = told.get("rate")
     with open_log(path, name, {key: v for key, v in told.items() if key != "rate"}) as log:
-        settled, naming = settle(name, log.columns, known)
+        settled, unsettled = settle(name, log.columns, known)
+        naming = naming_notes(settled)
         period = _period(log, name, settled, rate)
         check_size(name, log.rows, part)
         wanted = [each for each in settled if each.target != "time"]
@@ -63,7 +64,8 @@ def read_log(
                 for each in wanted
                 if each.unit
             },
-            notes=(*log.notes, *naming, *part.notes),
+            unsettled=tuple(unsettled),
+            notes=(*log.notes, *naming, *unsettled, *part.notes),
         )
 
 

@@ -178,7 +178,7 @@ def _common_joints(
     each = [joints_of(table.columns) for table in tables]
     common = [joint for joint in each[0] if all(joint in others for others in each)]
     shown = "; ".join(
-        f"{table.name}: {', '.join(joints) or 'none'}"
+        f"{table.name}: {'; '.join((', '.join(joints) or 'none', *table.unsettled))}"
         for table, joints in zip(tables, each, strict=True)
     )
     if not common:

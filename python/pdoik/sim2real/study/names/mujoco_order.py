@@ -39,18 +39,18 @@ def mujoco_order(path: Path | None) -> MujocoOrder:
     import mujoco
 
     model = mujoco.MjModel.from_xml_path(str(path))
-    single = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    single = {int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)}
     entries: dict[tuple[str, int], Entry] = {}
     for k in range(model.njnt):
-        if model.jnt_type[k] in single:
+        if int(model.jnt_type[k]) in single:
             entry = Entry(joint=model.joint(k).name)
             entries["qpos", int(model.jnt_qposadr[k])] = entry
             entries["dof", int(model.jnt_dofadr[k])] = entry
     for k in range(model.nu):
         joint = int(model.actuator_trnid[k, 0])
-        if model.actuator_trntype[k] != mujoco.mjtTrn.mjTRN_JOINT:
+        if int(model.actuator_trntype[k]) != int(mujoco.mjtTrn.mjTRN_JOINT):
             continue
-        if model.jnt_type[joint] in single:
+        if int(model.jnt_type[joint]) in single:
             entries["actuator", k] = _actuator(model, k, model.joint(joint).name)
     sizes = {"qpos": model.nq, "dof": model.nv, "actuator": model.nu}
     return MujocoOrder(name=path.name, sizes=sizes, entries=entries)
@@ -66,10 +66,10 @@ def _actuator(model, k: int, joint: str) -> Entry:  # type: ignore[no-untyped-de
 
     gear = float(model.actuator_gear[k, 0])
     gain, bias = float(model.actuator_gainprm[k, 0]), model.actuator_biasprm[k, :3]
-    fixed = model.actuator_gaintype[k] == mujoco.mjtGain.mjGAIN_FIXED
-    none = model.actuator_biastype[k] == mujoco.mjtBias.mjBIAS_NONE
-    affine = model.actuator_biastype[k] == mujoco.mjtBias.mjBIAS_AFFINE
-    direct = model.actuator_dyntype[k] == mujoco.mjtDyn.mjDYN_NONE
+    fixed = int(model.actuator_gaintype[k]) == int(mujoco.mjtGain.mjGAIN_FIXED)
+    none = int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE)
+    affine = int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
+    direct = int(model.actuator_dyntype[k]) == int(mujoco.mjtDyn.mjDYN_NONE)
     if gain == 0.0 or gear == 0.0 or not (fixed and direct):
         return Entry(joint=joint, gear=gear)
     if none:

@@ -23,7 +23,7 @@ _JOINT = re.compile(r"[./](pos|position|vel|velocity|effort|torque)$")
 
 
 def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Settled], list[str]]:
-    """The columns to read, and notes on how their names were understood.
+    """The columns to read, and why others that look like channels are not read, in words.
 
     Raises:
         LoadError: the study maps names that are not there, or two columns claim the same.
@@ -38,7 +38,9 @@ def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Set
             found[column.name] = Settled(column=column, target=column.name, unit=unit, exact=True)
     taken |= {each.column.name for each in found.values()}
     free = [each for each in columns if each.name not in taken and not each.aside]
-    notes = _take_meant(name, free, known, found)
+    asides = {each.array or each.name: each.aside for each in columns if each.aside}
+    reasons = [f"{array} not read by itself: {why}" for array, why in asides.items()]
+    reasons += _take_meant(name, free, known, found)
     wanted = [
         each
         for each in found.values()
@@ -47,7 +49,7 @@ def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Set
         or pair[1] in known.joints
         or (each.exact and pair[0] == "q")  # named where one is missing
     ]
-    return wanted, [*_mapping_notes(wanted), *notes]
+    return wanted, reasons
 
 
 def _take_meant(
@@ -158,7 +160,7 @@ def _of_entry(meaning: Meaning, entry: Entry) -> Settled | None:
     return Settled(column=meaning.column, target=target, unit=meaning.unit, factor=factor)
 
 
-def _mapping_notes(settled: Sequence[Settled]) -> list[str]:
+def naming_notes(settled: Sequence[Settled]) -> list[str]:
     """How names were understood, a note for each channel."""
     by_channel: dict[str, list[str]] = {}
     for each in settled:
