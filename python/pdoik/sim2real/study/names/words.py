@@ -18,7 +18,7 @@ QUANTITIES: dict[tuple[str, ...], str] = {
         "tau": "tau,torque,torques,effort,efforts,torq,trq,moment,moments,qfrc actuator",
         "current": "current,currents,curr,i",
         "duty": "duty,pwm,duty cycle",
-        "voltage": "voltage,voltages,volt,volts",
+        "voltage": "voltage,voltages,volt,volts,supply voltage,battery voltage,bus voltage,vbus",
         "ctrl": "ctrl",
         "actuator_force": "actuator force",
     }.items()
