@@ -13,7 +13,7 @@ from pdoik.errors import LoadError
 from pdoik.sim2real.study.logs import Column
 from pdoik.sim2real.study.names.columns_key import columns_key
 from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.names.settle import settle
+from pdoik.sim2real.study.names.settle import naming_notes, settle
 from pdoik.sim2real.study.read_study import load_study
 from studies import JOINTS, log, motion, speed, write_study
 
@@ -64,6 +64,7 @@ SPELLINGS = {
     "j1_measured_position": "",
     "error_joint1_position": "",
     "joint1_position_error": "",
+    "state[joint1].tau_est": "tau.joint1",
     "joint1_acceleration": "",
     "joint1_temperature": "",
     "target_current_joint1": "",
@@ -127,6 +128,14 @@ def test_numbers_count_the_studys_joints_from_zero_or_one() -> None:
     names = [f"q[{k}]" for k in range(3)]
     assert list(read_as(*names, joints=UR).values()) == [f"q.{joint}" for joint in UR]
     assert list(read_as("q1", "q2", "q3", joints=UR).values()) == [f"q.{joint}" for joint in UR]
+
+
+def test_an_order_is_said_in_a_note() -> None:
+    columns = [Column(name=f"actual_q_{k}") for k in range(3)]
+    found, _ = settle("a.csv", columns, Known(joints=UR))
+    (note,) = naming_notes(found)
+    assert note.startswith("column actual_q_0 read as q.shoulder_pan_joint, ")
+    assert note.endswith(", by the order of the study's joints")
 
 
 def test_numbers_that_do_not_count_the_joints_are_not_guessed() -> None:

@@ -39,11 +39,11 @@ def read_log(
         settled, unsettled = settle(name, log.columns, known)
         naming = naming_notes(settled)
         period = _period(log, name, settled, rate)
-        check_size(name, log.rows, part)
         wanted = [each for each in settled if each.target != "time"]
         timed = [each for each in settled if each.target == "time" and period is None]
         step = _time_unit(timed, units)
         columns = [each.column.name for each in (*timed, *wanted)]
+        check_size(name, log.count(columns) if columns else 0.0, part)
         pieces = _timed(log, columns, period)
         start, rows = _gather(name, pieces, part, step)
         if not len(rows):
@@ -78,14 +78,15 @@ def _period(log: Log, name: str, settled: Sequence[Settled], rate: float | None)
         return 1.0 / rate
     if timed:
         return None
-    if log.period is None:
+    period = log.period()
+    if period is None:
         names = [each.name for each in log.columns]
         raise LoadError(
             f"{name}: expected a column 'time' [s]{nearest('time', names)}; it has {listed(names)};"
             " 'columns: {time: NAME}' in the study says which it is, or 'rate:' [Hz] in the"
             " recording's entry that rows are even"
         )
-    return log.period
+    return period
 
 
 def _time_unit(timed: Sequence[Settled], units: Units) -> float:

@@ -36,6 +36,7 @@ class CsvText(Log):
             with self._open() as file:
                 head = file.readline()
                 second = file.readline()
+            self.rows = self._count()
         except (OSError, UnicodeDecodeError, EOFError) as error:
             raise LoadError(f"{name}: no CSV text: {error}") from error
         if not head.strip():
@@ -53,7 +54,6 @@ class CsvText(Log):
         if twice:
             raise LoadError(f"{name}: column {twice[0]!r} is there more than once")
         self.columns = tuple(Column(name=each) for each in self._header)
-        self.rows = self._count()
 
     def _open(self) -> TextIO:
         if self._path.suffix == ".gz":

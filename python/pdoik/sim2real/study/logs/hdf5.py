@@ -17,6 +17,7 @@ from .log import Column, Log
 _ARTICULATIONS = "states/articulation/"  # where Isaac Lab keeps what the simulator's joints did
 _OF_POLICY = "a policy's observations may be relative to a pose; the states beside them are not"
 _SHOWN = 5
+_WORDS = 200  # more texts are no names of joints
 
 
 @register
@@ -118,11 +119,13 @@ class Hdf5(Log):
             raise LoadError(f"{self._name}: no data sets of numbers, (T,) or (T, n)")
         self.columns = tuple(columns)
         self._places = {column.name: place for column, place in columns.items()}
-        self.rows = float(max(item.shape[0] for item in self._sets.values()))
-        self.period = next(
-            (p for said in self._said_above(self._group) if (p := period_in(self._name, said))),
-            None,
-        )
+
+    def count(self, columns: Sequence[str]) -> float:
+        return float(max(self._sets[self._places[each].array].shape[0] for each in columns))
+
+    def period(self) -> float | None:
+        found = (period_in(self._name, said) for said in self._said_above(self._group))
+        return next((each for each in found if each is not None), None)
 
     def _names_above(self, item: Any) -> tuple[str, ...]:
         """Names of joints in the data set's groups, the nearest that has as many."""
@@ -139,8 +142,7 @@ class Hdf5(Log):
         while True:
             said: dict[str, Any] = {str(key): value for key, value in group.attrs.items()}
             for key, item in group.items():
-                text = isinstance(item, h5py.Dataset) and item.dtype.kind in "OSU"
-                if isinstance(item, h5py.Dataset) and (item.shape == () or text):
+                if isinstance(item, h5py.Dataset) and _is_said(item):
                     said.setdefault(key, item[()])
             yield said
             if group.name == "/":
@@ -174,6 +176,11 @@ def _demonstrations(file: Any) -> dict[str, str]:
 def _blocks(item: Any) -> Iterator[Any]:
     for k in range(0, item.shape[0], ROWS):
         yield item[k : k + ROWS]
+
+
+def _is_said(item: Any) -> bool:
+    """Whether a data set is a number or a few words."""
+    return item.shape == () or (item.dtype.kind in "OSU" and 0 < item.size <= _WORDS)
 
 
 def _listed(names: Sequence[str]) -> str:

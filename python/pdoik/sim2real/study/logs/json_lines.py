@@ -54,7 +54,7 @@ class JsonLines(Log):
 
     def _rows(self) -> Iterator[tuple[int, dict[str, Any], int]]:
         """Number, object and length of each line; one that was cut off at the end is noted."""
-        broken: tuple[int, ValueError] | None = None
+        broken: tuple[int, Exception] | None = None
         try:
             with self._open() as file:
                 for number, line in enumerate(file, start=1):
@@ -64,7 +64,7 @@ class JsonLines(Log):
                         continue
                     try:
                         row = json.loads(line)
-                    except ValueError as error:
+                    except (ValueError, RecursionError) as error:
                         broken = number, error
                         continue
                     if not isinstance(row, dict):
@@ -126,13 +126,14 @@ def _numbers(
     if isinstance(content, bool) or content is None:
         return
     if isinstance(content, int | float):
-        yield path, None, 1, float(content)
+        yield path, None, 1, _float(content)
     elif isinstance(content, str):
         yield path, None, 1, content
     elif isinstance(content, dict):
         for keys in _STAMPS:
-            if content.keys() == set(keys):
-                yield path, None, 1, content[keys[0]] + 1e-9 * content[keys[1]]
+            parts = [each for key in keys if isinstance(each := content.get(key), int | float)]
+            if content.keys() == set(keys) and len(parts) == len(keys):
+                yield path, None, 1, parts[0] + 1e-9 * parts[1]
                 return
         labels = _labels(content)
         for key, value in content.items():
@@ -154,11 +155,19 @@ def _listed(
             label = next((each[key] for key in _NAMES if isinstance(each.get(key), str)), str(k))
             yield from _numbers(each, f"{path}.{label}", name, line)
         elif isinstance(each, int | float) and not isinstance(each, bool):
-            yield path, k, len(content), float(each)
+            yield path, k, len(content), _float(each)
         elif each is None:
             yield path, k, len(content), np.nan
         elif isinstance(each, str):
             yield path, k, len(content), each
+
+
+def _float(number: float) -> float:
+    """NaN for a whole number that no float holds."""
+    try:
+        return float(number)
+    except OverflowError:
+        return np.nan
 
 
 def _labels(content: dict[str, Any]) -> list[str]:

@@ -157,7 +157,9 @@ def _groups(file: Any, episode: int) -> list[int]:
 
 def _columns(feature: str, content: Any) -> Iterator[Column]:
     shape = content.get("shape") if isinstance(content, dict) else None
-    if not shape or len(shape) != 1 or not str(content.get("dtype", "")).startswith("float"):
+    if not isinstance(shape, list) or len(shape) != 1 or not isinstance(shape[0], int):
+        return
+    if not str(content.get("dtype", "")).startswith("float"):
         return
     if feature == "timestamp":
         return

@@ -39,7 +39,6 @@ class Log(ABC):
 
     columns: tuple[Column, ...] = ()
     rows: float = 0.0  # about how many
-    period: float | None = None  # [s] between rows, where no column is the time
     origin: float = 0.0  # [s] that the log's times are relative to
     notes: list[str]  # what a reader of the diagnosis should know, in words
 
@@ -68,6 +67,18 @@ class Log(ABC):
         Raises:
             LoadError: it cannot be read on, or holds no numbers there.
         """
+
+    def count(self, columns: Sequence[str]) -> float:
+        """About how many rows these columns have."""
+        return self.rows
+
+    def period(self) -> float | None:
+        """[s] between rows, where the log says it and no column is the time.
+
+        Raises:
+            LoadError: what it says is no such number.
+        """
+        return None
 
     def close(self) -> None:  # noqa: B027  most have nothing to close
         """Let go of the file."""

@@ -74,8 +74,13 @@ class Npz(Log):
             self.notes.append(f"arrays of Python objects are not read: {', '.join(pickled)}")
         self.columns = tuple(columns)
         self._places = {column.name: place for column, place in columns.items()}
-        self.rows = float(max(shape[0] for shape in self._shapes.values()))
-        self.period = period_in(self._name, said)
+        self._said = said
+
+    def count(self, columns: Sequence[str]) -> float:
+        return float(max(self._shapes[self._places[each].array][0] for each in columns))
+
+    def period(self) -> float | None:
+        return period_in(self._name, self._said)
 
     def pieces(self, columns: Sequence[str]) -> Iterator[FloatArray]:
         places = [self._places[each] for each in columns]

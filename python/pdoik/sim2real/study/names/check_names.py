@@ -10,6 +10,7 @@ from pdoik.errors import LoadError
 from ..columns import Table
 from ..recording import CHANNELS
 from . import words
+from .meaning import Spellings
 from .tokens import joint_spellings, spelling
 
 _SHORTEST = 3  # letters in which an error can be told
@@ -21,10 +22,11 @@ def check_names(table: Table, joints: Collection[str], ignore: Collection[str]) 
     Raises:
         LoadError: a column is probably misnamed.
     """
+    spellings = joint_spellings(tuple(joints))
     for column in table.others:
         if column in ignore:
             continue
-        meant = _meant(column, tuple(joints))
+        meant = _meant(column, spellings)
         if meant is not None and meant not in table.columns:
             raise LoadError(
                 f"{table.name}: column {column!r} is none that pdoik knows; if {meant!r} is meant,"
@@ -33,10 +35,10 @@ def check_names(table: Table, joints: Collection[str], ignore: Collection[str]) 
             )
 
 
-def _meant(column: str, joints: tuple[str, ...]) -> str | None:
+def _meant(column: str, joints: Spellings) -> str | None:
     """The channel and joint that a column may be, where all its words but one are the joint's."""
     texts = spelling(column).texts
-    for joint, spellings in joint_spellings(joints).items():
+    for joint, spellings in joints.items():
         for each in spellings:
             for rest in (texts[: -len(each)], texts[len(each) :]):
                 if len(rest) == 1 and {rest + each, each + rest} & {texts}:

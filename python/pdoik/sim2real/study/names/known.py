@@ -33,6 +33,7 @@ class Settled:
     unit: str = ""  # of `units.KNOWN`, if its name says so
     factor: float = 1.0
     exact: bool = False  # it was called that already
+    by_order: bool = False  # whose it is was told by its number alone
 
 
 def listed(names: Collection[str]) -> str:

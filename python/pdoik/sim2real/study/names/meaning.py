@@ -71,8 +71,7 @@ def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
     if not channel:
         return None
     if unclear or (written and not unit):
-        said = unclear[0] if unclear else written
-        return f"{said!r} is not understood" if joint is not None else None
+        return f"{unclear[0] if unclear else written!r} is not understood"
     series = f"{column.array}[]" if column.index is not None else _series(column.name, numbers)
     return Meaning(
         column=column,

@@ -139,7 +139,8 @@ def _claims(
         )
         return []
     at = each.number if column.index is not None else each.number - numbers[0]
-    return [Settled(column=column, target=f"{each.channel}.{known.joints[at]}", unit=each.unit)]
+    target = f"{each.channel}.{known.joints[at]}"
+    return [Settled(column=column, target=target, unit=each.unit, by_order=True)]
 
 
 def _is_name(meaning: Meaning, numbers: Sequence[int], known: Known) -> bool:
@@ -162,11 +163,14 @@ def _of_entry(meaning: Meaning, entry: Entry) -> Settled | None:
 
 def naming_notes(settled: Sequence[Settled]) -> list[str]:
     """How names were understood, a note for each channel."""
-    by_channel: dict[str, list[str]] = {}
+    by_channel: dict[tuple[str, bool], list[str]] = {}
     for each in settled:
         if not each.exact:
-            said = f"{each.column.name} read as {each.target}" + (
-                f" in {each.unit}" if each.unit else ""
-            )
-            by_channel.setdefault(each.target.partition(".")[0], []).append(said)
-    return [f"column {', '.join(said)}" for said in by_channel.values()]
+            unit = f" in {each.unit}" if each.unit else ""
+            said = f"{each.column.name} read as {each.target}{unit}"
+            key = each.target.partition(".")[0], each.by_order
+            by_channel.setdefault(key, []).append(said)
+    return [
+        f"column {', '.join(said)}" + (", by the order of the study's joints" if order else "")
+        for (_, order), said in by_channel.items()
+    ]

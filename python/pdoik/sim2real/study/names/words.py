@@ -42,8 +42,8 @@ COMMANDED = _words(
     " setpoints sp action actions"
 )
 MEASURED = _words(
-    "meas measured measurement measurements actual act present now feedback fb state states"
-    " obs observation observations sensed"
+    "meas measured measurement measurements actual act est estimated present now feedback fb state"
+    " states obs observation observations sensed"
 )
 EMPTY = _words(
     "joint joints jnt j axis axes dof dofs robot value values data the field header"
