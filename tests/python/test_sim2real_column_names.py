@@ -194,6 +194,14 @@ def test_the_study_maps_names_and_patterns() -> None:
     }
 
 
+def test_a_patterns_index_counts_from_zero_or_one() -> None:
+    for first in (0, 1):
+        names = [f"enc {k + first}" for k in range(4)]  # the last is of no joint
+        read = read_as(*names, columns={"q": "enc {index}"})
+        assert list(read.values()) == [f"q.{joint}" for joint in ARM]
+        assert list(read) == names[:3]
+
+
 @pytest.mark.parametrize(
     ("columns", "message"),
     [

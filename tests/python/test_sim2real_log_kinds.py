@@ -12,9 +12,12 @@ import numpy as np
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.logs import KINDS, Column, Log, register
+from pdoik.sim2real.study.logs import KINDS, Column, Log, Part, register
+from pdoik.sim2real.study.names.known import Known
+from pdoik.sim2real.study.read_log import read_log
 from pdoik.sim2real.study.read_study import load_study
-from studies import motion, write_study
+from pdoik.sim2real.study.units import Units
+from studies import JOINTS, log, motion, write_study
 
 ROW = struct.Struct("<3d")
 
@@ -84,6 +87,75 @@ def test_two_kinds_of_one_name_are_refused(ticker: type[Log]) -> None:
 
     with pytest.raises(ValueError, match="there is another kind of log 'a ticker': Ticker"):
         register(Other)
+
+
+def write_state_bag(path: Path, plugin: Any) -> None:
+    """One message a row, as rosbags writes it; the storage's file alone is kept."""
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    kind = "sensor_msgs/msg/JointState"
+    stamp = types.types["builtin_interfaces/msg/Time"](sec=0, nanosec=0)
+    header = types.types["std_msgs/msg/Header"](stamp=stamp, frame_id="")
+    none = np.empty(0)
+    with Writer(path.with_suffix(".bag"), version=9, storage_plugin=plugin) as writer:
+        connection = writer.add_connection("/joint_states", kind, typestore=types)
+        for k, q in enumerate(motion(np.arange(300) / 100)):
+            message = types.types[kind](header, list(JOINTS), q.copy(), none, none)
+            writer.write(connection, (k + 1) * 10**7, types.serialize_cdr(message, kind))
+    next(path.with_suffix(".bag").glob(f"*{path.suffix}")).rename(path)
+
+
+def write_any(path: Path) -> None:
+    """A log of the kind that the suffix says, by the library that writes it."""
+    table = log(3.0)
+    if path.suffix == ".csv":
+        table.to_csv(path, index=False)
+    elif path.suffix == ".parquet":
+        table.to_parquet(path)
+    elif path.suffix == ".jsonl":
+        table.to_json(path, orient="records", lines=True)
+    elif path.suffix == ".npz":
+        np.savez(path, **{name: table[name].to_numpy() for name in table})
+    elif path.suffix == ".h5":
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            for name in table:
+                file[name] = table[name].to_numpy()
+    else:
+        from rosbags.rosbag2 import StoragePlugin
+
+        plugins = {".mcap": StoragePlugin.MCAP, ".db3": StoragePlugin.SQLITE3}
+        write_state_bag(path, plugins[path.suffix])
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".jsonl", ".npz", ".h5", ".mcap", ".db3"])
+def test_a_damaged_log_is_read_or_refused_in_a_sentence(tmp_path: Path, suffix: str) -> None:
+    write_any(tmp_path / f"whole{suffix}")
+    whole = (tmp_path / f"whole{suffix}").read_bytes()
+    damaged = tmp_path / f"damaged{suffix}"
+    random = np.random.default_rng(11)
+
+    def read(content: bytes) -> str:
+        damaged.write_bytes(content)
+        try:
+            read_log(damaged, damaged.name, Known(joints=JOINTS), Part(), Units(), {})
+        except LoadError as error:
+            return str(error)
+        return ""
+
+    assert not read(whole)
+    refused = []
+    for _ in range(40):
+        content = bytearray(whole)
+        for at in random.integers(0, random.choice([400, 4000, len(whole)]), 5):
+            content[min(at, len(whole) - 1)] = random.integers(256)
+        cut = len(whole) if random.random() < 0.7 else random.integers(len(whole))
+        refused.append(read(bytes(content[:cut])))
+    assert any(refused)
+    assert all(damaged.name in message for message in refused if message)
 
 
 def test_a_missing_library_is_asked_for_by_name(

@@ -39,26 +39,25 @@ class Bag(Log):
         return (path / "metadata.yaml").is_file() or bool(_storages(path))
 
     def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
-        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
         topic = text(told.get("topic"), f"{name}: topic")
         command_topic = text(told.get("command_topic"), f"{name}: command_topic")
         self.notes = []
         self._name = name
-        self._errors = (AnyReaderError, OSError, EOFError, AssertionError)
         self._reader: Any = None
         try:
             store = get_typestore(Stores.ROS2_HUMBLE)
             self._reader = AnyReader([_storage(path, name)], default_typestore=store)
             self._reader.open()
             self._open(topic, command_topic)
-        except self._errors as error:
-            self.close()
-            raise LoadError(f"{name}: cannot be read as a bag: {error}") from error
         except LoadError:
             self.close()
             raise
+        except Exception as error:  # of a damaged file, rosbags and its storages raise many kinds
+            self.close()
+            raise LoadError(f"{name}: cannot be read as a bag: {error}") from error
 
     def _open(self, topic: str | None, command_topic: str | None) -> None:
         states = Topic(self._reader, self._name, self._state_topic(topic), STATES)
@@ -115,10 +114,10 @@ class Bag(Log):
         stamps: list[int] = []
         rows: list[list[float]] = []
         try:
-            first = round(self.origin * 1e9)
+            first, asked = round(self.origin * 1e9), set(columns)
             for k, (stamp, sample) in enumerate(self._states.samples()):
                 first = stamp if k == 0 else first
-                if not sample.keys() & set(columns):
+                if not sample.keys() & asked:
                     continue  # of other joints
                 stamps.append(stamp)
                 rows.append([sample.get(each, np.nan) for each in columns])
@@ -127,7 +126,7 @@ class Bag(Log):
                     stamps, rows = [], []
             if rows:
                 yield self._piece(stamps, rows, columns, first)
-        except self._errors as error:
+        except Exception as error:  # as above
             raise LoadError(f"{self._name}: cannot be read as a bag: {error}") from error
 
     def _piece(

@@ -16,6 +16,7 @@ from .log import Column, Log
 
 _ARTICULATIONS = "states/articulation/"  # where Isaac Lab keeps what the simulator's joints did
 _OF_POLICY = "a policy's observations may be relative to a pose; the states beside them are not"
+_BROKEN = (OSError, RuntimeError, KeyError, ValueError, TypeError)  # h5py of a damaged file
 _SHOWN = 5
 _WORDS = 200  # more texts are no names of joints
 
@@ -42,7 +43,7 @@ class Hdf5(Log):
         self._name = name
         try:
             self._file: Any = h5py.File(path, "r")
-        except OSError as error:
+        except _BROKEN as error:
             raise LoadError(f"{name}: no HDF5 file: {error}") from error
         try:
             self._group = self._chosen(told)
@@ -50,7 +51,7 @@ class Hdf5(Log):
         except LoadError:
             self.close()
             raise
-        except (OSError, RuntimeError) as error:
+        except _BROKEN as error:
             self.close()
             raise LoadError(f"{name}: no HDF5 file: {error}") from error
 
@@ -155,7 +156,7 @@ class Hdf5(Log):
         check_lengths(self._name, {array: item.shape[0] for array, item in sets.items()})
         try:
             yield from pieces_of({array: _blocks(item) for array, item in sets.items()}, places)
-        except OSError as error:
+        except _BROKEN as error:
             raise LoadError(f"{self._name}: cannot be read on: {error}") from error
 
     def close(self) -> None:

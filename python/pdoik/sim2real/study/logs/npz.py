@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +19,10 @@ from .arrays import ROWS, Place, check_lengths, columns_of, names_in, period_in,
 from .kinds import register
 from .log import Column, Log
 
-_BROKEN = (zipfile.BadZipFile, zlib.error, OSError, EOFError, ValueError, NotImplementedError)
+_BROKEN = (  # what zipfile and NumPy raise of a damaged file
+    *(zipfile.BadZipFile, zlib.error, OSError, EOFError, NotImplementedError, OverflowError),
+    *(ValueError, TypeError, KeyError, SyntaxError, tokenize.TokenError),
+)
 
 
 @register

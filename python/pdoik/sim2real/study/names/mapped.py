@@ -32,8 +32,9 @@ def take_mapped(
             near = nearest(source, [*there, *labelled])
             has = near or f"; it has {listed([each.name for each in columns])}"
             raise LoadError(f"{name}: columns: {target}: no column {source!r}{has}")
+        first = min((each.index for each in matches if each.index is not None), default=0)
         for match in matches:
-            joint, factor = _joint_and_factor(name, match, known)
+            joint, factor = _joint_and_factor(name, match, known, min(first, 1))
             if target in CHANNELS and joint is None:
                 continue
             aim = f"{target}.{joint}" if target in CHANNELS else target
@@ -61,8 +62,10 @@ def _unit(column: Column, target: str) -> str:
     return unit if unit in KNOWN.get(parent(target), {}) else ""
 
 
-def _joint_and_factor(name: str, match: Match, known: Known) -> tuple[str | None, float]:
-    """Whose a mapped column is, None if it is of no joint of the study."""
+def _joint_and_factor(
+    name: str, match: Match, known: Known, first: int
+) -> tuple[str | None, float]:
+    """Whose a mapped column is, None if it is of no joint; joints are counted from `first`."""
     if match.joint is not None:
         return _named(match.joint, known), 1.0
     if match.index is None:
@@ -82,8 +85,8 @@ def _joint_and_factor(name: str, match: Match, known: Known) -> tuple[str | None
             f"{name}: columns: {match.target}: '{{index}}' counts the study's joints; expected"
             " 'joints:' in the study"
         )
-    inside = match.index < len(known.joints)
-    return (known.joints[match.index] if inside else None), 1.0
+    at = match.index - first
+    return (known.joints[at] if at < len(known.joints) else None), 1.0
 
 
 def _named(text: str, known: Known) -> str | None:
