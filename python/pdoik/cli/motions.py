@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pdoik._files import write_whole
 
-from .messages import fail
+from .messages import fail, tell
 
 if TYPE_CHECKING:
     from pdoik.sim2real.study.columns import Table
@@ -56,6 +56,8 @@ def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) 
 
     table = read_log(path, path.name, Known(joints=joints), Part(), Units(), {})
     check_names(table, joints, ())
+    for reading in table.readings:
+        tell(f"{path.name}: {reading}")
     if commands:
         _with_positions(table, joints)
     return to_recording(table, joints, "validate", Units().with_written(table.units))

@@ -25,6 +25,7 @@ class Table:
     columns: dict[str, FloatArray]  # (T,) each; NaN where nothing was logged
     others: tuple[str, ...] = ()  # columns of the file that were not read
     units: Mapping[str, str] = field(default_factory=dict)  # of columns, as the log says them
+    readings: tuple[str, ...] = ()  # how names were understood; in the notes, too
     unsettled: tuple[str, ...] = ()  # why columns that look like channels were not read
     notes: tuple[str, ...] = ()
 

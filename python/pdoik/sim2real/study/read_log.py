@@ -64,6 +64,7 @@ def read_log(
                 for each in wanted
                 if each.unit
             },
+            readings=tuple(naming),
             unsettled=tuple(unsettled),
             notes=(*log.notes, *naming, *unsettled, *part.notes),
         )
