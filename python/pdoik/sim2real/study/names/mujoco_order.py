@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def mujoco_order(path: Path | None) -> MujocoOrder:
     return MujocoOrder(name=path.name, sizes=sizes, entries=entries)
 
 
-def _actuator(model, k: int, joint: str) -> Entry:  # type: ignore[no-untyped-def]
+def _actuator(model: Any, k: int, joint: str) -> Entry:
     """What a number for actuator `k` commands: by its gain and bias, as MuJoCo computes a force.
 
     force = gain ctrl + bias0 + bias1 length + bias2 velocity, with length = gear q: of a position

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from . import words
@@ -72,8 +72,8 @@ def joint_spellings(joints: Sequence[str]) -> dict[str, tuple[tuple[str, ...], .
     while shared and any(each[shared].isdigit() for each in full.values()):
         shared -= 1  # a number alone names no joint
     found: dict[str, list[tuple[str, ...]]] = {joint: [each] for joint, each in full.items()}
-    for change in (_without(shared), _without_joint, lambda each: _without_joint(each[shared:])):
-        changed = {joint: change(each) for joint, each in full.items()}
+    shorter = {joint: each[shared:] for joint, each in full.items()}
+    for changed in (shorter, _without_joint(full), _without_joint(shorter)):
         if _tell_apart(changed.values()):
             for joint, each in changed.items():
                 if each not in found[joint]:
@@ -81,12 +81,11 @@ def joint_spellings(joints: Sequence[str]) -> dict[str, tuple[tuple[str, ...], .
     return {joint: tuple(each) for joint, each in found.items()}
 
 
-def _without(count: int):  # type: ignore[no-untyped-def]
-    return lambda each: each[count:]
-
-
-def _without_joint(texts: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(each for each in texts if each != "joint")
+def _without_joint(spellings: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    return {
+        joint: tuple(each for each in texts if each != "joint")
+        for joint, texts in spellings.items()
+    }
 
 
 def _tell_apart(spellings: Collection[tuple[str, ...]]) -> bool:
