@@ -87,6 +87,33 @@ def test_predict_and_replay_are_nearer_to_the_recording_with_the_findings(
         assert off[0] < 0.1 * off[1]
 
 
+def test_other_names_and_kinds_predict_the_same_and_are_told_of(
+    report: Path, example_study: Path, tmp_path: Path
+) -> None:
+    recorded = table(example_study.parent / "friday.csv")
+    joints = ("base", "shoulder", "elbow")
+    q = np.stack([recorded[f"q.{joint}"] for joint in joints], axis=1)
+    np.savez(tmp_path / "a.npz", t=recorded["time"], actual_q=q)
+    done = run("predict", report / "model.json", tmp_path / "a.npz", "--out", tmp_path / "a.csv")
+    assert done.exit_code == 0, done.output
+    assert "a.npz: column actual_q[0] read as q.base" in done.stderr
+    assert "by the order of the study's joints" in done.stderr
+    (tmp_path / "b.csv").write_text(
+        "\n".join(
+            ",".join(map(str, row))
+            for row in [
+                ("time", *(f"q.{j}" for j in joints)),
+                *zip(recorded["time"].tolist(), *q.T.tolist(), strict=True),
+            ]
+        )
+    )
+    plain = run("predict", report / "model.json", tmp_path / "b.csv", "--out", tmp_path / "p.csv")
+    assert plain.exit_code == 0, plain.output
+    assert not plain.stderr
+    mine, theirs = table(tmp_path / "a.csv"), table(tmp_path / "p.csv")
+    assert mine["tau.shoulder"] == pytest.approx(theirs["tau.shoulder"], abs=1e-9)
+
+
 def test_commands_alone_are_enough_to_replay(
     report: Path, example_study: Path, tmp_path: Path
 ) -> None:

@@ -30,6 +30,11 @@ def warn(message: str) -> None:
     err.print(f"[bold yellow]warning:[/] {escape(' '.join(message.split()))}", highlight=False)
 
 
+def tell(message: str) -> None:
+    """Print one line on stderr that a user may want to check."""
+    err.print(escape(" ".join(message.split())), highlight=False)
+
+
 @contextmanager
 def misuse_fails(subject: str = "") -> Iterator[None]:
     """Turn what the library says about bad input into one line and status 2.

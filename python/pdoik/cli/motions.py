@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pdoik._files import write_whole
 
-from .messages import fail
+from .messages import fail, tell
 
 if TYPE_CHECKING:
     from pdoik.sim2real.study.columns import Table
@@ -40,7 +40,7 @@ def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) 
     """A file's channels for these joints.
 
     Args:
-        path: CSV or Parquet.
+        path: A log of any kind that needs nothing told beside.
         joints: Of the model.
         commands: The file may lack positions: the motion then starts where it is commanded to.
 
@@ -48,19 +48,19 @@ def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) 
         LoadError: Something in the file is not as expected.
     """
     from pdoik.sim2real.study.check_recording import to_recording
-    from pdoik.sim2real.study.columns import channel_of, check_names
-    from pdoik.sim2real.study.read_table import Part, read_table
+    from pdoik.sim2real.study.logs import Part
+    from pdoik.sim2real.study.names.check_names import check_names
+    from pdoik.sim2real.study.names.known import Known
+    from pdoik.sim2real.study.read_log import read_log
     from pdoik.sim2real.study.units import Units
 
-    def wanted(column: str) -> bool:
-        pair = channel_of(column)
-        return pair is not None and pair[1] in joints
-
-    table = read_table(path, path.name, wanted, Part())
+    table = read_log(path, path.name, Known(joints=joints), Part(), Units(), {})
     check_names(table, joints, ())
+    for reading in table.readings:
+        tell(f"{path.name}: {reading}")
     if commands:
         _with_positions(table, joints)
-    return to_recording(table, joints, "validate", Units())
+    return to_recording(table, joints, "validate", Units().with_written(table.units))
 
 
 def _with_positions(table: Table, joints: tuple[str, ...]) -> None:

@@ -15,7 +15,7 @@ from .sim2real_extra import extra_needed
 
 def predict(
     model: Annotated[Path, typer.Argument(help="model.json of pdoik diagnose.")],
-    recording: Annotated[Path, typer.Argument(help="CSV or Parquet with time and q.<joint>.")],
+    recording: Annotated[Path, typer.Argument(help="Log of any kind with time and q.<joint>.")],
     robot: Annotated[
         Path | None,
         typer.Option(help="URDF or MJCF instead of the study's, as with a known load in the hand."),

@@ -18,7 +18,7 @@ def replay(
     commands: Annotated[
         Path,
         typer.Argument(
-            help="CSV or Parquet with time and q_des.<joint> or tau_cmd.<joint>; a recording will"
+            help="Log of any kind with time and q_des.<joint> or tau_cmd.<joint>; a recording will"
             " do, its first q.<joint> is then where the motion starts."
         ),
     ],

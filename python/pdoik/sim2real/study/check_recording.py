@@ -91,9 +91,10 @@ def _check_positions(table: Table, joints: tuple[str, ...]) -> None:
             names = [*table.columns, *table.others]
             free = [each for each in names if not _is_of(each, joints)]
             near = nearest(column, free) or nearest(column, names)
+            why = "".join(f"; {each}" for each in table.unsettled)
             raise LoadError(
                 f"{table.name}: expected a column {column!r} [rad]{near};"
-                f" it has positions of {', '.join(has) or 'no joint'}"
+                f" it has positions of {', '.join(has) or 'no joint'}{why}"
             )
         values = table.columns[f"q.{joint}"]
         if np.isfinite(values).sum() < FEWEST <= len(values):

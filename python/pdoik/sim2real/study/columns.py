@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass
-
-from pdoik.errors import LoadError
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
 
 from .recording import CHANNELS, FloatArray
 
@@ -15,35 +13,6 @@ SUPPLY = "volts"
 
 TIP = ("x", "y", "z", "qw", "qx", "qy", "qz")
 """What follows `tip.` in the columns of the measured tip pose."""
-
-# What other logs call the channels.
-_FOREIGN = {
-    "position": "q",
-    "pos": "q",
-    "angle": "q",
-    "velocity": "dq",
-    "vel": "dq",
-    "qd": "dq",
-    "qdot": "dq",
-    "dotq": "dq",
-    "effort": "tau",
-    "torque": "tau",
-    "torq": "tau",
-    "trq": "tau",
-    "i": "current",
-    "curr": "current",
-    "pwm": "duty",
-    "duty_cycle": "duty",
-    "volt": "voltage",
-    "q_cmd": "q_des",
-    "q_ref": "q_des",
-    "q_desired": "q_des",
-    "qdes": "q_des",
-    "dq_cmd": "dq_des",
-    "dq_ref": "dq_des",
-    "tau_des": "tau_cmd",
-    "tau_ref": "tau_cmd",
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,6 +24,9 @@ class Table:
     time: FloatArray  # (T,) since the first row [s]
     columns: dict[str, FloatArray]  # (T,) each; NaN where nothing was logged
     others: tuple[str, ...] = ()  # columns of the file that were not read
+    units: Mapping[str, str] = field(default_factory=dict)  # of columns, as the log says them
+    readings: tuple[str, ...] = ()  # how names were understood; in the notes, too
+    unsettled: tuple[str, ...] = ()  # why columns that look like channels were not read
     notes: tuple[str, ...] = ()
 
 
@@ -86,48 +58,3 @@ def nearest(name: str, known: Collection[str], count: int = 3) -> str:
     low = {each.lower(): each for each in known}
     found = difflib.get_close_matches(name.lower(), low, n=count, cutoff=0.5)
     return f"; nearest: {', '.join(repr(low[each]) for each in found)}" if found else ""
-
-
-def check_names(table: Table, joints: Collection[str], ignore: Collection[str]) -> None:
-    """Ask about columns that look like a channel of the study's joints under another name.
-
-    Raises:
-        LoadError: a column is probably misnamed.
-    """
-    for column in table.others:
-        if column in ignore:
-            continue
-        meant = _meant(column, joints)
-        if meant is not None and meant not in table.columns:
-            raise LoadError(
-                f"{table.name}: column {column!r} is none that pdoik knows; if {meant!r} is meant,"
-                f" rename it, else list it in the study: 'ignore: [{column}]'"
-            )
-
-
-def _meant(column: str, joints: Collection[str]) -> str | None:
-    head, dot, joint = column.partition(".")
-    if not dot or joint not in joints:
-        return _unseparated(column, joints)
-    channel = head.strip().lower()
-    if channel in CHANNELS:
-        return f"{channel}.{joint}"
-    if channel in _FOREIGN:
-        return f"{_FOREIGN[channel]}.{joint}"
-    if len(channel) >= 3:
-        close = difflib.get_close_matches(channel, CHANNELS, n=1, cutoff=0.8)
-        if close:
-            return f"{close[0]}.{joint}"
-        if any(sorted(channel) == sorted(each) for each in CHANNELS if len(each) == len(channel)):
-            swapped = next(each for each in CHANNELS if sorted(each) == sorted(channel))
-            return f"{swapped}.{joint}"
-    return None
-
-
-def _unseparated(column: str, joints: Collection[str]) -> str | None:
-    """`tau_joint1`, `tau/joint1`, `tau joint1` for `tau.joint1`."""
-    for joint in joints:
-        for separator in ("_", "/", " ", "-", ":"):
-            if column.lower().endswith(f"{separator}{joint}".lower()):
-                return _meant(f"{column[: -len(joint) - 1]}.{joint}", joints)
-    return None

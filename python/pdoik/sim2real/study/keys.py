@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
@@ -12,10 +12,16 @@ import yaml
 
 from pdoik.errors import LoadError
 
-from .columns import nearest
-from .read_table import MAX_ROWS, Part
+from .logs import MAX_ROWS, Part, entry_keys
+from .names.columns_key import ColumnsKey, columns_key
 from .recording import FloatArray, Role
 from .study import Trust
+from .values import checked as checked
+from .values import names as names
+from .values import number as number
+from .values import shown
+from .values import text as text
+from .values import vector as vector
 
 KEYS = (
     "robot",
@@ -27,14 +33,19 @@ KEYS = (
     "trust",
     "rotor_inertia",
     "units",
+    "columns",
     "ignore",
     "max_rows",
 )
-"""What a study may say. The last three: units of columns, columns to pass over, rows per file."""
+"""What a study may say. The last four are of its files: units and meaning of columns, columns to
+pass over, rows per file."""
 
-_ENTRY = ("file", "role", "topic", "command_topic", "window", "every")
+_ENTRY = ("file", "role", "window", "every", "rate", "columns")
 TOLD = ("robot", "payload", "compensated", "controller", "session", "temperature", "surface")
 """What a recording's entry may say of how it was made."""
+
+
+_MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,9 +55,9 @@ class Entry:
     name: str  # the file's, with folders as the study has them where two are called alike
     path: Path
     role: Role = "fit"
-    topic: str | None = None  # of a bag
-    command_topic: str | None = None
     part: Part
+    columns: ColumnsKey | None = None  # where its names are others than the study's files have
+    reading: Mapping[str, Any] = field(default_factory=dict)  # what only its kind of log has
     told: Mapping[str, Any] = field(default_factory=dict)  # what it says of `TOLD`
 
 
@@ -68,21 +79,10 @@ def read_keys(path: Path) -> dict[str, Any]:
     return mapping
 
 
-def checked(content: Any, keys: Collection[str], source: str) -> dict[str, Any]:
-    """`content` as a mapping that has these keys only."""
-    if not isinstance(content, dict):
-        raise LoadError(f"{source}: expected 'key: value' lines, got {_shown(content)}")
-    for key in content:
-        if key not in keys:
-            known = nearest(str(key), keys) or f"; expected one of {', '.join(keys)}"
-            raise LoadError(f"{source}: unknown key {key!r}{known}")
-    return content
-
-
 def entries(content: Any, folder: Path, source: str, max_rows: Any = None) -> tuple[Entry, ...]:
     """The files of a list of recordings: names, or mappings with `file`."""
     if not isinstance(content, list):
-        raise LoadError(f"{source}: expected a list of files, got {_shown(content)}")
+        raise LoadError(f"{source}: expected a list of files, got {shown(content)}")
     rows = MAX_ROWS if max_rows is None else int(number(max_rows, "max_rows", least=1))
     found = [_entry(each, folder, f"{source}[{k}]", rows) for k, each in enumerate(content)]
     files = [each.name for each in found]
@@ -99,7 +99,7 @@ def entries(content: Any, folder: Path, source: str, max_rows: Any = None) -> tu
 def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
     if isinstance(content, str):
         content = {"file": content}
-    mapping = checked(content, (*_ENTRY, *TOLD), source)
+    mapping = checked(content, (*_ENTRY, *entry_keys(), *TOLD), source)
     file = text(mapping.get("file"), f"{source}: file")
     if file is None:
         raise LoadError(f"{source}: expected 'file:'")
@@ -113,15 +113,24 @@ def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
             raise LoadError(f"{source} ({file}): window: expected [from, to] [s], got {window!r}")
         window = (float(ends[0]), float(ends[1]))
     every = number(mapping.get("every", 1), f"{source} ({file}): every", least=1)
+    own = mapping.get("columns")
     return Entry(
         name=file,
         path=folder / Path(file).expanduser(),
         role=cast(Role, role),
-        topic=text(mapping.get("topic"), f"{source}: topic"),
-        command_topic=text(mapping.get("command_topic"), f"{source}: command_topic"),
         part=Part(every=int(every), window=window, max_rows=max_rows),
+        columns=None if own is None else columns_key(own, f"{source} ({file}): columns"),
+        reading=_reading(mapping, f"{source} ({file})"),
         told={key: mapping[key] for key in TOLD if mapping.get(key) is not None},
     )
+
+
+def _reading(mapping: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """What an entry says of how to read its log."""
+    told = {key: mapping[key] for key in entry_keys() if mapping.get(key) is not None}
+    if mapping.get("rate") is not None:
+        told["rate"] = number(mapping["rate"], f"{source}: rate", least=_MORE_THAN_NOTHING)
+    return told
 
 
 def trust_from(content: Any) -> Trust:
@@ -155,56 +164,3 @@ def per_joint(
             f" {values[k]:g} for {joints[k]}"
         )
     return values
-
-
-def vector(content: Any, source: str, count: int, of: str = "numbers") -> FloatArray:
-    """A list of numbers of this length."""
-    if not isinstance(content, list):
-        raise LoadError(f"{source}: expected a list of {count}, got {_shown(content)}")
-    if len(content) != count:
-        raise LoadError(
-            f"{source} has {len(content)} entries, expected {count}"
-            + (f": the study has {count} {of}" if of != "numbers" else "")
-        )
-    return np.array([number(each, source) for each in content], dtype=np.float64)
-
-
-def number(content: Any, source: str, least: float = -np.inf) -> float:
-    """A finite number; YAML reads `1e-3` as text, which is taken too."""
-    try:
-        value = float("nan" if isinstance(content, bool) else content)
-    except (TypeError, ValueError):
-        value = np.nan
-    if not np.isfinite(value):
-        raise LoadError(f"{source}: expected a number, got {_shown(content)}")
-    if value < least:
-        raise LoadError(
-            f"{source}: expected {'more than 0' if 0 < least < 1e-300 else f'at least {least:g}'},"
-            f" got {value:g}"
-        )
-    return value
-
-
-def text(content: Any, source: str) -> str | None:
-    """Text, or None."""
-    if content is None or isinstance(content, str):
-        return content
-    raise LoadError(f"{source}: expected text, got {_shown(content)}")
-
-
-def names(content: Any, source: str) -> tuple[str, ...] | None:
-    """A list of names without repetition, or None."""
-    if content is None:
-        return None
-    if not isinstance(content, list) or not content:
-        raise LoadError(f"{source}: expected a list of names, got {_shown(content)}")
-    found = tuple(str(each) for each in content)
-    twice = [each for each in found if found.count(each) > 1]
-    if twice:
-        raise LoadError(f"{source}: {twice[0]!r} is there more than once")
-    return found
-
-
-def _shown(content: Any) -> str:
-    shown = repr(dict(content) if isinstance(content, Mapping) else content)
-    return shown if len(shown) < 60 else f"{shown[:57]}..."

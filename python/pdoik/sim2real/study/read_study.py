@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from pdoik.errors import LoadError
 
 from . import keys as study_keys
 from .check_recording import STILL, moves, to_recording
-from .columns import Table, channel_of, check_names, is_known, joints_of
+from .columns import Table, joints_of
 from .controller_key import known_controller, told_controller
 from .duty import check_duty
 from .keys import Entry
+from .names.check_names import check_names
+from .names.columns_key import columns_key
+from .names.known import Known
+from .names.mujoco_order import mujoco_order
+from .read_log import read_log
 from .read_setup import Told, facts_of, setups_of
-from .read_table import read_table
 from .recording import FloatArray, Recording
 from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
 from .split import split
@@ -54,7 +59,14 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     simulations = study_keys.entries(
         content.get("simulation") or [], folder, "simulation", max_rows
     )
-    tables = [_table(each, named, units) for each in entries]
+    known = Known(
+        joints=named,
+        others=() if facts is None else tuple(facts.joints),
+        key=columns_key(content.get("columns"), f"{path.name}: columns"),
+        ignore=ignore,
+        order=mujoco_order(None if facts is None else facts.path),
+    )
+    tables = [_table(each, known, units) for each in entries]
     joints, notes = (named, ()) if named is not None else _common_joints(tables, facts)
     notes += () if facts is None else check_robot(facts, joints, tip)
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
@@ -78,7 +90,9 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     for entry, table in zip(entries, tables, strict=True):
         check_names(table, joints, ignore)
         recordings.append(recording(table, entry))
-    simulation = [recording(_table(each, joints, units), each) for each in simulations]
+    simulation = [
+        recording(_table(each, replace(known, joints=joints), units), each) for each in simulations
+    ]
     _check_still(recordings, joints)
     parted, how = split(tuple(recordings))
     return check_study(
@@ -150,25 +164,11 @@ def check_study(study: Study) -> Study:
     return study
 
 
-def _table(entry: Entry, joints: tuple[str, ...] | None, units: Units) -> Table:
+def _table(entry: Entry, known: Known, units: Units) -> Table:
     """A recording's raw columns, those of these joints only, if they are known."""
-
-    def wanted(column: str) -> bool:
-        pair = channel_of(column)
-        if pair is not None and joints is not None and f"q.{pair[1]}" != column:
-            return pair[1] in joints
-        return is_known(column)
-
-    if entry.path.is_dir() or entry.path.suffix in (".mcap", ".db3", ".bag"):
-        from .read_bag import read_bag
-
-        return read_bag(
-            entry.path, entry.name, entry.topic, entry.command_topic, joints, entry.part
-        )
-    for key, value in (("topic", entry.topic), ("command_topic", entry.command_topic)):
-        if value is not None:
-            raise LoadError(f"{entry.name}: {key}: only bags have topics")
-    return read_table(entry.path, entry.name, wanted, entry.part, units.factor("time"))
+    if entry.columns is not None:
+        known = replace(known, key=entry.columns)
+    return read_log(entry.path, entry.name, known, entry.part, units, entry.reading)
 
 
 def _common_joints(
@@ -178,7 +178,7 @@ def _common_joints(
     each = [joints_of(table.columns) for table in tables]
     common = [joint for joint in each[0] if all(joint in others for others in each)]
     shown = "; ".join(
-        f"{table.name}: {', '.join(joints) or 'none'}"
+        f"{table.name}: {'; '.join((', '.join(joints) or 'none', *table.unsettled))}"
         for table, joints in zip(tables, each, strict=True)
     )
     if not common:
@@ -213,6 +213,7 @@ def _recording(
     slides = [
         joint for joint in joints if facts is not None and facts.joints[joint].type == "prismatic"
     ]
+    units = units.with_written(table.units)
     recording = to_recording(table, joints, entry.role, units, slides)
     check_units(recording, joints, units, facts)
     check_duty(recording, joints, units)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Any
 
@@ -36,22 +36,28 @@ class Units:
     """What a study says of its columns' units; commands have the unit of what they command."""
 
     named: Mapping[str, str] = field(default_factory=dict)  # of a channel or a column
+    written: Mapping[str, str] = field(default_factory=dict)  # of columns, by a log itself
 
     def settles(self, channel: str) -> bool:
-        """Whether the study names the channel's unit itself."""
-        return any(each.partition(".")[0] == channel for each in self.named)
+        """Whether the study or the log names the channel's unit itself."""
+        return any(each.partition(".")[0] == channel for each in (*self.named, *self.written))
 
     def factor(self, column: str, prismatic: bool = False) -> float:
         """By what a column is multiplied to be in SI; angles' units do not touch slides."""
         channel = column.partition(".")[0]
-        parent = _PARENT.get(channel, channel)
+        above = parent(channel)
         _, dot, joint = column.partition(".")
-        for key in (column, channel, f"{parent}{dot}{joint}", parent):
+        for key in (column, channel, f"{above}{dot}{joint}", above):
             if key in self.named:
                 unit = self.named[key]
                 angular = unit in _ANGLE or unit in _SPEED
                 return 1.0 if prismatic and angular else _known(channel)[unit]
-        return 1.0
+        written = self.written.get(column, self.written.get(channel))
+        return 1.0 if written is None else _known(channel)[written]
+
+    def with_written(self, written: Mapping[str, str]) -> Units:
+        """With what a log says itself, where the study does not."""
+        return replace(self, written=written)
 
 
 def units_from(content: Any, source: str) -> Units:
@@ -80,8 +86,14 @@ def units_from(content: Any, source: str) -> Units:
     return Units(named)
 
 
+def parent(column: str) -> str:
+    """The channel of `KNOWN` whose units a channel or column has."""
+    channel = column.partition(".")[0]
+    return _PARENT.get(channel, channel)
+
+
 def _known(channel: str) -> dict[str, float]:
-    return KNOWN[_PARENT.get(channel, channel)]
+    return KNOWN[parent(channel)]
 
 
 def _plain(unit: str) -> str:

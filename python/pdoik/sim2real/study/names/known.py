@@ -1,0 +1,43 @@
+"""What is known of a log's columns beforehand, and what they are settled to be."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from ..logs import Column
+from .columns_key import ColumnsKey
+from .mujoco_order import MujocoOrder
+
+SHOWN = 8
+"""Names in one message."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Known:
+    """What is known of a log's columns before it is opened."""
+
+    joints: tuple[str, ...] | None = None  # the study's, in its order
+    others: tuple[str, ...] = ()  # of the robot's description, where the study names none
+    key: ColumnsKey = field(default_factory=ColumnsKey)  # the study's `columns:`
+    ignore: Collection[str] = ()
+    order: MujocoOrder = field(default_factory=MujocoOrder)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settled:
+    """A column that is read."""
+
+    column: Column
+    target: str  # what it is called from here on: "q.elbow"
+    unit: str = ""  # of `units.KNOWN`, if its name says so
+    factor: float = 1.0
+    exact: bool = False  # it was called that already
+    by_order: bool = False  # whose it is was told by its number alone
+
+
+def listed(names: Collection[str]) -> str:
+    """Names for a message, not too many."""
+    shown = list(names)[:SHOWN]
+    more = len(names) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")
