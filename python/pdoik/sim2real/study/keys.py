@@ -24,6 +24,7 @@ KEYS = (
     "recordings",
     "controller",
     "simulation",
+    "simulator",
     "trust",
     "rotor_inertia",
     "units",
