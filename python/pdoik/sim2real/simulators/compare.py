@@ -142,12 +142,19 @@ def _first_step(
         fit, validate = _parted(study.simulation)
     else:
         assert user is not None
+        for field in ("timestep", "integrator"):
+            setattr(description.model.opt, field, getattr(user.model.opt, field))
         logs = [replace(simulated(user, r, {}), role=r.role) for r in study.recordings]
         fit = [each for each in logs if each.role == "fit"]
         validate = [each for each in logs if each.role == "validate"]
     say("simulator", f"held against {description.name}", 0.1)
     explained = explain(
-        description, fit, validate, limits, lambda text: say("simulator", text, 0.3)
+        description,
+        fit,
+        validate,
+        limits,
+        lambda text: say("simulator", text, 0.3),
+        same_step=user is not None,
     )
     step = step_of(explained, "simulator", limits)
     if user is not None:

@@ -6,6 +6,7 @@ states as the nodes. Each run has a beginning that is not judged, in which a wro
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -27,6 +28,7 @@ LENGTH = 1.5  # of what is judged of each run [s]
 BLOCK = 0.75  # of rows that are drawn together, [s]
 MOST_ROWS = 12000  # judged samples of all recordings
 MOST_SECONDS = 60.0  # judged of all recordings
+_FINER = 4  # steps in one, to see what a step does
 _STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
 
@@ -78,6 +80,7 @@ class Experiment:
             each.tau is not None and bool(np.isfinite(each.tau).all()) for each in recordings
         )
         self._data = mujoco.MjData(user.model)
+        self._of_step: FloatArray | None = None
         self._steps = round((warm + length) / user.timestep)
         self._runs = self._cut(length, warm, thin)
         if not self._runs:
@@ -101,8 +104,29 @@ class Experiment:
         kinds = ("q", "tau") if self.torque else ("q",)
         return tuple((kind, k) for kind in kinds for k in range(n))
 
-    def run(self, values: Values) -> FloatArray:
+    def allow_for_step(self, values: Values) -> None:
+        """From now on `run` adds what a fourth of the step changes in this candidate.
+
+        What a simulator's step does to a motion (half a step of delay, more or less damping) is
+        none of its properties, and must not pass for one of the machine's.
+        """
+        self._of_step = None
+        user, plain = self.user, self.run(values)
+        fine = copy.copy(user.model)
+        fine.opt.timestep = user.timestep / _FINER
+        steps = self._steps
+        try:
+            self.user, self._steps = replace(user, model=fine), steps * _FINER
+            self._of_step = self.run(values) - plain
+        finally:
+            self.user, self._steps = user, steps
+
+    def run(self, values: Values, *, as_it_is: bool = False) -> FloatArray:
         """What a candidate shows where `measured` is, (R, C).
+
+        Args:
+            values: of the properties that are not the user's.
+            as_it_is: without what `allow_for_step` adds.
 
         Raises:
             SimulationError: it left all bounds.
@@ -117,7 +141,8 @@ class Experiment:
         for run, state, sensed in zip(self._runs, states, sensors, strict=True):
             self._check(run, state)
             rows.append(self._shown(run, state, sensed))
-        return np.concatenate(rows)
+        shown = np.concatenate(rows)
+        return shown if as_it_is or self._of_step is None else shown + self._of_step
 
     def _cut(self, length: float, warm: float, thin: bool) -> list[_Run]:
         runs: list[_Run] = []

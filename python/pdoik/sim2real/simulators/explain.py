@@ -24,6 +24,8 @@ Tell = Callable[[str], None]
 _ROUNDS = 4  # of choosing and simulating
 _STEPS = 3  # of Gauss-Newton within a round
 _HALVINGS = 4
+_FINEST = {"q": 1e-5, "tau": 1e-3}
+"""What no sensor shows [rad], [N m]: noise of logs that have none, those of simulators."""
 _STILL = 0.02  # of a standard error: a smaller move is none
 
 
@@ -40,6 +42,7 @@ class Explained:
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
     without: dict[Term, float]  # held-out loss without it
+    shows: dict[Term, float]  # root mean square of what it changes, over noise, where most
     sigma: FloatArray  # by which errors are weighed
     noise: FloatArray  # white noise of each channel
     blocks: int  # of time that figures were fitted to
@@ -54,6 +57,10 @@ class Explained:
             return 1.0  # the model is unstable without it
         return float(student.cdf(t_of(gains), max(len(gains) - 1, 1)))
 
+    def holds(self, term: Term, limits: SimulatorThresholds) -> bool:
+        """Whether it is believed to be there, and matters; by whatever name."""
+        return self.there(term) >= limits.least_confidence and self.shows[term] >= limits.shows
+
     def confidence(self, term: Term) -> float:
         """Probability that a term is there, and none of its rivals in its place."""
         rivals = [each for each in self.rivals[term] if not each.same]
@@ -67,6 +74,8 @@ def explain(
     validate: Sequence[Recording],
     limits: SimulatorThresholds,
     tell: Tell | None = None,
+    *,
+    same_step: bool = False,
 ) -> Explained:
     """Find what must be changed in a model so that it does what the recordings show.
 
@@ -76,6 +85,7 @@ def explain(
         validate: recordings that only judge.
         limits: what is believed.
         tell: called with what was found so far, in words.
+        same_step: whether the recordings were simulated with the model's own step.
 
     Raises:
         SimulationError: the model as it is is unstable under the commands.
@@ -89,6 +99,8 @@ def explain(
     values: dict[Knob, float] = {}
     chosen: tuple[Term, ...] = ()
     for k in range(_ROUNDS):
+        if not same_step:
+            experiment.allow_for_step(values)
         about = sensitivities(experiment, values, knobs, scales)
         sigma = _sigma(experiment, about.shown, noise)
         blocks = Blocks.of(experiment, about, sigma)
@@ -98,18 +110,21 @@ def explain(
         say(f"round {k + 1}: {len(chosen)} properties differ")
         if set(before) == set(chosen):
             break
+    if not same_step:
+        experiment.allow_for_step(values)
+        held_out.allow_for_step(values)
     about = sensitivities(experiment, values, knobs, scales)
     sigma = _sigma(experiment, about.shown, noise)
     blocks = Blocks.of(experiment, about, sigma)
     selection = Selection(blocks, knobs, all_terms, limits)
     chosen = tuple(term for term in chosen if term in selection.terms)
     judged = _judged(selection, about, chosen, values, sigma, noise, held_out)
-    kept = tuple(t for t in chosen if judged.there(t) >= limits.least_confidence)
+    kept = tuple(t for t in chosen if judged.holds(t, limits))
     if len(kept) == len(chosen):
         return judged
     say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
     values = _fitted(experiment, about, selection, kept, sigma, scales)
-    return replace(judged, kept=kept, patch=values, after=held_out.run(values))
+    return replace(judged, kept=kept, patch=values, after=held_out.run(values, as_it_is=True))
 
 
 def noise_of(experiment: Experiment) -> FloatArray:
@@ -120,7 +135,7 @@ def noise_of(experiment: Experiment) -> FloatArray:
         for each in experiment.recordings:
             values = getattr(each, channel)[:, k]
             squares.append(float(np.median(np.diff(values, 3) ** 2)) / 0.455 / 20.0)
-        found.append(np.sqrt(np.mean(squares)))
+        found.append(max(np.sqrt(np.mean(squares)), _FINEST[channel]))
     return np.array(found)
 
 
@@ -192,21 +207,26 @@ def _judged(
         about.knobs[p]: float(np.sqrt(covariance[i, i]) * about.step[p])
         for i, p in enumerate(places)
     }
-    before, after = held_out.run({}), held_out.run(values)
+    before = held_out.run({}, as_it_is=True)
+    after = held_out.run(values, as_it_is=True)
+    with_values = held_out.run(values)
     count = int(held_out.block.max()) + 1
 
     def loss(shown: FloatArray) -> FloatArray:
         squares = (((held_out.measured - shown) / sigma) ** 2).sum(axis=1)
         return np.bincount(held_out.block, squares, minlength=count).astype(np.float64)
 
-    with_all = loss(after)
-    gains, without = {}, {}
+    with_all = loss(with_values)
+    gains, without, shows = {}, {}, {}
     for term in chosen:
         others = [each for each in chosen if each != term]
         try:
-            left = loss(held_out.run(about.values(blocks.solve(selection.places(others)))))
+            shown = held_out.run(about.values(blocks.solve(selection.places(others))))
         except SimulationError:
-            left = with_all * np.inf
+            shown = np.full_like(with_values, np.inf)
+        left = loss(shown)
+        size = np.sqrt(np.mean((shown - with_values) ** 2, axis=0))
+        shows[term] = float(np.max(size / noise))
         gains[term], without[term] = left - with_all, float(left.sum())
     return Explained(
         user=held_out.user,
@@ -218,6 +238,7 @@ def _judged(
         rivals={term: selection.rivals(chosen, term) for term in chosen},
         gains=gains,
         without=without,
+        shows=shows,
         sigma=sigma,
         noise=noise,
         blocks=len(blocks.c),

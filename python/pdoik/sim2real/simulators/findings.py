@@ -44,7 +44,11 @@ def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step
     user = explained.user
     order = sorted(explained.terms, key=lambda term: -_gain(explained, term))
     joints = _joints(explained)
-    claimed = [t for t in order if explained.confidence(t) >= limits.least_confidence]
+    claimed = [
+        term
+        for term in order
+        if explained.holds(term, limits) and explained.confidence(term) >= limits.least_confidence
+    ]
     return Step(
         model=user.name,
         log=log,

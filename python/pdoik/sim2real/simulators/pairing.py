@@ -173,7 +173,7 @@ def _at(simulation: Recording, time: FloatArray) -> FloatArray:
 
 def _commands(recording: Recording, period: float) -> FloatArray:
     count = int(recording.time[-1] / period + 1e-6) + 1
-    return _at(recording, np.arange(count) * period)
+    return _at(recording, np.asarray(np.arange(count) * period, dtype=np.float64))
 
 
 def _overlaps(a: FloatArray, b: FloatArray) -> FloatArray:

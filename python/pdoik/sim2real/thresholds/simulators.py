@@ -23,6 +23,9 @@ class SimulatorThresholds(Group):
     least_confidence: float = threshold(
         0.75, "confidence below which a finding is suspected, not claimed"
     )
+    shows: float = threshold(
+        0.5, "times a channel's noise that a finding must change at least, root mean square"
+    )
     explained: float = threshold(
         0.8, "share of the squared error above noise that findings of an explained mismatch gain"
     )
