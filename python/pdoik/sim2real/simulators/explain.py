@@ -42,9 +42,10 @@ class Explained:
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
     without: dict[Term, float]  # held-out loss without it
-    shows: dict[Term, float]  # root mean square of what it changes, over noise, where most
+    shows: dict[Term, float]  # root mean square of what it changes, over noise and step, where most
     sigma: FloatArray  # by which errors are weighed
     noise: FloatArray  # white noise of each channel
+    of_step: FloatArray  # root mean square of what the simulator's own step does to each
     blocks: int  # of time that figures were fitted to
     held_out: Experiment
     before: FloatArray  # (R, C) held-out, of the user's model
@@ -210,6 +211,8 @@ def _judged(
     before = held_out.run({}, as_it_is=True)
     after = held_out.run(values, as_it_is=True)
     with_values = held_out.run(values)
+    of_step = np.sqrt(np.mean((with_values - after) ** 2, axis=0))
+    floor = np.hypot(noise, of_step)
     count = int(held_out.block.max()) + 1
 
     def loss(shown: FloatArray) -> FloatArray:
@@ -226,7 +229,7 @@ def _judged(
             shown = np.full_like(with_values, np.inf)
         left = loss(shown)
         size = np.sqrt(np.mean((shown - with_values) ** 2, axis=0))
-        shows[term] = float(np.max(size / noise))
+        shows[term] = float(np.max(size / floor))
         gains[term], without[term] = left - with_all, float(left.sum())
     return Explained(
         user=held_out.user,
@@ -241,6 +244,7 @@ def _judged(
         shows=shows,
         sigma=sigma,
         noise=noise,
+        of_step=of_step,
         blocks=len(blocks.c),
         held_out=held_out,
         before=before,

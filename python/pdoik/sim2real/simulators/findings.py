@@ -162,7 +162,7 @@ def _joints(explained: Explained) -> dict[str, JointFit]:
         found[joint] = JointFit(
             before=_rms(measured - explained.before[:, k]),
             after=_rms(measured - explained.after[:, k]),
-            noise_floor=float(explained.noise[k]),
+            noise_floor=float(np.hypot(explained.noise[k], explained.of_step[k])),
             unit="rad",
             data=", ".join(dict.fromkeys(each.name for each in held.recordings)),
             excited=bool(np.ptp(measured) > 2e-3),

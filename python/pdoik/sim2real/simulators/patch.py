@@ -74,6 +74,11 @@ def patched(user: UserModel, values: Mapping[Knob, float]) -> Patch:
                 edit(_actuator(tags, user, k), _gains(tags, user, candidate, k))
         if mine & set(_OF_BODY):
             _of_body(tags, user, candidate, user.body_of(k), edit, inserts)
+    if not user.law_outside:
+        for k in range(len(user.joints)):
+            tag = _actuator(tags, user, k)
+            if "dampratio" in tag.attributes and touched:  # it would follow other inertias
+                edit(tag, _gains(tags, user, candidate, k))
     left_out += _delayed(tags, user, values, edit)
     for tag in tags:
         if tag.name == "compiler" and isinstance(user.source, Path):
@@ -114,8 +119,8 @@ def _gains(tags: list[_Tag], user: UserModel, candidate: Any, k: int) -> dict[st
     tag = _actuator(tags, user, k)
     gain, bias = candidate.actuator_gainprm[actuator], candidate.actuator_biasprm[actuator]
     if tag.name == "position":
-        gains: dict[str, str | None] = {"kp": _number(gain[0]), "kv": _number(-bias[2])}
-        return gains | {"dampratio": None} if "dampratio" in tag.attributes else gains
+        changed: dict[str, str | None] = {"kp": _number(gain[0]), "kv": _number(-bias[2])}
+        return changed | {"dampratio": None} if "dampratio" in tag.attributes else changed
     return {"gainprm": _numbers(gain[:3]), "biasprm": _numbers(bias[:3])}
 
 

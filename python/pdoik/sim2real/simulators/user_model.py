@@ -129,7 +129,7 @@ def user_model(
     try:
         model = spec.compile()
     except ValueError as error:
-        raise LoadError(f"{name}: MuJoCo cannot compile it: {error}") from error
+        raise LoadError(f"{name}: MuJoCo cannot compile it: {_words(error)}") from error
     ids = tuple(int(model.joint(joint).id) for joint in joints)
     driven = tuple(
         _actuator_of(model, k, told.get(joint), joint, name)
@@ -193,7 +193,7 @@ def _spec(source: Path | str, name: str) -> Any:
             return mujoco.MjSpec.from_file(str(source))
         return mujoco.MjSpec.from_string(source)
     except ValueError as error:
-        raise LoadError(f"{name}: MuJoCo cannot read it: {error}") from error
+        raise LoadError(f"{name}: MuJoCo cannot read it: {_words(error)}") from error
 
 
 def _check_joints(spec: Any, joints: Sequence[str], name: str) -> None:
@@ -293,3 +293,8 @@ def _collides(model: Any) -> bool:
         return False
     types, affinities = model.geom_contype, model.geom_conaffinity
     return bool(np.bitwise_or.reduce(types) & np.bitwise_or.reduce(affinities))
+
+
+def _words(error: ValueError) -> str:
+    """MuJoCo's own, in one line."""
+    return " ".join(str(error).split())

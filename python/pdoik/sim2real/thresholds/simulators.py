@@ -24,7 +24,8 @@ class SimulatorThresholds(Group):
         0.75, "confidence below which a finding is suspected, not claimed"
     )
     shows: float = threshold(
-        0.5, "times a channel's noise that a finding must change at least, root mean square"
+        0.5,
+        "times a channel's noise and the error of the simulator's step that a finding must change",
     )
     explained: float = threshold(
         0.8, "share of the squared error above noise that findings of an explained mismatch gain"
