@@ -28,6 +28,7 @@ LENGTH = 1.5  # of what is judged of each run [s]
 BLOCK = 0.75  # of rows that are drawn together, [s]
 MOST_ROWS = 12000  # judged samples of all recordings
 MOST_SECONDS = 60.0  # judged of all recordings
+_CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_QFRC_APPLIED)
 _FINER = 4  # steps in one, to see what a step does
 _STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
@@ -81,6 +82,7 @@ class Experiment:
         )
         self._data = mujoco.MjData(user.model)
         self._of_step: FloatArray | None = None
+        self._forward = [fed_forward(user, each) for each in recordings]
         self._steps = round((warm + length) / user.timestep)
         self._runs = self._cut(length, warm, thin)
         if not self._runs:
@@ -136,7 +138,9 @@ class Experiment:
         start = np.stack([run.state for run in self._runs])
         control = np.stack([self._control(run, delays) for run in self._runs])
         with quiet_mujoco():
-            states, sensors = rollout.rollout(model, self._data, start, control)
+            states, sensors = rollout.rollout(
+                model, self._data, start, control, control_spec=_CONTROL
+            )
         rows = []
         for run, state, sensed in zip(self._runs, states, sensors, strict=True):
             self._check(run, state)
@@ -195,14 +199,20 @@ class Experiment:
         """What each drive is given over the steps that begin at these times, (K, n).
 
         A command is held until the next one, as control loops do; a step gets the mean over its
-        length, which is smooth in the delay.
+        length, which is smooth in the delay. Of a controller that is known to run much faster than
+        the log, commands lie on lines between samples.
         """
         dt = self.user.timestep
         q_des = recording.q_des
         assert q_des is not None
         out = np.empty((len(times), q_des.shape[1]))
+        law = self.user.law
+        faster = law is not None and law.period is not None and law.period < 0.5 * recording.period
         for k, late in enumerate(delays):
             begin = np.asarray(times - late, dtype=np.float64)
+            if faster:
+                out[:, k] = np.interp(begin + 0.5 * dt, recording.time, q_des[:, k])
+                continue
             out[:, k] = _mean_over(recording.time, q_des[:, k], begin, dt)
         return out
 
@@ -210,9 +220,16 @@ class Experiment:
         times = np.asarray(
             run.start + self.user.timestep * np.arange(self._steps), dtype=np.float64
         )
-        control = np.tile(self._rest, (self._steps, 1))
+        model = self.user.model
+        control = np.zeros((self._steps, model.nu + model.nv))
+        control[:, : model.nu] = self._rest
         commands = self._commands(self.recordings[run.recording], times, delays)
         control[:, list(self.user.controls)] = commands
+        torque = self._forward[run.recording]
+        if torque is not None:
+            recording = self.recordings[run.recording]
+            for dof, column in zip(self.user.dof, torque.T, strict=True):
+                control[:, model.nu + dof] = np.interp(times, recording.time, column)
         return control
 
     def _measured(self, run: _Run) -> FloatArray:
@@ -234,7 +251,9 @@ class Experiment:
         share = (place - low)[:, None]
         columns = [(1.0 - share) * q[low] + share * q[low + 1]]
         if self.torque:
-            columns.append(sensed[low][:, list(self.user.torque_sensors)])
+            torque = sensed[low][:, list(self.user.torque_sensors)]
+            forward = self._forward[run.recording]
+            columns.append(torque if forward is None else torque + forward[run.rows])
         return np.concatenate(columns, axis=1)
 
     def _check(self, run: _Run, states: FloatArray) -> None:
@@ -282,6 +301,27 @@ def simulated(user: UserModel, recording: Recording, values: Values) -> Recordin
         jitter=0.0,
         notes=(f"simulated by {user.name}",),
     )
+
+
+def fed_forward(user: UserModel, recording: Recording) -> FloatArray | None:
+    """Torques (T, n) that a controller outside the model adds, whatever the candidate is.
+
+    They are kd dq_des, and the gravity of the user's own model at the measured positions.
+    """
+    law = user.law
+    if law is None or (recording.dq_des is None and not law.gravity_compensation):
+        return None
+    torque = np.zeros_like(recording.q)
+    if recording.dq_des is not None:
+        torque += law.kd * np.nan_to_num(recording.dq_des)
+    if law.gravity_compensation:
+        data = mujoco.MjData(user.model)
+        for k, q in enumerate(recording.q):
+            data.qpos[list(user.qpos)] = q
+            mujoco.mj_fwdPosition(user.model, data)
+            mujoco.mj_fwdVelocity(user.model, data)
+            torque[k] += data.qfrc_bias[list(user.dof)]
+    return torque
 
 
 def check_commands(recording: Recording, joints: Sequence[str]) -> None:

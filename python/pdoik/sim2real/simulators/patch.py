@@ -79,6 +79,8 @@ def patched(user: UserModel, values: Mapping[Knob, float]) -> Patch:
             tag = _actuator(tags, user, k)
             if "dampratio" in tag.attributes and touched:  # it would follow other inertias
                 edit(tag, _gains(tags, user, candidate, k))
+    if user.law is not None and user.law.gravity_compensation:
+        left_out.append("the controller's gravity compensation, which is none of the model")
     left_out += _delayed(tags, user, values, edit)
     for tag in tags:
         if tag.name == "compiler" and isinstance(user.source, Path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,7 @@ class UserModel:
     torque_sensors: tuple[int, ...]  # places in `sensordata`
     degrees: bool  # whether angles in its source are in degrees
     law_outside: bool  # whether gains are the study's controller's, not the file's
+    law: Controller | None = None  # whose desired speeds and gravity are fed forward, too
     notes: tuple[str, ...] = ()
 
     @property
@@ -151,6 +152,7 @@ def user_model(
         ),
         degrees=bool(spec.compiler.degree),
         law_outside=outside,
+        law=controller if outside else None,
     )
 
 
@@ -184,7 +186,7 @@ def _of_urdf(path: Path, study: Study) -> UserModel:
             limit = float(controller.torque_limit[k])
             position[-1]["forcerange"] = f"{-limit:.17g} {limit:.17g}"
     text = mjcf_text(plant.model, comment=[f"made of {path.name}"], actuators=position)
-    return user_model(text, study.joints, name=path.name)
+    return replace(user_model(text, study.joints, name=path.name), law=controller)
 
 
 def _spec(source: Path | str, name: str) -> Any:
