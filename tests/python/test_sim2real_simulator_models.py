@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -13,12 +14,14 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.errors import LoadError
-from pdoik.sim2real import Controller, SimulationError
+from pdoik.sim2real import Controller, SimulationError, Simulator, Study
 from pdoik.sim2real.simulators.candidates import Knob, model_with
 from pdoik.sim2real.simulators.experiment import Experiment, simulated
 from pdoik.sim2real.simulators.patch import patched
 from pdoik.sim2real.simulators.sensitivities import scales_of, sensitivities
-from pdoik.sim2real.simulators.user_model import UserModel, user_model
+from pdoik.sim2real.simulators.user_model import UserModel, description_of, user_model
+from sim2real_recordings import even_recording
+from sim2real_robots import arm_urdf
 from sim2real_simulators import JOINTS, MJCF, PERIOD, commands, log, stepped
 
 
@@ -189,3 +192,39 @@ def test_motors_follow_the_studys_controller_as_a_loop_outside_would() -> None:
     settled = slice(150, 300)  # the guess of the first speed is over
     np.testing.assert_allclose(ours.q[: 2 * len(q) : 2][settled], np.array(q)[settled], atol=1e-4)
     assert np.ptp(ours.q[300:, 0]) > 0.2
+
+
+def test_a_urdf_under_a_controller_moves_as_in_the_diagnosis_own_simulation(tmp_path: Path) -> None:
+    """Desired speeds and gravity compensation are fed forward, whatever the candidate is."""
+    (tmp_path / "arm.urdf").write_text(arm_urdf(2))
+    time = np.arange(0.0, 4.0, PERIOD)
+    q_des = 0.4 * np.sin(2.0 * np.pi * np.outer(time, [0.5, 0.9])) + [0.3, -0.2]
+    commanded = even_recording(
+        time, q=q_des, q_des=q_des, dq_des=np.gradient(q_des, PERIOD, axis=0)
+    )
+    controller = Controller(
+        kp=np.array([300.0, 120.0]),
+        kd=np.array([20.0, 8.0]),
+        gravity_compensation=True,
+        period=1e-3,
+    )
+    joints, rotors = ("joint1", "joint2"), np.array([0.05, 0.05])
+    theirs = Simulator(tmp_path / "arm.urdf", joints, controller, rotors).replay(commanded)
+    study = Study(
+        folder=tmp_path,
+        robot=tmp_path / "arm.urdf",
+        joints=joints,
+        recordings=(theirs,),
+        split="by the study",
+        controller=controller,
+        rotor_inertia=rotors,
+    )
+    model = description_of(study)
+    assert model is not None
+    ours = simulated(model, theirs, {})
+    settled = time > 1.0
+    assert np.abs(q_des - theirs.q)[settled].max() > 0.01
+    np.testing.assert_allclose(ours.q[settled], theirs.q[settled], atol=2e-3)
+    assert ours.tau is not None
+    assert theirs.tau is not None
+    np.testing.assert_allclose(ours.tau[settled], theirs.tau[settled], atol=1.0)
