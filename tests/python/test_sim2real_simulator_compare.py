@@ -241,3 +241,18 @@ def test_of_a_real_quadruped_the_patch_halves_what_the_makers_own_figures_leave(
     assert ours < 0.5 * as_it_is
     assert ours < told
     assert any(knob.property == "frictionloss" and v > 0.05 for knob, v in found.patch.items())
+
+
+def test_a_joint_in_an_included_file_leaves_the_comparison_and_no_patch(tmp_path: Path) -> None:
+    body = MJCF[MJCF.index("<worldbody>") : MJCF.index("</worldbody>") + len("</worldbody>")]
+    (tmp_path / "body.xml").write_text(f"<mujoco>{body}</mujoco>")
+    (tmp_path / "arm.xml").write_text(MJCF.replace(body, '<include file="body.xml"/>'))
+    write_csv(tmp_path / "run.csv", log(12.0, 1, rubbing))
+    content = {"simulator": {"mjcf": "arm.xml"}, "recordings": ["run.csv"]}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(content))
+    done = run("compare", tmp_path / "study.yaml", "--out", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    told = json.loads((tmp_path / "out" / "comparison.json").read_text())
+    assert set(changed(told["machine_beyond_simulator"])) == {("frictionloss", "elbow")}
+    assert any("'elbow' is not in this file itself" in note for note in told["notes"])
+    assert not (tmp_path / "out" / "patched.xml").exists()

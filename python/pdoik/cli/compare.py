@@ -13,7 +13,7 @@ from .sim2real_extra import extra_needed
 from .story import story
 
 if TYPE_CHECKING:
-    from pdoik.sim2real.simulators.compare import Comparison
+    from pdoik.sim2real.simulators import Comparison
 
 
 def compare(
@@ -40,7 +40,7 @@ def compare(
         fail(f"--out {out_folder}: is a file, expected a folder")
     with extra_needed("compare"), misuse_fails():
         from pdoik.sim2real import SimulationError
-        from pdoik.sim2real.simulators.compare import compare as compared
+        from pdoik.sim2real.simulators import compare as compared
         from pdoik.sim2real.simulators.write import write
 
         with story() as tell:

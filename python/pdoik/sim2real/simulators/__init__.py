@@ -5,4 +5,14 @@ recordings of the machine. Goes out: a `Comparison`, with runs paired by their c
 joint and frequency, findings in the simulator's own words, and a patch of its MJCF. The simulator
 is taken as it is: candidates are copies of its model with other properties, run under the
 recorded commands. Bases are fixed.
+
+    from pdoik.sim2real.simulators import compare
+
+    comparison = compare("study.yaml")
+    for finding in comparison.machine.findings:
+        print(finding.statement)
 """
+
+from .compare import Comparison, compare
+
+__all__ = ["Comparison", "compare"]

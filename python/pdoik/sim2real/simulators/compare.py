@@ -105,7 +105,10 @@ def _compare(study: Study, say: Tell) -> Comparison:
         say("machine", f"held against {baseline.name}", 0.4)
         explained = explain(baseline, fit, validate, limits, lambda text: say("machine", text, 0.6))
         machine = step_of(explained, "machine", limits)
-        patch = patched(baseline, explained.patch)
+        try:
+            patch = patched(baseline, explained.patch)
+        except LoadError as error:
+            notes.append(f"patched.xml could not be made: {error}.")
     else:
         notes.append(
             "No model of the simulator is known, so what differs is not explained: give"

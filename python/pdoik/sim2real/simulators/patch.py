@@ -43,7 +43,7 @@ class _Tag:
 
 
 def patched(user: UserModel, values: Mapping[Knob, float]) -> Patch:
-    """The text with these values, loaded by MuJoCo and held against the candidate's model.
+    """The text with these values.
 
     Raises:
         LoadError: its joints or bodies are in included files.
@@ -92,20 +92,6 @@ def patched(user: UserModel, values: Mapping[Knob, float]) -> Patch:
             if folders:
                 edit(tag, folders)
     return Patch(text=_edited(text, edits, inserts), left_out=tuple(left_out))
-
-
-def differs(user: UserModel, patch: UserModel, values: Mapping[Knob, float]) -> tuple[str, ...]:
-    """Arrays of a patched model that are not those of the candidate, by their names."""
-    wanted, found = model_with(user, values), []
-    for name in (
-        *("dof_damping", "dof_frictionloss", "dof_armature", "jnt_stiffness", "qpos0"),
-        *("actuator_gainprm", "actuator_biasprm", "actuator_forcerange"),
-        *("body_mass", "body_ipos", "body_inertia", "body_pos", "jnt_range", "geom_size"),
-    ):
-        a, b = np.asarray(getattr(wanted, name)), np.asarray(getattr(patch.model, name))
-        if a.shape != b.shape or not np.allclose(a, b, rtol=1e-9, atol=1e-12):
-            found.append(name)
-    return tuple(found)
 
 
 def _joint(tags: list[_Tag], user: UserModel, joint: str) -> _Tag:

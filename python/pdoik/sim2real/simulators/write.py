@@ -33,10 +33,13 @@ def write(folder: str | Path, comparison: Comparison) -> Path:
     folder = Path(folder)
     (folder / "figures").mkdir(parents=True, exist_ok=True)
     write_whole(folder / "comparison.json", to_json(comparison))
-    if comparison.patch is not None and comparison.machine is not None:
+    if comparison.patch is not None:
         write_whole(folder / "patched.xml", comparison.patch.text)
-        table = patch_table(comparison.machine, comparison.patch.left_out)
-        write_whole(folder / "patch.md", table)
+    else:
+        (folder / "patched.xml").unlink(missing_ok=True)  # of another comparison
+    if comparison.machine is not None:
+        left_out = comparison.patch.left_out if comparison.patch else ()
+        write_whole(folder / "patch.md", patch_table(comparison.machine, left_out))
     if comparison.simulator is not None:
         table = patch_table(comparison.simulator, ())
         write_whole(folder / "simulator_beyond_description.md", table)
