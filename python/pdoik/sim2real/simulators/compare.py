@@ -16,8 +16,9 @@ from ..study.read_study import load_study
 from ..study.recording import FloatArray, Recording
 from ..study.split import split
 from ..study.study import Study
+from .commands import check_commands
 from .differences import Difference, differences_of
-from .experiment import check_commands, simulated
+from .experiment import simulated
 from .explain import explain
 from .findings import Step, step_of
 from .pairing import Pair, at_times_of, pairs_of
