@@ -2,6 +2,7 @@
 
 python bench/diagnose_example.py FOLDER       writes FOLDER/study.yaml, arm.urdf and three CSVs
 pdoik diagnose FOLDER/study.yaml --out report
+pdoik compare FOLDER/compare.yaml --out comparison
 
 The machine is MuJoCo's. Its elbow has dry and viscous friction and its forearm carries a weight,
 and arm.urdf says nothing of either. The same files come out every time.
@@ -80,6 +81,10 @@ rotor_inertia: [{", ".join(f"{i:g}" for i in ROTOR)}]
 """
 
 
+COMPARE = STUDY.replace("robot: arm.urdf", "simulator: {urdf: arm.urdf}")
+"""The same arm as a user's simulator, for `pdoik compare`."""
+
+
 def machine() -> tuple[mujoco.MjModel, mujoco.MjModel]:
     """The arm as it is, and as its makers describe it, for the controller's gravity."""
     spec = mujoco.MjSpec.from_string(URDF)
@@ -148,6 +153,7 @@ def main(folder: Path) -> None:
             comments="",
         )  # fmt: skip
     (folder / "study.yaml").write_text(STUDY)
+    (folder / "compare.yaml").write_text(COMPARE)
 
 
 if __name__ == "__main__":

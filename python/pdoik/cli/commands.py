@@ -9,6 +9,7 @@ import typer
 import pdoik
 
 from .bench import bench
+from .compare import compare
 from .diagnose import diagnose
 from .effects import app as effects
 from .h1 import h1
@@ -39,6 +40,7 @@ app.command()(bench)
 app.command()(view)
 app.command()(h1)
 app.command()(diagnose)
+app.command()(compare)
 app.command()(predict)
 app.command()(replay)
 app.add_typer(effects)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,17 +10,15 @@ import typer
 from rich import box
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from .messages import err, fail, misuse_fails, out
+from .messages import fail, misuse_fails, out
 from .sim2real_extra import extra_needed
+from .story import story
 
 if TYPE_CHECKING:
     from pdoik.sim2real.findings import Diagnosis
     from pdoik.sim2real.report.matrix import Matrix
-
-Tell = Callable[[str, str, float], None]
 
 
 def diagnose(
@@ -58,33 +54,11 @@ def diagnose(
 
         loaded = load_study(study)
         out_folder.mkdir(parents=True, exist_ok=True)
-        with _story() as tell:
+        with story() as tell:
             examination = examine(loaded, tell=tell, seed=seed)
             path = write(out_folder, examination, quick=quick, tell=tell)
         print_diagnosis(examination.diagnosis)
     out.print(escape(str(path)), highlight=False)
-
-
-@contextmanager
-def _story() -> Iterator[Tell]:
-    """A bar, and above it what was found out so far, line by line."""
-    with Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        console=err,
-        transient=True,
-        disable=not err.is_terminal,
-    ) as progress:
-        task = progress.add_task("", total=1.0)
-
-        def tell(stage: str, text: str, fraction: float) -> None:
-            progress.update(task, description=escape(stage), completed=min(max(fraction, 0.0), 1.0))
-            if text:
-                err.print(f"[bold]{escape(stage)}[/]  {escape(text)}", highlight=False)
-
-        yield tell
 
 
 _LINES = 25  # of the summary; the page has the rest

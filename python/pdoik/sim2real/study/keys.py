@@ -30,6 +30,7 @@ KEYS = (
     "recordings",
     "controller",
     "simulation",
+    "simulator",
     "trust",
     "rotor_inertia",
     "units",

@@ -22,6 +22,7 @@ from .read_log import read_log
 from .read_setup import Told, facts_of, setups_of
 from .recording import FloatArray, Recording
 from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
+from .simulator_key import simulator_from
 from .split import split
 from .study import Setup, Study
 from .suspect_units import check_units
@@ -46,6 +47,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
         raise LoadError(f"study: expected a YAML file, got the folder {path}")
     content = study_keys.read_keys(path)
     folder = path.resolve().parent
+    simulator = simulator_from(content.get("simulator"), folder)
     units = units_from(content.get("units"), path.name)
     ignore = study_keys.names(content.get("ignore"), "ignore") or ()
     named = study_keys.names(content.get("joints"), "joints")
@@ -106,6 +108,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
             controller=known_controller(told),
             told=told,
             simulation=tuple(simulation),
+            simulator=simulator,
             trust=study_keys.trust_from(content.get("trust")),
             rotor_inertia=rotor_inertia,
             setups=setups,

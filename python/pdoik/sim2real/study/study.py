@@ -11,6 +11,7 @@ from .controller import Controller as Controller
 from .controller import ToldController
 from .payload import Payload
 from .recording import FloatArray, Recording
+from .simulator_file import SimulatorFile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,6 +74,7 @@ class Study:
     controller: Controller | None = None  # a law that is known
     told: ToldController | None = None  # what the study says of one that may not be
     simulation: tuple[Recording, ...] = ()
+    simulator: SimulatorFile | None = None  # the user's own model, of `pdoik compare`
     trust: Trust = field(default_factory=Trust)
     rotor_inertia: FloatArray | None = None  # (n,) seen at the joint [kg m^2]
     notes: tuple[str, ...] = ()

@@ -17,6 +17,7 @@ from .noise import NoiseThresholds
 from .search import SearchThresholds
 from .selection import SelectionThresholds
 from .simulation import SimulationThresholds
+from .simulators import SimulatorThresholds
 from .support import SupportThresholds
 from .threshold import numbers_of
 from .unnamed import UnnamedThresholds
@@ -54,6 +55,7 @@ class Thresholds:
     figures: FigureThresholds = field(default_factory=FigureThresholds)
     verdict: VerdictThresholds = field(default_factory=VerdictThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
+    simulators: SimulatorThresholds = field(default_factory=SimulatorThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
         """With other values by GROUP.NAME.

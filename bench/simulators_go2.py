@@ -1,0 +1,107 @@
+"""A real quadruped that hangs: what `pdoik compare` finds from positions alone, and a picture.
+
+    python bench/simulators_go2.py SHARED/recordings/go2_hanging --picture bench/simulator.png
+
+The user's simulator is the Go2 of example-robot-data under the drives' gains (kp 20, kd 1.5),
+nothing else. Beside it stand the figures that the recording's authors simulate with (damping 0.6,
+dry friction 0.2, armature 0.01 in every joint). Errors are those of the held-out end, in runs of
+1.5 s that begin at the measured state.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import numpy as np
+import typer
+import yaml
+from matplotlib.figure import Figure
+
+from markdown import markdown_table
+from pdoik.sim2real.report.style import AFTER, BEFORE, MEASURED, house_style, png_of
+from pdoik.sim2real.simulators.candidates import Knob
+from pdoik.sim2real.simulators.compare import Comparison, compare
+from simulators import robots
+from whole_files import write_whole
+
+MAKERS = {"damping": 0.6, "frictionloss": 0.2, "armature": 0.01}
+LEG = 3  # joints of one
+
+
+def study(folder: Path, home: Path) -> Path:
+    """The YAML as a user would write it."""
+    content = {
+        "simulator": {"urdf": str(robots()["go2"].urdf)},
+        "controller": {"type": "pd", "kp": [20.0] * 12, "kd": [1.5] * 12},
+        "recordings": [str(folder.resolve() / "run1.csv")],
+    }
+    path = home / "study.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+def table(comparison: Comparison) -> str:
+    """Each joint's held-out error of the simulator, with its makers' figures, and patched."""
+    assert comparison.machine is not None
+    explained = comparison.machine.explained
+    held, joints = explained.held_out, comparison.study.joints
+    makers = {Knob(name, k): value for name, value in MAKERS.items() for k in range(len(joints))}
+    sides = (explained.before, held.run(makers, as_it_is=True), explained.after)
+    errors = [1e3 * np.sqrt(np.mean((held.measured - side) ** 2, axis=0)) for side in sides]
+    rows = [(joint, *(f"{e[k]:.1f}" for e in errors)) for k, joint in enumerate(joints)]
+    rows.append(("all", *(f"{np.sqrt(np.mean(e**2)):.1f}" for e in errors)))
+    header = ("joint", "as it is [mrad]", "with the authors' figures", "patched")
+    return markdown_table(header, rows)
+
+
+def picture(comparison: Comparison) -> bytes:
+    """One leg over the held-out end."""
+    trace = next(t for t in comparison.traces if t.recording.role == "validate")
+    assert trace.patched is not None
+    time = trace.recording.time + trace.recording.start
+    with house_style():
+        figure = Figure(figsize=(9.0, 5.4), layout="constrained")
+        axes = figure.subplots(LEG, 1, sharex=True)
+        at = slice(int(3.5 / trace.recording.period), None)
+        for k, one in enumerate(axes):
+            for values, color, width, label in (
+                (trace.recording.q, MEASURED, 1.8, "machine"),
+                (trace.simulator, BEFORE, 1.1, "simulator as it is"),
+                (trace.patched, AFTER, 1.1, "simulator, patched"),
+            ):
+                one.plot(time[at], values[at, k], color=color, lw=width, label=label)
+            sizes = [
+                1e3 * np.sqrt(np.mean((trace.recording.q[:, k] - side[:, k]) ** 2))
+                for side in (trace.simulator, trace.patched)
+            ]
+            joint = comparison.study.joints[k]
+            one.set_title(f"{joint}: {sizes[0]:.0f} → {sizes[1]:.0f} mrad rms, held out")
+            one.set_ylabel("position [rad]")
+        axes[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=3)
+        axes[-1].set_xlabel("time [s]")
+        return png_of(figure)
+
+
+def main(
+    folder: Annotated[Path, typer.Argument(help="With run1.csv.")],
+    image: Annotated[Path | None, typer.Option("--picture", help="PNG to write.")] = None,
+) -> None:
+    """Compare, print the table and what was found, draw one leg."""
+    with TemporaryDirectory() as home:
+        comparison = compare(study(folder, Path(home)))
+    typer.echo(table(comparison))
+    assert comparison.machine is not None
+    for finding in comparison.machine.findings:
+        low, high = next(iter(finding.parameters.values())).interval95
+        typer.echo(f"{finding.statement} ({low:.3g} to {high:.3g}) {finding.confidence:.2f}")
+    for finding in comparison.machine.suspected:
+        typer.echo(f"suspected: {finding.statement} {finding.confidence:.2f}")
+    if image is not None:
+        png = picture(comparison)
+        write_whole(image, lambda temporary: temporary.write_bytes(png))
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,35 @@
+"""What long commands tell of their work while it goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+from .messages import err
+
+Tell = Callable[[str, str, float], None]
+
+
+@contextmanager
+def story() -> Iterator[Tell]:
+    """A bar, and above it what was found out so far, line by line."""
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        console=err,
+        transient=True,
+        disable=not err.is_terminal,
+    ) as progress:
+        task = progress.add_task("", total=1.0)
+
+        def tell(stage: str, text: str, fraction: float) -> None:
+            progress.update(task, description=escape(stage), completed=min(max(fraction, 0.0), 1.0))
+            if text:
+                err.print(f"[bold]{escape(stage)}[/]  {escape(text)}", highlight=False)
+
+        yield tell

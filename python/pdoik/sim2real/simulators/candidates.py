@@ -1,0 +1,88 @@
+"""Candidates: the user's model with other values of some properties."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+
+from .user_model import UserModel
+from .vocabulary import PROPERTIES
+
+EVERY = -1  # the index of what all joints share
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Knob:
+    """One property of one joint or of the link that it moves; `EVERY` of all joints alike."""
+
+    property: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """What is taken up or left out as one: a property, or a link's mass with its centre."""
+
+    name: str
+    knobs: tuple[Knob, ...]
+
+    @property
+    def indices(self) -> frozenset[int]:
+        """Places in the study's joints."""
+        return frozenset(knob.index for knob in self.knobs)
+
+
+Values = Mapping[Knob, float]
+
+
+def terms_of(user: UserModel) -> tuple[Term, ...]:
+    """All that a user's model can be changed by."""
+    n = len(user.joints)
+    simple = ("damping", "frictionloss", "armature", "kp", "kv", "stiffness", "ref", "delay")
+    found = [Term(name, (Knob(name, k),)) for name in simple for k in range(n)]
+    if n > 1:
+        found.append(Term("delay", (Knob("delay", EVERY),)))
+    heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
+    found += [Term("mass", (Knob("mass", k),)) for k in heavy]
+    last = [k for k in heavy if not _carries_joints(user, k)]
+    centre = ("mass", "com_x", "com_y", "com_z")
+    found += [Term("payload", tuple(Knob(name, k) for name in centre)) for k in last]
+    return tuple(found)
+
+
+def baseline(user: UserModel, knob: Knob) -> float:
+    """Its value in the user's model."""
+    return PROPERTIES[knob.property].read(user, knob.index)
+
+
+def model_with(user: UserModel, values: Values) -> Any:
+    """A copy of the user's mujoco.MjModel with these values, all that follows from them anew."""
+    model = copy.copy(user.model)
+    for knob, value in values.items():
+        if knob.index != EVERY:
+            PROPERTIES[knob.property].write(user, model, knob.index, value)
+    if any(knob.property != "delay" for knob in values):
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
+
+
+def delays_with(user: UserModel, values: Values) -> list[float]:
+    """By how much each joint's command acts later, (n,) [s]."""
+    shared = values.get(Knob("delay", EVERY), 0.0)
+    return [shared + values.get(Knob("delay", k), 0.0) for k in range(len(user.joints))]
+
+
+def _carries_joints(user: UserModel, k: int) -> bool:
+    """Whether a further joint of the study is on the link that a joint moves."""
+    model, mine = user.model, user.body_of(k)
+    for other in range(len(user.joints)):
+        body = int(model.body_parentid[user.body_of(other)])
+        while body > 0:
+            if body == mine:
+                return True
+            body = int(model.body_parentid[body])
+    return False

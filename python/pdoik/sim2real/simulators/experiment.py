@@ -1,0 +1,304 @@
+"""Recordings cut into short runs, from which candidates start anew at the measured state.
+
+Errors of position of one run do not pile up over the next: multiple shooting with the measured
+states as the nodes. Each run has a beginning that is not judged, in which a wrong start dies out.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+from numpy.typing import NDArray
+
+from ..simulation.segments import measured_state
+from ..simulation.stepper import SimulationError
+from ..study.quiet_mujoco import quiet_mujoco
+from ..study.recording import FloatArray, Recording
+from .candidates import Values, delays_with, model_with
+from .commands import check_commands, fed_forward, mean_over
+from .starts import follow, settle_actuators
+from .user_model import UserModel
+
+WARM = 0.3  # beginning of each run that is not judged [s]
+LENGTH = 1.5  # of what is judged of each run [s]
+BLOCK = 0.75  # of rows that are drawn together, [s]
+MOST_ROWS = 12000  # judged samples of all recordings
+MOST_SECONDS = 60.0  # judged of all recordings
+_CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+_FINER = 4  # steps in one, to see what a step does
+_STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Run:
+    """One stretch of a recording."""
+
+    recording: int
+    start: float  # of the simulation [s]
+    state: FloatArray  # (nstate,)
+    rows: NDArray[np.intp]  # of the recording that are judged
+
+
+class Experiment:
+    """Candidates of one model, run under the commands of some recordings.
+
+    `measured` (R, C) has a column per joint's position and, where torque was logged, one per
+    joint's torque; `block` (R,) says which rows are drawn together, `recording` which one it is.
+    """
+
+    def __init__(
+        self,
+        user: UserModel,
+        recordings: Sequence[Recording],
+        *,
+        length: float = LENGTH,
+        warm: float = WARM,
+        torque: bool = True,
+        thin: bool = True,
+    ) -> None:
+        """Cut the recordings.
+
+        Args:
+            user: the model.
+            recordings: with q_des of all its joints.
+            length: of what is judged of each run [s].
+            warm: beginning of each run that is not judged [s].
+            torque: whether to show torques, too, where all recordings have them.
+            thin: whether long recordings are judged at a part of their samples.
+
+        Raises:
+            ValueError: commands are missing.
+        """
+        self.user = user
+        self.recordings = tuple(recordings)
+        for each in recordings:
+            check_commands(each, user.joints)
+        self.torque = torque and all(
+            each.tau is not None and bool(np.isfinite(each.tau).all()) for each in recordings
+        )
+        self._data = mujoco.MjData(user.model)
+        self._of_step: FloatArray | None = None
+        self._forward = [fed_forward(user, each) for each in recordings]
+        self._steps = round((warm + length) / user.timestep)
+        self._runs = self._cut(length, warm, thin)
+        if not self._runs:
+            raise ValueError("recordings: too short to simulate any of them")
+        parts = [self._measured(run) for run in self._runs]
+        self.measured: FloatArray = np.concatenate(parts)
+        times = [
+            self.recordings[run.recording].time[run.rows] + 1e4 * run.recording
+            for run in self._runs
+        ]
+        self.time: FloatArray = np.concatenate(times)
+        self.recording = np.concatenate([np.full(len(r.rows), r.recording) for r in self._runs])
+        self.block: NDArray[np.intp] = np.unique(
+            np.floor(self.time / BLOCK).astype(np.int64), return_inverse=True
+        )[1]
+
+    @property
+    def channels(self) -> tuple[tuple[str, int], ...]:
+        """Channel and joint of each column."""
+        n = len(self.user.joints)
+        kinds = ("q", "tau") if self.torque else ("q",)
+        return tuple((kind, k) for kind in kinds for k in range(n))
+
+    def allow_for_step(self, values: Values) -> None:
+        """From now on `run` adds what a fourth of the step changes in this candidate.
+
+        What a simulator's step does to a motion (half a step of delay, more or less damping) is
+        none of its properties, and must not pass for one of the machine's.
+        """
+        self._of_step = None
+        user, plain = self.user, self.run(values)
+        fine = copy.copy(user.model)
+        fine.opt.timestep = user.timestep / _FINER
+        steps = self._steps
+        try:
+            self.user, self._steps = replace(user, model=fine), steps * _FINER
+            self._of_step = self.run(values) - plain
+        finally:
+            self.user, self._steps = user, steps
+
+    def run(self, values: Values, *, as_it_is: bool = False) -> FloatArray:
+        """What a candidate shows where `measured` is, (R, C).
+
+        Args:
+            values: of the properties that are not the user's.
+            as_it_is: without what `allow_for_step` adds.
+
+        Raises:
+            SimulationError: it left all bounds.
+        """
+        model = model_with(self.user, values)
+        delays = delays_with(self.user, values)
+        start = np.stack([run.state for run in self._runs])
+        control = np.stack([self._control(run, delays) for run in self._runs])
+        with quiet_mujoco():
+            states, sensors = rollout.rollout(
+                model, self._data, start, control, control_spec=_CONTROL
+            )
+        rows = []
+        for run, state, sensed in zip(self._runs, states, sensors, strict=True):
+            self._check(run, state)
+            rows.append(self._shown(run, state, sensed))
+        shown = np.concatenate(rows)
+        return shown if as_it_is or self._of_step is None else shown + self._of_step
+
+    def _cut(self, length: float, warm: float, thin: bool) -> list[_Run]:
+        runs: list[_Run] = []
+        seconds = sum(float(each.time[-1]) for each in self.recordings)
+        share = min(1.0, MOST_SECONDS / seconds) if thin else 1.0
+        rows = sum(len(each.time) for each in self.recordings) * share
+        every = max(1, int(np.ceil(rows / MOST_ROWS))) if thin else 1
+        for k, recording in enumerate(self.recordings):
+            q, dq = measured_state(recording, self.user.joints, None, None)
+            end = float(recording.time[-1]) + recording.period
+            count = max(1, int((end - warm) / length + 0.5))
+            wanted = max(1, round(count * share))
+            for piece in np.unique(np.linspace(0, count - 1, wanted).round().astype(int)):
+                first = warm + piece * (end - warm) / count
+                last = warm + (piece + 1) * (end - warm) / count
+                at = max(0, round((first - warm) / recording.period))
+                start = float(recording.time[at])
+                reach = start + self._steps * self.user.timestep
+                inside = (recording.time >= first) & (recording.time < min(last, reach))
+                judged = np.flatnonzero(inside & recording.valid)[::every]
+                if len(judged):
+                    state = self._state(recording, q[at], dq[at], start)
+                    runs.append(_Run(recording=k, start=start, state=state, rows=judged))
+        return runs
+
+    def _state(
+        self, recording: Recording, q: FloatArray, dq: FloatArray, start: float
+    ) -> FloatArray:
+        user, data = self.user, self._data
+        model = user.model
+        if model.nkey:
+            mujoco.mj_resetDataKeyframe(model, data, 0)
+        else:
+            mujoco.mj_resetData(model, data)
+        data.time = 0.0
+        data.qvel[:] = 0.0
+        data.qpos[list(user.qpos)], data.qvel[list(user.dof)] = q, dq
+        follow(model, data)
+        command = self._commands(recording, np.array([start]), [0.0] * len(user.joints))[0]
+        data.ctrl[list(user.controls)] = command
+        settle_actuators(user, data, command)
+        state = np.empty(mujoco.mj_stateSize(model, _STATE))
+        mujoco.mj_getState(model, data, state, _STATE)
+        self._rest = np.array(data.ctrl)
+        return state
+
+    def _commands(
+        self, recording: Recording, times: FloatArray, delays: Sequence[float]
+    ) -> FloatArray:
+        """What each drive is given over the steps that begin at these times, (K, n).
+
+        A command is held until the next one, as control loops do; a step gets the mean over its
+        length, which is smooth in the delay. Of a controller that is known to run much faster than
+        the log, commands lie on lines between samples.
+        """
+        dt = self.user.timestep
+        q_des = recording.q_des
+        assert q_des is not None
+        out = np.empty((len(times), q_des.shape[1]))
+        law = self.user.law
+        faster = law is not None and law.period is not None and law.period < 0.5 * recording.period
+        for k, late in enumerate(delays):
+            begin = np.asarray(times - late, dtype=np.float64)
+            if faster:
+                out[:, k] = np.interp(begin + 0.5 * dt, recording.time, q_des[:, k])
+                continue
+            out[:, k] = mean_over(recording.time, q_des[:, k], begin, dt)
+        return out
+
+    def _control(self, run: _Run, delays: Sequence[float]) -> FloatArray:
+        times = np.asarray(
+            run.start + self.user.timestep * np.arange(self._steps), dtype=np.float64
+        )
+        model = self.user.model
+        control = np.zeros((self._steps, model.nu + model.nv))
+        control[:, : model.nu] = self._rest
+        commands = self._commands(self.recordings[run.recording], times, delays)
+        control[:, list(self.user.controls)] = commands
+        torque = self._forward[run.recording]
+        if torque is not None:
+            recording = self.recordings[run.recording]
+            for dof, column in zip(self.user.dof, torque.T, strict=True):
+                control[:, model.nu + dof] = np.interp(times, recording.time, column)
+        return control
+
+    def _measured(self, run: _Run) -> FloatArray:
+        recording = self.recordings[run.recording]
+        columns = [recording.q[run.rows]]
+        if self.torque:
+            assert recording.tau is not None
+            columns.append(recording.tau[run.rows])
+        return np.concatenate(columns, axis=1)
+
+    def _shown(self, run: _Run, states: FloatArray, sensed: FloatArray) -> FloatArray:
+        """A run's states, after each step, at the recording's samples."""
+        dt = self.user.timestep
+        time = self.recordings[run.recording].time[run.rows] - run.start
+        place = np.clip(time / dt, 0.0, len(states) - 0.0)
+        qpos = [1 + k for k in self.user.qpos]  # the first of a state is the time
+        q = np.concatenate([run.state[None, qpos], states[:, qpos]])  # (K + 1, n)
+        low = np.minimum(np.floor(place + 1e-6).astype(int), len(q) - 2)
+        share = (place - low)[:, None]
+        columns = [(1.0 - share) * q[low] + share * q[low + 1]]
+        if self.torque:
+            torque = sensed[low][:, list(self.user.torque_sensors)]
+            forward = self._forward[run.recording]
+            columns.append(torque if forward is None else torque + forward[run.rows])
+        return np.concatenate(columns, axis=1)
+
+    def _check(self, run: _Run, states: FloatArray) -> None:
+        """Raises SimulationError where MuJoCo stopped, or a state is no number."""
+        time = states[:, 0]
+        stopped = np.flatnonzero(~(np.diff(time) > 0.0))
+        model = self.user.model
+        speeds = states[:, 1 + model.nq : 1 + model.nq + model.nv]
+        odd = np.flatnonzero(~np.isfinite(states).all(axis=1) | (np.abs(speeds) > 1e4).any(axis=1))
+        if not len(stopped) and not len(odd):
+            return
+        at = int(min([*stopped[:1], *odd[:1]]))
+        size = np.abs(np.nan_to_num(speeds[at], nan=np.inf))
+        joint = model.joint(int(model.dof_jntid[int(np.argmax(size))])).name
+        name = self.recordings[run.recording].name
+        raise SimulationError(
+            f"{self.user.name} is unstable under the commands of {name}: at"
+            f" {run.start + (at + 1) * self.user.timestep:.3f} s joint {joint!r} runs away"
+            f" ({size.max():.3g} rad/s); its timestep is {1e3 * self.user.timestep:g} ms: try a"
+            " shorter one, the integrator implicitfast, or an armature"
+        )
+
+
+def simulated(user: UserModel, recording: Recording, values: Values) -> Recording:
+    """One run of a candidate from a recording's first state under its commands, on its grid.
+
+    Raises:
+        SimulationError: it left all bounds.
+        ValueError: commands are missing.
+    """
+    whole = float(recording.time[-1]) + recording.period
+    like = replace(recording, valid=np.ones_like(recording.valid), tau=np.zeros_like(recording.q))
+    run = Experiment(user, [like], length=whole, warm=0.0, thin=False)
+    shown, n = run.run(values), len(user.joints)
+    q = shown[:, :n]
+    return replace(
+        like,
+        q=q,
+        dq=np.gradient(q, recording.period, axis=0),
+        tau=shown[:, n:],
+        current=None,
+        duty=None,
+        tau_cmd=None,
+        tip=None,
+        jitter=0.0,
+        notes=(f"simulated by {user.name}",),
+    )

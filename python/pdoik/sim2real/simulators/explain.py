@@ -1,0 +1,252 @@
+"""What a log has beyond a simulator: properties fitted by simulating candidates, and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from ..simulation.stepper import SimulationError
+from ..study.recording import FloatArray, Recording
+from ..thresholds.simulators import SimulatorThresholds
+from .blocks import Blocks, t_of
+from .candidates import Knob, Term, Values, terms_of
+from .experiment import Experiment
+from .selection import Rival, Selection
+from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
+from .user_model import UserModel
+from .vocabulary import Scales
+
+Tell = Callable[[str], None]
+
+_ROUNDS = 4  # of choosing and simulating
+_STEPS = 3  # of Gauss-Newton within a round
+_HALVINGS = 4
+_FINEST = {"q": 1e-5, "tau": 1e-3}
+"""What no sensor shows [rad], [N m]: noise of logs that have none, those of simulators."""
+_STILL = 0.02  # of a standard error: a smaller move is none
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Explained:
+    """What was chosen and how well it does; arrays of channels are (C,)."""
+
+    user: UserModel
+    terms: tuple[Term, ...]  # all that differ, or may
+    kept: tuple[Term, ...]  # those that hold on held-out data, be it under another name
+    values: dict[Knob, float]  # of all terms, fitted together
+    patch: dict[Knob, float]  # of those kept, fitted without the others
+    std: dict[Knob, float]
+    rivals: dict[Term, tuple[Rival, ...]]
+    gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
+    without: dict[Term, float]  # held-out loss without it
+    shows: dict[Term, float]  # root mean square of what it changes, over noise and step, where most
+    sigma: FloatArray  # by which errors are weighed
+    noise: FloatArray  # white noise of each channel
+    of_step: FloatArray  # root mean square of what the simulator's own step does to each
+    blocks: int  # of time that figures were fitted to
+    held_out: Experiment
+    before: FloatArray  # (R, C) held-out, of the user's model
+    after: FloatArray  # (R, C) held-out, with the patch
+
+    def there(self, term: Term) -> float:
+        """Probability that held-out data are better explained with a term than without."""
+        gains = self.gains[term]
+        if not np.isfinite(gains).all():
+            return 1.0  # the model is unstable without it
+        return float(student.cdf(t_of(gains), max(len(gains) - 1, 1)))
+
+    def holds(self, term: Term, limits: SimulatorThresholds) -> bool:
+        """Whether it is believed to be there, and matters; by whatever name."""
+        return self.there(term) >= limits.least_confidence and self.shows[term] >= limits.shows
+
+    def confidence(self, term: Term) -> float:
+        """Probability that a term is there, and none of its rivals in its place."""
+        rivals = [each for each in self.rivals[term] if not each.same]
+        odds = sum(each.probability / (1.0 - min(each.probability, 0.99)) for each in rivals)
+        return self.there(term) / (1.0 + odds)
+
+
+def explain(
+    user: UserModel,
+    fit: Sequence[Recording],
+    validate: Sequence[Recording],
+    limits: SimulatorThresholds,
+    tell: Tell | None = None,
+    *,
+    same_step: bool = False,
+) -> Explained:
+    """Find what must be changed in a model so that it does what the recordings show.
+
+    Args:
+        user: the model.
+        fit: recordings to choose and fit by.
+        validate: recordings that only judge.
+        limits: what is believed.
+        tell: called with what was found so far, in words.
+        same_step: whether the recordings were simulated with the model's own step.
+
+    Raises:
+        SimulationError: the model as it is is unstable under the commands.
+        ValueError: commands are missing.
+    """
+    say = tell or (lambda text: None)
+    experiment, held_out = Experiment(user, fit), Experiment(user, validate)
+    noise = noise_of(experiment)
+    scales, all_terms = scales_of(experiment), terms_of(user)
+    knobs = knobs_of(all_terms)
+    values: dict[Knob, float] = {}
+    chosen: tuple[Term, ...] = ()
+    for k in range(_ROUNDS):
+        if not same_step:
+            experiment.allow_for_step(values)
+        about = sensitivities(experiment, values, knobs, scales)
+        sigma = _sigma(experiment, about.shown, noise)
+        blocks = Blocks.of(experiment, about, sigma)
+        selection = Selection(blocks, knobs, all_terms, limits)
+        before, chosen = chosen, selection.choose(chosen)
+        values = _fitted(experiment, about, selection, chosen, sigma, scales)
+        say(f"round {k + 1}: {len(chosen)} properties differ")
+        if set(before) == set(chosen):
+            break
+    if not same_step:
+        experiment.allow_for_step(values)
+        held_out.allow_for_step(values)
+    about = sensitivities(experiment, values, knobs, scales)
+    sigma = _sigma(experiment, about.shown, noise)
+    blocks = Blocks.of(experiment, about, sigma)
+    selection = Selection(blocks, knobs, all_terms, limits)
+    chosen = tuple(term for term in chosen if term in selection.terms)
+    judged = _judged(selection, about, chosen, values, sigma, noise, held_out)
+    kept = tuple(t for t in chosen if judged.holds(t, limits))
+    if len(kept) == len(chosen):
+        return judged
+    say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
+    values = _fitted(experiment, about, selection, kept, sigma, scales)
+    return replace(judged, kept=kept, patch=values, after=held_out.run(values, as_it_is=True))
+
+
+def noise_of(experiment: Experiment) -> FloatArray:
+    """White noise of each channel, from third differences of neighbouring samples, (C,)."""
+    found = []
+    for channel, k in experiment.channels:
+        squares = []
+        for each in experiment.recordings:
+            values = getattr(each, channel)[:, k]
+            squares.append(float(np.median(np.diff(values, 3) ** 2)) / 0.455 / 20.0)
+        found.append(max(np.sqrt(np.mean(squares)), _FINEST[channel]))
+    return np.array(found)
+
+
+def _sigma(experiment: Experiment, shown: FloatArray, noise: FloatArray) -> FloatArray:
+    """What each channel leaves now: by that its errors count."""
+    left = np.sqrt(np.mean((experiment.measured - shown) ** 2, axis=0))
+    return np.maximum(np.maximum(left, noise), 1e-9)
+
+
+def _fitted(
+    experiment: Experiment,
+    about: Sensitivities,
+    selection: Selection,
+    chosen: Sequence[Term],
+    sigma: FloatArray,
+    scales: Sequence[Scales],
+) -> dict[Knob, float]:
+    """Gauss-Newton with halved steps; the first derivatives are there already."""
+    mine = knobs_of(chosen)
+    where = [about.knobs.index(knob) for knob in mine]
+    start = np.zeros(len(about.knobs))
+    start[where] = about.at[where]
+    goal = selection.blocks.solve(where)
+
+    def cost(x: FloatArray, s: Sensitivities) -> float:
+        try:
+            shown = experiment.run(s.values(x))
+        except SimulationError:
+            return np.inf
+        return float((((experiment.measured - shown) / sigma) ** 2).sum())
+
+    values = about.values(start)
+    best = cost(start, about)
+    for step in range(_STEPS):
+        move, share = goal - start, 1.0
+        for _ in range(_HALVINGS):
+            now = cost(start + share * move, about)
+            if now < best:
+                break
+            share *= 0.5
+        else:
+            break
+        gained = best - now
+        best, values = now, about.values(start + share * move)
+        if not mine or gained < 1e-4 * best or step == _STEPS - 1:
+            break
+        about = sensitivities(experiment, values, mine, scales)
+        start = about.at.copy()
+        goal = Blocks.of(experiment, about, sigma).solve(range(len(mine)))
+    return values
+
+
+def _judged(
+    selection: Selection,
+    about: Sensitivities,
+    chosen: tuple[Term, ...],
+    values: Values,
+    sigma: FloatArray,
+    noise: FloatArray,
+    held_out: Experiment,
+) -> Explained:
+    """Errors, rivals, and each term left out in turn on data that nothing was learnt from."""
+    blocks = selection.blocks
+    places = selection.places(chosen)
+    x = np.zeros(len(about.knobs))
+    x[places] = about.at[places]
+    covariance = blocks.covariance(places, x)
+    std = {
+        about.knobs[p]: float(np.sqrt(covariance[i, i]) * about.step[p])
+        for i, p in enumerate(places)
+    }
+    before = held_out.run({}, as_it_is=True)
+    after = held_out.run(values, as_it_is=True)
+    with_values = held_out.run(values)
+    of_step = np.sqrt(np.mean((with_values - after) ** 2, axis=0))
+    floor = np.hypot(noise, of_step)
+    count = int(held_out.block.max()) + 1
+
+    def loss(shown: FloatArray) -> FloatArray:
+        squares = (((held_out.measured - shown) / sigma) ** 2).sum(axis=1)
+        return np.bincount(held_out.block, squares, minlength=count).astype(np.float64)
+
+    with_all = loss(with_values)
+    gains, without, shows = {}, {}, {}
+    for term in chosen:
+        others = [each for each in chosen if each != term]
+        try:
+            shown = held_out.run(about.values(blocks.solve(selection.places(others))))
+        except SimulationError:
+            shown = np.full_like(with_values, np.inf)
+        left = loss(shown)
+        size = np.sqrt(np.mean((shown - with_values) ** 2, axis=0))
+        shows[term] = float(np.max(size / floor))
+        gains[term], without[term] = left - with_all, float(left.sum())
+    return Explained(
+        user=held_out.user,
+        terms=chosen,
+        kept=chosen,
+        values=dict(values),
+        patch=dict(values),
+        std=std,
+        rivals={term: selection.rivals(chosen, term) for term in chosen},
+        gains=gains,
+        without=without,
+        shows=shows,
+        sigma=sigma,
+        noise=noise,
+        of_step=of_step,
+        blocks=len(blocks.c),
+        held_out=held_out,
+        before=before,
+        after=after,
+    )

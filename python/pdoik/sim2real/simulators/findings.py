@@ -1,0 +1,194 @@
+"""From what was fitted to findings in the simulator's own words, and a verdict of their step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from ..findings import Equivalent, Estimate, Evidence, Finding, JointFit, Verdict
+from ..study.recording import FloatArray
+from ..thresholds.simulators import SimulatorThresholds
+from .candidates import EVERY, Knob, Term, baseline
+from .explain import Explained
+from .user_model import UserModel
+from .vocabulary import PROPERTIES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changed:
+    """One property that the patch changes, and its value before."""
+
+    knob: Knob
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """One of the two questions: what a log has beyond a model, with its verdict."""
+
+    model: str  # what was held against the log
+    log: str  # simulator or machine
+    verdict: Verdict
+    findings: tuple[Finding, ...]  # whose names are believed
+    suspected: tuple[Finding, ...]
+    joints: dict[str, JointFit]  # positions on held-out data, with the patch
+    changed: tuple[Changed, ...]
+    explained: Explained
+
+
+def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step:
+    """Verdict, findings by what they gain on held-out data, and the joints' errors."""
+    user = explained.user
+    order = sorted(explained.terms, key=lambda term: -_gain(explained, term))
+    joints = _joints(explained)
+    claimed = [
+        term
+        for term in order
+        if explained.holds(term, limits) and explained.confidence(term) >= limits.least_confidence
+    ]
+    return Step(
+        model=user.name,
+        log=log,
+        verdict=_verdict(explained, joints, bool(explained.kept), limits),
+        findings=tuple(_finding(explained, term) for term in claimed),
+        suspected=tuple(_finding(explained, term) for term in order if term not in claimed),
+        joints=joints,
+        changed=tuple(
+            Changed(knob=knob, before=baseline(user, knob), after=value)
+            for knob, value in sorted(explained.patch.items(), key=lambda pair: pair[0])
+        ),
+        explained=explained,
+    )
+
+
+def place_of(user: UserModel, knob: Knob) -> str:
+    """The joint or link that a knob is of, in words."""
+    if knob.index == EVERY:
+        return "all joints"
+    if PROPERTIES[knob.property].place == "link":
+        return str(user.model.body(user.body_of(knob.index)).name)
+    return user.joints[knob.index]
+
+
+def _finding(explained: Explained, term: Term) -> Finding:
+    user, held = explained.user, explained.held_out
+    gains = explained.gains[term]
+    gain = _gain(explained, term)
+    error = float(np.std(gains, ddof=1)) * np.sqrt(len(gains)) if len(gains) > 1 else np.inf
+    share = error / max(explained.without[term], 1e-300)
+    values = explained.patch if term in explained.kept else explained.values
+    blocks = max(3, explained.blocks - len(explained.values))
+    width = float(student.ppf(0.975, blocks))
+    parameters = {}
+    for knob in term.knobs:
+        value = values.get(knob, baseline(user, knob))
+        std = explained.std[knob]
+        parameters[knob.property] = Estimate(
+            value=value,
+            std=std,
+            interval95=(value - width * std, value + width * std),
+            unit=PROPERTIES[knob.property].unit,
+        )
+    rivals = explained.rivals[term]
+    linked = PROPERTIES[term.knobs[0].property].place == "link"
+    places = tuple(dict.fromkeys(place_of(user, knob) for knob in term.knobs))
+    if term.indices == {EVERY}:
+        places = user.joints
+    name = places[0] if len(places) == 1 else "all joints"
+    said = ", ".join(
+        f"{knob.property} {baseline(user, knob):.3g} -> {parameters[knob.property].value:.3g}"
+        f" {PROPERTIES[knob.property].unit}"
+        for knob in term.knobs
+    )
+    return Finding(
+        effect=term.name,
+        joints=() if linked else places,
+        links=places if linked else (),
+        recordings=tuple(each.file or each.name for each in held.recordings),
+        statement=f"{name}: {said}",
+        parameters=parameters,
+        equivalents=tuple(
+            Equivalent(
+                effect=each.term.name,
+                **{
+                    "links"
+                    if PROPERTIES[each.term.knobs[0].property].place == "link"
+                    else "joints": (place_of(user, each.term.knobs[0]),)
+                },
+            )
+            for each in rivals
+        ),
+        decided_by=_decided_by(explained, term),
+        evidence=Evidence(
+            validation_gain=gain,
+            interval95=(gain - 1.96 * share, gain + 1.96 * share),
+            channels=("q", "tau") if held.torque else ("q",),
+        ),
+        weight=gain,
+        confidence=explained.confidence(term),
+    )
+
+
+_SPEED = {"damping", "kv"}
+_LOAD = {"mass", "payload", "ref", "stiffness", "kp"}
+
+
+def _decided_by(explained: Explained, term: Term) -> str:
+    """The motion that would part a term from its rivals; "" where none would, or none is needed."""
+    names = {each.term.name for each in explained.rivals[term] if not each.same} | {term.name}
+    if len(names) == 1:
+        return ""
+    if "frictionloss" in names and names & _SPEED:
+        return "the same path at a quarter and at four times the speed: dry friction stays the same"
+    if "armature" in names:
+        return "faster reversals: inertia grows with the square of the frequency"
+    if names & _LOAD:
+        return "rest at several postures across the range: loads turn with gravity, gains do not"
+    return "motion of this joint alone, slow and fast"
+
+
+def _gain(explained: Explained, term: Term) -> float:
+    return float(explained.gains[term].sum()) / max(explained.without[term], 1e-300)
+
+
+def _joints(explained: Explained) -> dict[str, JointFit]:
+    held = explained.held_out
+    found = {}
+    for k, joint in enumerate(explained.user.joints):
+        measured = held.measured[:, k]
+        found[joint] = JointFit(
+            before=_rms(measured - explained.before[:, k]),
+            after=_rms(measured - explained.after[:, k]),
+            noise_floor=float(np.hypot(explained.noise[k], explained.of_step[k])),
+            unit="rad",
+            data=", ".join(dict.fromkeys(each.name for each in held.recordings)),
+            excited=bool(np.ptp(measured) > 2e-3),
+        )
+    return found
+
+
+def _verdict(
+    explained: Explained,
+    joints: dict[str, JointFit],
+    found: bool,
+    limits: SimulatorThresholds,
+) -> Verdict:
+    moved = [fit for fit in joints.values() if fit.excited]
+    if not moved:
+        return "cannot_tell"
+    if all(fit.before <= limits.alike * fit.noise_floor for fit in moved) and not found:
+        return "no_mismatch"
+    before = sum(fit.before**2 - fit.noise_floor**2 for fit in moved)
+    after = sum(max(fit.after**2 - fit.noise_floor**2, 0.0) for fit in moved)
+    if not found:
+        return "mismatch_unexplained"
+    if after <= (1.0 - limits.explained) * before:
+        return "mismatch_explained"
+    return "mismatch_partly_explained"
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,181 @@
+"""Runs of a simulator and of the machine that had the same commands, and the time between them.
+
+A pair is found by the files' names, else by the commands. Where the shift that makes the commands
+alike is another one at the end than at the beginning, the logs' clocks run apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.signal import fftconvolve
+
+from pdoik.errors import LoadError
+
+from ..study.recording import FloatArray, Recording
+from ..thresholds.simulators import SimulatorThresholds
+
+_MOST_LAGS = 200_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pair:
+    """A recording of the machine and the simulator's log of the same commands."""
+
+    machine: Recording
+    simulation: Recording
+    shift: float  # the machine's time is the simulation's plus this [s]
+    drift: float  # by how much that grows per second
+    likeness: float  # correlation of the commands
+    by: str  # name or commands
+
+
+def pairs_of(
+    machine: Sequence[Recording],
+    simulation: Sequence[Recording],
+    joints: Sequence[str],
+    limits: SimulatorThresholds,
+) -> tuple[Pair, ...]:
+    """A pair for each recording of the machine that has one.
+
+    Raises:
+        LoadError: commands are missing, none is shared, or clocks run apart.
+    """
+    for each in (*machine, *simulation):
+        if each.q_des is None or not np.isfinite(each.q_des).all():
+            raise LoadError(
+                f"{each.name}: expected columns 'q_des.<joint>' of {', '.join(joints)}: runs are"
+                f" paired by their commands; it has {', '.join(each.channels)}"
+            )
+    found, best = [], (0.0, "", "")
+    for recording in machine:
+        tried = [(_aligned(recording, each), each) for each in simulation]
+        named = [pair for pair in tried if _stem(pair[1]) == _stem(recording)]
+        (shift, likeness), there = max(named or tried, key=lambda pair: pair[0][1])
+        by = "name" if named else "commands"
+        if likeness < limits.same_commands and named and len(tried) > 1:
+            (shift, likeness), there = max(tried, key=lambda pair: pair[0][1])
+            by = "commands"
+        if likeness > best[0]:
+            best = (likeness, recording.name, there.name)
+        if likeness < limits.same_commands:
+            continue
+        drift = _drift(recording, there, shift)
+        if abs(drift) > limits.clocks:
+            raise LoadError(
+                f"{recording.name} and {there.name}: their clocks run apart by"
+                f" {1e3 * drift:.3g} ms in a second (the same commands come {1e3 * shift:.4g} ms"
+                " later at the beginning): expected times of one rate; take the commands' own"
+                " time stamps for both logs"
+            )
+        found.append(
+            Pair(
+                machine=recording,
+                simulation=there,
+                shift=shift,
+                drift=drift,
+                likeness=likeness,
+                by=by,
+            )
+        )
+    if not found:
+        raise LoadError(
+            "simulation and recordings share no commands: the most alike are"
+            f" {best[1]} and {best[2]} (correlation {best[0]:.2f}, expected at least"
+            f" {limits.same_commands:g}); let the simulator follow the recorded q_des"
+        )
+    return tuple(found)
+
+
+def at_times_of(pair: Pair) -> FloatArray:
+    """Times of the simulation's log at which the machine's samples are, (T,) [s]."""
+    return np.asarray(pair.machine.time - pair.shift - pair.drift * pair.machine.time)
+
+
+def _stem(recording: Recording) -> str:
+    return Path(recording.file or recording.name).stem
+
+
+def _aligned(machine: Recording, simulation: Recording) -> tuple[float, float]:
+    """The shift of time that makes commands most alike [s], and how alike they then are."""
+    period = min(machine.period, simulation.period)
+    a, b = _commands(machine, period), _commands(simulation, period)
+    if len(a) + len(b) > _MOST_LAGS:
+        period *= (len(a) + len(b)) / _MOST_LAGS
+        a, b = _commands(machine, period), _commands(simulation, period)
+    moving = (np.std(a, axis=0) > 1e-6) & (np.std(b, axis=0) > 1e-6)
+    if not moving.any():
+        return 0.0, 0.0
+    least = max(2, min(len(a), len(b)) // 2)  # samples that two runs must share
+    cross = _overlaps(np.ones(len(a)), np.ones(len(b)))
+    count = np.maximum(cross, 1.0)
+    score = np.zeros(len(cross))
+    for k in np.flatnonzero(moving):
+        x, y = a[:, k] - a[:, k].mean(), b[:, k] - b[:, k].mean()
+        one, other = np.ones(len(x)), np.ones(len(y))
+        sx, sy = _overlaps(x, other) / count, _overlaps(one, y) / count
+        vx = _overlaps(x**2, other) / count - sx**2
+        vy = _overlaps(one, y**2) / count - sy**2
+        size = np.sqrt(np.maximum(vx, 0.0) * np.maximum(vy, 0.0))
+        covariance = _overlaps(x, y) / count - sx * sy
+        score += np.where(size > 1e-9, covariance / np.maximum(size, 1e-9), 0.0)
+    score = np.where(cross >= least, score / moving.sum(), -1.0)
+    best = int(np.argmax(score))
+    place = float(best)
+    if 0 < best < len(score) - 1:
+        left, here, right = score[best - 1 : best + 2]
+        bend = left - 2.0 * here + right
+        if bend < 0.0:
+            place += float(np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
+    return (place - (len(b) - 1)) * period, float(score[best])
+
+
+def _drift(machine: Recording, simulation: Recording, shift: float) -> float:
+    """By how much the shift grows per second, from thirds of what both have."""
+    found = []
+    for low, high in ((0.0, 1 / 3), (2 / 3, 1.0)):
+        begin = max(machine.time[0], simulation.time[0] + shift)
+        end = min(machine.time[-1], simulation.time[-1] + shift)
+        inside = (machine.time >= begin + low * (end - begin)) & (
+            machine.time <= begin + high * (end - begin)
+        )
+        time = machine.time[inside]
+        lags = shift + np.linspace(-0.1, 0.1, 201)
+        assert machine.q_des is not None
+        losses = [
+            float(
+                (
+                    (
+                        _at(simulation, np.asarray(time - lag, dtype=np.float64))
+                        - machine.q_des[inside]
+                    )
+                    ** 2
+                ).sum()
+            )
+            for lag in lags
+        ]
+        if max(losses) - min(losses) < 1e-12:
+            return 0.0
+        found.append((float(time.mean()), float(lags[int(np.argmin(losses))])))
+    (t0, s0), (t1, s1) = found
+    late = s1 - s0
+    return 0.0 if abs(late) <= 2.0 * machine.period else late / (t1 - t0)
+
+
+def _at(simulation: Recording, time: FloatArray) -> FloatArray:
+    assert simulation.q_des is not None
+    columns = [np.interp(time, simulation.time, column) for column in simulation.q_des.T]
+    return np.stack(columns, axis=1)
+
+
+def _commands(recording: Recording, period: float) -> FloatArray:
+    count = int(recording.time[-1] / period + 1e-6) + 1
+    return _at(recording, np.asarray(np.arange(count) * period, dtype=np.float64))
+
+
+def _overlaps(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Sums of products for every shift of b against a."""
+    return np.asarray(fftconvolve(a, b[::-1]))

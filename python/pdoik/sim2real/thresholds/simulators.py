@@ -1,0 +1,39 @@
+"""What is believed of a user's simulator beside a machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulatorThresholds(Group):
+    """Of candidates that are simulated under recorded commands."""
+
+    false_alarms: float = threshold(
+        0.05, "probability of a term by chance, over all that are tried"
+    )
+    least_gain: float = threshold(
+        0.002, "share of the squared error that a term must gain on data it was not learnt from"
+    )
+    apart_t: float = threshold(
+        2.0, "errors, over blocks, by which two terms must differ to be distinguished", "s.e."
+    )
+    least_confidence: float = threshold(
+        0.75, "confidence below which a finding is suspected, not claimed"
+    )
+    shows: float = threshold(
+        0.5,
+        "times a channel's noise and the error of the simulator's step that a finding must change",
+    )
+    explained: float = threshold(
+        0.8, "share of the squared error above noise that findings of an explained mismatch gain"
+    )
+    alike: float = threshold(
+        1.5, "times the noise of its channel up to which a joint's error counts as none"
+    )
+    same_commands: float = threshold(
+        0.95, "correlation of commands from which two runs are of the same ones"
+    )
+    clocks: float = threshold(2e-3, "share by which the clocks of two logs may run apart", "s/s")

@@ -1,0 +1,115 @@
+"""What a machine has beyond its user's simulator, found from commands and positions alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
+pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+
+from pdoik.sim2real import Thresholds
+from pdoik.sim2real.simulators.explain import explain
+from pdoik.sim2real.simulators.findings import Step, step_of
+from pdoik.sim2real.simulators.user_model import UserModel, user_model
+from sim2real_simulators import JOINTS, MJCF, log
+
+LIMITS = Thresholds().simulators
+
+
+@cache
+def user() -> UserModel:
+    return user_model(MJCF, JOINTS, name="arm.xml")
+
+
+def step_with(change: Callable[[Any], None] | None, delay: float = 0.0) -> Step:
+    fit = log(12.0, 1, change, delay=delay)
+    judge = log(7.0, 2, change, name="judge.csv", role="validate", delay=delay)
+    return step_of(explain(user(), [fit], [judge], LIMITS), "machine", LIMITS)
+
+
+def more_damping(spec: Any) -> None:
+    spec.joint("elbow").damping[0] = 1.1
+
+
+def more_friction(spec: Any) -> None:
+    spec.joint("elbow").frictionloss = 0.7
+
+
+def heavier_rotor(spec: Any) -> None:
+    spec.joint("shoulder").armature = 0.06
+
+
+def weaker_gain(spec: Any) -> None:
+    servo = spec.actuator("servo1")
+    gain, bias = servo.gainprm, servo.biasprm
+    gain[0], bias[1] = 96.0, -96.0
+    servo.gainprm, servo.biasprm = gain, bias
+
+
+def wrong_zero(spec: Any) -> None:
+    spec.joint("elbow").ref = np.rad2deg(0.08)
+
+
+def heavier_forearm(spec: Any) -> None:
+    spec.body("fore").mass = 1.4
+
+
+@pytest.mark.parametrize(
+    ("change", "names", "joint", "truth"),
+    [
+        (more_damping, ("damping", "kv"), "elbow", 1.1),
+        (more_friction, ("frictionloss",), "elbow", 0.7),
+        (heavier_rotor, ("armature",), "shoulder", 0.06),
+        (weaker_gain, ("kp",), "shoulder", 96.0),
+        (wrong_zero, ("ref",), "elbow", 0.08),
+        (heavier_forearm, ("mass", "payload"), "fore", 1.4),
+    ],
+)
+def test_each_property_is_named_at_its_joint_with_its_size(
+    change: Callable[[Any], None], names: tuple[str, ...], joint: str, truth: float
+) -> None:
+    step = step_with(change)
+    (finding,) = step.findings
+    assert finding.effect in names
+    assert (*finding.joints, *finding.links) == (joint,)
+    estimate = finding.parameters[names[0] if names[0] in finding.parameters else names[-1]]
+    assert estimate.value == pytest.approx(truth, abs=4.0 * estimate.std + 0.01 * truth)
+    assert estimate.std < 0.1 * truth
+    assert finding.confidence > 0.75
+    assert step.verdict == "mismatch_explained"
+
+
+def test_a_delay_of_all_commands_is_one_finding() -> None:
+    (finding,) = step_with(None, delay=0.012).findings
+    assert finding.effect == "delay"
+    assert finding.joints == JOINTS
+    assert finding.parameters["delay"].value == pytest.approx(0.012, abs=5e-4)
+
+
+def test_two_causes_are_told_apart() -> None:
+    def both(spec: Any) -> None:
+        more_friction(spec)
+        heavier_rotor(spec)
+
+    step = step_with(both)
+    found = {(f.effect, *f.joints): f.parameters[f.effect].value for f in step.findings}
+    assert set(found) == {("frictionloss", "elbow"), ("armature", "shoulder")}
+    assert found["frictionloss", "elbow"] == pytest.approx(0.7, rel=0.05)
+    assert found["armature", "shoulder"] == pytest.approx(0.06, rel=0.05)
+
+
+def test_of_a_machine_that_is_the_simulator_nothing_is_said() -> None:
+    step = step_with(None)
+    assert step.findings == ()
+    assert step.changed == ()
+    assert step.verdict == "no_mismatch"
+
+
+def test_what_no_motion_can_part_is_an_equivalent() -> None:
+    (finding,) = step_with(more_damping).findings
+    assert {each.effect for each in finding.equivalents} & {"damping", "kv"}
