@@ -36,9 +36,39 @@ def make_study(
     """
     draft = draft_of(spec)
     world, runs, rows, channels, found = _visible(draft)
-    effects, noiseless = world.effects, {}
+    effects = world.effects
+    noiseless, order = _written(folder, draft, runs, rows, channels)
+    truth = truth_of(draft, effects, order, _seen(draft, world, runs, rows, channels), found)
+    if truth_folder is not None:
+        write_truth(truth_folder / f"{folder.name}.json", truth.to_json())
+        if clean:
+            np.savez_compressed(truth_folder / f"{folder.name}.npz", **noiseless)
+    return truth
+
+
+def write_machine(folder: Path, draft: Draft, effects: tuple[Effect, ...]) -> None:
+    """Writes robot.urdf, study.yaml and recordings of a draft's machine with just these effects.
+
+    Raises:
+        RuntimeError: it does not bear them.
+    """
+    world, *made = _simulated(draft, effects, calibrate=False)
+    if world.effects != effects:
+        raise RuntimeError(f"the machine does not bear {effects[0]}")
+    _written(folder, draft, *made)
+
+
+def _written(
+    folder: Path,
+    draft: Draft,
+    runs: list[Run],
+    rows: list[Rows],
+    channels: list[dict[str, Array]],
+) -> tuple[dict[str, Array], Array]:
+    """The study's files; what the channels were before noise, and the order of its joints."""
+    spec, noiseless = draft.spec, {}
     folder.mkdir(parents=True, exist_ok=True)
-    logged = _logged(draft, effects)
+    logged = _logged(draft)
     for index, (run, row, channel) in enumerate(zip(runs, rows, channels, strict=True)):
         kept = logger.rows_of(channel, run)
         data = logger.measured(channel, run, kept)
@@ -49,12 +79,7 @@ def make_study(
         noiseless |= {f"rec{index + 1}_{name}": values[kept] for name, values in true.items()}
     order = spec.stream("order").permutation(draft.arm.n)
     write_study(folder, draft.believed, _study(draft, order))
-    truth = truth_of(draft, effects, order, _seen(draft, world, runs, rows, channels), found)
-    if truth_folder is not None:
-        write_truth(truth_folder / f"{folder.name}.json", truth.to_json())
-        if clean:
-            np.savez_compressed(truth_folder / f"{folder.name}.npz", **noiseless)
-    return truth
+    return noiseless, order
 
 
 def _visible(draft: Draft) -> tuple[World, list[Run], list[Rows], list[dict[str, Array]], float]:
@@ -186,7 +211,7 @@ def _seen(
     return visibility(world.believed, runs, rows, channels, draft.control, draft.sensors)
 
 
-def _logged(draft: Draft, effects: tuple[Effect, ...]) -> list[str]:
+def _logged(draft: Draft) -> list[str]:
     sense, todo = draft.sensors, draft.plan
     logged = ["q", "q_des"]
     logged += ["tau"] if todo.torque_logged else []

@@ -20,6 +20,7 @@ from .pairs import pairs
 from .predict import predict
 from .replay import replay
 from .solve import solve
+from .study import app as study
 from .thresholds import thresholds
 from .view import view
 
@@ -44,6 +45,7 @@ app.command()(compare)
 app.command()(predict)
 app.command()(replay)
 app.add_typer(effects)
+app.add_typer(study)
 app.command()(thresholds)
 
 

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from .messages import fail, misuse_fails, out
+from .messages import NOT_SOLVED, err, fail, misuse_fails, out
 from .sim2real_extra import extra_needed
 from .story import story
 
@@ -30,6 +30,9 @@ def diagnose(
     quick: Annotated[
         bool, typer.Option("--quick", help="Without replays and the cut-off's influence.")
     ] = False,
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Also where the study can show nothing.")
+    ] = False,
 ) -> None:
     """Say where recordings and model disagree, what physics was left out, and how sure that is.
 
@@ -38,7 +41,8 @@ def diagnose(
 
     Writes diagnosis.json as soon as it is known, then model.json, the improved model, the figures
     and report.html; what of these cannot be made is said in the diagnosis's notes. No file is ever
-    half written.
+    half written. A study in which nothing can be found, as `pdoik study check` says it, is refused
+    with status 1.
 
     [bold]Example[/]: pdoik diagnose study.yaml --out report
     """
@@ -50,15 +54,42 @@ def diagnose(
         fail(f"--out {out_folder}: is a file, expected a folder")
     with extra_needed("diagnose"), misuse_fails():
         import_module("pdoik.sim2real.report")  # what is missing is said before the work begins
-        from pdoik.sim2real import examine, load_study, write
+        from pdoik.sim2real import UnanswerableError, examine, load_study, write
 
         loaded = load_study(study)
         out_folder.mkdir(parents=True, exist_ok=True)
         with story() as tell:
-            examination = examine(loaded, tell=tell, seed=seed)
+            try:
+                examination = examine(loaded, tell=tell, seed=seed, anyway=anyway)
+            except UnanswerableError as error:
+                err.print(f"[bold red]refused:[/] {escape(str(error))}", highlight=False)
+                err.print("--anyway runs it all the same", highlight=False)
+                raise typer.Exit(NOT_SOLVED) from error
             path = write(out_folder, examination, quick=quick, tell=tell)
         print_diagnosis(examination.diagnosis)
     out.print(escape(str(path)), highlight=False)
+
+
+@contextmanager
+def story(*, quiet: bool = False) -> Iterator[Tell]:
+    """A bar, and above it what was found out so far, line by line; without these if `quiet`."""
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        console=err,
+        transient=True,
+        disable=not err.is_terminal,
+    ) as progress:
+        task = progress.add_task("", total=1.0)
+
+        def tell(stage: str, text: str, fraction: float) -> None:
+            progress.update(task, description=escape(stage), completed=min(max(fraction, 0.0), 1.0))
+            if text and not quiet:
+                err.print(f"[bold]{escape(stage)}[/]  {escape(text)}", highlight=False)
+
+        yield tell
 
 
 _LINES = 25  # of the summary; the page has the rest

@@ -11,7 +11,7 @@ Needs the extra: pip install 'pdoik[sim2real]'. SI units and radians; joint arra
 order of the study's joints.
 """
 
-from .diagnose import diagnose, examine
+from .diagnose import UnanswerableError, diagnose, examine
 from .effects import CATALOGUE, register
 from .evidence import evidence_of, model_of, servo_model, write
 from .export.export import export_mjcf, export_urdf
@@ -36,6 +36,8 @@ from .study.payload import Payload
 from .study.read_study import load_study
 from .study.recording import Recording
 from .study.study import Controller, Setup, Study, Trust
+from .study_check import StudyCheck, check_study
+from .study_draft import Draft, draft_study
 from .thresholds import Thresholds
 
 __all__ = [
@@ -43,6 +45,7 @@ __all__ = [
     "Controller",
     "ControllerEstimate",
     "Diagnosis",
+    "Draft",
     "Equivalent",
     "Estimate",
     "Evidence",
@@ -60,10 +63,14 @@ __all__ = [
     "Simulator",
     "Stepper",
     "Study",
+    "StudyCheck",
     "Thresholds",
     "Trust",
+    "UnanswerableError",
+    "check_study",
     "conclude",
     "diagnose",
+    "draft_study",
     "evidence_of",
     "examine",
     "export_mjcf",

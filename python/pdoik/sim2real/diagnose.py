@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
-from .channels.check_channels import check_channels
+from .channels.check_channels import ChannelCheck, check_channels
 from .confirm.confirm_by_simulation import confirmed_by_simulation
 from .confirm.rollouts import why_not
 from .confirm.sessions import borne_out
-from .controllers.check_controllers import check_controllers
+from .controllers.check_controllers import ControllerCheck, check_controllers
 from .findings import Diagnosis
 from .infer.conclude import Examination, conclude
 from .infer.events import without_needless_contacts
@@ -21,6 +21,7 @@ from .motion.prepare import Prepared, prepare
 from .regression.fit import Term
 from .regression.naming import described
 from .regression.trial import Search
+from .select.answerable import why_unanswerable
 from .select.base_tilt import first_search
 from .select.contacts import contact_term
 from .select.gates import gated_term
@@ -39,6 +40,42 @@ from .thresholds import Thresholds
 Tell = Callable[[str, str, float], None]
 
 _MOST = 5  # rounds of gates and contacts
+
+
+class UnanswerableError(ValueError):
+    """Nothing can be found in a study, whatever is wrong with its model."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ready:
+    """A study before the search: its channels and controllers are what they are believed to be."""
+
+    prepared: Prepared
+    control: ControllerCheck
+    check: ChannelCheck
+
+    @property
+    def unanswerable(self) -> str:
+        """Why nothing can be found in it, in words; "" where something may be."""
+        return why_unanswerable(self.prepared, self.control, self.check)
+
+
+def made_ready(study: Study, say: Tell = lambda stage, text, share: None) -> Ready:
+    """Put up the balances, work out controllers and mend channels."""
+    say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
+    prepared = prepare(study)
+    say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {source_in_words(prepared)}", 0.15)
+    control = check_controllers(prepared)
+    for note in control.notes:
+        say("controllers", note, 0.155)
+    if control.changed:
+        prepared = prepare(control.study)
+    check = check_channels(prepared)
+    for note in check.notes:
+        say("channels", note, 0.16)
+    if check.mended:
+        prepared = prepare(check.study, prepared.body)
+    return Ready(prepared=prepared, control=control, check=check)
 
 
 def diagnose(
@@ -71,31 +108,27 @@ def examine(
     seed: int = 0,
     tell: Tell | None = None,
     thresholds: Thresholds | None = None,
+    anyway: bool = True,
 ) -> Examination:
-    """`diagnose`, with all it rests on."""
+    """`diagnose`, with all it rests on.
+
+    Raises:
+        UnanswerableError: nothing can be found in the study, and `anyway` is False.
+    """
     say = tell or (lambda stage, text, share: None)
     study = load_study(study)
     if thresholds is not None:
         study = replace(study, thresholds=thresholds)
     with threadpool_limits(limits=1, user_api="blas"):  # of small solves threads only wait
-        return _examined(study, seed, say)
+        ready = made_ready(study, say)
+        if ready.unanswerable and not anyway:
+            raise UnanswerableError(ready.unanswerable)
+        return _examined(ready, seed, say)
 
 
-def _examined(study: Study, seed: int, say: Tell) -> Examination:
-    say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
-    prepared = prepare(study)
-    say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {source_in_words(prepared)}", 0.15)
-    control = check_controllers(prepared)
-    for note in control.notes:
-        say("controllers", note, 0.155)
-    if control.changed:
-        prepared = prepare(control.study)
-        study = control.study
-    check = check_channels(prepared)
-    for note in check.notes:
-        say("channels", note, 0.16)
-    if check.mended:
-        prepared = prepare(check.study, prepared.body)
+def _examined(ready: Ready, seed: int, say: Tell) -> Examination:
+    prepared, control, check = ready.prepared, ready.control, ready.check
+    study = control.study
     prepared, state = run_search(prepared, say)
     level = with_level_sessions(prepared, state)
     if level is not prepared:

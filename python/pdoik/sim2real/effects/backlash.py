@@ -103,6 +103,12 @@ class Backlash(Effect):
         """All of the simulated play."""
         return (values["gap"],), np.ones(1)
 
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """So wide a gap."""
+        return (amount,), np.ones(1)
+
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
         return site.each(lambda j: GearPlay(joint=j, gap=site["gap"]))

@@ -147,6 +147,42 @@ class Effect(ABC):
         """
         return shape, np.array([values[each.name] for each in self.parameters])
 
+    def asked(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Shapes by which to ask how little of it would be seen; of each variant the most usual."""
+        usual: Shape = ()
+        if self.example is not None:
+            usual = self.coefficients(self.example.values, self.example.shape)[0]
+        if self.sought == "harmonics":
+            return [usual]
+        by_variant: dict[str, list[Shape]] = {}
+        for shape in self.shapes(motions, place):
+            by_variant.setdefault(self.variant(shape), []).append(shape)
+        middle = 0.0 if self.fixed else 0.5
+        return [
+            usual if usual in each else each[int(middle * len(each))]
+            for each in by_variant.values()
+        ]
+
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """Shape and coefficients of so much of it, of nothing at 0.
+
+        The amount is that of the first coefficient, or, where the coefficient is fixed, of the
+        first parameter.
+
+        Args:
+            amount: more than 0.
+            motions: of the study.
+            place: where.
+            shape: one of `asked`, for what the amount leaves open.
+            width: number of coefficients.
+        """
+        if not self.fixed:
+            return shape, amount * np.eye(width)[0]
+        values = self.values(shape, np.ones(width))
+        return self.coefficients(values | {self.parameters[0].name: amount}, shape)
+
     def variant(self, shape: Shape) -> str:
         """What it is of (torque, speed, position) where it may be of several; "" elsewhere."""
         return ""

@@ -71,6 +71,12 @@ class GravityDirection(Effect):
         x, y = values["tilt_x"], values["tilt_y"]
         return (), np.array([np.sin(x), np.sin(y) * np.cos(x), 1.0 - np.cos(x) * np.cos(y)])
 
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """As far about x as about y."""
+        return shape, np.array([amount, amount, 0.0])
+
     def gravity(self, values: Mapping[str, float]) -> FloatArray | None:
         """As the tilted base sees it."""
         base = Rotation.from_euler("XY", [values["tilt_x"], values["tilt_y"]])

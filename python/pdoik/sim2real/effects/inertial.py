@@ -11,6 +11,7 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.inertial import Inertial
 from ..simulation.parts import LinkChange, Part
+from ..study.payload import Payload as KnownBody
 from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
@@ -88,6 +89,15 @@ class LinkInertials(Effect):
             return None
         return np.asarray(motion.body.inertial_parameters()[place.link])
 
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """A mass that is distributed as the link's is; at the link's origin where it has none."""
+        own = LinkInertials.beneath(self, motions[0], place)
+        if own is None or own[0] <= 0.0:
+            return shape, amount * np.eye(width)[0]
+        return shape, amount / own[0] * own
+
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
         ten = [site.get(each.name) for each in self.parameters]
@@ -135,6 +145,20 @@ class Payload(LinkInertials):
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
         """A load may be of any size."""
         return self.prior(width)
+
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """A point mass at the tip, where the study says one, else at the link's own centre."""
+        first = motions[0]
+        if first.tip is None or first.body is None:
+            shape, beta = super().of_amount(amount, motions, place, shape, width)
+            com = beta[1:4] / amount
+        else:
+            held = KnownBody(link=first.tip, mass=1.0, com=(0.0, 0.0, 0.0))
+            com = first.body.carrier(held)[1][1:4]
+        point = Inertial.about_com(amount, com, np.zeros((3, 3)))
+        return shape, np.asarray(point.ten())
 
     def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
         """Nothing: a load is a body by itself."""

@@ -65,6 +65,13 @@ class PayloadError(LinkInertials):
             return None
         return motion.body.carrier(place.held)[1]
 
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """So much more of it."""
+        own = self.beneath(motions[0], place)
+        return shape, amount * np.eye(width)[0] if own is None else amount / own[0] * own
+
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation of a recording that holds it is given."""
         ten = [site.get(each.name) for each in self.parameters]

@@ -50,6 +50,10 @@ class PositionDependentSpring(Effect):
         sides += [(1.0, float(onset)) for onset in high]
         return sides + [(-1.0, float(onset)) for onset in low]
 
+    def asked(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """A spring that acts everywhere."""
+        return self.shapes(motions, place)[:1]
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The stretch."""
         (j,) = place.joints

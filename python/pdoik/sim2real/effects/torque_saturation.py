@@ -57,6 +57,20 @@ class TorqueSaturation(Effect):
                 shapes += [(OF_REPORTED, float(level)) for level in levels if level > 0.0]
         return shapes
 
+    def asked(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Of what was recorded beside what was given, or stands for it."""
+        first, (j,) = motions[0], place.joints
+        beside = kinds(first, j) or ([OF_REPORTED] if first.source in ("tau_cmd", "law") else [])
+        return [(kind, np.inf) for kind in beside]
+
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """The level that a share of the time would be cut at, the amount."""
+        (j,) = place.joints
+        torques = np.concatenate([np.abs(asked_of(m, j, shape[0])) for m in motions])
+        return (shape[0], float(np.quantile(torques, 1.0 - amount))), np.ones(1)
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What is missing beyond the level."""
         (j,) = place.joints

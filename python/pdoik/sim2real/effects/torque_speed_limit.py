@@ -58,6 +58,24 @@ class TorqueSpeedLimit(Effect):
             (kind, top.stall_torque, top.no_load_speed) for kind, top in tops if top is not None
         ]
 
+    def asked(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Of what was recorded beside what was given; at the fastest a third of the torque left."""
+        (j,) = place.joints
+        fastest = max(float(np.max(np.abs(m.dq[:, j]))) for m in motions)
+        return [(kind, np.inf, 1.5 * fastest) for kind in kinds(motions[0], j) if fastest > 0.0]
+
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """The line that a share of the time would be cut at, the amount."""
+        (j,), (kind, _, no_load) = place.joints, shape
+        stall = []
+        for motion in motions:
+            asked = asked_of(motion, j, kind)
+            left = 1.0 - np.sign(asked) * motion.dq[:, j] / no_load
+            stall.append(np.abs(asked) / np.maximum(left, 1e-3))
+        return (kind, float(np.quantile(np.concatenate(stall), 1.0 - amount)), no_load), np.ones(1)
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What is missing beyond the line."""
         (j,) = place.joints

@@ -188,7 +188,7 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
         if ("torque", j) not in balances.residual or not balances.excited[j]:
             continue
         place = Place(joints=(j,))
-        size = believed.friction * _usual(balances, j)
+        size = believed.friction * usual_torque(balances, j)
         causes = ((Friction(), size), (OneWay(), size), (Rest(), size), (Scale(), believed.torque))
         for cause, scale in causes:
             columns = balances.compute(cause, place, cause.shape)
@@ -206,7 +206,7 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
     return (*terms, *trusted(balances, believed.bodies))
 
 
-def _usual(balances: Balances, j: int) -> float:
+def usual_torque(balances: Balances, j: int) -> float:
     """What joint j's torque usually is, the model's and what differs from it [N m]."""
     tau = np.concatenate([m.tau[:, j] for m in balances.motions])
     return float(np.hypot(np.sqrt(np.mean(tau**2)), balances.rms(("torque", j))))

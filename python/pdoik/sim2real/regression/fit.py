@@ -305,7 +305,7 @@ class Fit:
         Residuals count by clusters of neighbouring rows: the blocks, or parts of them where the
         term acts in few (Cameron and Miller, J. Human Resources 50(2), 2015).
         """
-        clusters, count = _clusters(self, term)
+        clusters, count = clusters_of(self, term)
         scores = np.zeros((count, self.size))
         for key, design in self.design.items():
             if not len(self.index[key]):
@@ -333,7 +333,7 @@ def _freed(term: Term) -> Term:
     )
 
 
-def _clusters(fit: Fit, term: Term) -> tuple[Index, int]:
+def clusters_of(fit: Fit, term: Term) -> tuple[Index, int]:
     """Cluster of every row: the blocks, or parts of them where the term acts in few."""
     b, least = fit.balances, fit.balances.thresholds.figures
     parts = 1

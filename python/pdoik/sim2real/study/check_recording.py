@@ -15,6 +15,7 @@ from .duty import with_supply
 from .glitches import glitches
 from .recording import CHANNELS, FloatArray, Recording, Role
 from .resample import GAP, Grid, on_grid, uniform_grid
+from .suspected_unit import SuspectedUnitError
 from .units import Units
 
 SHORTEST = 2.0  # [s]
@@ -155,9 +156,12 @@ def _check_length(table: Table, units: Units) -> None:
     step = float(np.median(np.diff(table.time)))
     if step > 0.5 and not units.settles("time"):
         unit = "ms" if step < 500 else "us" if step < 5e5 else "ns"
-        raise LoadError(
+        raise SuspectedUnitError(
             f"{table.name}: rows are {step:g} s apart; if column 'time' is in {unit} and not in s,"
-            f" say so in the study: 'units: {{time: {unit}}}' (else 'units: {{time: s}}')"
+            f" say so in the study: 'units: {{time: {unit}}}' (else 'units: {{time: s}}')",
+            "time",
+            unit,
+            f"rows would be {step:g} s apart",
         )
     if table.time[-1] < SHORTEST:
         raise LoadError(

@@ -10,6 +10,7 @@ from pdoik.errors import LoadError
 
 from .columns import SUPPLY, Table
 from .recording import Recording
+from .suspected_unit import SuspectedUnitError
 from .units import Units
 
 _MOST = 1.05  # of the supply: a little more is rounding
@@ -44,9 +45,12 @@ def check_duty(recording: Recording, joints: tuple[str, ...], units: Units) -> N
                 if said
                 else f"if it is, say 'units: {{duty: {unit}}}'"
             )
-            raise LoadError(
-                f"{recording.name}: is 'duty' in {unit}? Expected -1 to 1, but duty.{joints[k]}"
-                f" reaches {size[k]:.4g}; {settle}"
+            why = f"duty.{joints[k]} reaches {size[k]:.4g}"
+            raise SuspectedUnitError(
+                f"{recording.name}: is 'duty' in {unit}? Expected -1 to 1, but {why}; {settle}",
+                "duty",
+                unit,
+                why,
             )
     if recording.voltage is not None:
         low = np.nan_to_num(recording.voltage, nan=1.0).min(axis=0)

@@ -7,12 +7,11 @@ from math import pi
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from pdoik.errors import LoadError
-
 from .check_recording import moves
 from .gravity import gravity_torque
 from .recording import FloatArray, Recording
 from .robot_facts import RobotFacts
+from .suspected_unit import SuspectedUnitError
 from .units import Units
 
 _TURNS = 4 * pi  # a joint of an arm hardly turns farther [rad]
@@ -32,7 +31,7 @@ def check_units(
     A channel whose unit the study names itself is believed.
 
     Raises:
-        LoadError: with the unit suspected, why, and the study's line that settles it.
+        SuspectedUnitError: with the unit suspected, why, and the study's line that settles it.
     """
     turning = [facts is None or facts.joints[joint].type != "prismatic" for joint in joints]
     if not units.settles("q"):
@@ -150,8 +149,11 @@ def _near(ratio: float, factor: float) -> bool:
 
 
 def _ask(recording: Recording, channel: str, suspected: str, expected: str, why: str) -> None:
-    raise LoadError(
+    raise SuspectedUnitError(
         f"{recording.name}: is '{channel}' in {suspected}? Expected {expected}, but {why}. Say in"
         f" the study which it is: 'units: {{{channel}: {suspected}}}' or"
-        f" 'units: {{{channel}: {expected}}}'"
+        f" 'units: {{{channel}: {expected}}}'",
+        channel,
+        suspected,
+        why,
     )

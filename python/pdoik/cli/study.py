@@ -1,0 +1,99 @@
+"""pdoik study: a first study.yaml, and what a study can tell before anything is looked for."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from pdoik._files import write_whole
+
+from .diagnose import story
+from .messages import NOT_SOLVED, err, fail, misuse_fails, out
+from .sim2real_extra import extra_needed
+from .tables import json_text
+
+app = typer.Typer(name="study", no_args_is_help=True, rich_markup_mode="rich")
+
+
+@app.callback()
+def study() -> None:
+    """A first study.yaml from a robot and logs, and what a study can tell."""
+
+
+@app.command("new")
+def new(
+    robot: Annotated[Path, typer.Argument(help="URDF or MJCF.")],
+    logs: Annotated[list[Path], typer.Argument(help="Recordings: CSV, Parquet, bags.")],
+    out_file: Annotated[Path, typer.Option("--out", help="Where to write it.")] = Path(
+        "study.yaml"
+    ),
+    topic: Annotated[
+        str | None, typer.Option(help="Of joint states in bags, where there are several.")
+    ] = None,
+    command_topic: Annotated[str | None, typer.Option(help="Of commands in bags.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
+) -> None:
+    """Write a commented study.yaml of a robot and logs, and ask about what cannot be guessed.
+
+    [bold]Example[/]: pdoik study new robot.urdf monday.mcap tuesday.mcap
+    """
+    if out_file.is_dir():
+        fail(f"--out {out_file}: is a folder, expected a file")
+    if out_file.exists() and not force:
+        fail(f"--out {out_file}: is there already; --force overwrites it")
+    if not out_file.parent.is_dir():
+        fail(f"--out {out_file}: there is no folder {out_file.parent}")
+    with extra_needed("study"), misuse_fails(), err.status("reading"):
+        from pdoik.sim2real import draft_study
+
+        draft = draft_study(
+            robot, logs, folder=out_file.parent, topic=topic, command_topic=command_topic
+        )
+        write_whole(out_file, draft.text)
+    for line in draft.guesses:
+        out.print(escape(line), highlight=False)
+    if draft.questions:
+        out.print("[bold]To be answered[/]", highlight=False)
+    for line in draft.questions:
+        out.print(escape(f"  {line}"), highlight=False)
+    out.print(escape(str(out_file)), highlight=False)
+
+
+@app.command("check")
+def check(
+    study: Annotated[Path, typer.Argument(help="YAML: robot, joints, recordings.")],
+    json: Annotated[
+        Path | None, typer.Option("--json", help="Write all of it into this file, too.")
+    ] = None,
+) -> None:
+    """Say what a study's channels and motions can show, and what is missing for the rest.
+
+    A size is the smallest that `pdoik diagnose` would find with a probability of about 0.9, on such
+    recordings and by its own thresholds: what the effect adds along the recorded motion is held
+    against the noise that is left beside friction, offsets, rotors and bodies. It is assumed that
+    the noise stays as it is, and that nothing else of the kind is wrong at the place.
+
+    Status 1 where nothing can be found at all.
+
+    [bold]Example[/]: pdoik study check study.yaml
+    """
+    if not study.is_file():
+        fail(f"study {study}: no such file")
+    if json is not None and not json.parent.is_dir():
+        fail(f"--json {json}: there is no folder {json.parent}")
+    with extra_needed("study"), misuse_fails():
+        from pdoik.sim2real import check_study
+
+        from .study_tables import print_check
+
+        with story(quiet=True) as tell:
+            said = check_study(study, tell=tell)
+        if json is not None:
+            write_whole(json, json_text({"schema": "pdoik.study_check/1", **asdict(said)}) + "\n")
+        print_check(said)
+    if said.unanswerable:
+        raise typer.Exit(NOT_SOLVED)

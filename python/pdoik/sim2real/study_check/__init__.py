@@ -1,0 +1,12 @@
+"""What a study can tell, before anything is looked for in it: `pdoik study check` in Python.
+
+Comes in: a study. Goes out: `StudyCheck`: channels, motion, and of every effect at every place the
+smallest size that would be seen, or why none would.
+"""
+
+from .check import StudyCheck, check_study
+from .joints import JointCheck
+from .recordings import RecordingCheck
+from .visible import Visible
+
+__all__ = ["JointCheck", "RecordingCheck", "StudyCheck", "Visible", "check_study"]

@@ -1,0 +1,74 @@
+"""What a study can tell before anything is looked for in it: `pdoik study check` in Python."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+
+from threadpoolctl import threadpool_limits
+
+from ..diagnose import Tell, made_ready
+from ..infer.verdict import source_in_words
+from ..study.read_study import load_study
+from ..study.study import Study
+from ..thresholds import Thresholds
+from .joints import JointCheck, joint_checks
+from .recordings import RecordingCheck, recording_check
+from .visible import Visible, visible_effects
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyCheck:
+    """What was logged, how the joints moved, and what would be seen of which effect."""
+
+    recordings: tuple[RecordingCheck, ...]
+    joints: tuple[JointCheck, ...]
+    torque: str  # where it comes from, in words
+    cutoff: float  # of the balances [Hz]
+    effects: tuple[Visible, ...]
+    notes: tuple[str, ...]  # what was repaired or found while reading, in words
+    unanswerable: str  # why nothing can be found, in words; "" where something may be
+
+    def of(self, effect: str, joint: str | None = None) -> tuple[Visible, ...]:
+        """What is said of an effect, at one joint, or at the base for ""."""
+        return tuple(
+            each for each in self.effects if each.effect == effect and joint in (None, each.joint)
+        )
+
+
+def check_study(
+    study: Study | str | os.PathLike[str],
+    *,
+    tell: Tell | None = None,
+    thresholds: Thresholds | None = None,
+) -> StudyCheck:
+    """Read a study as `diagnose` does, and say what could be found in it.
+
+    The smallest size of an effect is the one that would be found in nine of ten such recordings,
+    by the thresholds of the search: its columns along the recorded motion, filtered as the balances
+    are, are held against what the balances leave beside friction, offsets, rotors and bodies.
+
+    Args:
+        study: a study, or its YAML file.
+        tell: called with a stage's name, what it found in words, and the share of the work done.
+        thresholds: what is believed; the study's own, which are the defaults, if none are given.
+
+    Raises:
+        LoadError, ValueError: the study cannot be used; the message says what was expected.
+    """
+    say = tell or (lambda stage, text, share: None)
+    loaded = load_study(study)
+    if thresholds is not None:
+        loaded = replace(loaded, thresholds=thresholds)
+    with threadpool_limits(limits=1, user_api="blas"):
+        ready = made_ready(loaded, say)
+        prepared = ready.prepared
+        return StudyCheck(
+            recordings=tuple(recording_check(loaded, each) for each in loaded.recordings),
+            joints=joint_checks(prepared),
+            torque=source_in_words(prepared),
+            cutoff=prepared.cutoff,
+            effects=visible_effects(prepared, say),
+            notes=(*loaded.notes, *ready.control.notes, *ready.check.notes),
+            unanswerable=ready.unanswerable,
+        )

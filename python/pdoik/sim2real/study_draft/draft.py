@@ -1,0 +1,72 @@
+"""The draft of a study: what could be guessed of it, what is to be asked."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pdoik.errors import LoadError
+
+from ..study.robot_facts import robot_facts
+from .actuators import actuator_gains
+from .facts import Facts
+from .questions import guesses_of, questions_of
+from .text import study_text
+from .trial import Trial, tried
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Draft:
+    """A study's text, and what its writer has to know."""
+
+    text: str  # YAML with comments
+    guesses: tuple[str, ...]  # in words
+    questions: tuple[str, ...]
+
+
+def draft_study(
+    robot: str | os.PathLike[str],
+    logs: Sequence[str | os.PathLike[str]],
+    *,
+    folder: str | os.PathLike[str] = ".",
+    topic: str | None = None,
+    command_topic: str | None = None,
+) -> Draft:
+    """A commented study of a robot and logs, with what could be guessed, that loads as it stands.
+
+    Units are those that the numbers ask for, held out is the recording whose motion the others
+    cover but do not repeat, and gains are those of an MJCF's position actuators. Logs that cannot
+    be used beside the others are left out, and named.
+
+    Args:
+        robot: URDF or MJCF.
+        logs: recordings of any kind that a study may name; at least one.
+        folder: that the study is meant for.
+        topic: of joint states in bags, where there are several.
+        command_topic: of commands in bags.
+
+    Raises:
+        LoadError: the robot or a log is not there or cannot be read, or none of the logs can be
+            used; the message names what was expected, and the nearest name.
+    """
+    if not logs:
+        raise LoadError("logs: expected one at least")
+    path = Path(robot)
+    facts = robot_facts(path)
+    told = {"topic": topic, "command_topic": command_topic}
+    topics = {key: value for key, value in told.items() if value is not None}
+    trial = tried(path, list(dict.fromkeys(Path(log) for log in logs)), topics)
+    gains = actuator_gains(path, trial.study.joints) if "q_des" in _any_channel(trial) else None
+    found = Facts(folder=Path(folder), robot=facts, trial=trial, gains=gains, topics=topics)
+    asked = questions_of(found)
+    return Draft(
+        text=study_text(found, asked),
+        guesses=guesses_of(found),
+        questions=tuple(asked.values()),
+    )
+
+
+def _any_channel(trial: Trial) -> set[str]:
+    return {name for each in trial.study.recordings for name in each.channels}

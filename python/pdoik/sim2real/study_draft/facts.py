@@ -1,0 +1,57 @@
+"""What robot and logs tell of a study."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ..study.recording import Recording
+from ..study.robot_facts import RobotFacts
+from .actuators import ActuatorGains
+from .hold_out import HoldOut, hold_out
+from .trial import Trial
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Facts:
+    """All that was found out of robot and logs."""
+
+    folder: Path  # of the study: its paths are relative to it
+    robot: RobotFacts
+    trial: Trial
+    gains: ActuatorGains | None
+    topics: dict[str, str]  # of bags, as they were told
+
+    @cached_property
+    def held_out(self) -> HoldOut:
+        """The recording that only judges."""
+        return hold_out({self.name_of(log): parts for log, parts in self.by_log.items()})
+
+    @property
+    def by_log(self) -> dict[Path, tuple[Recording, ...]]:
+        """Each usable log's recording, in the parts that a study without roles makes of it."""
+        study = self.trial.study
+        return {
+            log: tuple(r for r in study.recordings if (r.file or r.name) == self.name_of(log))
+            for log in self.trial.logs
+        }
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """That all usable logs have."""
+        every = [set(r.channels) for r in self.trial.study.recordings]
+        first = self.trial.study.recordings[0].channels
+        return tuple(name for name in first if all(name in each for each in every))
+
+    def name_of(self, log: Path) -> str:
+        """What the study calls a log's recording."""
+        alike = [each for each in self.trial.logs if each.name == log.name]
+        return log.name if len(alike) == 1 else str(log.resolve())
+
+    def path_of(self, path: Path) -> str:
+        """As the study names a file: relative where it lies beside or below, else absolute."""
+        folder = self.folder.resolve()
+        relative = os.path.relpath(path.resolve(), folder)
+        return str(path.resolve()) if relative.startswith(f"..{os.sep}..") else relative

@@ -1,0 +1,110 @@
+"""What logs come to when they are loaded as a study: which are usable, and in what units."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from pdoik.errors import LoadError
+
+from ..study.columns import nearest
+from ..study.read_study import load_study
+from ..study.study import Study
+from ..study.suspected_unit import SuspectedUnitError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Suspicion:
+    """A unit that a channel's numbers look like."""
+
+    unit: str
+    why: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """Logs that load together."""
+
+    study: Study
+    logs: tuple[Path, ...]  # the usable ones, as they were given
+    left_out: Mapping[Path, str]  # the others, by why they cannot be used
+    units: Mapping[str, Suspicion]  # by channel
+
+
+def tried(robot: Path, logs: Sequence[Path], topics: Mapping[str, str]) -> Trial:
+    """Load the logs, leaving out those that cannot be used beside others.
+
+    Args:
+        robot: URDF or MJCF.
+        logs: at least one.
+        topics: `topic` and `command_topic` of bags, where they are told.
+
+    Raises:
+        LoadError: the robot or a log is not there, or none of the logs can be used.
+    """
+    for log in logs:
+        if not log.exists():
+            names = [each.name for each in log.parent.iterdir()] if log.parent.is_dir() else []
+            raise LoadError(f"no such log: {log}{nearest(log.name, names)}")
+    loader = _Loader(robot, topics)
+    usable: list[Path] = []
+    why: dict[Path, LoadError] = {}
+    for log in (*logs, *logs):  # a log at rest is of use beside one that moves
+        if log in usable:
+            continue
+        try:
+            loader.load([*usable[:1], log])
+        except LoadError as error:
+            why[log] = error
+        else:
+            usable.append(log)
+            why.pop(log, None)
+        if len(usable) + len(why) == len(logs) and not usable:
+            break
+    if not usable:
+        raise why[logs[0]]
+    usable.sort(key=[*logs].index)
+    study = loader.load(usable)
+    left_out = {log: str(error) for log, error in why.items()}
+    return Trial(study=study, logs=tuple(usable), left_out=left_out, units=loader.units)
+
+
+class _Loader:
+    """Loads logs as a study, with units as their numbers ask for."""
+
+    def __init__(self, robot: Path, topics: Mapping[str, str]) -> None:
+        self.units: dict[str, Suspicion] = {}
+        self._robot, self._topics = robot, topics
+
+    def load(self, logs: Sequence[Path]) -> Study:
+        """Of these logs; a unit that is suspected is taken, once for each channel."""
+        while True:
+            try:
+                return self._loaded(logs)
+            except SuspectedUnitError as error:
+                if error.channel in self.units:
+                    raise
+                self.units[error.channel] = Suspicion(unit=error.suspected, why=error.why)
+
+    def _loaded(self, logs: Sequence[Path]) -> Study:
+        content = {
+            "robot": str(self._robot.resolve()),
+            "recordings": [
+                {"file": str(log.resolve()), **(self._topics if is_bag(log) else {})}
+                for log in logs
+            ],
+            "units": {channel: each.unit for channel, each in self.units.items()},
+        }
+        with tempfile.TemporaryDirectory(prefix="pdoik-study-") as folder:
+            path = Path(folder) / "study.yaml"
+            path.write_text(yaml.safe_dump(content), encoding="utf-8")
+            return load_study(path)
+
+
+def is_bag(log: Path) -> bool:
+    """Whether a log has topics."""
+    return log.is_dir() or log.suffix in (".mcap", ".db3", ".bag")
