@@ -70,28 +70,6 @@ def diagnose(
     out.print(escape(str(path)), highlight=False)
 
 
-@contextmanager
-def story(*, quiet: bool = False) -> Iterator[Tell]:
-    """A bar, and above it what was found out so far, line by line; without these if `quiet`."""
-    with Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        console=err,
-        transient=True,
-        disable=not err.is_terminal,
-    ) as progress:
-        task = progress.add_task("", total=1.0)
-
-        def tell(stage: str, text: str, fraction: float) -> None:
-            progress.update(task, description=escape(stage), completed=min(max(fraction, 0.0), 1.0))
-            if text and not quiet:
-                err.print(f"[bold]{escape(stage)}[/]  {escape(text)}", highlight=False)
-
-        yield tell
-
-
 _LINES = 25  # of the summary; the page has the rest
 _WIDTH = 118  # of tables where nobody looks at a terminal
 

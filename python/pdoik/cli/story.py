@@ -14,8 +14,8 @@ Tell = Callable[[str, str, float], None]
 
 
 @contextmanager
-def story() -> Iterator[Tell]:
-    """A bar, and above it what was found out so far, line by line."""
+def story(*, quiet: bool = False) -> Iterator[Tell]:
+    """A bar, and above it what was found out so far, line by line; without these if `quiet`."""
     with Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -29,7 +29,7 @@ def story() -> Iterator[Tell]:
 
         def tell(stage: str, text: str, fraction: float) -> None:
             progress.update(task, description=escape(stage), completed=min(max(fraction, 0.0), 1.0))
-            if text:
+            if text and not quiet:
                 err.print(f"[bold]{escape(stage)}[/]  {escape(text)}", highlight=False)
 
         yield tell

@@ -11,9 +11,9 @@ from rich.markup import escape
 
 from pdoik._files import write_whole
 
-from .diagnose import story
 from .messages import NOT_SOLVED, err, fail, misuse_fails, out
 from .sim2real_extra import extra_needed
+from .story import story
 from .tables import json_text
 
 app = typer.Typer(name="study", no_args_is_help=True, rich_markup_mode="rich")
