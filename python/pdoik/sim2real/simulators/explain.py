@@ -17,7 +17,7 @@ from .experiment import Experiment
 from .selection import Rival, Selection
 from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
 from .user_model import UserModel
-from .vocabulary import Scales
+from .vocabulary import PROPERTIES, Scales
 
 Tell = Callable[[str], None]
 
@@ -108,6 +108,11 @@ def explain(
         selection = Selection(blocks, knobs, all_terms, limits)
         before, chosen = chosen, selection.choose(chosen)
         values = _fitted(experiment, about, selection, chosen, sigma, scales)
+        unreal = {term for term in chosen if is_unreal(term, values)}
+        if unreal:
+            all_terms = tuple(term for term in all_terms if term not in unreal)
+            chosen = tuple(term for term in chosen if term not in unreal)
+            values = _fitted(experiment, about, selection, chosen, sigma, scales)
         say(f"round {k + 1}: {len(chosen)} properties differ")
         if set(before) == set(chosen):
             break
@@ -120,12 +125,21 @@ def explain(
     selection = Selection(blocks, knobs, all_terms, limits)
     chosen = tuple(term for term in chosen if term in selection.terms)
     judged = _judged(selection, about, chosen, values, sigma, noise, held_out)
-    kept = tuple(t for t in chosen if judged.holds(t, limits))
+    kept = tuple(t for t in chosen if judged.holds(t, limits) and not is_unreal(t, values))
     if len(kept) == len(chosen):
         return judged
     say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
     values = _fitted(experiment, about, selection, kept, sigma, scales)
     return replace(judged, kept=kept, patch=values, after=held_out.run(values, as_it_is=True))
+
+
+def is_unreal(term: Term, values: Values) -> bool:
+    """Whether it was pushed to a value that nothing real has: a link without mass."""
+    return any(
+        PROPERTIES[knob.property].ends
+        and values.get(knob, np.inf) <= PROPERTIES[knob.property].lowest * (1.0 + 1e-6)
+        for knob in term.knobs
+    )
 
 
 def noise_of(experiment: Experiment) -> FloatArray:

@@ -32,6 +32,7 @@ class Property:
     unit: ClassVar[str]
     place: ClassVar[Place] = "joint"
     lowest: ClassVar[float] = 0.0
+    ends: ClassVar[bool] = False  # whether nothing real has its lowest value
     isaac: ClassVar[str]  # what Isaac Sim and Isaac Lab call it
     gazebo: ClassVar[str]  # SDF's element
 
@@ -119,7 +120,7 @@ class Stiffness(Property):
 class Kp(Property):
     """Proportional gain of the position actuator."""
 
-    name, unit = "kp", "N m/rad"
+    name, unit, ends = "kp", "N m/rad", True
     isaac = "stiffness of the joint's drive"
     gazebo = "<p_gain> of the position controller"
 
@@ -176,7 +177,7 @@ class Mass(Property):
     """Mass of the link that a joint moves, its centre and inertia about it kept."""
 
     name, unit, place = "mass", "kg", "link"
-    lowest = 1e-6
+    lowest, ends = 1e-6, True
     isaac = "mass of the body"
     gazebo = "<inertial><mass>"
 
