@@ -52,7 +52,7 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     ]
     assert {shlex.split(line)[1] for line in lines} == {
         *("info", "solve", "occupancy", "pairs", "bench", "view", "h1"),
-        *("diagnose", "compare", "predict", "replay"),
+        *("study", "diagnose", "compare", "predict", "replay"),
     }
     for line in lines:
         words = shlex.split(line, comments=True)[1:]

@@ -143,7 +143,8 @@ def _cell(some: list[Visible], letters: _Letters) -> str:
     if not sizes:
         return f"[dim]{letters.of(some[0].reason)}[/]" if some and some[0].reason else ""
     best = min(sizes, key=lambda each: (each.smallest or 0.0) * (-1 if each.below else 1))
-    return f"{'<' if best.below else ''}{best.smallest:.2g}"
+    rounded = float(f"{best.smallest:.2g}")
+    return f"{'<' if best.below else ''}{rounded:g}"
 
 
 def _unseen(check: StudyCheck) -> dict[str, list[str]]:

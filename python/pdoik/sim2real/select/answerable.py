@@ -12,13 +12,14 @@ _LISTED = 6  # joints in one sentence
 def why_unanswerable(prepared: Prepared, control: ControllerCheck, check: ChannelCheck) -> str:
     """Why no finding is possible, in words; "" where one may be.
 
-    Nothing can be found where no balance has a row that counts, no controller was estimated and no
-    channel is wrong.
+    Nothing can be found where no balance has a row that counts, in held-out recordings either, no
+    controller was estimated and no channel is wrong.
     """
     balances = prepared.fit
     if control.findings or check.findings or any(each.effort for each in control.estimates):
         return ""
-    if any(mask.any() for mask in balances.mask.values()):
+    held = {} if prepared.validate is None else prepared.validate.mask  # events may be there only
+    if any(mask.any() for mask in (*balances.mask.values(), *held.values())):
         return ""
     if balances.keys:
         return f"nothing can be found: {_motion(prepared)}"

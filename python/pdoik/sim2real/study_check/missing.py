@@ -82,7 +82,8 @@ class Missing:
                 said = [" and ".join(_WORDS[name] for name in names) for names in enough]
                 return f"needs {' or '.join(said)}"
         if self._prepared.study.robot is None:
-            return "needs the robot's description"
+            effort = self._prepared.fit.motions[0].source or "a torque (tau, current or tau_cmd)"
+            return f"needs the robot's description, beside {effort}"
         return "changes nothing that was recorded"
 
     def hidden(self, effect: Effect, size: Size) -> str:

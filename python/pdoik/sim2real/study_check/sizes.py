@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,9 +22,10 @@ from ..regression.fit import Term, term_of
 from ..regression.trusted_bodies import TRUST, trusted
 from ..select.candidates import same_kind
 from ..study.recording import FloatArray
-from .sight import Asks, Beside, Contribution, Noise, Sight, sight_of
+from .amounts import bisected
+from .beside import Beside, Contribution, Noise
+from .sight import Asks, Sight, sight_of
 
-_STEPS = 12  # from amount to amount at most
 _BEYOND = 1e6  # a figure at which an effect does nothing, from which it is without end
 _SHARE = 0.02  # of the time, the amount to begin with of what is told by a share
 _MOST_SHARE = 0.5
@@ -141,7 +142,7 @@ class Sizes:
             amount, of_usual = times * begin, times * self._of_usual(one[0])
         else:
             most = _MOST_SHARE if _of_share(effect) else effect.parameters[0].upper
-            amount, of_usual = _bisected(clarity, tried, begin, most), 0.0
+            amount, of_usual = bisected(clarity, tried, begin, most), 0.0
         amount = self._told(effect, place, shape, amount)
         figure, below = self._figure(effect, place, shape, amount)
         return Size(
@@ -267,33 +268,6 @@ def _same_name(one: str, other: str) -> bool:
     return one == other or same_kind(one, other)
 
 
-def _bisected(
-    clarity: Callable[[float], float], tried: Sequence[float], begin: float, most: float
-) -> float:
-    """The amount of clarity 1, of what is not in proportion to its amount; inf for none.
-
-    Goes along the amounts that are tried, else by factors of two, and below them by these.
-    """
-    amount, here = begin, clarity(begin)
-    up = here < 1.0
-    for _ in range(_STEPS):
-        other = _next(tried, amount, up)
-        if other is None or other > most:
-            return np.inf
-        there = clarity(other)
-        if (there < 1.0) != up:
-            return _between(amount, here, other, there)
-        amount, here = other, there
-    return np.inf if up else amount
-
-
-def _next(tried: Sequence[float], amount: float, up: bool) -> float | None:
-    """The next amount, larger or smaller; None beyond the largest that is tried."""
-    if up:
-        return min((each for each in tried if each > amount), default=None if tried else 2 * amount)
-    return max((each for each in tried if each < amount), default=0.5 * amount)
-
-
 def _nothing(effect: Effect) -> float:
     """The first parameter where the effect does nothing."""
     nothing = {} if effect.example is None else effect.example.nothing or {}
@@ -314,10 +288,3 @@ def _begin(effect: Effect) -> float:
         return 1.0
     size = abs(effect.example.values[name] - nothing)
     return 1e-3 if nothing >= _BEYOND or size == 0.0 else size
-
-
-def _between(one: float, at_one: float, other: float, at_other: float) -> float:
-    """The amount of clarity 1 between two, on a line over logarithms."""
-    low, high = np.log(max(at_one, 1e-6)), np.log(max(at_other, 1e-6))
-    share = 0.0 if high == low else -low / (high - low)
-    return float(one * (other / one) ** share)
