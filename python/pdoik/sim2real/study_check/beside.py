@@ -85,10 +85,10 @@ def energy_of(beside: Beside, one: Contribution, other: Contribution) -> float:
     return sum(float(each @ other[key]) / sigma[key] ** 2 for key, each in one.items())
 
 
-def inflation_of(fit: Fit, own: Contribution) -> float:
-    """By how much clusters make an error larger where figures are as many, see `Fit.robust`."""
+def inflation_of(fit: Fit, own: Contribution, figures: int) -> float:
+    """By how much clusters make an error larger beside so many figures, see `Fit.robust`."""
     count = clusters_of(fit, as_term(own))[1]
-    return float(np.sqrt(count / max(count - fit.size - 1, 1)))
+    return float(np.sqrt(count / max(count - figures - 1, 1)))
 
 
 def error_of(

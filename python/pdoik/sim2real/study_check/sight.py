@@ -57,6 +57,16 @@ class Stand:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Asks:
+    """What an effect is asked for."""
+
+    width: int  # figures that are fitted for it
+    least_of_rest: float  # that it asks for by itself
+    price: float | None = None  # of its figures in a set of ordinary effects; None: it is in none
+    noise: float = 1.0  # of the set's balance, with its rows that say the same, sigma^2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Sight:
     """What one contribution, times an amount, shows."""
 
@@ -85,9 +95,9 @@ class Sight:
         found = min(t / (least + _Z), np.sqrt(gain / asked))
         if self.asks.price is not None:
             claimed = least_share(limits)
-            of_set = np.sqrt(self.asks.price + search.better_set)
+            asked = (self.asks.price + search.better_set) * self.asks.noise
             in_set = (
-                t / (of_set + _Z),
+                np.sqrt(gain / asked),
                 t / (search.still_needed * least + _Z),
                 np.sqrt(gain * (1.0 - claimed) / (claimed * self.left)),
             )
@@ -112,15 +122,6 @@ class Sight:
         return high
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Asks:
-    """What an effect is asked for."""
-
-    width: int  # figures that are fitted for it
-    least_of_rest: float  # that it asks for by itself
-    price: float | None  # of its figures in a set of ordinary effects; None where it is in none
-
-
 def least_share(limits: Thresholds) -> float:
     """Share of what is left that a finding must explain to be claimed, by its confidence."""
     weights = limits.confidence
@@ -134,7 +135,12 @@ def _least_gain(amount: float, energy: float, t: float) -> float:
 
 
 def sight_of(
-    contribution: Contribution, asks: Asks, simple: Beside, noise: Noise, whole: Beside | None
+    contribution: Contribution,
+    asks: Asks,
+    simple: Beside,
+    noise: Noise,
+    whole: Beside | None = None,
+    figures: int | None = None,
 ) -> Sight:
     """Of a contribution.
 
@@ -144,6 +150,7 @@ def sight_of(
         simple: what it must be told from to be found.
         noise: of the balances.
         whole: what it must stand beside; None where that is not asked.
+        figures: that the search fits beside it; all of `simple` if None.
     """
     b, fit = simple.fit.balances, simple.fit
     own = {k: values for k, values in contribution.items() if k in fit.rows and len(fit.rows[k])}
@@ -151,6 +158,7 @@ def sight_of(
     columns = {key: values[fit.rows[key]] for key, values in own.items()}
     energy, raw = energy_of(simple, columns, seen), energy_of(simple, columns, columns)
     rows, acting = activity(fit, as_term(own))
+    beside = fit.size if figures is None else figures
 
     def power(values: Mapping[Key, FloatArray]) -> float:
         return sum(float(np.sum(values[k][acting[k]] ** 2)) / b.sigma[k] ** 2 for k in columns)
@@ -158,7 +166,7 @@ def sight_of(
     return Sight(
         energy=energy,
         share=energy / raw if raw > 0.0 else 0.0,
-        error=error_of(simple, own, seen, rest) * inflation_of(fit, own),
+        error=error_of(simple, own, seen, rest) * inflation_of(fit, own, beside),
         stand=None if whole is None else _stand(whole, own, rest),
         rows=rows,
         left=power(rest),
@@ -173,6 +181,6 @@ def _stand(whole: Beside, own: Contribution, rest: Contribution) -> Stand:
     return Stand(
         energy=energy_of(whole, columns, seen),
         error=error_of(whole, own, seen, rest),
-        inflated=inflation_of(fit, own),
+        inflated=inflation_of(fit, own, fit.size),
         left=energy_of(whole, {k: rest[k] for k in columns}, rest),
     )

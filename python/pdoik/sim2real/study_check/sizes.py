@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,9 +59,10 @@ class Sizes:
         free = [*(t for t in self._ordinary if t.effect != TRUST), *trusted(b, _ANY_BODY)]
         self._noise = Noise(flexible=Beside(b, free))
         self._whole: dict[tuple[str, Place], Beside] = {}
-        self._same: dict[Key, float] = {}
+        self._sets: dict[Key, tuple[float, float]] = {}
         self._none: dict[tuple[str, Place, str], dict[Key, FloatArray]] = {}
         self._simple = {j: self._simple_at(j) for j in range(b.n)}
+        self._clear = self._clear_figures()
 
     def of(self, effect: Effect, place: Place) -> Iterator[Size]:
         """Of each variant of an effect that has something to be seen by; none of others."""
@@ -124,13 +125,13 @@ class Sizes:
 
         def sight(made: tuple[dict[Key, FloatArray], int]) -> Sight:
             contribution, width = made
-            asks = Asks(
-                width=width,
-                least_of_rest=effect.least_of_rest,
-                price=self._price(effect, contribution, width + len(shape)),
-            )
+            asks = Asks(width=width, least_of_rest=effect.least_of_rest)
+            key = next(iter(contribution))
+            if effect.ordinary and len(contribution) == 1:
+                price, noise = self._of_sets(key)
+                asks = replace(asks, price=(width + len(shape)) * price, noise=noise)
             whole = self._stands_beside(effect, place, contribution)
-            return sight_of(contribution, asks, beside, self._noise, whole)
+            return sight_of(contribution, asks, beside, self._noise, whole, self._clear)
 
         def clarity(amount: float) -> float:
             made = self._contribution(effect, place, shape, amount)
@@ -140,6 +141,8 @@ class Sizes:
         if linear:
             times = first.smallest(limits)
             amount, of_usual = times * begin, times * self._of_usual(one[0])
+            low, high = (float(bound[0]) for bound in effect.bounds)
+            amount = amount if amount <= max(-low, high) else np.inf
         else:
             most = _MOST_SHARE if _of_share(effect) else effect.parameters[0].upper
             amount, of_usual = bisected(clarity, tried, begin, most), 0.0
@@ -156,16 +159,28 @@ class Sizes:
             of_usual=of_usual,
         )
 
-    def _price(self, effect: Effect, contribution: Contribution, figures: int) -> float | None:
-        """Of figures among a joint's ordinary ones, by the Bayesian criterion."""
-        key = next(iter(contribution))
-        fit = self._noise.flexible.fit
-        if not effect.ordinary or len(contribution) > 1 or not len(fit.rows[key]):
-            return None
-        if key not in self._same:
-            left = self._noise.flexible.left(key)
-            self._same[key] = repeats(self.balances, key, fit.rows[key], left)
-        return float(figures * np.log(max(len(fit.rows[key]) / self._same[key], 8.0)))
+    def _of_sets(self, key: Key) -> tuple[float, float]:
+        """Price of a figure by the Bayesian criterion of joints' sets, and the noise there."""
+        if key not in self._sets:
+            b, flexible = self.balances, self._noise.flexible
+            rows, left = flexible.fit.rows[key], flexible.left(key) / self.balances.sigma[key]
+            same = repeats(b, key, rows, left)
+            noise = max(float(np.mean(left**2)), 1.0) * same if len(rows) else 1.0
+            self._sets[key] = float(np.log(max(len(rows) / same, 8.0))), noise
+        return self._sets[key]
+
+    def _clear_figures(self) -> int:
+        """How many simple effects these recordings show clearly, so that the search has them."""
+        limits = self.balances.thresholds.search
+        terms = [term for some in self._simple.values() for term in some]
+        found = 0
+        for term in terms:
+            beside = Beside(self.balances, [t for t in terms if t is not term])
+            own = {key: column[:, 0] for key, column in term.columns.items()}
+            error = sight_of(own, Asks(width=1, least_of_rest=0.0), beside, self._noise).error
+            level = float(beside.fit.extended(term).beta[-1])
+            found += abs(level) > limits.still_needed * limits.least_t * error
+        return found
 
     def _is_linear(self, effect: Effect, place: Place, shape: Shape) -> bool:
         """Whether contributions are in proportion to the amount."""
