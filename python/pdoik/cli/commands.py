@@ -21,6 +21,7 @@ from .replay import replay
 from .solve import solve
 from .thresholds import thresholds
 from .view import view
+from .watch import watch
 
 __all__ = ["app"]
 
@@ -41,6 +42,7 @@ app.command()(h1)
 app.command()(diagnose)
 app.command()(predict)
 app.command()(replay)
+app.command()(watch)
 app.add_typer(effects)
 app.command()(thresholds)
 

@@ -37,9 +37,11 @@ from .study.read_study import load_study
 from .study.recording import Recording
 from .study.study import Controller, Setup, Study, Trust
 from .thresholds import Thresholds
+from .watch import Alarm, Watch, calibrated
 
 __all__ = [
     "CATALOGUE",
+    "Alarm",
     "Controller",
     "ControllerEstimate",
     "Diagnosis",
@@ -62,6 +64,8 @@ __all__ = [
     "Study",
     "Thresholds",
     "Trust",
+    "Watch",
+    "calibrated",
     "conclude",
     "diagnose",
     "evidence_of",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import gzip
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import pyarrow.parquet
 from pdoik.errors import LoadError
 
 from .columns import Table, nearest
+from .csv_form import CsvForm
 from .recording import FloatArray
 
 MAX_ROWS = 1_000_000
@@ -138,18 +138,8 @@ class _Csv:
                 second = file.readline()
         except (OSError, UnicodeDecodeError, EOFError) as error:
             raise LoadError(f"{name}: no CSV text: {error}") from error
-        if not head.strip():
-            raise LoadError(f"{name}: empty; expected a header line 'time,q.<joint>,...'")
-        counts = {each: head.count(each) for each in ",;\t"}
-        self._separator = max(counts, key=lambda each: counts[each])
-        decimal_comma = self._separator != "," and "," in second and "." not in second
-        self._decimal = "," if decimal_comma else "."
-        self.header = [each.strip() for each in next(csv.reader([head], delimiter=self._separator))]
-        if all(_is_number(each) for each in self.header):
-            raise LoadError(f"{name}: the first line holds numbers, expected the columns' names")
-        twice = sorted({each for each in self.header if self.header.count(each) > 1})
-        if twice:
-            raise LoadError(f"{name}: column {twice[0]!r} is there more than once")
+        self._form = CsvForm.of_lines(name, head, second)
+        self.header = list(self._form.header)
 
     def _open(self) -> TextIO:
         if self._path.suffix == ".gz":
@@ -175,21 +165,11 @@ class _Csv:
         try:
             with pa.csv.open_csv(
                 pa.input_stream(str(self._path), compression="detect"),
-                read_options=pa.csv.ReadOptions(
-                    column_names=self.header, skip_rows=1, block_size=_BLOCK, use_threads=False
-                ),
-                parse_options=pa.csv.ParseOptions(
-                    delimiter=self._separator, invalid_row_handler=skip
-                ),
-                convert_options=pa.csv.ConvertOptions(
-                    include_columns=columns,
-                    column_types=dict.fromkeys(columns, pa.float64()),
-                    decimal_point=self._decimal,
-                ),
+                **self._form.options(columns, skip, skip=1, block=_BLOCK),
             ) as reader:
                 for batch in reader:
                     total += batch.num_rows
-                    yield _numbers(batch, columns)
+                    yield numbers_of(batch, columns)
         except (pa.ArrowInvalid, OSError) as error:
             raise LoadError(f"{self._name}: {_worded(str(error), columns)}") from error
         if ragged > max(1, _RAGGED * total):
@@ -218,10 +198,10 @@ class _Parquet:
 
     def pieces(self, columns: list[str]) -> Iterator[FloatArray]:
         for batch in self._file.iter_batches(columns=columns):
-            yield _numbers(batch, columns, self._name)
+            yield numbers_of(batch, columns, self._name)
 
 
-def _numbers(batch: Any, columns: list[str], name: str = "") -> FloatArray:
+def numbers_of(batch: Any, columns: list[str], name: str = "") -> FloatArray:
     """A batch's columns, (T, c); infinite values become NaN."""
     out = np.empty((batch.num_rows, len(columns)))
     for k, column in enumerate(columns):
@@ -248,11 +228,3 @@ def _worded(message: str, columns: list[str]) -> str:
     if colon and number.isdigit() and int(number) < len(columns):
         return f"column {columns[int(number)]!r}: {rest}"
     return message
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
