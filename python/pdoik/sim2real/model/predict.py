@@ -42,18 +42,26 @@ def predict(model: Model, recording: Recording, findings: bool = True) -> FloatA
     if recording.q.shape[1] != n:
         raise ValueError(f"recording has {recording.q.shape[1]} joints, the model has {n}")
     motion = _motion(model, recording)
-    smooth, sharp = motion.tau.copy(), np.zeros_like(motion.tau)
-    if findings:
-        smooth += _corrections(model, motion)
-        for finding in model.findings:
-            kind = sharp if _jumps(finding) else smooth
-            kind += torque_of(finding, motion, model.joints)
+    smooth, sharp = torques_along(model, motion, findings)
     # Accelerations are noisy: what depends on them goes through the diagnosis's own filter.
     tau = zero_phase(smooth, motion.cutoff, motion.period) + sharp
     if len(motion.time) == len(recording.time):
         return tau
     columns = [np.interp(recording.time, motion.time, column) for column in tau.T]
     return np.stack(columns, axis=1)
+
+
+def torques_along(
+    model: Model, motion: Motion, findings: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """What the model says of a motion, unfiltered: the smooth part and what jumps; (T, n) each."""
+    smooth, sharp = motion.tau.copy(), np.zeros_like(motion.tau)
+    if findings:
+        smooth += _corrections(model, motion)
+        for finding in model.findings:
+            kind = sharp if _jumps(finding) else smooth
+            kind += torque_of(finding, motion, model.joints)
+    return smooth, sharp
 
 
 def _jumps(finding: Finding) -> bool:
@@ -94,13 +102,22 @@ def places_of(finding: Finding, body: RigidBody | None, joints: tuple[str, ...])
     ]
 
 
-def _motion(model: Model, recording: Recording) -> Motion:
+def body_of(model: Model) -> RigidBody:
+    """The model's robot for inverse dynamics.
+
+    Raises:
+        ValueError: the model has no robot.
+    """
     if model.robot is None:
         raise ValueError("the study had no robot description, so no torque can be predicted")
     with TemporaryDirectory() as folder:
         path = Path(folder) / "robot.xml"
         path.write_text(model.robot, encoding="utf-8")
-        body = RigidBody(path, model.joints, model.rotor_inertia)
+        return RigidBody(path, model.joints, model.rotor_inertia)
+
+
+def _motion(model: Model, recording: Recording) -> Motion:
+    body = body_of(model)
     plain = thinned(replace(recording, tip=None))
     noise = noise_of([plain])
     cutoff = model.cutoff or chosen_cutoff([plain], body, noise)
