@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,7 +17,7 @@ from ..motion.motion import Motion, motion_of, thinned
 from ..motion.place import Place
 from ..motion.rigid_body import RigidBody
 from ..motion.signals import zero_phase
-from ..simulation.description import nearest, read_description
+from ..simulation.description import Description, nearest, read_description
 from ..study.recording import FloatArray, Recording
 from .model import Model
 
@@ -125,12 +126,18 @@ def _motion(model: Model, recording: Recording) -> Motion:
     return motion_of(plain, body, None, cutoff, noise, model.tip)
 
 
+@lru_cache(maxsize=4)
+def _described(robot: str) -> Description:
+    """Of a text that is read for every window of a log."""
+    return read_description(robot)
+
+
 def _corrections(model: Model, motion: Motion) -> FloatArray:
     """Torques of the links' corrected inertial parameters less those of the robot's own."""
     tau = np.zeros_like(motion.tau)
     if not model.rigid_body or model.robot is None or motion.body is None:
         return tau
-    described = read_description(model.robot)
+    described = _described(model.robot)
     own, links = described.inertials, described.links_of(model.joints)
     for name, ten in model.rigid_body.items():
         link = links.index(nearest(name, links, "link"))

@@ -142,7 +142,10 @@ def _variance(residual: FloatArray, features: FloatArray) -> FloatArray:
     size = np.maximum(np.mean(features, axis=0), 1e-12)
     square = residual**2
     mean = max(float(np.mean(square)), _LEAST_VARIANCE)
-    found, _ = optimize.nnls(features / size, square / mean)
+    try:
+        found, _ = optimize.nnls(features / size, square / mean)
+    except RuntimeError:  # SciPy's iterations do not end: the same variance everywhere
+        found = np.eye(VARIANCE)[0]
     beta = np.asarray(found * mean / size)
     beta[0] = max(beta[0], 0.1 * mean)  # a floor that no regime is free of
     return beta

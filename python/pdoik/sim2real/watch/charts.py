@@ -45,15 +45,17 @@ class Charts:
         """The smallest change that each chart looks for, (n, 3) [N m], and the threshold of all.
 
         A chart falls while a coefficient is below half of that change. So this is twice what a
-        healthy coefficient may be, or what is just told within the time that is asked for.
+        healthy coefficient may be, or what is just told within the time that is asked for; where
+        the model leaves so much that this is more than the joint's friction, it is told later.
         """
         h, limits = self.healthy, self._limits
         per_square = h.power / (2.0 * h.density)  # information of a change of 1 N m [1/s]
         rate = limits.alarms_per_day / DAY
+        doubled = np.where(h.friction > 0.0, h.friction, np.inf)[:, None]
         threshold = 10.0
         for _ in range(50):
             quick = np.sqrt(threshold / (limits.told_within * per_square))
-            smallest = np.maximum(2.0 * _LIKELY * h.bias, quick)
+            smallest = np.maximum(2.0 * _LIKELY * h.bias, np.minimum(quick, doubled))
             information = (smallest**2 * per_square)[self.watched]
             threshold = threshold_for(np.repeat(information, 2), rate)
         return smallest, threshold
