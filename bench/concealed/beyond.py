@@ -52,7 +52,7 @@ def make_beyond(folder: Path, spec: WorldSpec) -> dict[str, Any]:
     loaded = draft.believed.with_link(draft.arm.n - 1, draft.believed.links[-1].plus(load))
     folder.mkdir(parents=True, exist_ok=True)
     facts: dict[str, Any] = {"load": {"mass": load.mass, "com": load.com.tolist()}}
-    logged, noiseless = build._logged(draft, effects), {}
+    logged, noiseless = build._logged(draft), {}
     for index, name in enumerate(CONDITIONS):
         more = (KnownLoad(body=load),) if name == "load" else ()
         believed = loaded if more else draft.believed

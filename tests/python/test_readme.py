@@ -31,7 +31,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
-    assert len(blocks("python")) == 8
+    assert len(blocks("python")) == 9
     for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
         assert (examples / name).is_file(), name
 
@@ -52,12 +52,14 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     ]
     assert {shlex.split(line)[1] for line in lines} == {
         *("info", "solve", "occupancy", "pairs", "bench", "view", "h1"),
-        *("study", "diagnose", "compare", "predict", "replay"),
+        *("study", "diagnose", "compare", "predict", "replay", "watch"),
     }
     for line in lines:
         words = shlex.split(line, comments=True)[1:]
         if words[0] in ("view", "h1"):  # these go on and on: tested where they are written
             words = [words[0], "--help"]
+        if words[0] == "watch" and "--once" not in words:
+            words += ["--once"]
         if words[0] == "bench":
             words += ["--targets", "20"]
         subprocess.run([pdoik, *words], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)

@@ -23,6 +23,7 @@ from .solve import solve
 from .study import app as study
 from .thresholds import thresholds
 from .view import view
+from .watch import watch
 
 __all__ = ["app"]
 
@@ -44,6 +45,7 @@ app.command()(diagnose)
 app.command()(compare)
 app.command()(predict)
 app.command()(replay)
+app.command()(watch)
 app.add_typer(effects)
 app.add_typer(study)
 app.command()(thresholds)

@@ -39,9 +39,11 @@ from .study.study import Controller, Setup, Study, Trust
 from .study_check import StudyCheck, check_study
 from .study_draft import Draft, draft_study
 from .thresholds import Thresholds
+from .watch import Alarm, Watch, calibrated
 
 __all__ = [
     "CATALOGUE",
+    "Alarm",
     "Controller",
     "ControllerEstimate",
     "Diagnosis",
@@ -67,6 +69,8 @@ __all__ = [
     "Thresholds",
     "Trust",
     "UnanswerableError",
+    "Watch",
+    "calibrated",
     "check_study",
     "conclude",
     "diagnose",

@@ -10,6 +10,7 @@ import numpy as np
 from ..model.model import Model
 from ..regression.improved_model import improved_model
 from ..study.recording import FloatArray
+from ..watch.of_study import with_floor
 
 if TYPE_CHECKING:
     from ..infer.conclude import Examination
@@ -78,11 +79,13 @@ def _floors(examination: Examination) -> FloatArray:
 
 
 def model_of(examination: Examination) -> Model:
-    """The study's robot with the findings, and with its inertias as far as the study trusts none.
+    """The study's robot with the findings, with its inertias as far as the study trusts none.
+
+    It knows what it leaves of the recordings' torques, for `pdoik watch`.
 
     Raises:
         LoadError: the robot's file cannot be read.
     """
-    return improved_model(
-        examination.prepared, examination.diagnosis.findings, examination.state.fit
-    )
+    prepared = examination.prepared
+    model = improved_model(prepared, examination.diagnosis.findings, examination.state.fit)
+    return with_floor(model, prepared.study)

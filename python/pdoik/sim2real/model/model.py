@@ -22,6 +22,7 @@ from ..study.payload import Payload
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller, Study
 from .content import array_of, controller_content, controller_of, findings_of, listed, required
+from .healthy import Healthy
 
 SCHEMA = "pdoik.model/1"
 FILE_NAME = "model.json"
@@ -41,6 +42,7 @@ class Model:
     rigid_body: Mapping[str, FloatArray] = field(default_factory=dict)
     """By link: ten corrected parameters instead of the robot's own, in `Inertial.ten`'s order."""
     cutoff: float | None = None  # of the filter that the findings were made with [Hz]
+    healthy: Healthy | None = None  # what the model leaves of a healthy machine's torques
 
     def __repr__(self) -> str:
         found = ", ".join(finding.effect for finding in self.findings) or "nothing"
@@ -200,6 +202,7 @@ class Model:
             "cutoff": self.cutoff,
             "findings": json.loads(found.to_json())["findings"],
             "rigid_body": {link: listed(ten) for link, ten in self.rigid_body.items()},
+            "healthy": None if self.healthy is None else self.healthy.content(),
             "robot": self.robot,
         }
         return json.dumps(content, indent=1) + "\n"
@@ -237,6 +240,9 @@ class Model:
             }
             key = "cutoff"
             cutoff = None if content.get("cutoff") is None else float(content["cutoff"])
+            key = "healthy"
+            figures = content.get("healthy")
+            healthy = None if figures is None else Healthy.of_content(figures, n)
             key = "robot"
             robot, tip = content["robot"], content["tip"]
             if robot is not None and not isinstance(robot, str):
@@ -255,6 +261,7 @@ class Model:
             findings=findings,
             rigid_body=rigid_body,
             cutoff=cutoff,
+            healthy=healthy,
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,7 +17,7 @@ from ..motion.motion import Motion, motion_of, thinned
 from ..motion.place import Place
 from ..motion.rigid_body import RigidBody
 from ..motion.signals import zero_phase
-from ..simulation.description import nearest, read_description
+from ..simulation.description import Description, nearest, read_description
 from ..study.recording import FloatArray, Recording
 from .model import Model
 
@@ -42,18 +43,26 @@ def predict(model: Model, recording: Recording, findings: bool = True) -> FloatA
     if recording.q.shape[1] != n:
         raise ValueError(f"recording has {recording.q.shape[1]} joints, the model has {n}")
     motion = _motion(model, recording)
-    smooth, sharp = motion.tau.copy(), np.zeros_like(motion.tau)
-    if findings:
-        smooth += _corrections(model, motion)
-        for finding in model.findings:
-            kind = sharp if _jumps(finding) else smooth
-            kind += torque_of(finding, motion, model.joints)
+    smooth, sharp = torques_along(model, motion, findings)
     # Accelerations are noisy: what depends on them goes through the diagnosis's own filter.
     tau = zero_phase(smooth, motion.cutoff, motion.period) + sharp
     if len(motion.time) == len(recording.time):
         return tau
     columns = [np.interp(recording.time, motion.time, column) for column in tau.T]
     return np.stack(columns, axis=1)
+
+
+def torques_along(
+    model: Model, motion: Motion, findings: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """What the model says of a motion, unfiltered: the smooth part and what jumps; (T, n) each."""
+    smooth, sharp = motion.tau.copy(), np.zeros_like(motion.tau)
+    if findings:
+        smooth += _corrections(model, motion)
+        for finding in model.findings:
+            kind = sharp if _jumps(finding) else smooth
+            kind += torque_of(finding, motion, model.joints)
+    return smooth, sharp
 
 
 def _jumps(finding: Finding) -> bool:
@@ -94,13 +103,22 @@ def places_of(finding: Finding, body: RigidBody | None, joints: tuple[str, ...])
     ]
 
 
-def _motion(model: Model, recording: Recording) -> Motion:
+def body_of(model: Model) -> RigidBody:
+    """The model's robot for inverse dynamics.
+
+    Raises:
+        ValueError: the model has no robot.
+    """
     if model.robot is None:
         raise ValueError("the study had no robot description, so no torque can be predicted")
     with TemporaryDirectory() as folder:
         path = Path(folder) / "robot.xml"
         path.write_text(model.robot, encoding="utf-8")
-        body = RigidBody(path, model.joints, model.rotor_inertia)
+        return RigidBody(path, model.joints, model.rotor_inertia)
+
+
+def _motion(model: Model, recording: Recording) -> Motion:
+    body = body_of(model)
     plain = thinned(replace(recording, tip=None))
     noise = noise_of([plain])
     cutoff = model.cutoff or chosen_cutoff([plain], body, noise)
@@ -108,12 +126,18 @@ def _motion(model: Model, recording: Recording) -> Motion:
     return motion_of(plain, body, None, cutoff, noise, model.tip)
 
 
+@lru_cache(maxsize=4)
+def _described(robot: str) -> Description:
+    """Of a text that is read for every window of a log."""
+    return read_description(robot)
+
+
 def _corrections(model: Model, motion: Motion) -> FloatArray:
     """Torques of the links' corrected inertial parameters less those of the robot's own."""
     tau = np.zeros_like(motion.tau)
     if not model.rigid_body or model.robot is None or motion.body is None:
         return tau
-    described = read_description(model.robot)
+    described = _described(model.robot)
     own, links = described.inertials, described.links_of(model.joints)
     for name, ten in model.rigid_body.items():
         link = links.index(nearest(name, links, "link"))

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
+from scipy.ndimage import maximum_filter1d
 
 from ..study.recording import FloatArray
 
@@ -90,7 +91,5 @@ def dilated(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
     """True wherever the mask is True within `by` samples along axis 0."""
     if by <= 0 or not mask.any():
         return mask
-    kernel = np.ones(2 * by + 1)
-    flat = mask.reshape(len(mask), -1).astype(np.float64)
-    wide = [signal.fftconvolve(column, kernel, mode="same") > 0.5 for column in flat.T]
-    return np.stack(wide, axis=1).reshape(mask.shape)
+    wide = maximum_filter1d(mask.view(np.uint8), 2 * by + 1, axis=0, mode="constant")
+    return np.asarray(wide, dtype=np.bool_)

@@ -22,6 +22,7 @@ from .support import SupportThresholds
 from .threshold import numbers_of
 from .unnamed import UnnamedThresholds
 from .verdict import VerdictThresholds
+from .watch import WatchThresholds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +57,7 @@ class Thresholds:
     verdict: VerdictThresholds = field(default_factory=VerdictThresholds)
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
     simulators: SimulatorThresholds = field(default_factory=SimulatorThresholds)
+    watch: WatchThresholds = field(default_factory=WatchThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
         """With other values by GROUP.NAME.

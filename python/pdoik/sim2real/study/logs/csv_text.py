@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import gzip
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from pdoik.errors import LoadError
 
 from ..recording import FloatArray
 from .arrow_numbers import numbers
+from .csv_form import CsvForm
 from .kinds import register
 from .log import Column, Log
 
@@ -39,21 +39,8 @@ class CsvText(Log):
             self.rows = self._count()
         except (OSError, UnicodeDecodeError, EOFError) as error:
             raise LoadError(f"{name}: no CSV text: {error}") from error
-        if not head.strip():
-            raise LoadError(f"{name}: empty; expected a header line 'time,q.<joint>,...'")
-        counts = {each: head.count(each) for each in ",;\t"}
-        self._separator = max(counts, key=lambda each: counts[each])
-        decimal_comma = self._separator != "," and "," in second and "." not in second
-        self._decimal = "," if decimal_comma else "."
-        self._header = [
-            each.strip() for each in next(csv.reader([head], delimiter=self._separator))
-        ]
-        if all(_is_number(each) for each in self._header):
-            raise LoadError(f"{name}: the first line holds numbers, expected the columns' names")
-        twice = sorted({each for each in self._header if self._header.count(each) > 1})
-        if twice:
-            raise LoadError(f"{name}: column {twice[0]!r} is there more than once")
-        self.columns = tuple(Column(name=each) for each in self._header)
+        self._form = CsvForm.of_lines(name, head, second)
+        self.columns = tuple(Column(name=each) for each in self._form.header)
 
     def _open(self) -> TextIO:
         if self._path.suffix == ".gz":
@@ -79,17 +66,7 @@ class CsvText(Log):
         try:
             with pa.csv.open_csv(
                 pa.input_stream(str(self._path), compression="detect"),
-                read_options=pa.csv.ReadOptions(
-                    column_names=self._header, skip_rows=1, block_size=_BLOCK, use_threads=False
-                ),
-                parse_options=pa.csv.ParseOptions(
-                    delimiter=self._separator, invalid_row_handler=skip
-                ),
-                convert_options=pa.csv.ConvertOptions(
-                    include_columns=list(columns),
-                    column_types=dict.fromkeys(columns, pa.float64()),
-                    decimal_point=self._decimal,
-                ),
+                **self._form.options(list(columns), skip, skip=1, block=_BLOCK),
             ) as reader:
                 for batch in reader:
                     total += batch.num_rows
@@ -99,7 +76,7 @@ class CsvText(Log):
         if ragged > max(1, _RAGGED * total):
             raise LoadError(
                 f"{self._name}: {ragged} of {ragged + total} rows have another number of cells than"
-                f" the header ({len(self._header)})"
+                f" the header ({len(self._form.header)})"
             )
         if ragged:
             self.notes.append(f"{ragged} incomplete row(s) left out")
@@ -112,11 +89,3 @@ def _worded(message: str, columns: Sequence[str]) -> str:
     if colon and number.isdigit() and int(number) < len(columns):
         return f"column {columns[int(number)]!r}: {rest}"
     return message
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -1,0 +1,65 @@
+"""What is left of a healthy machine's torques beside the model: the floor that `watch` holds to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..study.recording import FloatArray
+
+VARIANCE = 4
+"""Coefficients of a variance: of 1, and of the squares of speed, of inertial torque, of torque."""
+
+CHARTS = 3
+"""Columns that a joint's residual is held against."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Healthy:
+    """Figures of each joint's residual in logs without a fault."""
+
+    logs: tuple[str, ...]  # they come from
+    held_out: bool  # whether the findings were not fitted to these
+    position_noise: FloatArray  # (n,) density of white noise in positions [rad^2/Hz]
+    seconds: FloatArray  # (n,) of motion [s]
+    variance: FloatArray  # (n, 4), see VARIANCE [(N m)^2 and per unit of each]
+    friction: FloatArray  # (n,) root mean square of the friction that is known [N m]
+    scale: FloatArray  # (n, 3) root mean square of each chart's column
+    power: FloatArray  # (n, 3) mean square of the column over scale and noise [1/(N m)^2]
+    density: FloatArray  # (n, 3) of the residual's noise along the column, at frequency zero [s]
+    bias: FloatArray  # (n, 3) root mean square of the column's coefficient in healthy logs [N m]
+
+    def content(self) -> dict[str, Any]:
+        """As plain data."""
+        arrays = {name: getattr(self, name).tolist() for name in _SHAPES}
+        return {"logs": list(self.logs), "held_out": self.held_out, **arrays}
+
+    @classmethod
+    def of_content(cls, content: Any, n: int) -> Healthy:
+        """Of plain data, for n joints.
+
+        Raises:
+            KeyError, ValueError, TypeError: it is none.
+        """
+        arrays = {}
+        for name, tail in _SHAPES.items():
+            array = np.array(content[name], dtype=np.float64)
+            if array.shape != (n, *tail):
+                raise ValueError(f"{name}: expected shape {(n, *tail)}, got {array.shape}")
+            arrays[name] = array
+        logs = tuple(str(each) for each in content["logs"])
+        return cls(logs=logs, held_out=bool(content["held_out"]), **arrays)
+
+
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "position_noise": (),
+    "seconds": (),
+    "variance": (VARIANCE,),
+    "friction": (),
+    "scale": (CHARTS,),
+    "power": (CHARTS,),
+    "density": (CHARTS,),
+    "bias": (CHARTS,),
+}

@@ -1,0 +1,204 @@
+"""The floor of each joint's residual, from logs of the machine while nothing is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, stats
+
+from ..model.healthy import CHARTS, VARIANCE, Healthy
+from ..model.model import Model
+from ..motion.cutoff import noise_of
+from ..motion.motion import thinned
+from ..study.recording import FloatArray, Recording
+from ..thresholds.watch import WatchThresholds
+from .residuals import ResidualRows, Residuals, joined
+from .windows import Rows, Windows
+
+_BLOCK = 10.0  # over which a column's coefficient is looked at [s]
+_SURE = 0.05  # probability that the density is even higher than it is held to be
+_LEAST_VARIANCE = 1e-12  # [(N m)^2]
+
+
+def calibrated(
+    model: Model,
+    recordings: Sequence[Recording],
+    *,
+    held_out: bool = True,
+    thresholds: WatchThresholds | None = None,
+) -> Model:
+    """The model with the floor of these logs.
+
+    Args:
+        model: of a diagnosis.
+        recordings: of the healthy machine, with torques.
+        held_out: whether the findings were not fitted to them.
+        thresholds: the defaults if none are given.
+
+    Raises:
+        ValueError: the model has no robot, a log no torques or too few rows a second, or no joint
+            moves long enough.
+    """
+    limits = WatchThresholds() if thresholds is None else thresholds
+    noise = noise_of([thinned(each) for each in recordings])
+    residuals = Residuals(model, noise, limits.slides)
+    cut = (_rows_of(residuals, each) for each in recordings)
+    runs = [each for each in cut if each is not None]
+    names = tuple(each.name for each in recordings)
+    if not runs:
+        raise ValueError(f"{', '.join(names)}: too short to tell the residual's floor from")
+    friction = [residuals.friction(residuals.motion(thinned(each))) for each in recordings]
+    healthy = _healthy(runs, limits, noise, names, held_out)
+    healthy = replace(healthy, friction=np.array([_rms(f) for f in np.concatenate(friction).T]))
+    if not (healthy.seconds >= limits.least_motion).any():
+        longest = float(healthy.seconds.max())
+        raise ValueError(
+            f"{', '.join(names)}: no joint moves for {limits.least_motion:g} s; the longest motion"
+            f" is {longest:.2g} s"
+        )
+    return replace(model, healthy=healthy)
+
+
+def rows_of(recording: Recording) -> Rows:
+    """A recording's rows that rest on samples.
+
+    Raises:
+        ValueError: it has no torque of a joint.
+    """
+    if recording.tau is None or np.isnan(recording.tau).all(axis=0).any():
+        raise ValueError(f"{recording.name}: expected torques, 'tau.<joint>', of every joint")
+    kept = recording.valid & np.isfinite(recording.tau).all(axis=1)
+    kept &= np.isfinite(recording.q).all(axis=1)
+    time = recording.start + recording.time
+    return Rows(time=time[kept], q=recording.q[kept], tau=recording.tau[kept])
+
+
+def variance_of(healthy: Healthy, features: FloatArray) -> FloatArray:
+    """Variance of the residual's noise at rows with these features, (N, n) [(N m)^2]."""
+    return np.asarray(np.einsum("tjk,jk->tj", features, healthy.variance), dtype=np.float64)
+
+
+def _rows_of(residuals: Residuals, recording: Recording) -> ResidualRows | None:
+    n = recording.q.shape[1]
+    windows = Windows(n, residuals.cutoff)
+    cut = [*windows.add(rows_of(recording)), *windows.end()]
+    parts = [each for each in map(residuals.rows, cut) if len(each.time)]
+    return joined(parts) if parts else None
+
+
+def _healthy(
+    runs: list[ResidualRows],
+    limits: WatchThresholds,
+    noise: FloatArray,
+    names: tuple[str, ...],
+    held_out: bool,
+) -> Healthy:
+    n = len(noise)
+    seconds = np.zeros(n)
+    variance = np.zeros((n, VARIANCE))
+    scale, power, density, bias = (np.ones((n, CHARTS)) for _ in range(4))
+    for j in range(n):
+        seconds[j] = sum(float(np.sum(run.moving[:, j])) * run.step for run in runs)
+        if seconds[j] <= 0.0:
+            variance[j, 0] = 1.0
+            continue
+        picked = [run.moving[:, j] for run in runs]
+        residual = _all([run.residual[:, j] for run in runs], picked)
+        columns = _all([run.columns[:, j] for run in runs], picked)
+        features = _all([run.features[:, j] for run in runs], picked)
+        variance[j] = _variance(residual, features)
+        scale[j] = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-9)
+        weight = [1.0 / np.sqrt(run.features[:, j] @ variance[j]) for run in runs]
+        for c in range(CHARTS):
+            column = [
+                run.columns[:, j, c] / scale[j, c] * w * run.moving[:, j]
+                for run, w in zip(runs, weight, strict=True)
+            ]
+            score = [
+                x * run.residual[:, j] * w for run, x, w in zip(runs, column, weight, strict=True)
+            ]
+            power[j, c] = np.sum(np.concatenate(column) ** 2) / len(residual)
+            density[j, c] = _density(runs, column, score, limits.memory)
+            bias[j, c] = _bias(runs, column, score)
+    return Healthy(
+        logs=names,
+        held_out=held_out,
+        position_noise=noise,
+        seconds=seconds,
+        variance=variance,
+        friction=np.zeros(n),
+        scale=scale,
+        power=power,
+        density=density,
+        bias=bias,
+    )
+
+
+def _variance(residual: FloatArray, features: FloatArray) -> FloatArray:
+    """Coefficients, (4,), none negative, of the squared residual."""
+    size = np.maximum(np.mean(features, axis=0), 1e-12)
+    square = residual**2
+    mean = max(float(np.mean(square)), _LEAST_VARIANCE)
+    try:
+        found, _ = optimize.nnls(features / size, square / mean)
+    except RuntimeError:  # SciPy's iterations do not end: the same variance everywhere
+        found = np.eye(VARIANCE)[0]
+    beta = np.asarray(found * mean / size)
+    beta[0] = max(beta[0], 0.1 * mean)  # a floor that no regime is free of
+    return beta
+
+
+def _density(
+    runs: list[ResidualRows], column: list[FloatArray], score: list[FloatArray], memory: float
+) -> float:
+    """Spectral density of the noise along a column at frequency zero, an upper bound [s].
+
+    Sums of autocovariances with Bartlett's weights (Newey and West, Econometrica 55, 1987); the
+    bound is that of a chi-squared with as many degrees of freedom as there are memories.
+    """
+    total = squared = seconds = lag = 0.0
+    for run, x, y in zip(runs, column, score, strict=True):
+        long = min(memory, 0.2 * len(y) * run.step)
+        lags = max(1, int(long / run.step))
+        total += run.step * _long_run(y, lags)
+        squared += float(x @ x)
+        seconds += float(np.sum(x != 0.0)) * run.step
+        lag = max(lag, lags * run.step)
+    if not squared > 0.0:
+        return 1.0
+    freedom = max(3.0, 1.5 * seconds / lag)
+    white = 0.5 * runs[0].step  # no noise that passed the filter is less correlated
+    return max(total / squared * freedom / float(stats.chi2.ppf(_SURE, freedom)), white)
+
+
+def _long_run(y: FloatArray, lags: int) -> float:
+    """Sum of autocovariances, not less than none is correlated to half."""
+    own = float(y @ y)
+    total = own
+    for k in range(1, lags + 1):
+        total += 2.0 * (1.0 - k / (lags + 1)) * float(y[k:] @ y[:-k])
+    return max(total, 0.5 * own)
+
+
+def _bias(runs: list[ResidualRows], column: list[FloatArray], score: list[FloatArray]) -> float:
+    """Root mean square of the column's coefficient over blocks of some seconds [N m]."""
+    found = []
+    for run, x, y in zip(runs, column, score, strict=True):
+        length = max(1, round(_BLOCK / run.step))
+        for at in range(0, max(len(x) - length // 2, 1), length):
+            part = slice(at, at + length)
+            squared = float(x[part] @ x[part])
+            if np.count_nonzero(x[part]) * run.step > 0.2 * _BLOCK:
+                found.append(float(np.sum(y[part])) / squared)
+    return _rms(np.array(found)) if found else 0.0
+
+
+def _all(values: list[FloatArray], picked: list[NDArray[np.bool_]]) -> FloatArray:
+    return np.concatenate([v[p] for v, p in zip(values, picked, strict=True)])
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0

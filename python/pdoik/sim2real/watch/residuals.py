@@ -1,0 +1,176 @@
+"""What a window's torques have beside the model, and the columns they are held against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effects import CATALOGUE
+from ..effects.coulomb_friction import CoulombFriction
+from ..effects.presliding_hysteresis import PreslidingHysteresis
+from ..effects.torque_channel import OF_BOTH
+from ..effects.torque_gain import TorqueGain
+from ..effects.torque_offset import TorqueOffset
+from ..model.model import Model
+from ..model.predict import body_of, places_of, torque_of, torques_along
+from ..motion.motion import Motion, motion_of
+from ..motion.place import Place
+from ..motion.signals import dilated, zero_phase
+from ..study.recording import FloatArray, Recording
+from .changes import Change, torque_of_changes
+from .windows import Window, kept_every
+
+CHART_EFFECTS = (
+    (TorqueOffset.id, (OF_BOTH,)),
+    (CoulombFriction.id, (0.0,)),
+    (TorqueGain.id, (OF_BOTH,)),
+)
+"""A change shows in a joint's torque always, with its direction, or with its load."""
+
+_STILL = 0.3  # periods of the cut-off around rest that say nothing, as in the balances
+_SURE = 2.0  # standard errors within which what was learnt of a change may be wrong
+_SLIDES = 4.0  # displacements of a presliding joint after which it slides
+_WARM = 1e6  # the machine has run this long [s]: what fades at a start has faded
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ResidualRows:
+    """Rows of a window's core."""
+
+    time: FloatArray  # (N,) of the log's clock [s]
+    step: float  # between rows [s]
+    residual: FloatArray  # (N, n) measured less the model and what has changed [N m]
+    columns: FloatArray  # (N, n, 3) of the charts
+    features: FloatArray  # (N, n, 4) that the noise's variance depends on
+    moving: NDArray[np.bool_]  # (N, n) where a row says something
+
+    def __getitem__(self, part: slice) -> ResidualRows:
+        """Some of them."""
+        changed = {name: getattr(self, name)[part] for name in _ARRAYS}
+        return replace(self, **changed)
+
+
+_ARRAYS = ("time", "residual", "columns", "features", "moving")
+
+
+def joined(parts: Iterable[ResidualRows]) -> ResidualRows:
+    """Rows of several windows of one stream."""
+    all_of = list(parts)
+
+    stacked = {name: np.concatenate([getattr(each, name) for each in all_of]) for name in _ARRAYS}
+    return ResidualRows(step=all_of[0].step, **stacked)
+
+
+class Residuals:
+    """The model along windows of a log, by the filters of the diagnosis."""
+
+    def __init__(self, model: Model, position_noise: FloatArray, slides: float) -> None:
+        """Findings that hold in a part of a recording only are none of the machine as it is now.
+
+        Args:
+            model: with a robot and the diagnosis's cut-off.
+            position_noise: (n,) density of white noise in positions [rad^2/Hz].
+            slides: travel after which dry friction is at its level [rad].
+
+        Raises:
+            ValueError: the model has no robot or no cut-off.
+        """
+        body = body_of(model)
+        if model.cutoff is None:
+            raise ValueError("the model has no cut-off: it was not made by a diagnosis")
+        lasting = tuple(each for each in model.findings if each.window is None)
+        self.model = replace(model, findings=lasting)
+        self.cutoff = model.cutoff
+        self.changes: tuple[Change, ...] = ()
+        self.body = body
+        self._noise = position_noise
+        self._slides = np.full(len(model.joints), slides)
+        for finding in lasting:
+            if finding.effect == PreslidingHysteresis.id:
+                for place in places_of(finding, body, model.joints):
+                    far = _SLIDES * finding.values["displacement"]
+                    self._slides[place.joints[0]] = max(slides, far)
+
+    def motion(self, recording: Recording) -> Motion:
+        """The motion, whose torque is what the model says."""
+        made = motion_of(
+            recording, self.body, None, self.cutoff, self._noise, self.model.tip, since=_WARM
+        )
+        smooth, sharp = torques_along(self.model, made)
+        return replace(made, tau=smooth + sharp)
+
+    def motion_now(self, recording: Recording) -> tuple[Motion, FloatArray]:
+        """The same with all changes that are known, and the variance of these, (T, n)."""
+        motion = self.motion(recording)
+        changed, variance = torque_of_changes(self.changes, motion)
+        return replace(motion, tau=motion.tau + changed), variance
+
+    def rows(self, window: Window) -> ResidualRows:
+        """The rows of a window's core."""
+        recording = window.rows.recording()
+        motion, variance = self.motion_now(recording)
+        assert motion.torque is not None
+        first, step = _core(window, motion)
+        columns = np.stack([_columns(motion, j) for j in range(motion.n)], axis=1)  # (T, n, 3)
+        raw = np.concatenate([(motion.torque - motion.tau)[:, :, None], columns], axis=2)
+        filtered = zero_phase(raw, motion.cutoff, motion.period)[first]
+        inertia = np.diagonal(motion.mass_matrix, axis1=1, axis2=2) + self.body.rotor
+        features = np.stack(
+            [np.ones_like(motion.dq), motion.dq**2, (inertia * motion.ddq) ** 2, motion.tau**2],
+            axis=2,
+        )
+        around = int(_STILL / (motion.cutoff * motion.period))
+        moving = motion.valid[:, None] & ~dilated(motion.still | self._sticks(motion), around)
+        band = _SURE * np.sqrt(variance[first])
+        residual = filtered[:, :, 0]
+        return ResidualRows(
+            time=recording.start + motion.time[first],
+            step=step,
+            residual=np.sign(residual) * np.maximum(np.abs(residual) - band, 0.0),
+            columns=filtered[:, :, 1:],
+            features=features[first],
+            moving=moving[first],
+        )
+
+    def _sticks(self, motion: Motion) -> NDArray[np.bool_]:
+        """Where a joint has not yet gone far since its direction changed, or the window began.
+
+        Dry friction then has any value within its level, by what went before; (T, n).
+        """
+        turned = np.diff(np.sign(motion.dq), axis=0, prepend=0.0) != 0.0
+        turned[0] = True
+        index = np.arange(len(turned))[:, None]
+        last = np.maximum.accumulate(np.where(turned, index, 0), axis=0)
+        gone = np.abs(motion.q - np.take_along_axis(motion.q, last, axis=0))
+        return np.asarray(gone < self._slides, dtype=np.bool_)
+
+    def friction(self, motion: Motion) -> FloatArray:
+        """Friction by the description and the findings, (T, n) [N m]."""
+        body = self.body
+        friction = body.damping * motion.dq + body.friction * np.sign(motion.dq)
+        for finding in self.model.findings:
+            if finding.effect in CATALOGUE and CATALOGUE[finding.effect].family == "friction":
+                friction = friction + torque_of(finding, motion, self.model.joints)
+        return np.asarray(friction, dtype=np.float64)
+
+
+def _core(window: Window, motion: Motion) -> tuple[slice, float]:
+    """Samples of a window's core that are kept, and the time between them [s]."""
+    slack = 0.01 * motion.period
+    time = motion.recording.start + motion.time
+    first, last = np.searchsorted(time, np.array(window.core) - slack)
+    every = kept_every(motion.cutoff, motion.period)
+    return slice(int(first), int(last), every), every * motion.period
+
+
+def _columns(motion: Motion, j: int) -> FloatArray:
+    """The charts' columns of a joint, (T, 3)."""
+    place = Place(joints=(j,))
+    made = (
+        CATALOGUE[effect].columns(motion, place, shape)["torque", j][:, 0]
+        for effect, shape in CHART_EFFECTS
+    )
+    return np.stack(list(made), axis=1)
