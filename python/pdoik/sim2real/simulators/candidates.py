@@ -9,10 +9,13 @@ from typing import Any
 
 import mujoco
 
+from .body_words import carry_load
+from .property import EVERY
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
-EVERY = -1  # the index of what all joints share
+_ORDER = {name: place for place, name in enumerate(PROPERTIES)}
+_CENTRE = ("com_x", "com_y", "com_z")
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -44,13 +47,17 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
     n = len(user.joints)
     simple = ("damping", "frictionloss", "armature", "kp", "kv", "stiffness", "ref", "delay")
     found = [Term(name, (Knob(name, k),)) for name in simple for k in range(n)]
+    found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
+    if user.peaks:
+        found += [Term("forcelimit", (Knob("forcelimit", k),)) for k in range(n)]
     if n > 1:
-        found.append(Term("delay", (Knob("delay", EVERY),)))
+        shared = (("delay", "delay"), ("kp", "kp_factor"), ("kv", "kv_factor"))
+        found += [Term(name, (Knob(knob, EVERY),)) for name, knob in shared]
     heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
     found += [Term("mass", (Knob("mass", k),)) for k in heavy]
     last = [k for k in heavy if not _carries_joints(user, k)]
-    centre = ("mass", "com_x", "com_y", "com_z")
-    found += [Term("payload", tuple(Knob(name, k) for name in centre)) for k in last]
+    loaded = ("mass", *_CENTRE)
+    found += [Term("payload", tuple(Knob(name, k) for name in loaded)) for k in last]
     return tuple(found)
 
 
@@ -62,9 +69,10 @@ def baseline(user: UserModel, knob: Knob) -> float:
 def model_with(user: UserModel, values: Values) -> Any:
     """A copy of the user's mujoco.MjModel with these values, all that follows from them anew."""
     model = copy.copy(user.model)
-    for knob, value in values.items():
-        if knob.index != EVERY:
-            PROPERTIES[knob.property].write(user, model, knob.index, value)
+    for knob in sorted(values, key=lambda each: _ORDER[each.property]):
+        PROPERTIES[knob.property].write(user, model, knob.index, values[knob])
+    for k in {knob.index for knob in values if knob.property in _CENTRE}:
+        carry_load(user, model, k)
     if any(knob.property != "delay" for knob in values):
         mujoco.mj_setConst(model, mujoco.MjData(model))
     return model

@@ -21,6 +21,7 @@ from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray, Recording
 from .candidates import Values, delays_with, model_with
 from .commands import check_commands, fed_forward, mean_over
+from .sampled import Sampled
 from .starts import follow, settle_actuators
 from .user_model import UserModel
 
@@ -108,21 +109,48 @@ class Experiment:
         return tuple((kind, k) for kind in kinds for k in range(n))
 
     def allow_for_step(self, values: Values) -> None:
-        """From now on `run` adds what a fourth of the step changes in this candidate.
+        """From now on `run` adds what truer steps change in this candidate.
 
         What a simulator's step does to a motion (half a step of delay, more or less damping) is
-        none of its properties, and must not pass for one of the machine's.
+        none of its properties, and must not pass for one of the machine's. Truer is a fourth of
+        the step, and where the controller's period is known, torques that are held for it.
         """
         self._of_step = None
-        user, plain = self.user, self.run(values)
-        fine = copy.copy(user.model)
-        fine.opt.timestep = user.timestep / _FINER
-        steps = self._steps
+        user, steps, plain = self.user, self._steps, self.run(values)
         try:
+            if user.law is not None and user.law.period is not None:
+                self._of_step = self._sampled(values) - plain
+                return
+            fine = copy.copy(user.model)
+            fine.opt.timestep = user.timestep / _FINER
             self.user, self._steps = replace(user, model=fine), steps * _FINER
             self._of_step = self.run(values) - plain
         finally:
             self.user, self._steps = user, steps
+
+    def _sampled(self, values: Values) -> FloatArray:
+        """What a candidate shows whose torques are held from tick to tick, (R, C)."""
+        delays, rows = delays_with(self.user, values), []
+        sampled = Sampled.of(self.user, model_with(self.user, values))
+        self._steps = round(self._steps * self.user.timestep / sampled.user.timestep)
+        self.user = sampled.user
+        for run in self._runs:
+            steps = np.arange(self._steps, dtype=np.float64)
+            times = np.asarray(run.start + self.user.timestep * steps, dtype=np.float64)
+            recording = self.recordings[run.recording]
+            commands = self._commands(
+                recording, np.asarray(times - 0.5 * self.user.timestep), delays
+            )
+            forward = self._forward[run.recording]
+            if forward is not None:
+                columns = [np.interp(times, recording.time, each) for each in forward.T]
+                forward = np.stack(columns, axis=1)
+            states, held = sampled.run(run.state, commands, forward)
+            self._check(run, states)
+            sensed = np.zeros((len(states), self.user.model.nsensordata))
+            sensed[:, list(self.user.torque_sensors)] = held
+            rows.append(self._shown(run, states, sensed))
+        return np.concatenate(rows)
 
     def run(self, values: Values, *, as_it_is: bool = False) -> FloatArray:
         """What a candidate shows where `measured` is, (R, C).
@@ -134,20 +162,21 @@ class Experiment:
         Raises:
             SimulationError: it left all bounds.
         """
-        model = model_with(self.user, values)
-        delays = delays_with(self.user, values)
-        start = np.stack([run.state for run in self._runs])
-        control = np.stack([self._control(run, delays) for run in self._runs])
-        with quiet_mujoco():
-            states, sensors = rollout.rollout(
-                model, self._data, start, control, control_spec=_CONTROL
-            )
-        rows = []
-        for run, state, sensed in zip(self._runs, states, sensors, strict=True):
-            self._check(run, state)
-            rows.append(self._shown(run, state, sensed))
+        rows = [
+            self._shown(run, state, sensed)
+            for run, state, sensed in zip(self._runs, *self._rolled(values), strict=True)
+        ]
         shown = np.concatenate(rows)
         return shown if as_it_is or self._of_step is None else shown + self._of_step
+
+    def peaks(self, values: Values) -> tuple[float, ...]:
+        """Largest torque of each drive in a candidate's runs [N m].
+
+        Raises:
+            SimulationError: it left all bounds.
+        """
+        sensed = self._rolled(values)[1][:, :, list(self.user.torque_sensors)]
+        return tuple(float(each) for each in np.abs(sensed).max(axis=(0, 1)))
 
     def _cut(self, length: float, warm: float, thin: bool) -> list[_Run]:
         runs: list[_Run] = []
@@ -216,6 +245,20 @@ class Experiment:
                 continue
             out[:, k] = mean_over(recording.time, q_des[:, k], begin, dt)
         return out
+
+    def _rolled(self, values: Values) -> tuple[FloatArray, FloatArray]:
+        """States and sensor values after each step of each run, (runs, K, .)."""
+        model = model_with(self.user, values)
+        delays = delays_with(self.user, values)
+        start = np.stack([run.state for run in self._runs])
+        control = np.stack([self._control(run, delays) for run in self._runs])
+        with quiet_mujoco():
+            states, sensors = rollout.rollout(
+                model, self._data, start, control, control_spec=_CONTROL
+            )
+        for run, state in zip(self._runs, states, strict=True):
+            self._check(run, state)
+        return states, sensors
 
     def _control(self, run: _Run, delays: Sequence[float]) -> FloatArray:
         times = np.asarray(

@@ -12,12 +12,13 @@ from ..simulation.stepper import SimulationError
 from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
 from .blocks import Blocks, t_of
-from .candidates import Knob, Term, Values, terms_of
+from .candidates import Knob, Term, Values, baseline, terms_of
 from .experiment import Experiment
+from .property import Scales
 from .selection import Rival, Selection
 from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
 from .user_model import UserModel
-from .vocabulary import PROPERTIES, Scales
+from .vocabulary import PROPERTIES
 
 Tell = Callable[[str], None]
 
@@ -42,7 +43,7 @@ class Explained:
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
     without: dict[Term, float]  # held-out loss without it
-    shows: dict[Term, float]  # root mean square of what it changes, over noise and step, where most
+    shows: dict[Term, float]  # what it changes over the least that counts, where most
     sigma: FloatArray  # by which errors are weighed
     noise: FloatArray  # white noise of each channel
     of_step: FloatArray  # root mean square of what the simulator's own step does to each
@@ -60,7 +61,7 @@ class Explained:
 
     def holds(self, term: Term, limits: SimulatorThresholds) -> bool:
         """Whether it is believed to be there, and matters; by whatever name."""
-        return self.there(term) >= limits.least_confidence and self.shows[term] >= limits.shows
+        return self.there(term) >= limits.least_confidence and self.shows[term] >= 1.0
 
     def confidence(self, term: Term) -> float:
         """Probability that a term is there, and none of its rivals in its place."""
@@ -93,6 +94,7 @@ def explain(
         ValueError: commands are missing.
     """
     say = tell or (lambda text: None)
+    user = replace(user, peaks=Experiment(user, fit).peaks({}))
     experiment, held_out = Experiment(user, fit), Experiment(user, validate)
     noise = noise_of(experiment)
     scales, all_terms = scales_of(experiment), terms_of(user)
@@ -203,6 +205,38 @@ def _fitted(
     return values
 
 
+def _shows(
+    change: FloatArray,
+    noise: FloatArray,
+    term: Term,
+    values: Values,
+    user: UserModel,
+    limits: SimulatorThresholds,
+) -> float:
+    """How much a term changes, over the least that counts, where most.
+
+    It must be seen above noise, and be larger than what a step feigns: a torque that is held for a
+    period T acts T/2 late, which looks like damping of -kp T/2 and an armature of -kd T/2.
+
+    Args:
+        change: of the motion, (R, C); infinite where the model is unstable without the term.
+        noise: of each channel, (C,).
+        term: what is judged.
+        values: of its knobs, and of others.
+        user: whose model.
+        limits: what counts.
+    """
+    if not np.isfinite(change).all():
+        return np.inf
+    seen = np.sqrt(np.mean(change**2, axis=0)) / (limits.shows * noise)
+    sizes = [
+        abs(values[knob] - baseline(user, knob)) / (limits.of_step * feigned)
+        for knob in term.knobs
+        if knob in values and (feigned := PROPERTIES[knob.property].feigned(user, knob.index)) > 0.0
+    ]
+    return float(min([seen.max(), *sizes]))
+
+
 def _judged(
     selection: Selection,
     about: Sensitivities,
@@ -226,7 +260,7 @@ def _judged(
     after = held_out.run(values, as_it_is=True)
     with_values = held_out.run(values)
     of_step = np.sqrt(np.mean((with_values - after) ** 2, axis=0))
-    floor = np.hypot(noise, of_step)
+    user, limits = held_out.user, selection.limits
     count = int(held_out.block.max()) + 1
 
     def loss(shown: FloatArray) -> FloatArray:
@@ -242,8 +276,7 @@ def _judged(
         except SimulationError:
             shown = np.full_like(with_values, np.inf)
         left = loss(shown)
-        size = np.sqrt(np.mean((shown - with_values) ** 2, axis=0))
-        shows[term] = float(np.max(size / floor))
+        shows[term] = _shows(shown - with_values, noise, term, values, user, limits)
         gains[term], without[term] = left - with_all, float(left.sum())
     return Explained(
         user=held_out.user,

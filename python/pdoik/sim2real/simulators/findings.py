@@ -10,8 +10,9 @@ from scipy.stats import t as student
 from ..findings import Equivalent, Estimate, Evidence, Finding, JointFit, Verdict
 from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
-from .candidates import EVERY, Knob, Term, baseline
+from .candidates import Knob, Term, baseline
 from .explain import Explained
+from .property import EVERY
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
-import xml.parsers.expat
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +12,20 @@ import numpy as np
 
 from pdoik.errors import LoadError
 
-from .candidates import EVERY, Knob, delays_with, model_with
+from .candidates import Knob, delays_with, model_with
+from .mjcf_edit import Tag, edited, tags_of, with_includes
+from .property import EVERY
 from .user_model import UserModel
 
 _ACTUATORS = ("position", "general", "motor", "intvelocity", "velocity")
-_OF_JOINT = ("damping", "frictionloss", "armature", "stiffness", "ref")
+_OF_JOINT = ("damping", "frictionloss", "armature", "ref")
 _OF_BODY = ("mass", "com_x", "com_y", "com_z")
+_TURNED = ("fullinertia", "euler", "axisangle", "xyaxes", "zaxis")
+_ONE_FILE = "its <include>s are in one file"
+_REWRITTEN = (
+    "it is MuJoCo's own writing of your model, as a joint or body is in no file by its name;"
+    " numbers are rounded to six digits"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,224 +34,217 @@ class Patch:
 
     text: str
     left_out: tuple[str, ...]  # in words
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Tag:
-    """A start tag by its place in the text."""
-
-    name: str
-    attributes: Mapping[str, str]
-    begin: int
-    end: int  # behind its ">"
-    owner: str  # the <body> around it
-    inside: tuple[str, ...]  # names of the elements around it
+    notes: tuple[str, ...] = ()  # what else is not as in the user's file
 
 
 def patched(user: UserModel, values: Mapping[Knob, float]) -> Patch:
-    """The text with these values.
+    """The text with these values: the user's file, or where that is not all of it, one file.
 
     Raises:
-        LoadError: its joints or bodies are in included files.
+        LoadError: a joint or body cannot be found in any of these.
     """
-    text = user.source.read_text() if isinstance(user.source, Path) else user.source
-    edits: dict[tuple[int, int], dict[str, str | None]] = {}
-    inserts: dict[int, str] = {}
-    tags = list(_tags(text))
-    candidate, left_out = model_with(user, values), []
-    touched = {(knob.property, knob.index) for knob in values if knob.index != EVERY}
-
-    def edit(tag: _Tag, changed: Mapping[str, str | None]) -> None:
-        edits.setdefault((tag.begin, tag.end), {}).update(changed)
-
-    for k, joint in enumerate(user.joints):
-        mine = {name for name, index in touched if index == k}
-        if mine & set(_OF_JOINT):
-            tag = _joint(tags, user, joint)
-            for name in sorted(mine & set(_OF_JOINT)):
-                value = values[Knob(name, k)]
-                if name == "ref" and user.degrees and _turns(user, k):
-                    value = float(np.rad2deg(value))
-                edit(tag, {name: _number(value)})
-        if mine & {"kp", "kv"}:
-            if user.law_outside:
-                left_out.append(f"gains of {joint}: they are the study's controller's")
-            else:
-                edit(_actuator(tags, user, k), _gains(tags, user, candidate, k))
-        if mine & set(_OF_BODY):
-            _of_body(tags, user, candidate, user.body_of(k), edit, inserts)
-    if not user.law_outside:
-        for k in range(len(user.joints)):
-            tag = _actuator(tags, user, k)
-            if "dampratio" in tag.attributes and touched:  # it would follow other inertias
-                edit(tag, _gains(tags, user, candidate, k))
-    if user.law is not None and user.law.gravity_compensation:
-        left_out.append("the controller's gravity compensation, which is none of the model")
-    left_out += _delayed(tags, user, values, edit)
-    for tag in tags:
-        if tag.name == "compiler" and isinstance(user.source, Path):
-            folders = {
-                key: str((user.source.parent / tag.attributes.get(key, "")).resolve())
-                for key in ("meshdir", "texturedir", "assetdir")
-                if key in tag.attributes
-            }
-            if folders:
-                edit(tag, folders)
-    return Patch(text=_edited(text, edits, inserts), left_out=tuple(left_out))
-
-
-def _joint(tags: list[_Tag], user: UserModel, joint: str) -> _Tag:
-    def mine(tag: _Tag) -> bool:
-        named = tag.attributes.get("name") == joint
-        return named and tag.name == "joint" and "worldbody" in tag.inside
-
-    return _one(tags, mine, user, f"joint {joint!r}")
-
-
-def _gains(tags: list[_Tag], user: UserModel, candidate: Any, k: int) -> dict[str, str | None]:
-    actuator = user.actuators[k]
-    tag = _actuator(tags, user, k)
-    gain, bias = candidate.actuator_gainprm[actuator], candidate.actuator_biasprm[actuator]
-    if tag.name == "position":
-        changed: dict[str, str | None] = {"kp": _number(gain[0]), "kv": _number(-bias[2])}
-        return changed | {"dampratio": None} if "dampratio" in tag.attributes else changed
-    return {"gainprm": _numbers(gain[:3]), "biasprm": _numbers(bias[:3])}
-
-
-def _actuator(tags: list[_Tag], user: UserModel, k: int) -> _Tag:
-    name, joint = user.model.actuator(user.actuators[k]).name, user.joints[k]
-
-    def mine(tag: _Tag) -> bool:
-        if tag.name not in _ACTUATORS or "actuator" not in tag.inside:
-            return False
-        named = tag.attributes.get("name", "")
-        return named == name if name else tag.attributes.get("joint") == joint
-
-    return _one(tags, mine, user, f"the actuator of {joint!r}")
-
-
-def _delayed(
-    tags: list[_Tag],
-    user: UserModel,
-    values: Mapping[Knob, float],
-    edit: Callable[[_Tag, Mapping[str, str | None]], None],
-) -> list[str]:
-    """Delays as the actuators' own, where this MuJoCo has them."""
-    delays = delays_with(user, values)
-    late = {user.joints[k]: delay for k, delay in enumerate(delays) if delay > 0.0}
-    if not late:
-        return []
-    shown = ", ".join(f"{joint} {1e3 * delay:.3g} ms" for joint, delay in late.items())
-    if user.law_outside or not hasattr(user.model, "actuator_delay"):
-        return [f"delays of commands, to be given to the controller: {shown}"]
-    for k, delay in enumerate(delays):
-        if delay <= 0.0:
+    problem = LoadError(f"{user.name}: nothing to patch")
+    for text, degrees, note in _texts(user):
+        try:
+            patch = _Editor(replace(user, degrees=degrees), values, text).patch()
+        except LoadError as error:
+            problem = error
             continue
-        before = float(user.model.actuator_delay[user.actuators[k]])
-        count = int(np.ceil((before + delay) / user.timestep)) + 2
-        changed = {"delay": _number(before + delay), "nsample": str(count), "interp": "linear"}
-        edit(_actuator(tags, user, k), changed)
-    return []
+        return replace(patch, notes=(note,) if note else ())
+    raise problem
 
 
-def _of_body(
-    tags: list[_Tag],
-    user: UserModel,
-    candidate: Any,
-    body: int,
-    edit: Callable[[_Tag, Mapping[str, str | None]], None],
-    inserts: dict[int, str],
-) -> None:
-    name = user.model.body(body).name
-    mass, centre = candidate.body_mass[body], candidate.body_ipos[body]
-    changed = {"mass": _number(mass), "pos": _numbers(centre)}
-    found = [tag for tag in tags if tag.name == "inertial" and tag.owner == name]
-    if found:
-        edit(found[0], changed)
+def _texts(user: UserModel) -> Iterator[tuple[str, bool, str]]:
+    """Texts of the model that may be patched, whether in degrees, and what they are in words."""
+    if not isinstance(user.source, Path):
+        yield user.source, user.degrees, ""
         return
-    tag = _one(tags, lambda t: t.name == "body" and t.attributes.get("name") == name, user, name)
-    quaternion, moments = _numbers(candidate.body_iquat[body]), candidate.body_inertia[body]
-    inserts[tag.end] = (
-        f'<inertial pos="{changed["pos"]}" mass="{changed["mass"]}" quat="{quaternion}"'
-        f' diaginertia="{_numbers(moments)}"/>'
-    )
+    own = user.source.read_text()
+    yield own, user.degrees, ""
+    if any(tag.name == "include" for tag in tags_of(own)):
+        yield with_includes(own, user.source.parent), user.degrees, _ONE_FILE
+    spec = mujoco.MjSpec.from_file(str(user.source))
+    spec.compile()
+    yield spec.to_xml(), False, _REWRITTEN
 
 
-def _tags(text: str) -> Iterator[_Tag]:
-    """Start tags in their order."""
-    raw = text.encode()
-    found: list[_Tag] = []
-    around: list[tuple[str, str]] = []
-    parser = xml.parsers.expat.ParserCreate("utf-8")
+class _Editor:
+    """Collects changes of one text."""
 
-    def start(name: str, attributes: dict[str, str]) -> None:
-        begin = parser.CurrentByteIndex
-        owner = next((n for kind, n in reversed(around) if kind == "body"), "")
-        found.append(
-            _Tag(
-                name=name,
-                attributes=attributes,
-                begin=begin,
-                end=_end_of_tag(raw, begin),
-                owner=owner,
-                inside=tuple(kind for kind, _ in around),
+    def __init__(self, user: UserModel, values: Mapping[Knob, float], text: str) -> None:
+        self.user, self.values, self.text = user, values, text
+        self.candidate = model_with(user, values)
+        self.tags = list(tags_of(text))
+        self.left_out: list[str] = []
+        self._edits: dict[tuple[int, int], dict[str, str | None]] = {}
+        self._inserts: dict[int, str] = {}
+
+    def patch(self) -> Patch:
+        """All of the values, in the text's order of joints."""
+        every = {knob.property for knob in self.values if knob.index == EVERY}
+        for k in range(len(self.user.joints)):
+            mine = {knob.property for knob in self.values if knob.index == k}
+            self._joint_figures(k, mine)
+            if mine & {"kp", "kv"} or every & {"kp_factor", "kv_factor"}:
+                self._gains(k)
+            if "forcelimit" in mine:
+                self._force_limit(k)
+            if mine & set(_OF_BODY):
+                self._body(self.user.body_of(k))
+        self._damping_ratios()
+        if self.user.law is not None and self.user.law.gravity_compensation:
+            self.left_out.append(
+                "the controller's gravity compensation, which is none of the model"
             )
+        self._delays()
+        self._folders()
+        return Patch(
+            text=edited(self.text, self._edits, self._inserts), left_out=tuple(self.left_out)
         )
-        around.append((name, attributes.get("name", "")))
 
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda name: around.pop()
-    parser.Parse(raw, True)
-    yield from found
+    def _edit(self, tag: Tag, changed: Mapping[str, str | None]) -> None:
+        self._edits.setdefault((tag.begin, tag.end), {}).update(changed)
 
+    def _joint_figures(self, k: int, mine: set[str]) -> None:
+        changed: dict[str, str | None] = {
+            name: _number(self._angle(k, self.values[Knob(name, k)], name == "ref"))
+            for name in _OF_JOINT
+            if name in mine
+        }
+        if mine & {"stiffness", "spring_torque"}:
+            changed["stiffness"] = _number(self.candidate.jnt_stiffness[self.user.joint_ids[k]])
+        if "spring_torque" in mine:
+            place = float(self.candidate.qpos_spring[self.user.qpos[k]])
+            changed["springref"] = _number(self._angle(k, place, True))
+        if changed:
+            self._edit(self._joint(k), changed)
 
-def _end_of_tag(raw: bytes, begin: int) -> int:
-    """Behind the ">" of a start tag, which values in quotes may contain, too."""
-    match = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>").match(raw, begin)
-    assert match is not None
-    return match.end()
-
-
-def _one(tags: list[_Tag], wanted: Callable[[_Tag], bool], user: UserModel, what: str) -> _Tag:
-    found = [tag for tag in tags if wanted(tag)]
-    if not found:
-        raise LoadError(
-            f"{user.name}: {what} is not in this file itself; to have it patched, give the model as"
-            " one file (MuJoCo's 'compile' writes one)"
+    def _angle(self, k: int, value: float, is_angle: bool) -> float:
+        turns = int(self.user.model.jnt_type[self.user.joint_ids[k]]) == int(
+            mujoco.mjtJoint.mjJNT_HINGE
         )
-    return found[0]
+        return float(np.rad2deg(value)) if is_angle and turns and self.user.degrees else value
 
+    def _gains(self, k: int) -> None:
+        if self.user.law_outside:
+            joint = self.user.joints[k]
+            self.left_out.append(f"gains of {joint}: they are the study's controller's")
+            return
+        actuator, tag = self.user.actuators[k], self._actuator(k)
+        gain = self.candidate.actuator_gainprm[actuator]
+        bias = self.candidate.actuator_biasprm[actuator]
+        if tag.name != "position":
+            self._edit(tag, {"gainprm": _numbers(gain[:3]), "biasprm": _numbers(bias[:3])})
+            return
+        changed: dict[str, str | None] = {"kp": _number(gain[0]), "kv": _number(-bias[2])}
+        if "dampratio" in tag.attributes:
+            changed["dampratio"] = None
+        self._edit(tag, changed)
 
-def _edited(
-    text: str, edits: Mapping[tuple[int, int], Mapping[str, str | None]], inserts: Mapping[int, str]
-) -> str:
-    raw = text.encode()
-    pieces: list[tuple[int, int, bytes]] = []
-    for (begin, end), changed in edits.items():
-        tag = _with_attributes(raw[begin:end].decode(), changed)
-        pieces.append((begin, end, tag.encode()))
-    pieces += [(at, at, element.encode()) for at, element in inserts.items()]
-    for begin, end, piece in sorted(pieces, reverse=True):
-        raw = raw[:begin] + piece + raw[end:]
-    return raw.decode()
+    def _damping_ratios(self) -> None:
+        """A ratio of damping would follow other inertias, so it becomes the gain that it was."""
+        if self.user.law_outside or not self.values:
+            return
+        for k in range(len(self.user.joints)):
+            if "dampratio" in self._actuator(k).attributes:
+                self._gains(k)
 
+    def _force_limit(self, k: int) -> None:
+        joint, actuator = self.user.joint_ids[k], self.user.actuators[k]
+        limited = bool(self.user.model.actuator_forcelimited[actuator])
+        if limited and self.user.law_outside:
+            name = self.user.joints[k]
+            self.left_out.append(f"torque limit of {name}: it is the study's controller's")
+            return
+        if limited:
+            limits = self.candidate.actuator_forcerange[actuator]
+            self._edit(self._actuator(k), {"forcerange": _numbers(limits)})
+        if self.candidate.jnt_actfrclimited[joint]:
+            limits = self.candidate.jnt_actfrcrange[joint]
+            changed = {"actuatorfrcrange": _numbers(limits), "actuatorfrclimited": "true"}
+            self._edit(self._joint(k), changed)
 
-def _with_attributes(tag: str, changed: Mapping[str, str | None]) -> str:
-    """A start tag's text with other attributes; None takes one away."""
-    for name, value in changed.items():
-        pattern = re.compile(rf"(\s){re.escape(name)}\s*=\s*(\"[^\"]*\"|'[^']*')")
-        if value is None:
-            tag = pattern.sub("", tag, count=1)
-        elif pattern.search(tag):
-            tag = pattern.sub(rf'\g<1>{name}="{value}"', tag, count=1)
-        else:
-            end = len(tag) - (2 if tag.endswith("/>") else 1)
-            tag = f'{tag[:end].rstrip()} {name}="{value}"{tag[end:]}'
-    return tag
+    def _delays(self) -> None:
+        """Delays as the actuators' own, where this MuJoCo has them."""
+        user, delays = self.user, delays_with(self.user, self.values)
+        late = {user.joints[k]: delay for k, delay in enumerate(delays) if delay > 0.0}
+        if not late:
+            return
+        if user.law_outside or not hasattr(user.model, "actuator_delay"):
+            shown = ", ".join(f"{joint} {1e3 * delay:.3g} ms" for joint, delay in late.items())
+            self.left_out.append(f"delays of commands, to be given to the controller: {shown}")
+            return
+        for k, delay in enumerate(delays):
+            if delay > 0.0:
+                whole = float(user.model.actuator_delay[user.actuators[k]]) + delay
+                count = int(np.ceil(whole / user.timestep)) + 2
+                changed = {"delay": _number(whole), "nsample": str(count), "interp": "linear"}
+                self._edit(self._actuator(k), changed)
 
+    def _body(self, body: int) -> None:
+        name, candidate = self.user.model.body(body).name, self.candidate
+        changed: dict[str, str | None] = {
+            "mass": _number(candidate.body_mass[body]),
+            "pos": _numbers(candidate.body_ipos[body]),
+        }
+        whole = {
+            **changed,
+            "quat": _numbers(candidate.body_iquat[body]),
+            "diaginertia": _numbers(candidate.body_inertia[body]),
+        }
+        found = [tag for tag in self.tags if tag.name == "inertial" and tag.owner == name]
+        if not found:
+            tag = self._one("body", name)
+            attributes = " ".join(f'{key}="{value}"' for key, value in whole.items())
+            self._inserts[tag.end] = f"<inertial {attributes}/>"
+            return
+        if np.array_equal(candidate.body_inertia[body], self.user.model.body_inertia[body]):
+            self._edit(found[0], changed)
+            return
+        gone = {key: None for key in _TURNED if key in found[0].attributes}
+        self._edit(found[0], {**whole, **gone})
 
-def _turns(user: UserModel, k: int) -> bool:
-    return int(user.model.jnt_type[user.joint_ids[k]]) == int(mujoco.mjtJoint.mjJNT_HINGE)
+    def _folders(self) -> None:
+        """Meshes are found from wherever the patched file lies."""
+        if not isinstance(self.user.source, Path):
+            return
+        for tag in self.tags:
+            if tag.name == "compiler":
+                home = self.user.source.parent
+                folders: dict[str, str | None] = {
+                    key: str((home / tag.attributes[key]).resolve())
+                    for key in ("meshdir", "texturedir", "assetdir")
+                    if key in tag.attributes
+                }
+                if folders:
+                    self._edit(tag, folders)
+
+    def _joint(self, k: int) -> Tag:
+        return self._one("joint", self.user.joints[k])
+
+    def _actuator(self, k: int) -> Tag:
+        name = self.user.model.actuator(self.user.actuators[k]).name
+        joint = self.user.joints[k]
+        for tag in self.tags:
+            if tag.name in _ACTUATORS and "actuator" in tag.inside:
+                named = tag.attributes.get("name", "")
+                if named == name if name else tag.attributes.get("joint") == joint:
+                    return tag
+        raise self._missing(f"the actuator of {joint!r}")
+
+    def _one(self, kind: str, name: str) -> Tag:
+        """The joint or body of a name, in the machine itself."""
+        for tag in self.tags:
+            named = tag.name == kind and tag.attributes.get("name") == name
+            if named and "worldbody" in tag.inside:
+                return tag
+        raise self._missing(f"{kind} {name!r}")
+
+    def _missing(self, what: str) -> LoadError:
+        return LoadError(
+            f"{self.user.name}: {what} is not in this file itself; to have it patched, give the"
+            " model as one file (MuJoCo's 'compile' writes one)"
+        )
 
 
 def _number(value: float) -> str:

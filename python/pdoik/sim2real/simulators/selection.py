@@ -15,9 +15,13 @@ from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
 from .blocks import Blocks, t_of
 from .candidates import Knob, Term
+from .property import EVERY
 
 ORDINARY = ("damping", "frictionloss", "armature", "delay")
 """What every machine has more of than its model: taken first unless another is clearly better."""
+
+_LIKE = {"kv": ("damping",)}
+"""Other names of one torque, which each joint may have its own of."""
 
 MOST = 60  # terms
 _AGAIN = 3  # rounds of adding and trying anew
@@ -98,6 +102,8 @@ class Selection:
         for term in self.terms:
             if term in chosen or set(self._of[term]) <= set(self.places(chosen)):
                 continue
+            if not self._is_shared(chosen, term):
+                continue
             gains = before - self._loss([*chosen, term])
             gain = float(gains.sum()) / len(term.knobs)
             if t_of(gains) < self._least_t or float(gains.sum()) < self.limits.least_gain * total:
@@ -116,6 +122,17 @@ class Selection:
             ):
                 first = usual
         return [*chosen, first]
+
+    def _is_shared(self, chosen: list[Term], term: Term) -> bool:
+        """Whether what all joints have alike does as well as each joint's own figure."""
+        if term.indices != {EVERY} or term in chosen:
+            return True
+        together = self._loss([*chosen, term])
+        for name in (term.name, *_LIKE.get(term.name, ())):
+            apart = [t for t in self.terms if t.name == name and t.indices != {EVERY}]
+            if apart and t_of(together - self._loss([*chosen, *apart])) >= self.limits.apart_t:
+                return False
+        return True
 
     @property
     def _least_t(self) -> float:

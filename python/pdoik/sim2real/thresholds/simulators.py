@@ -24,8 +24,12 @@ class SimulatorThresholds(Group):
         0.75, "confidence below which a finding is suspected, not claimed"
     )
     shows: float = threshold(
-        0.5,
-        "times a channel's noise and the error of the simulator's step that a finding must change",
+        0.5, "times a channel's noise that a finding must change its motion by"
+    )
+    of_step: float = threshold(
+        1.5,
+        "times what holding torques for a step or a controller's period looks like (damping kp T/2,"
+        " armature kd T/2, delay T/2) up to which a finding may be nothing else",
     )
     explained: float = threshold(
         0.8, "share of the squared error above noise that findings of an explained mismatch gain"

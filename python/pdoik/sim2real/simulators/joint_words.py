@@ -1,0 +1,131 @@
+"""Words of joints: losses, rotors, springs and the encoder's zero."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import drive_words
+from .property import Property, Scales, held
+from .user_model import UserModel
+
+_SOFTEST = 1e-6  # a spring that gives its torque wherever the joint is [N m/rad]
+
+
+class Damping(Property):
+    """Torque against speed."""
+
+    name, unit = "damping", "N m s/rad"
+    isaac = "damping of the joint (not of its drive)"
+    gazebo = "<axis><dynamics><damping>"
+
+    def read(self, user: UserModel, index: int) -> float:
+        return float(user.model.dof_damping[user.dof[index]])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        model.dof_damping[user.dof[index]] = value
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 0.05 * scales.torque / scales.speed
+
+    def feigned(self, user: UserModel, index: int) -> float:
+        return drive_words.Kp().read(user, index) * held(user)
+
+
+class FrictionLoss(Property):
+    """Dry friction."""
+
+    name, unit = "frictionloss", "N m"
+    isaac = "static and dynamic friction effort (joint friction)"
+    gazebo = "<axis><dynamics><friction>"
+
+    def read(self, user: UserModel, index: int) -> float:
+        return float(user.model.dof_frictionloss[user.dof[index]])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        model.dof_frictionloss[user.dof[index]] = value
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 0.05 * scales.torque
+
+
+class Armature(Property):
+    """The rotor's inertia as the joint sees it."""
+
+    name, unit = "armature", "kg m^2"
+    isaac = "armature"
+    gazebo = "none: add it to the link's <inertia> about the axis"
+
+    def read(self, user: UserModel, index: int) -> float:
+        return float(user.model.dof_armature[user.dof[index]])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        model.dof_armature[user.dof[index]] = value
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 0.05 * scales.torque / scales.acceleration
+
+    def feigned(self, user: UserModel, index: int) -> float:
+        return drive_words.Kv().read(user, index) * held(user)
+
+
+class Stiffness(Property):
+    """A spring of the joint about its reference."""
+
+    name, unit = "stiffness", "N m/rad"
+    isaac = "none: a joint drive of its own, with this stiffness"
+    gazebo = "<axis><dynamics><spring_stiffness>"
+
+    def read(self, user: UserModel, index: int) -> float:
+        return float(user.model.jnt_stiffness[user.joint_ids[index]])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        model.jnt_stiffness[user.joint_ids[index]] = value
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 0.05 * scales.torque / scales.travel
+
+
+class SpringTorque(Property):
+    """Torque of a joint's spring where the joint is at zero: stiffness times `springref`.
+
+    With the stiffness it says where the spring rests, and unlike `springref` it shows something
+    where there is no stiffness yet.
+    """
+
+    name, unit = "spring_torque", "N m"
+    lowest = float("-inf")
+    isaac = "target of that drive: this over its stiffness"
+    gazebo = "<axis><dynamics><spring_reference>: this over the stiffness"
+
+    def read(self, user: UserModel, index: int) -> float:
+        model = user.model
+        stiffness = float(model.jnt_stiffness[user.joint_ids[index]])
+        return stiffness * float(model.qpos_spring[user.qpos[index]])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        joint = user.joint_ids[index]
+        if value == 0.0 and model.jnt_stiffness[joint] <= 0.0:
+            return
+        model.jnt_stiffness[joint] = max(model.jnt_stiffness[joint], _SOFTEST)
+        model.qpos_spring[user.qpos[index]] = value / float(model.jnt_stiffness[joint])
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 0.05 * scales.torque
+
+
+class Ref(Property):
+    """Encoder zero: what the machine's encoder shows where the model's joint is at zero."""
+
+    name, unit = "ref", "rad"
+    lowest = float("-inf")
+    isaac = "none: add it to positions and commands of this joint"
+    gazebo = "none: turn the joint's <pose> back by it"
+
+    def read(self, user: UserModel, index: int) -> float:
+        return float(user.model.qpos0[user.qpos[index]])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        model.qpos0[user.qpos[index]] = value
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 0.01

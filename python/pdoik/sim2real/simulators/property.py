@@ -1,0 +1,58 @@
+"""A word of a simulator: read off a compiled model, written into a copy, named elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+from .user_model import UserModel
+
+EVERY = -1  # the index of what all joints share
+
+Place = Literal["joint", "link", "machine"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scales:
+    """Typical sizes at one joint under the recorded commands, which units are made of."""
+
+    torque: float  # root mean square of the drive's [N m]
+    speed: float  # [rad/s]
+    acceleration: float  # [rad/s^2]
+    travel: float  # of the position about its mean [rad]
+    mass: float  # of the link and all after it [kg]
+
+
+class Property:
+    """One word of a simulator. `index` is a place in the study's joints, -1 of the machine."""
+
+    name: ClassVar[str]
+    unit: ClassVar[str]
+    place: ClassVar[Place] = "joint"
+    lowest: ClassVar[float] = 0.0
+    ends: ClassVar[bool] = False  # whether nothing real has its lowest value
+    downward: ClassVar[bool] = False  # whether only a lower value shows anything
+    isaac: ClassVar[str]  # what Isaac Sim and Isaac Lab call it
+    gazebo: ClassVar[str]  # SDF's element
+
+    def read(self, user: UserModel, index: int) -> float:
+        """Its value in the user's model."""
+        raise NotImplementedError
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        """Put a value into a copy of the user's model."""
+        raise NotImplementedError
+
+    def step(self, scales: Scales, value: float) -> float:
+        """A change that shows, and is still small."""
+        raise NotImplementedError
+
+    def feigned(self, user: UserModel, index: int) -> float:
+        """What torques that are held for a while look like; 0 where they look like none of it."""
+        return 0.0
+
+
+def held(user: UserModel) -> float:
+    """By how much later torques act that are held for a step or the controller's period [s]."""
+    period = None if user.law is None else user.law.period
+    return 0.5 * max(user.timestep, period or 0.0)
