@@ -24,7 +24,8 @@ LEVEL, DAMPING = 0.8, 0.3  # of the elbow's friction [N m], [N m s/rad]
 MASS, REACH = 0.5, 0.24  # of what the hand holds [kg], along the forearm [m]
 KP, KD = np.array([120.0, 160.0, 90.0]), np.array([9.0, 12.0, 5.0])
 ROTOR = (0.05, 0.06, 0.03)  # known from the drives' data sheets [kg m^2]
-STEP, RATE, SECONDS = 0.001, 100, 14.0  # [s], [Hz] of the log, [s] of a recording
+STEP, RATE, SECONDS = 0.001, 100, 14.0  # of the controller [s], of the log [Hz], of a recording [s]
+PHYSICS = 4  # steps of it while the controller holds its torque
 NOISE_Q, NOISE_TAU = 2e-5, 0.04  # [rad], [N m]
 
 URDF = """<?xml version="1.0"?>
@@ -95,13 +96,13 @@ def machine() -> tuple[mujoco.MjModel, mujoco.MjModel]:
     held.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.03, 0.0, 0.0], mass=MASS)
     model = spec.compile()
     for each in (model, described):
-        each.opt.timestep = STEP
+        each.opt.timestep = STEP / PHYSICS
         each.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         each.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     elbow = model.joint("elbow").dofadr
     model.dof_damping[elbow], model.dof_frictionloss[elbow] = DAMPING, LEVEL
     model.dof_solimp[:] = (0.999, 0.999, 1e-3, 0.5, 2.0)
-    model.dof_solref[:] = (2.0 * STEP, 1.0)
+    model.dof_solref[:] = (2.0 * STEP / PHYSICS, 1.0)
     return model, described
 
 
@@ -137,7 +138,7 @@ def recording(seed: int) -> tuple[list[str], FloatArray]:
             measured = tau + rng.normal(0, NOISE_TAU, 3)
             rows.append([k * STEP, *q, *q_des[k], *dq_des[k], *measured])
         data.qfrc_applied[:] = tau
-        mujoco.mj_step(model, data)
+        mujoco.mj_step(model, data, PHYSICS)
     channels = ("q", "q_des", "dq_des", "tau")
     return ["time", *(f"{c}.{j}" for c in channels for j in JOINTS)], np.array(rows)
 

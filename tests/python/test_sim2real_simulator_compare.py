@@ -80,8 +80,32 @@ def test_clocks_that_run_apart_are_refused() -> None:
     one = log(20.0, 1, name="a.csv")
     assert one.q_des is not None
     fast = np.stack([np.interp(one.time * 1.004, one.time, c) for c in one.q_des.T], axis=1)
-    with pytest.raises(LoadError, match=r"clocks run apart by .* ms in a second"):
+    with pytest.raises(LoadError, match=r"clocks run apart.*simulation's shows 1\.004.* s"):
         pairs_of([replace(one, q_des=fast)], [one], JOINTS, LIMITS)
+
+
+def test_logs_at_another_rate_are_told_from_other_commands() -> None:
+    one = log(20.0, 1, name="a.csv")
+    assert one.q_des is not None
+    slow = np.stack([np.interp(one.time * 0.93, one.time, c) for c in one.q_des.T], axis=1)
+    with pytest.raises(LoadError, match=r"clocks run apart.*simulation's shows 0\.9[23]"):
+        pairs_of([replace(one, q_des=slow)], [one], JOINTS, LIMITS)
+
+
+def test_a_small_drift_is_estimated_and_allowed_for() -> None:
+    one = log(40.0, 1, name="a.csv")
+    assert one.q_des is not None
+    rate = 1.0 - 8e-4  # seconds of the simulation in one of the machine
+    drifting = {
+        name: np.stack([np.interp(one.time * rate, one.time, c) for c in columns.T], axis=1)
+        for name, columns in (("q", one.q), ("q_des", one.q_des))
+    }
+    (pair,) = pairs_of([replace(one, **drifting)], [one], JOINTS, LIMITS)
+    assert pair.drift == pytest.approx(8e-4, rel=0.1)
+    shown = np.interp(at_times_of(pair), one.time, one.q[:, 0])
+    assert np.abs(drifting["q"][:, 0] - shown)[200:-200].max() < 2e-3
+    (same,) = pairs_of([one], [one], JOINTS, LIMITS)
+    assert same.drift == 0.0
 
 
 def test_errors_by_frequency_add_up_and_lie_where_they_are() -> None:

@@ -14,15 +14,18 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.errors import LoadError
-from pdoik.sim2real import Controller, SimulationError, Simulator, Study
+from pdoik.sim2real import Controller, SimulationError, Simulator, Study, Thresholds
 from pdoik.sim2real.simulators.candidates import Knob, model_with
 from pdoik.sim2real.simulators.experiment import Experiment, simulated
+from pdoik.sim2real.simulators.explain import explain
 from pdoik.sim2real.simulators.patch import patched
 from pdoik.sim2real.simulators.sensitivities import scales_of, sensitivities
 from pdoik.sim2real.simulators.user_model import UserModel, description_of, user_model
 from sim2real_recordings import even_recording
 from sim2real_robots import arm_urdf
 from sim2real_simulators import JOINTS, MJCF, PERIOD, commands, log, stepped
+
+LIMITS = Thresholds().simulators
 
 
 @cache
@@ -162,6 +165,27 @@ def test_a_simulator_that_explodes_is_named_with_joint_and_time() -> None:
     model = user_model(wild.replace('forcerange="-80 80"', ""), JOINTS, name="wild.xml")
     with pytest.raises(SimulationError, match=r"wild.xml is unstable .* at \d\.\d+ s joint '\w+'"):
         simulated(model, log(4.0, 1), {})
+
+
+def run_away(text: str, said: str) -> None:
+    fit, judge = log(5.0, 1), log(4.0, 2, role="validate")
+    with pytest.raises(SimulationError, match=said):
+        explain(user_model(text, JOINTS, name="wild.xml"), [fit], [judge], LIMITS)
+
+
+def test_a_simulator_whose_joints_leave_is_named() -> None:
+    """Commands of the wrong sign push an arm away, at bounded speed."""
+    away = MJCF.replace(
+        'gainprm="15" biastype="affine" biasprm="0 -15 -0.3"',
+        'gainprm="15" biastype="affine" biasprm="0 6 -1.5"',
+    )
+    run_away(away, r"wild.xml (runs away|is unstable) under the commands of run.csv.*'wrist'")
+
+
+def test_a_simulator_whose_step_shakes_it_is_named() -> None:
+    """Too much damping for an explicit step, held in bounds by the drive's limit."""
+    shaking = MJCF.replace('kp="120" kv="4"', 'kp="120" kv="3000"').replace("implicitfast", "Euler")
+    run_away(shaking, r"timestep is 2 ms: try a shorter one")
 
 
 def test_motors_follow_the_studys_controller_as_a_loop_outside_would() -> None:

@@ -21,7 +21,7 @@ from .differences import Difference, differences_of
 from .experiment import simulated
 from .explain import explain
 from .findings import Step, step_of
-from .pairing import Pair, at_times_of, pairs_of
+from .pairing import Pair, at_times_of, drift_note, pairs_of
 from .patch import Patch, patched
 from .user_model import UserModel, description_of, simulator_of, user_model
 
@@ -83,6 +83,7 @@ def _compare(study: Study, say: Tell) -> Comparison:
         lost = len(study.recordings) - len(pairs)
         if lost:
             notes.append(f"{lost} recordings have no simulation of the same commands.")
+        notes += [drift_note(pair) for pair in pairs if pair.drift]
         shown = {pair.machine.name: _at_samples(pair) for pair in pairs}
         say("pair", f"{len(pairs)} runs have the same commands", 0.05)
     else:

@@ -16,12 +16,12 @@ from mujoco import rollout
 from numpy.typing import NDArray
 
 from ..simulation.segments import measured_state
-from ..simulation.stepper import SimulationError
 from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray, Recording
 from .candidates import Values, delays_with, model_with
 from .commands import check_commands, fed_forward, mean_over
 from .sampled import Sampled
+from .stability import check_states
 from .starts import follow, settle_actuators
 from .user_model import UserModel
 
@@ -146,7 +146,7 @@ class Experiment:
                 columns = [np.interp(times, recording.time, each) for each in forward.T]
                 forward = np.stack(columns, axis=1)
             states, held = sampled.run(run.state, commands, forward)
-            self._check(run, states)
+            check_states(self.user, states, recording.name, run.start)
             sensed = np.zeros((len(states), self.user.model.nsensordata))
             sensed[:, list(self.user.torque_sensors)] = held
             rows.append(self._shown(run, states, sensed))
@@ -257,7 +257,8 @@ class Experiment:
                 model, self._data, start, control, control_spec=_CONTROL
             )
         for run, state in zip(self._runs, states, strict=True):
-            self._check(run, state)
+            name = self.recordings[run.recording].name
+            check_states(self.user, state, name, run.start)
         return states, sensors
 
     def _control(self, run: _Run, delays: Sequence[float]) -> FloatArray:
@@ -299,26 +300,6 @@ class Experiment:
             forward = self._forward[run.recording]
             columns.append(torque if forward is None else torque + forward[run.rows])
         return np.concatenate(columns, axis=1)
-
-    def _check(self, run: _Run, states: FloatArray) -> None:
-        """Raises SimulationError where MuJoCo stopped, or a state is no number."""
-        time = states[:, 0]
-        stopped = np.flatnonzero(~(np.diff(time) > 0.0))
-        model = self.user.model
-        speeds = states[:, 1 + model.nq : 1 + model.nq + model.nv]
-        odd = np.flatnonzero(~np.isfinite(states).all(axis=1) | (np.abs(speeds) > 1e4).any(axis=1))
-        if not len(stopped) and not len(odd):
-            return
-        at = int(min([*stopped[:1], *odd[:1]]))
-        size = np.abs(np.nan_to_num(speeds[at], nan=np.inf))
-        joint = model.joint(int(model.dof_jntid[int(np.argmax(size))])).name
-        name = self.recordings[run.recording].name
-        raise SimulationError(
-            f"{self.user.name} is unstable under the commands of {name}: at"
-            f" {run.start + (at + 1) * self.user.timestep:.3f} s joint {joint!r} runs away"
-            f" ({size.max():.3g} rad/s); its timestep is {1e3 * self.user.timestep:g} ms: try a"
-            " shorter one, the integrator implicitfast, or an armature"
-        )
 
 
 def simulated(user: UserModel, recording: Recording, values: Values) -> Recording:

@@ -17,6 +17,7 @@ from .experiment import Experiment
 from .property import Scales
 from .selection import Rival, Selection
 from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
+from .stability import check_follows
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
@@ -104,6 +105,8 @@ def explain(
     for k in range(_ROUNDS):
         if not same_step:
             experiment.allow_for_step(values)
+        if k == 0:
+            check_follows(experiment, limits)
         about = sensitivities(experiment, values, knobs, scales)
         sigma = _sigma(experiment, about.shown, noise)
         blocks = Blocks.of(experiment, about, sigma)

@@ -17,6 +17,7 @@ from pdoik.errors import LoadError
 
 from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
+from .clocks import clocks_of, rate_between
 
 _MOST_LAGS = 200_000
 
@@ -27,7 +28,7 @@ class Pair:
 
     machine: Recording
     simulation: Recording
-    shift: float  # the machine's time is the simulation's plus this [s]
+    shift: float  # the machine's time is the simulation's plus this, at its beginning [s]
     drift: float  # by how much that grows per second
     likeness: float  # correlation of the commands
     by: str  # name or commands
@@ -50,7 +51,7 @@ def pairs_of(
                 f"{each.name}: expected columns 'q_des.<joint>' of {', '.join(joints)}: runs are"
                 f" paired by their commands; it has {', '.join(each.channels)}"
             )
-    found, best = [], (0.0, "", "")
+    found, best = [], (0.0, machine[0], simulation[0])
     for recording in machine:
         tried = [(_aligned(recording, each), each) for each in simulation]
         named = [pair for pair in tried if _stem(pair[1]) == _stem(recording)]
@@ -60,31 +61,30 @@ def pairs_of(
             (shift, likeness), there = max(tried, key=lambda pair: pair[0][1])
             by = "commands"
         if likeness > best[0]:
-            best = (likeness, recording.name, there.name)
+            best = (likeness, recording, there)
         if likeness < limits.same_commands:
             continue
-        drift = _drift(recording, there, shift)
-        if abs(drift) > limits.clocks:
-            raise LoadError(
-                f"{recording.name} and {there.name}: their clocks run apart by"
-                f" {1e3 * drift:.3g} ms in a second (the same commands come {1e3 * shift:.4g} ms"
-                " later at the beginning): expected times of one rate; take the commands' own"
-                " time stamps for both logs"
-            )
+        clocks = clocks_of(recording, there, shift)
+        if abs(clocks.drift) > limits.clocks:
+            raise LoadError(_apart(recording, there, 1.0 - clocks.drift))
         found.append(
             Pair(
                 machine=recording,
                 simulation=there,
-                shift=shift,
-                drift=drift,
+                shift=clocks.shift,
+                drift=clocks.drift,
                 likeness=likeness,
                 by=by,
             )
         )
     if not found:
+        likeness, recording, there = best
+        rate, at_rate = rate_between(recording, there, _aligned)
+        if at_rate >= limits.same_commands:
+            raise LoadError(_apart(recording, there, rate))
         raise LoadError(
             "simulation and recordings share no commands: the most alike are"
-            f" {best[1]} and {best[2]} (correlation {best[0]:.2f}, expected at least"
+            f" {recording.name} and {there.name} (correlation {likeness:.2f}, expected at least"
             f" {limits.same_commands:g}); let the simulator follow the recorded q_des"
         )
     return tuple(found)
@@ -93,6 +93,24 @@ def pairs_of(
 def at_times_of(pair: Pair) -> FloatArray:
     """Times of the simulation's log at which the machine's samples are, (T,) [s]."""
     return np.asarray(pair.machine.time - pair.shift - pair.drift * pair.machine.time)
+
+
+def drift_note(pair: Pair) -> str:
+    """That the clocks of a pair run apart a little, which was allowed for."""
+    return (
+        f"{pair.machine.name} and {pair.simulation.name}: their clocks run apart by"
+        f" {1e3 * pair.drift:.3g} ms in a second; that was allowed for."
+    )
+
+
+def _apart(machine: Recording, simulation: Recording, rate: float) -> str:
+    """That a second of the simulation is another one than the machine's, and what to do."""
+    return (
+        f"{machine.name} and {simulation.name}: their clocks run apart: while the machine's shows a"
+        f" second, the simulation's shows {rate:.5g} s ({1e3 * abs(rate - 1.0):.3g} ms in a second"
+        " too much or too little); expected times of one rate: log the commands' own time stamps"
+        " in both, and check the simulator's step and its real-time factor"
+    )
 
 
 def _stem(recording: Recording) -> str:
@@ -131,38 +149,6 @@ def _aligned(machine: Recording, simulation: Recording) -> tuple[float, float]:
         if bend < 0.0:
             place += float(np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
     return (place - (len(b) - 1)) * period, float(score[best])
-
-
-def _drift(machine: Recording, simulation: Recording, shift: float) -> float:
-    """By how much the shift grows per second, from thirds of what both have."""
-    found = []
-    for low, high in ((0.0, 1 / 3), (2 / 3, 1.0)):
-        begin = max(machine.time[0], simulation.time[0] + shift)
-        end = min(machine.time[-1], simulation.time[-1] + shift)
-        inside = (machine.time >= begin + low * (end - begin)) & (
-            machine.time <= begin + high * (end - begin)
-        )
-        time = machine.time[inside]
-        lags = shift + np.linspace(-0.1, 0.1, 201)
-        assert machine.q_des is not None
-        losses = [
-            float(
-                (
-                    (
-                        _at(simulation, np.asarray(time - lag, dtype=np.float64))
-                        - machine.q_des[inside]
-                    )
-                    ** 2
-                ).sum()
-            )
-            for lag in lags
-        ]
-        if max(losses) - min(losses) < 1e-12:
-            return 0.0
-        found.append((float(time.mean()), float(lags[int(np.argmin(losses))])))
-    (t0, s0), (t1, s1) = found
-    late = s1 - s0
-    return 0.0 if abs(late) <= 2.0 * machine.period else late / (t1 - t0)
 
 
 def _at(simulation: Recording, time: FloatArray) -> FloatArray:

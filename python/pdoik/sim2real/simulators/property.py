@@ -53,6 +53,10 @@ class Property:
 
 
 def held(user: UserModel) -> float:
-    """By how much later torques act that are held for a step or the controller's period [s]."""
-    period = None if user.law is None else user.law.period
-    return 0.5 * max(user.timestep, period or 0.0)
+    """By how much later torques may act that are held for a step [s].
+
+    It is not known how long the machine's controller holds them, unless the study says it: then
+    candidates are held against a motion under torques that are held as long.
+    """
+    known = user.law is not None and user.law.period is not None
+    return 0.0 if known else 0.5 * user.timestep

@@ -28,14 +28,21 @@ class SimulatorThresholds(Group):
     )
     of_step: float = threshold(
         1.5,
-        "times what holding torques for a step or a controller's period looks like (damping kp T/2,"
-        " armature kd T/2, delay T/2) up to which a finding may be nothing else",
+        "times what holding torques for a step looks like (damping kp T/2, armature kd T/2, delay"
+        " T/2) up to which a finding may be nothing else, where the controller's period is unknown",
     )
     explained: float = threshold(
         0.8, "share of the squared error above noise that findings of an explained mismatch gain"
     )
     alike: float = threshold(
         1.5, "times the noise of its channel up to which a joint's error counts as none"
+    )
+    runs_away: float = threshold(
+        20.0,
+        "times its recorded range, and a turn, by which a joint of a stable simulator may stray",
+    )
+    of_its_step: float = threshold(
+        1.0, "times its recorded motion by which a joint may move otherwise with a truer step"
     )
     same_commands: float = threshold(
         0.95, "correlation of commands from which two runs are of the same ones"
