@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import numpy.typing as npt
+import typer
 
 from pdoik._files import write_whole
 
 from .messages import fail, tell
 
 if TYPE_CHECKING:
+    from pdoik.sim2real import Model
     from pdoik.sim2real.study.columns import Table
+    from pdoik.sim2real.study.reading import Reading
     from pdoik.sim2real.study.recording import Recording
 
 FloatArray = npt.NDArray[np.float64]
@@ -36,12 +39,39 @@ def check_files(model: Path, motion: Path, output: Path, robot: Path | None = No
         fail(f"--out {output}: is also read, expected another file")
 
 
-def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) -> Recording:
+Columns = Annotated[
+    Path | None,
+    typer.Option(
+        help="A study whose 'columns:', 'units:' and 'ignore:' tell how the logs are read, instead"
+        " of those that the model was made with."
+    ),
+]
+
+
+def reading_of(columns: Path | None, model: Model) -> Reading:
+    """How logs are read: as a study says, or as the model remembers.
+
+    Raises:
+        LoadError: The study is none.
+    """
+    from pdoik.sim2real.study.reading import Reading
+
+    return model.reading if columns is None else Reading.of_study(columns)
+
+
+def read_motion(
+    path: Path,
+    joints: tuple[str, ...],
+    reading: Reading | None = None,
+    *,
+    commands: bool = False,
+) -> Recording:
     """A file's channels for these joints.
 
     Args:
-        path: A log of any kind that needs nothing told beside.
+        path: A log of any kind.
         joints: Of the model.
+        reading: Names and units of its columns; without it they are pdoik's, or understood.
         commands: The file may lack positions: the motion then starts where it is commanded to.
 
     Raises:
@@ -52,15 +82,19 @@ def read_motion(path: Path, joints: tuple[str, ...], *, commands: bool = False) 
     from pdoik.sim2real.study.names.check_names import check_names
     from pdoik.sim2real.study.names.known import Known
     from pdoik.sim2real.study.read_log import read_log
-    from pdoik.sim2real.study.units import Units
+    from pdoik.sim2real.study.reading import Reading
 
-    table = read_log(path, path.name, Known(joints=joints), Part(), Units(), {})
-    check_names(table, joints, ())
-    for reading in table.readings:
-        tell(f"{path.name}: {reading}")
+    reading = reading or Reading()
+    known = Known(joints=joints, key=reading.key, ignore=reading.ignore)
+    units = reading.said_units
+    table = read_log(path, path.name, known, Part(), units, {})
+    check_names(table, joints, reading.ignore)
+    for said in (reading.note, *table.readings):
+        if said:
+            tell(f"{path.name}: {said}")
     if commands:
         _with_positions(table, joints)
-    return to_recording(table, joints, "validate", Units().with_written(table.units))
+    return to_recording(table, joints, "validate", units.with_written(table.units))
 
 
 def _with_positions(table: Table, joints: tuple[str, ...]) -> None:

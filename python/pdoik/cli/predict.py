@@ -9,7 +9,7 @@ import typer
 from rich.markup import escape
 
 from .messages import misuse_fails, out
-from .motions import check_files, read_motion, write_motion
+from .motions import Columns, check_files, read_motion, reading_of, write_motion
 from .sim2real_extra import extra_needed
 
 
@@ -23,6 +23,7 @@ def predict(
     without_findings: Annotated[
         bool, typer.Option("--without-findings", help="By the model as it was before.")
     ] = False,
+    columns: Columns = None,
     output: Annotated[Path, typer.Option("--out", help="CSV to write.")] = Path("torque.csv"),
 ) -> None:
     """Predict the drives' torque for a motion.
@@ -39,7 +40,7 @@ def predict(
         loaded = load_model(model)
         if robot is not None:
             loaded = loaded.with_robot(robot)
-        motion = read_motion(recording, loaded.joints)
+        motion = read_motion(recording, loaded.joints, reading_of(columns, loaded))
         tau = torque_of(loaded, motion, findings=not without_findings)  # (T, n)
         write_motion(output, loaded.joints, motion.start + motion.time, {"tau": tau})
     out.print(escape(str(output)), highlight=False)

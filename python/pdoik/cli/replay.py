@@ -9,7 +9,7 @@ import typer
 from rich.markup import escape
 
 from .messages import misuse_fails, out
-from .motions import check_files, read_motion, write_motion
+from .motions import Columns, check_files, read_motion, reading_of, write_motion
 from .sim2real_extra import extra_needed
 
 
@@ -25,6 +25,7 @@ def replay(
     without_findings: Annotated[
         bool, typer.Option("--without-findings", help="By the model as it was before.")
     ] = False,
+    columns: Columns = None,
     output: Annotated[Path, typer.Option("--out", help="CSV to write.")] = Path("replay.csv"),
 ) -> None:
     """Simulate the robot under its controller for given commands.
@@ -39,7 +40,7 @@ def replay(
         from pdoik.sim2real import replay as simulate
 
         loaded = load_model(model)
-        motion = read_motion(commands, loaded.joints, commands=True)
+        motion = read_motion(commands, loaded.joints, reading_of(columns, loaded), commands=True)
         simulated = simulate(loaded, motion, findings=not without_findings)
         channels = {name: getattr(simulated, name) for name in simulated.channels if name != "tip"}
         write_motion(output, loaded.joints, simulated.start + simulated.time, channels)

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
 
@@ -16,7 +17,7 @@ from rich.markup import escape
 
 from . import interrupts
 from .messages import fail, misuse_fails, out, warn
-from .motions import read_motion
+from .motions import Columns, read_motion, reading_of
 from .sim2real_extra import extra_needed
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def watch(
         list[Path] | None,
         typer.Option(help="Log of the healthy machine, for the floor; may be given several times."),
     ] = None,
+    columns: Columns = None,
     output: Annotated[
         Path | None, typer.Option("--out", help="JSON lines to add to, one for each alarm.")
     ] = None,
@@ -73,8 +75,10 @@ def watch(
         changed = {"watch.alarms_per_day": false_alarms, "watch.friction_change": friction_change}
         thresholds = Thresholds().changed(changed)
         loaded = load_model(model)
+        reading = reading_of(columns, loaded)
+        loaded = replace(loaded, reading=reading)
         if calibrate:
-            healthy = [read_motion(each, loaded.joints) for each in calibrate]
+            healthy = [read_motion(each, loaded.joints, reading) for each in calibrate]
             loaded = calibrated(loaded, healthy, thresholds=thresholds.watch)
         watching = Watch(loaded, thresholds=thresholds)
         for name in watching.unwatched:
@@ -110,7 +114,7 @@ def _follow(
 ) -> None:
     """Until there is no more, or Ctrl-C."""
     with interrupts.noted() as stop:
-        for name, columns in _pieces(logs, model.joints, once, lambda: not stop.empty()):
+        for name, columns in _pieces(logs, model, once, lambda: not stop.empty()):
             told = watching.end() if columns is None else watching.feed(columns, source=name)
             _tell(told, file)
             if not stop.empty():
@@ -127,18 +131,20 @@ def _tell(told: Iterable[Alarm], file: TextIO | None) -> None:
             file.flush()
 
 
-def _pieces(logs: list[Path], joints: tuple[str, ...], once: bool, stopped: Stopped) -> Pieces:
+def _pieces(logs: list[Path], model: Model, once: bool, stopped: Stopped) -> Pieces:
     from pdoik.sim2real.watch.tail import Folder, Tail
 
     if str(logs[0]) == "-":
-        yield from _standard_input(joints, stopped)
+        yield from _standard_input(model, stopped)
         return
     *finished, last = logs
+    joints, said = model.joints, model.reading
     for path in finished:
-        with closing(Tail(path, joints)) as tail:
+        with closing(Tail(path, joints, said)) as tail:
             yield from tail.read()
         yield path.name, None
-    with closing(Folder(last, joints) if last.is_dir() else Tail(last, joints)) as source:
+    kind = Folder if last.is_dir() else Tail
+    with closing(kind(last, joints, said)) as source:
         while not stopped():
             yield from source.read()
             if once:
@@ -146,10 +152,10 @@ def _pieces(logs: list[Path], joints: tuple[str, ...], once: bool, stopped: Stop
             time.sleep(_PAUSE)
 
 
-def _standard_input(joints: tuple[str, ...], stopped: Stopped) -> Pieces:
+def _standard_input(model: Model, stopped: Stopped) -> Pieces:
     from pdoik.sim2real.watch.csv_stream import CsvStream
 
-    stream = CsvStream("standard input", joints)
+    stream = CsvStream("standard input", model.joints, model.reading)
     number = sys.stdin.fileno()
     while not stopped():
         ready, _, _ = select.select([number], [], [], _PAUSE)

@@ -17,8 +17,8 @@ from ..study.logs.arrow_numbers import numbers
 from ..study.logs.csv_form import CsvForm, is_number
 from ..study.names.known import Known, listed
 from ..study.names.settle import settle
+from ..study.reading import Reading
 from ..study.recording import FloatArray
-from ..study.units import Units
 
 _TORN = 0.1  # share of a piece's lines that may hold no numbers, as where a file was cut off
 _LONGEST = 1 << 20  # bytes of a line
@@ -27,9 +27,10 @@ _LONGEST = 1 << 20  # bytes of a line
 class CsvStream:
     """One log's columns for a model's joints."""
 
-    def __init__(self, name: str, joints: Sequence[str]) -> None:
-        """Of a log of this name."""
+    def __init__(self, name: str, joints: Sequence[str], reading: Reading | None = None) -> None:
+        """Of a log of this name, which is read as the study's were."""
         self.name = name
+        self._reading = reading or Reading()
         self.torn = 0  # lines that were left out
         self._joints = tuple(joints)
         names = (f"{channel}.{joint}" for channel in ("q", "tau") for joint in joints)
@@ -76,7 +77,9 @@ class CsvStream:
             return lines
         form = CsvForm.of_lines(self.name, _text(self.name, head), _text(self.name, second))
         given = tuple(Column(name=each) for each in form.header)
-        settled, _ = settle(self.name, given, Known(joints=self._joints))
+        said = self._reading
+        known = Known(joints=self._joints, key=said.key, ignore=said.ignore)
+        settled, _ = settle(self.name, given, known)
         found = {each.target: each for each in settled}
         for column in self._columns:
             if column not in found:
@@ -84,7 +87,9 @@ class CsvStream:
                     f"{self.name}: expected a column {column!r}{nearest(column, form.header)}; it"
                     f" has {listed(form.header)}"
                 )
-        units = Units().with_written({each.target: each.unit for each in settled if each.unit})
+        units = said.said_units.with_written(
+            {each.target: each.unit for each in settled if each.unit}
+        )
         self._sources = [found[each].column.name for each in self._columns]
         self._factors = np.array(
             [found[each].factor * units.factor(each) for each in self._columns]

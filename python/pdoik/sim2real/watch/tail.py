@@ -9,6 +9,7 @@ from typing import BinaryIO
 
 from pdoik.errors import LoadError
 
+from ..study.reading import Reading
 from ..study.recording import FloatArray
 from .csv_stream import CsvStream
 
@@ -22,10 +23,10 @@ Piece = tuple[str, dict[str, FloatArray] | None]
 class Tail:
     """One file by its name, whatever file has it."""
 
-    def __init__(self, path: Path, joints: Sequence[str]) -> None:
+    def __init__(self, path: Path, joints: Sequence[str], reading: Reading | None = None) -> None:
         """Nothing is opened yet."""
         self.path = path
-        self.stream = CsvStream(path.name, joints)
+        self.stream = CsvStream(path.name, joints, reading)
         self._file: BinaryIO | None = None
 
     def read(self) -> Iterator[Piece]:
@@ -82,10 +83,10 @@ class Folder:
     A file is followed until a newer one is there and nothing more comes; then it is done with.
     """
 
-    def __init__(self, path: Path, joints: Sequence[str]) -> None:
+    def __init__(self, path: Path, joints: Sequence[str], reading: Reading | None = None) -> None:
         """The folder is there."""
         self.path = path
-        self._joints = joints
+        self._joints, self._reading = joints, reading
         self._done: set[str] = set()
         self._tail: Tail | None = None
 
@@ -96,7 +97,7 @@ class Folder:
             if self._tail is None:
                 if not waiting:
                     return
-                self._tail = Tail(waiting[0], self._joints)
+                self._tail = Tail(waiting[0], self._joints, self._reading)
                 continue
             yield from self._tail.read()
             if not waiting:

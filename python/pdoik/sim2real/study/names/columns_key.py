@@ -31,6 +31,7 @@ class ColumnsKey:
     """Targets by what they are read from: exact names, or patterns with {joint} or {index}."""
 
     sources: dict[str, str] = field(default_factory=dict)  # by target
+    optional: bool = False  # whether a log may lack them
 
     def matches(self, columns: Collection[Column]) -> dict[str, list[Match]]:
         """Columns by the target that the study gives them, none where it has no such name."""

@@ -26,7 +26,7 @@ def take_mapped(
     """
     there = {each.name for each in columns}
     for target, matches in known.key.matches(columns).items():
-        if not matches and not _is_there(target, there):
+        if not matches and not known.key.optional and not _is_there(target, there):
             source = known.key.sources[target]
             labelled = [f"{each.array}.{each.label}" for each in columns if each.label]
             near = nearest(source, [*there, *labelled])
