@@ -1,4 +1,4 @@
-"""How right a comparison is about a machine of bench/simulator_worlds.py: strictly and leniently."""
+"""How right a comparison is about a machine of simulator_worlds.py: strictly and leniently."""
 
 from __future__ import annotations
 

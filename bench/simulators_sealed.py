@@ -1,6 +1,8 @@
 """`pdoik compare` on machines that have what its user's simulator has no words for, sealed first.
 
-    python -m bench.simulators_sealed --out build/bench/simulators_sealed --pairs 44    # from the root
+Run from the root:
+
+    python -m bench.simulators_sealed --out build/bench/simulators_sealed --pairs 44
 
 Studies and answers are made first (bench/simulator_worlds.py) and their digests are written to
 seal.json, with that of the tool. Then every study is compared, by its folder alone; then the

@@ -102,6 +102,7 @@ class ForceLimit(Property):
 
     name, unit, ends, downward = "forcelimit", "N m", True, True
     lowest = 1e-6
+    mujoco = "forcerange, or actuatorfrcrange of the joint"
     isaac = "effort limit of the joint"
     gazebo = "<axis><limit><effort>"
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import expit
 from scipy.stats import t as student
 
 from ..simulation.stepper import SimulationError
@@ -64,11 +65,22 @@ class Explained:
         """Whether it is believed to be there, and matters; by whatever name."""
         return self.there(term) >= limits.least_confidence and self.shows[term] >= 1.0
 
-    def confidence(self, term: Term) -> float:
-        """Probability that a term is there, and none of its rivals in its place."""
+    def gain(self, term: Term) -> float:
+        """Share of the squared held-out error without a term that it takes away."""
+        return float(self.gains[term].sum()) / max(self.without[term], 1e-300)
+
+    def confidence(self, term: Term, limits: SimulatorThresholds) -> float:
+        """Probability that a term is there, and none of its rivals in its place.
+
+        It is no larger than the share of findings that were true of machines with more to them
+        than their simulator has words for, at the same gain: what takes away little of the error
+        may stand for a part of what is left.
+        """
         rivals = [each for each in self.rivals[term] if not each.same]
         odds = sum(each.probability / (1.0 - min(each.probability, 0.99)) for each in rivals)
-        return self.there(term) / (1.0 + odds)
+        gain = float(np.clip(self.gain(term), 1e-4, 1.0 - 1e-4))
+        log_odds = limits.base + limits.per_gain * np.log(gain / (1.0 - gain))
+        return min(self.there(term) / (1.0 + odds), float(expit(log_odds)))
 
 
 def explain(

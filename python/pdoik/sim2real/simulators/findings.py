@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import t as student
@@ -10,7 +10,7 @@ from scipy.stats import t as student
 from ..findings import Equivalent, Estimate, Evidence, Finding, JointFit, Verdict
 from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
-from .candidates import Knob, Term, baseline
+from .candidates import Knob, Term, baseline, model_with
 from .explain import Explained
 from .property import EVERY
 from .user_model import UserModel
@@ -43,26 +43,45 @@ class Step:
 def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step:
     """Verdict, findings by what they gain on held-out data, and the joints' errors."""
     user = explained.user
-    order = sorted(explained.terms, key=lambda term: -_gain(explained, term))
+    order = sorted(explained.terms, key=lambda term: -explained.gain(term))
     joints = _joints(explained)
     claimed = [
         term
         for term in order
-        if explained.holds(term, limits) and explained.confidence(term) >= limits.least_confidence
+        if explained.holds(term, limits)
+        and explained.confidence(term, limits) >= limits.least_confidence
     ]
     return Step(
         model=user.name,
         log=log,
         verdict=_verdict(explained, joints, bool(explained.kept), limits),
-        findings=tuple(_finding(explained, term) for term in claimed),
-        suspected=tuple(_finding(explained, term) for term in order if term not in claimed),
-        joints=joints,
-        changed=tuple(
-            Changed(knob=knob, before=baseline(user, knob), after=value)
-            for knob, value in sorted(explained.patch.items(), key=lambda pair: pair[0])
+        findings=tuple(_finding(explained, term, limits) for term in claimed),
+        suspected=tuple(
+            _finding(explained, term, limits)
+            for term in order
+            if term not in claimed and explained.there(term) >= limits.least_suspected
         ),
+        joints=joints,
+        changed=_changed(explained),
         explained=explained,
     )
+
+
+def _changed(explained: Explained) -> tuple[Changed, ...]:
+    """What the patch changes, in words that a file has: shared gains are each joint's own."""
+    user, model = explained.user, model_with(explained.user, explained.patch)
+    found = {}
+    for knob, value in sorted(explained.patch.items(), key=lambda pair: pair[0]):
+        if knob.property in ("kp", "kv", "kp_factor", "kv_factor"):
+            name = knob.property[:2]
+            own = range(len(user.joints)) if knob.index == EVERY else (knob.index,)
+            for k in own:
+                mine = Knob(name, k)
+                after = baseline(replace(user, model=model), mine)
+                found[mine] = Changed(knob=mine, before=baseline(user, mine), after=after)
+        else:
+            found[knob] = Changed(knob=knob, before=baseline(user, knob), after=value)
+    return tuple(found.values())
 
 
 def place_of(user: UserModel, knob: Knob) -> str:
@@ -74,10 +93,10 @@ def place_of(user: UserModel, knob: Knob) -> str:
     return user.joints[knob.index]
 
 
-def _finding(explained: Explained, term: Term) -> Finding:
+def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> Finding:
     user, held = explained.user, explained.held_out
     gains = explained.gains[term]
-    gain = _gain(explained, term)
+    gain = explained.gain(term)
     error = float(np.std(gains, ddof=1)) * np.sqrt(len(gains)) if len(gains) > 1 else np.inf
     share = error / max(explained.without[term], 1e-300)
     values = explained.patch if term in explained.kept else explained.values
@@ -129,7 +148,7 @@ def _finding(explained: Explained, term: Term) -> Finding:
             channels=("q", "tau") if held.torque else ("q",),
         ),
         weight=gain,
-        confidence=explained.confidence(term),
+        confidence=explained.confidence(term, limits),
     )
 
 
@@ -149,10 +168,6 @@ def _decided_by(explained: Explained, term: Term) -> str:
     if names & _LOAD:
         return "rest at several postures across the range: loads turn with gravity, gains do not"
     return "motion of this joint alone, slow and fast"
-
-
-def _gain(explained: Explained, term: Term) -> float:
-    return float(explained.gains[term].sum()) / max(explained.without[term], 1e-300)
 
 
 def _joints(explained: Explained) -> dict[str, JointFit]:

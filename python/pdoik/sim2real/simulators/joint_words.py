@@ -94,6 +94,7 @@ class SpringTorque(Property):
 
     name, unit = "spring_torque", "N m"
     lowest = float("-inf")
+    mujoco = "springref: this over the stiffness"
     isaac = "target of that drive: this over its stiffness"
     gazebo = "<axis><dynamics><spring_reference>: this over the stiffness"
 

@@ -127,10 +127,12 @@ class Selection:
         """Whether what all joints have alike does as well as each joint's own figure."""
         if term.indices != {EVERY} or term in chosen:
             return True
-        together = self._loss([*chosen, term])
-        for name in (term.name, *_LIKE.get(term.name, ())):
+        family = (term.name, *_LIKE.get(term.name, ()))
+        others = [each for each in chosen if each.name not in family]
+        together = self._loss([*others, term])
+        for name in family:
             apart = [t for t in self.terms if t.name == name and t.indices != {EVERY}]
-            if apart and t_of(together - self._loss([*chosen, *apart])) >= self.limits.apart_t:
+            if apart and t_of(together - self._loss([*others, *apart])) >= self.limits.apart_t:
                 return False
         return True
 

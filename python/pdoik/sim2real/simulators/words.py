@@ -30,7 +30,7 @@ def patch_table(step: Step, left_out: Sequence[str]) -> str:
         kind = PROPERTIES[change.knob.property]
         cells = (
             place_of(user, change.knob),
-            kind.name,
+            kind.mujoco or kind.name,
             f"{change.before:.4g}",
             f"{change.after:.4g}",
             kind.unit,

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from .threshold import Group, threshold
 
+_FITTED = "bench/simulators_confidence.py: logistic regression on pairs of development"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulatorThresholds(Group):
@@ -22,6 +24,15 @@ class SimulatorThresholds(Group):
     )
     least_confidence: float = threshold(
         0.75, "confidence below which a finding is suspected, not claimed"
+    )
+    least_suspected: float = threshold(
+        0.5, "probability of holding on held-out data below which nothing is said of a term"
+    )
+    base: float = threshold(
+        2.27, "log odds that a finding is true which takes away half of the error", "", _FITTED
+    )
+    per_gain: float = threshold(
+        0.46, "per log odds of the share of the error that a finding takes away", "", _FITTED
     )
     shows: float = threshold(
         0.5, "times a channel's noise that a finding must change its motion by"
