@@ -54,9 +54,9 @@ def reading_of(columns: Path | None, model: Model) -> Reading:
     Raises:
         LoadError: The study is none.
     """
-    from pdoik.sim2real.study.reading import Reading
+    from pdoik.sim2real.study.reading_key import reading_of_study
 
-    return model.reading if columns is None else Reading.of_study(columns)
+    return model.reading if columns is None else reading_of_study(columns)
 
 
 def read_motion(

@@ -14,6 +14,7 @@ from ..regression.prediction import Prediction
 from ..regression.session_changes import session_changes
 from ..regression.trial import Search
 from ..study.recording import FloatArray
+from ..study.study import Study
 from ..thresholds.verdict import VerdictThresholds
 from .residue import residue_of
 
@@ -132,7 +133,7 @@ def _is_quiet(joint: JointFit, limits: VerdictThresholds) -> bool:
 def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:
     """What was assumed and what cannot be told, in words."""
     study = prepared.study
-    notes = list(study.notes)
+    notes = [*study.notes, *simulator_notes(study)]
     for recording in study.recordings:
         notes += [f"{recording.name}: {note}" for note in recording.notes]
     notes.append(f"Fit and held-out recordings were parted {study.split}.")
@@ -157,6 +158,16 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
             f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
         )
     return tuple(dict.fromkeys(notes))
+
+
+def simulator_notes(study: Study) -> tuple[str, ...]:
+    """That a simulator which the study names is judged elsewhere."""
+    if study.simulator is None:
+        return ()
+    return (
+        f"The study names a simulator ({study.simulator.path.name}), which a diagnosis does not"
+        " run: 'pdoik compare' holds it against the same recordings.",
+    )
 
 
 def _sessions_in_words(prepared: Prepared) -> str:

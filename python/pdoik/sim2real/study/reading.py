@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-from pdoik.errors import LoadError
-
-from . import keys as study_keys
 from .names.columns_key import ColumnsKey, columns_key
 from .units import Units, units_from
 
@@ -23,19 +19,6 @@ class Reading:
     ignore: tuple[str, ...] = ()
 
     @classmethod
-    def of_study(cls, path: str | Path) -> Reading:
-        """What a study's YAML says; its recordings are not read.
-
-        Raises:
-            LoadError: it is no study, or these keys are not as expected.
-        """
-        path = Path(path)
-        if not path.is_file():
-            raise LoadError(f"{path}: expected a study's YAML file with 'columns:'")
-        content = study_keys.read_keys(path)
-        return cls.of_content(content, path.name)
-
-    @classmethod
     def of_content(cls, content: Mapping[str, Any], source: str) -> Reading:
         """Of the keys of a study, or of a model.
 
@@ -45,7 +28,7 @@ class Reading:
         return cls(
             columns=columns_key(content.get("columns"), f"{source}: columns").sources,
             units=dict(units_from(content.get("units"), source).named),
-            ignore=study_keys.names(content.get("ignore"), "ignore") or (),
+            ignore=tuple(str(each) for each in content.get("ignore") or ()),
         )
 
     def content(self) -> dict[str, Any]:
