@@ -20,7 +20,7 @@ from bench.concealed.effect import Effect
 from bench.concealed.effects_friction import Coulomb, Viscous
 from bench.concealed.spec import WorldSpec
 
-SECONDS = {"fit": 8.0, "validate": 6.0}  # of the recordings that are given
+SECONDS = {"fit": 13.0, "validate": 7.0}  # of the recordings that are given
 RUBS = (0.003, 0.02)  # of the drive's effort: friction of a background, and viscous at 1 rad/s
 
 SAID: dict[str, tuple[str, ...]] = {
@@ -28,7 +28,7 @@ SAID: dict[str, tuple[str, ...]] = {
     "coulomb_friction": ("frictionloss",),
     "rotor_inertia": ("armature",),
     "payload": ("payload", "mass"),
-    "torque_gain": ("kp",),
+    "torque_gain": ("kp", "gains"),
     "torque_offset": ("spring",),
     "position_dependent_spring": ("stiffness", "spring"),
     "command_delay": ("delay",),

@@ -4,11 +4,11 @@ Run from the root:
 
     python -m bench.simulators_sealed --out build/bench/simulators_sealed --pairs 44
 
-Studies and answers are made first (bench/simulator_worlds.py) and their digests are written to
-seal.json, with that of the tool. Then every study is compared, by its folder alone; then the
-answers are held against what was said, if their digests are still those. Finished pairs are kept,
-and the same command goes on where it was stopped. The first seed is drawn by the system where none
-is given, and is told only in seal.json.
+The first seed is drawn by the system where none is given. seal.json is written before anything is
+compared: the digests of that seed, of the generator, of the tool and of what scores. Then each pair
+is made (bench/simulator_worlds.py), compared by its folder alone, and its answer held against what
+was said. Finished pairs are kept, and the same command goes on where it was stopped; with another
+tool, generator or seed it refuses.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ import typer
 
 sys.path.append(str(Path(__file__).parent))  # the other experiments go by plain names
 
-from bench.proof.digests import digest_of_folder, tool_digest
-from bench.simulator_worlds import jobs_of, make
+from bench.proof.digests import digest_of, digest_of_files, generator_digest, tool_digest
+from bench.simulator_worlds import Job, jobs_of, make
 
-from campaign_cli import BUILD, console, show
+from campaign import CampaignError
+from campaign_cli import BUILD, console, plain_errors, show
 from pdoik.sim2real.simulators import compare
 from pdoik.sim2real.simulators.findings import Step
 from simulator_scores import tables
@@ -42,17 +43,20 @@ def main(
     first: Annotated[
         int | None, typer.Option(help="First seed, below 10000 for development; else drawn.")
     ] = None,
+    table: Annotated[
+        bool, typer.Option("--table", help="Of what is there; no pair is made.")
+    ] = False,
 ) -> None:
-    """Make and seal, compare, score what is there."""
-    seal = sealed(out, pairs, first)
-    for folder in sorted((out / STUDIES).iterdir()):
-        path = out / SAID / f"{folder.name}.json"
-        if not path.is_file():
-            write_text(path, json.dumps(said_of(folder / "compare.yaml"), indent=1) + "\n")
-            console.print(f"{folder.name} compared", highlight=False)
-    if _digests(out) != seal["digests"]:
-        raise typer.Exit(f"{out}: studies or answers are not those that were sealed")
-    names = sorted(path.stem for path in (out / SAID).glob("*.json"))
+    """Seal, make, compare, score what is there."""
+    with plain_errors():
+        seal = sealed(out, pairs, first)
+        for job in () if table else jobs_of(int(seal["seed"]), pairs):
+            path = out / SAID / f"{job.name}.json"
+            if not path.is_file():
+                write_text(path, json.dumps(_said(out, job), indent=1) + "\n")
+                console.print(f"{job.name} {job.effect} {job.background}", highlight=False)
+    names = sorted(path.stem for path in (out / ANSWERS).glob("*.json"))
+    names = [name for name in names if (out / SAID / f"{name}.json").is_file()]
     text = tables(
         [json.loads((out / ANSWERS / f"{name}.json").read_text()) for name in names],
         [json.loads((out / SAID / f"{name}.json").read_text()) for name in names],
@@ -63,31 +67,47 @@ def main(
 
 
 def sealed(out: Path, pairs: int, first: int | None) -> dict[str, Any]:
-    """The seal of the studies there, which are made where there are none."""
+    """What is frozen: written where there is nothing, and else what was written.
+
+    Raises:
+        CampaignError: the folder was begun with something else.
+    """
     path = out / "seal.json"
-    if path.is_file():
-        return dict(json.loads(path.read_text()))
+    old = json.loads(path.read_text()) if path.is_file() else None
     seed = first if first is not None else 1_000_000 + secrets.randbelow(2**31)
-    for name in (STUDIES, ANSWERS, SAID):
-        (out / name).mkdir(parents=True, exist_ok=True)
-    left_out = []
-    for job in jobs_of(seed, pairs):
-        answer = out / ANSWERS / f"{job.name}.json"
-        if answer.is_file():
-            continue
-        try:
-            make(job, out / STUDIES / job.name, answer)
-        except RuntimeError as error:
-            left_out.append(str(error))
+    if old is not None:
+        seed = int(old["seed"])
+    here = Path(__file__).parent
     seal = {
         "seed": seed,
+        "digest of the seed": digest_of(seed),
         "pairs": pairs,
-        "not made": left_out,
         "tool": tool_digest(),
-        "digests": _digests(out),
+        "generator": digest_of(
+            [generator_digest(), digest_of_files([("worlds", here / "simulator_worlds.py")])]
+        ),
+        "scoring": digest_of_files([("scores", here / "simulator_scores.py")]),
     }
-    write_text(path, json.dumps(seal, indent=1) + "\n")
+    if old is None:
+        for name in (STUDIES, ANSWERS, SAID):
+            (out / name).mkdir(parents=True, exist_ok=True)
+        write_text(path, json.dumps(seal, indent=1) + "\n")
+        console.print(json.dumps(seal, indent=1), highlight=False)
+        return seal
+    changed = [key for key in seal if key != "pairs" and seal[key] != old[key]]
+    if changed:
+        raise CampaignError(f"{out} was begun with another {' and '.join(changed)}")
     return seal
+
+
+def _said(out: Path, job: Job) -> dict[str, Any]:
+    """What is said of a pair that is made now."""
+    folder = out / STUDIES / job.name
+    try:
+        make(job, folder, out / ANSWERS / f"{job.name}.json")
+    except RuntimeError as error:
+        return {"not made": str(error), "findings": []}
+    return said_of(folder / "compare.yaml")
 
 
 def said_of(study: Path) -> dict[str, Any]:
@@ -125,10 +145,6 @@ def _finding(step: Step, k: int) -> dict[str, Any]:
             for each in finding.equivalents
         ],
     }
-
-
-def _digests(out: Path) -> dict[str, str]:
-    return {name: digest_of_folder(out / name) for name in (STUDIES, ANSWERS)}
 
 
 if __name__ == "__main__":

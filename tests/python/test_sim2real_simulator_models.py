@@ -79,6 +79,11 @@ VALUES = {
     Knob("mass", 1): 1.3,
     Knob("mass", 2): 0.5,
     Knob("com_x", 2): 0.07,
+    Knob("stiffness", 0): 3.0,
+    Knob("spring_torque", 0): -1.2,
+    Knob("forcelimit", 1): 31.0,
+    Knob("forcelimit", 2): 2.0,
+    Knob("kp_factor", -1): 0.9,
 }
 
 
@@ -90,6 +95,7 @@ def test_a_patched_file_is_the_candidate_and_otherwise_as_it_was() -> None:
     for name in (
         *("dof_damping", "dof_frictionloss", "dof_armature", "qpos0", "jnt_range"),
         *("actuator_gainprm", "actuator_biasprm", "actuator_forcerange"),
+        *("jnt_stiffness", "qpos_spring", "jnt_actfrcrange", "jnt_actfrclimited"),
         *("body_mass", "body_ipos", "body_inertia", "body_pos", "dof_invweight0"),
     ):
         np.testing.assert_allclose(
@@ -119,6 +125,74 @@ def test_a_damping_ratio_keeps_the_gains_that_it_had() -> None:
     np.testing.assert_allclose(
         model.actuator_biasprm, model_with(ratio, values).actuator_biasprm, rtol=1e-9
     )
+
+
+def test_a_load_brings_the_inertia_of_a_body_that_is_welded_on() -> None:
+    """Against MuJoCo's own mass matrix and gravity of an arm with a small ball in its hand."""
+    spec = mujoco.MjSpec.from_string(MJCF)
+    at, load = np.array([0.15, 0.04, -0.02]), 0.4
+    ball = spec.body("hand").add_body(name="ball", pos=at)
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1e-4, 0, 0], mass=load)
+    truth = spec.compile()
+    model, k = user().model, user().body_of(2)
+    mass, centre = float(model.body_mass[k]), model.body_ipos[k]
+    together = (mass * centre + load * at) / (mass + load)
+    values = {Knob("mass", 2): mass + load}
+    values |= {Knob(f"com_{axis}", 2): float(x) for axis, x in zip("xyz", together, strict=True)}
+    candidate = model_with(user(), values)
+    for q in ([0.3, -0.6, 0.9], [1.2, 0.4, -1.1]):
+        found = []
+        for each in (truth, candidate):
+            data = mujoco.MjData(each)
+            data.qpos[:] = q
+            mujoco.mj_forward(each, data)
+            inertia = np.zeros((3, 3))
+            mujoco.mj_fullM(each, inertia, data.qM)
+            found.append((inertia, data.qfrc_bias.copy()))
+        np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-5, atol=1e-7)
+        np.testing.assert_allclose(found[1][1], found[0][1], rtol=1e-6)
+
+
+def test_held_torques_are_those_of_a_loop_that_reads_and_holds(tmp_path: Path) -> None:
+    """A PD law at 5 ms on fine physics, by a plain loop over mj_step."""
+    (tmp_path / "arm.urdf").write_text(arm_urdf(2))
+    time = np.arange(0.0, 3.0, PERIOD)
+    q_des = 0.4 * np.sin(2.0 * np.pi * np.outer(time, [0.5, 0.9])) + [0.3, -0.2]
+    controller = Controller(
+        kp=np.array([300.0, 120.0]),
+        kd=np.array([20.0, 8.0]),
+        gravity_compensation=False,
+        period=PERIOD,
+    )
+    joints, rotors = ("joint1", "joint2"), np.array([0.05, 0.05])
+    commanded = even_recording(time, q=q_des, q_des=q_des)
+    study = Study(
+        folder=tmp_path,
+        robot=tmp_path / "arm.urdf",
+        joints=joints,
+        recordings=(commanded,),
+        split="by the study",
+        controller=controller,
+        rotor_inertia=rotors,
+    )
+    model = description_of(study)
+    assert model is not None
+    plain = mujoco.MjSpec.from_string(str(model.source)).compile()
+    plain.actuator_gainprm[:], plain.actuator_biasprm[:] = 0.0, 0.0
+    plain.opt.timestep = 2.5e-4
+    data, q = mujoco.MjData(plain), []
+    data.qpos[:] = q_des[0]
+    for wanted in q_des:
+        q.append(data.qpos.copy())
+        torque = controller.kp * (wanted - data.qpos) - controller.kd * data.qvel
+        data.qfrc_applied[:] = torque
+        mujoco.mj_step(plain, data, 20)
+    machine = even_recording(time, q=np.array(q), q_des=q_des)
+    experiment = Experiment(model, [machine])
+    as_it_is = np.abs(experiment.run({}) - experiment.measured)[:, :2]
+    experiment.allow_for_step({})
+    held = np.abs(experiment.run({}) - experiment.measured)[:, :2]
+    assert np.median(held) < 0.1 * np.median(as_it_is)
 
 
 def test_a_patched_file_moves_as_the_candidate() -> None:

@@ -21,6 +21,7 @@ from .differences import Difference, differences_of
 from .experiment import simulated
 from .explain import explain
 from .findings import Step, step_of
+from .gains import with_fitted_gains
 from .pairing import Pair, at_times_of, drift_note, pairs_of
 from .patch import Patch, patched
 from .user_model import UserModel, description_of, simulator_of, user_model
@@ -76,6 +77,9 @@ def _compare(study: Study, say: Tell) -> Comparison:
             " 'simulation:' (a log of it under the recorded commands)"
         )
     user = simulator_of(study)
+    if user is not None and study.simulator is not None and not study.simulator.gains_known:
+        user, note = with_fitted_gains(user, study.fit, limits)
+        notes.append(note)
     pairs: tuple[Pair, ...] = ()
     shown: dict[str, Shown] = {}
     if study.simulation:
@@ -109,6 +113,7 @@ def _compare(study: Study, say: Tell) -> Comparison:
         machine = step_of(explained, "machine", limits)
         try:
             patch = patched(baseline, explained.patch)
+            notes += [f"patched.xml: {note}." for note in patch.notes]
         except LoadError as error:
             notes.append(f"patched.xml could not be made: {error}.")
     else:

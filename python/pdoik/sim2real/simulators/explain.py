@@ -44,7 +44,7 @@ class Explained:
     std: dict[Knob, float]
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
-    without: dict[Term, float]  # held-out loss without it
+    share: dict[Term, float]  # of the squared held-out error that it takes away, where most
     shows: dict[Term, float]  # what it changes over the least that counts, where most
     sigma: FloatArray  # by which errors are weighed
     noise: FloatArray  # white noise of each channel
@@ -65,10 +65,6 @@ class Explained:
         """Whether it is believed to be there, and matters; by whatever name."""
         return self.there(term) >= limits.least_confidence and self.shows[term] >= 1.0
 
-    def gain(self, term: Term) -> float:
-        """Share of the squared held-out error without a term that it takes away."""
-        return float(self.gains[term].sum()) / max(self.without[term], 1e-300)
-
     def confidence(self, term: Term, limits: SimulatorThresholds) -> float:
         """Probability that a term is there, and none of its rivals in its place.
 
@@ -78,7 +74,7 @@ class Explained:
         """
         rivals = [each for each in self.rivals[term] if not each.same]
         odds = sum(each.probability / (1.0 - min(each.probability, 0.99)) for each in rivals)
-        gain = float(np.clip(self.gain(term), 1e-4, 1.0 - 1e-4))
+        gain = float(np.clip(self.share[term], 1e-4, 1.0 - 1e-4))
         log_odds = limits.base + limits.per_gain * np.log(gain / (1.0 - gain))
         return min(self.there(term) / (1.0 + odds), float(expit(log_odds)))
 
@@ -120,16 +116,16 @@ def explain(
         if k == 0:
             check_follows(experiment, limits)
         about = sensitivities(experiment, values, knobs, scales)
-        sigma = _sigma(experiment, about.shown, noise)
+        sigma = sigma_of(experiment, about.shown, noise)
         blocks = Blocks.of(experiment, about, sigma)
         selection = Selection(blocks, knobs, all_terms, limits)
         before, chosen = chosen, selection.choose(chosen)
-        values = _fitted(experiment, about, selection, chosen, sigma, scales)
+        values = fitted(experiment, about, selection, chosen, sigma, scales)
         unreal = {term for term in chosen if is_unreal(term, values)}
         if unreal:
             all_terms = tuple(term for term in all_terms if term not in unreal)
             chosen = tuple(term for term in chosen if term not in unreal)
-            values = _fitted(experiment, about, selection, chosen, sigma, scales)
+            values = fitted(experiment, about, selection, chosen, sigma, scales)
         say(f"round {k + 1}: {len(chosen)} properties differ")
         if set(before) == set(chosen):
             break
@@ -137,7 +133,7 @@ def explain(
         experiment.allow_for_step(values)
         held_out.allow_for_step(values)
     about = sensitivities(experiment, values, knobs, scales)
-    sigma = _sigma(experiment, about.shown, noise)
+    sigma = sigma_of(experiment, about.shown, noise)
     blocks = Blocks.of(experiment, about, sigma)
     selection = Selection(blocks, knobs, all_terms, limits)
     chosen = tuple(term for term in chosen if term in selection.terms)
@@ -146,7 +142,7 @@ def explain(
     if len(kept) == len(chosen):
         return judged
     say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
-    values = _fitted(experiment, about, selection, kept, sigma, scales)
+    values = fitted(experiment, about, selection, kept, sigma, scales)
     return replace(judged, kept=kept, patch=values, after=held_out.run(values, as_it_is=True))
 
 
@@ -171,13 +167,13 @@ def noise_of(experiment: Experiment) -> FloatArray:
     return np.array(found)
 
 
-def _sigma(experiment: Experiment, shown: FloatArray, noise: FloatArray) -> FloatArray:
-    """What each channel leaves now: by that its errors count."""
+def sigma_of(experiment: Experiment, shown: FloatArray, noise: FloatArray) -> FloatArray:
+    """What each channel leaves now, (C,): by that its errors count."""
     left = np.sqrt(np.mean((experiment.measured - shown) ** 2, axis=0))
     return np.maximum(np.maximum(left, noise), 1e-9)
 
 
-def _fitted(
+def fitted(
     experiment: Experiment,
     about: Sensitivities,
     selection: Selection,
@@ -218,6 +214,15 @@ def _fitted(
         start = about.at.copy()
         goal = Blocks.of(experiment, about, sigma).solve(range(len(mine)))
     return values
+
+
+def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:
+    """Of a channel's squared error that a term takes away, of the channel where it is most."""
+    if not np.isfinite(without).all():
+        return 1.0
+    left = ((measured - with_it) ** 2).sum(axis=0)
+    before = np.maximum(((measured - without) ** 2).sum(axis=0), 1e-300)
+    return float(np.max(1.0 - left / before))
 
 
 def _shows(
@@ -283,7 +288,7 @@ def _judged(
         return np.bincount(held_out.block, squares, minlength=count).astype(np.float64)
 
     with_all = loss(with_values)
-    gains, without, shows = {}, {}, {}
+    gains, share, shows = {}, {}, {}
     for term in chosen:
         others = [each for each in chosen if each != term]
         try:
@@ -292,7 +297,7 @@ def _judged(
             shown = np.full_like(with_values, np.inf)
         left = loss(shown)
         shows[term] = _shows(shown - with_values, noise, term, values, user, limits)
-        gains[term], without[term] = left - with_all, float(left.sum())
+        gains[term], share[term] = left - with_all, _share(held_out.measured, shown, with_values)
     return Explained(
         user=held_out.user,
         terms=chosen,
@@ -302,7 +307,7 @@ def _judged(
         std=std,
         rivals={term: selection.rivals(chosen, term) for term in chosen},
         gains=gains,
-        without=without,
+        share=share,
         shows=shows,
         sigma=sigma,
         noise=noise,

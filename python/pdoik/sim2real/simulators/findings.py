@@ -43,7 +43,7 @@ class Step:
 def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step:
     """Verdict, findings by what they gain on held-out data, and the joints' errors."""
     user = explained.user
-    order = sorted(explained.terms, key=lambda term: -explained.gain(term))
+    order = sorted(explained.terms, key=lambda term: -explained.share[term])
     joints = _joints(explained)
     claimed = [
         term
@@ -96,9 +96,9 @@ def place_of(user: UserModel, knob: Knob) -> str:
 def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> Finding:
     user, held = explained.user, explained.held_out
     gains = explained.gains[term]
-    gain = explained.gain(term)
+    gain = explained.share[term]
     error = float(np.std(gains, ddof=1)) * np.sqrt(len(gains)) if len(gains) > 1 else np.inf
-    share = error / max(explained.without[term], 1e-300)
+    share = gain * error / max(float(gains.sum()), 1e-300)  # of its gain, by how blocks differ
     values = explained.patch if term in explained.kept else explained.values
     blocks = max(3, explained.blocks - len(explained.values))
     width = float(student.ppf(0.975, blocks))

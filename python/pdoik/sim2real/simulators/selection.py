@@ -20,8 +20,8 @@ from .property import EVERY
 ORDINARY = ("damping", "frictionloss", "armature", "delay")
 """What every machine has more of than its model: taken first unless another is clearly better."""
 
-_LIKE = {"kv": ("damping",)}
-"""Other names of one torque, which each joint may have its own of."""
+_LIKE = {"gains": ("kp", "kv", "damping")}
+"""Other names of what all joints may share and each may have its own of."""
 
 MOST = 60  # terms
 _AGAIN = 3  # rounds of adding and trying anew
@@ -125,10 +125,10 @@ class Selection:
 
     def _is_shared(self, chosen: list[Term], term: Term) -> bool:
         """Whether what all joints have alike does as well as each joint's own figure."""
-        if term.indices != {EVERY} or term in chosen:
+        if term.indices != {EVERY}:
             return True
         family = (term.name, *_LIKE.get(term.name, ()))
-        others = [each for each in chosen if each.name not in family]
+        others = [each for each in chosen if each != term and each.name not in family]
         together = self._loss([*others, term])
         for name in family:
             apart = [t for t in self.terms if t.name == name and t.indices != {EVERY}]
@@ -143,6 +143,9 @@ class Selection:
 
     def _swapped(self, chosen: list[Term]) -> list[Term]:
         """Each term against those like it; only a clearly better one takes its place."""
+        shared = [term for term in chosen if self._is_shared(chosen, term)]
+        if len(shared) < len(chosen):
+            return shared
         now = self._loss(chosen)
         for term in chosen:
             others = [each for each in chosen if each != term]
