@@ -147,7 +147,7 @@ def test_a_load_brings_the_inertia_of_a_body_that_is_welded_on() -> None:
             data.qpos[:] = q
             mujoco.mj_forward(each, data)
             inertia = np.zeros((3, 3))
-            mujoco.mj_fullM(each, inertia, data.qM)
+            mujoco.mj_fullM(each, data, inertia)
             found.append((inertia, data.qfrc_bias.copy()))
         np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-5, atol=1e-7)
         np.testing.assert_allclose(found[1][1], found[0][1], rtol=1e-6)

@@ -138,9 +138,7 @@ class Experiment:
             steps = np.arange(self._steps, dtype=np.float64)
             times = np.asarray(run.start + self.user.timestep * steps, dtype=np.float64)
             recording = self.recordings[run.recording]
-            commands = self._commands(
-                recording, np.asarray(times - 0.5 * self.user.timestep), delays
-            )
+            commands = self._at(recording, times, delays)
             forward = self._forward[run.recording]
             if forward is not None:
                 columns = [np.interp(times, recording.time, each) for each in forward.T]
@@ -233,18 +231,33 @@ class Experiment:
         the log, commands lie on lines between samples.
         """
         dt = self.user.timestep
+        if self._is_faster(recording):
+            return self._at(recording, np.asarray(times + 0.5 * dt), delays)
         q_des = recording.q_des
         assert q_des is not None
-        out = np.empty((len(times), q_des.shape[1]))
-        law = self.user.law
-        faster = law is not None and law.period is not None and law.period < 0.5 * recording.period
-        for k, late in enumerate(delays):
-            begin = np.asarray(times - late, dtype=np.float64)
-            if faster:
-                out[:, k] = np.interp(begin + 0.5 * dt, recording.time, q_des[:, k])
+        columns = [
+            mean_over(recording.time, column, np.asarray(times - late), dt)
+            for column, late in zip(q_des.T, delays, strict=True)
+        ]
+        return np.stack(columns, axis=1)
+
+    def _at(self, recording: Recording, times: FloatArray, delays: Sequence[float]) -> FloatArray:
+        """What a controller is asked for that looks at these times, (K, n)."""
+        q_des = recording.q_des
+        assert q_des is not None
+        columns = []
+        for column, late in zip(q_des.T, delays, strict=True):
+            if self._is_faster(recording):
+                columns.append(np.interp(times - late, recording.time, column))
                 continue
-            out[:, k] = mean_over(recording.time, q_des[:, k], begin, dt)
-        return out
+            since = np.floor((times - late - recording.time[0]) / recording.period + 1e-6)
+            columns.append(column[np.clip(since, 0, len(column) - 1).astype(int)])
+        return np.stack(columns, axis=1)
+
+    def _is_faster(self, recording: Recording) -> bool:
+        """Whether the controller is known to run much faster than the log."""
+        law = self.user.law
+        return law is not None and law.period is not None and law.period < 0.5 * recording.period
 
     def _rolled(self, values: Values) -> tuple[FloatArray, FloatArray]:
         """States and sensor values after each step of each run, (runs, K, .)."""

@@ -25,7 +25,7 @@ def guessed_law(model: Any, dof: Sequence[int]) -> Controller:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, mass, data.qM)
+    mujoco.mj_fullM(model, data, mass)
     inertia = np.maximum(np.diag(mass)[list(dof)], _ROTOR)
     omega = 2.0 * np.pi * _FREQUENCY
     return Controller(
