@@ -91,52 +91,6 @@ def test_a_delay_of_all_commands_is_one_finding() -> None:
     assert finding.parameters["delay"].value == pytest.approx(0.012, abs=5e-4)
 
 
-def servos(spec: Any, share: float, names: tuple[str, ...]) -> None:
-    """All of the named actuators' gains times a share."""
-    for servo in spec.actuators:
-        if servo.name in names or servo.target in names:
-            gain, bias = servo.gainprm, servo.biasprm
-            gain[0] *= share
-            bias[1] *= share
-            servo.gainprm, servo.biasprm = gain, bias
-
-
-def test_gains_that_are_all_off_alike_are_one_finding() -> None:
-    def weak(spec: Any) -> None:
-        servos(spec, 0.8, ("servo1", "elbow", "servo3"))
-
-    step = step_with(weak)
-    (finding,) = step.findings
-    assert finding.effect == "kp"
-    assert finding.joints == JOINTS
-    assert finding.parameters["kp_factor"].value == pytest.approx(0.8, abs=0.01)
-    changed = {c.knob.index: c.after for c in step.changed}
-    assert changed == pytest.approx({0: 96.0, 1: 64.0, 2: 12.0}, rel=0.02)
-
-
-def test_a_drive_that_gives_no_more_is_found_with_its_limit() -> None:
-    def weak(spec: Any) -> None:
-        spec.joint("shoulder").actfrcrange = (-9.0, 9.0)
-        spec.joint("shoulder").actfrclimited = 1
-
-    step = step_with(weak)
-    found = {f.effect: f for f in step.findings}
-    assert found["forcelimit"].joints == ("shoulder",)
-    assert found["forcelimit"].parameters["forcelimit"].value == pytest.approx(9.0, rel=0.05)
-
-
-def test_a_spring_is_found_with_its_rest() -> None:
-    def cable(spec: Any) -> None:
-        spec.joint("elbow").stiffness[0] = 6.0
-        spec.joint("elbow").springref = np.rad2deg(-0.5)
-
-    step = step_with(cable)
-    (finding,) = step.findings
-    assert (finding.effect, *finding.joints) == ("spring", "elbow")
-    assert finding.parameters["stiffness"].value == pytest.approx(6.0, rel=0.1)
-    assert finding.parameters["spring_torque"].value == pytest.approx(-3.0, rel=0.1)
-
-
 def test_two_causes_are_told_apart() -> None:
     def both(spec: Any) -> None:
         more_friction(spec)
