@@ -28,11 +28,10 @@ SAID: dict[str, tuple[str, ...]] = {
     "coulomb_friction": ("frictionloss",),
     "rotor_inertia": ("armature",),
     "payload": ("payload", "mass"),
-    "torque_gain": ("kp", "gains"),
+    "torque_gain": ("kp",),
     "torque_offset": ("spring",),
     "position_dependent_spring": ("stiffness", "spring"),
     "command_delay": ("delay",),
-    "torque_saturation": ("forcelimit",),
     "joint_offset": ("ref",),
 }
 """What a simulator has a word for, and the words that are right."""
@@ -44,6 +43,7 @@ NEAR: dict[str, tuple[str, ...]] = {
     "presliding_hysteresis": ("frictionloss", "stiffness", "spring"),
     "backlash": ("delay", "kp", "ref"),
     "joint_elasticity": ("kp", "armature"),
+    "torque_saturation": (),
     "torque_ripple": (),
     "joint_coupling": (),
 }

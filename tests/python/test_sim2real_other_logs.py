@@ -1,8 +1,7 @@
-"""Further logs of a diagnosed machine are read as its study's were, or as another study says."""
+"""Further logs of a diagnosed machine are read as a study says, and pdoik's own as they are."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,8 +44,9 @@ def logs(tmp_path: Path) -> tuple[Path, Path]:
     return ours, write(tmp_path / "own.csv", names, np.c_[time, np.rad2deg(q)])
 
 
-def model(tmp_path: Path, reading: Reading) -> Path:
-    return Model(joints=JOINTS, robot=arm_urdf(2), reading=reading).save(tmp_path)
+def model(folder: Path) -> Path:
+    folder.mkdir(exist_ok=True)
+    return Model(joints=JOINTS, robot=arm_urdf(2)).save(folder)
 
 
 def torques(tmp_path: Path, *arguments: Path | str) -> np.ndarray:
@@ -55,27 +55,29 @@ def torques(tmp_path: Path, *arguments: Path | str) -> np.ndarray:
     return np.loadtxt(tmp_path / "tau.csv", delimiter=",", skiprows=1)
 
 
-def test_a_model_remembers_how_its_logs_are_read(tmp_path: Path, logs: tuple[Path, Path]) -> None:
+def test_what_pdoik_writes_is_read_in_its_own_units(
+    tmp_path: Path, logs: tuple[Path, Path]
+) -> None:
+    """Of a study in degrees, too: a model reads what `replay` wrote as it was written."""
     ours, own = logs
-    wanted = torques(tmp_path, model(tmp_path, Reading()), ours)
-    assert np.ptp(wanted[:, 1:], axis=0).min() > 0.1
-    path = model(tmp_path, OWN)
-    assert Model.load(path).reading == OWN
-    np.testing.assert_allclose(torques(tmp_path, path, own), wanted, atol=1e-6)
-    said = run("predict", path, own, "--out", tmp_path / "tau.csv")
-    assert "read as the study's logs: q from 'enc {joint} raw'" in " ".join(said.output.split())
+    (tmp_path / "arm.urdf").write_text(arm_urdf(2))
+    write(
+        tmp_path / "degrees.csv",
+        ["time", "q.joint1", "q.joint2"],
+        np.loadtxt(own, delimiter=",", skiprows=1),
+    )
+    content = {"robot": "arm.urdf", "recordings": ["degrees.csv"], "units": {"q": "deg"}}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(content))
+    path = Model.of_study(load_study(tmp_path / "study.yaml")).save(tmp_path)
+    wanted = torques(tmp_path, model(tmp_path / "plain"), ours)
+    np.testing.assert_allclose(torques(tmp_path, path, ours), wanted, atol=1e-6)
+    said = torques(tmp_path, path, tmp_path / "degrees.csv", "--columns", tmp_path / "study.yaml")
+    np.testing.assert_allclose(said, wanted, atol=1e-6)
 
 
-def test_models_of_before_have_no_memory(tmp_path: Path) -> None:
-    path = model(tmp_path, OWN)
-    content = json.loads(path.read_text())
-    del content["log"]
-    assert Model.from_json(json.dumps(content)).reading == Reading()
-
-
-def test_another_study_says_how_logs_are_read(tmp_path: Path, logs: tuple[Path, Path]) -> None:
+def test_a_study_says_how_logs_are_read(tmp_path: Path, logs: tuple[Path, Path]) -> None:
     ours, own = logs
-    path = model(tmp_path, Reading())
+    path = model(tmp_path)
     wanted = torques(tmp_path, path, ours)
     study = tmp_path / "study.yaml"
     content = {
@@ -85,6 +87,8 @@ def test_another_study_says_how_logs_are_read(tmp_path: Path, logs: tuple[Path, 
     }
     study.write_text(yaml.safe_dump(content))
     np.testing.assert_allclose(torques(tmp_path, path, own, "--columns", study), wanted, atol=1e-6)
+    said = run("predict", path, own, "--columns", study, "--out", tmp_path / "tau.csv")
+    assert "read as the study says: q from 'enc {joint} raw'" in " ".join(said.output.split())
     misuse(run("predict", path, own, "--columns", tmp_path / "no.yaml"), "no.yaml")
 
 
@@ -93,8 +97,11 @@ def test_a_replay_starts_from_commands_of_the_machines_own_names(tmp_path: Path)
     names = ["time", "aim joint1", "aim joint2"]
     commands = write(tmp_path / "aims.csv", names, np.c_[time, np.rad2deg(q)])
     controller = Controller(kp=np.full(2, 200.0), kd=np.full(2, 20.0), gravity_compensation=True)
-    made = replace(Model.load(model(tmp_path, OWN)), controller=controller).save(tmp_path)
-    done = run("replay", made, commands, "--out", tmp_path / "replay.csv")
+    made = replace(Model.load(model(tmp_path)), controller=controller).save(tmp_path)
+    study = tmp_path / "study.yaml"
+    study.write_text(yaml.safe_dump(OWN.content()))
+    out = tmp_path / "replay.csv"
+    done = run("replay", made, commands, "--columns", study, "--out", out)
     assert done.exit_code == 0, done.output
     header = (tmp_path / "replay.csv").read_text().split("\n", 1)[0].split(",")
     table = np.loadtxt(tmp_path / "replay.csv", delimiter=",", skiprows=1)
@@ -102,7 +109,7 @@ def test_a_replay_starts_from_commands_of_the_machines_own_names(tmp_path: Path)
     np.testing.assert_allclose(aims, q, atol=1e-6)
 
 
-def test_streams_are_read_as_the_study_was() -> None:
+def test_streams_are_read_as_a_study_says() -> None:
     said = Reading(columns={"q": "enc {joint}", "tau": "nm {joint}"}, units={"q": "deg"})
     stream = CsvStream("log.csv", JOINTS, said)
     text = b"time,enc joint1,enc joint2,nm joint1,nm joint2\n0,180,90,1,2\n1,0,0,3,4\n"

@@ -81,8 +81,6 @@ VALUES = {
     Knob("com_x", 2): 0.07,
     Knob("stiffness", 0): 3.0,
     Knob("spring_torque", 0): -1.2,
-    Knob("forcelimit", 1): 31.0,
-    Knob("forcelimit", 2): 2.0,
     Knob("kp_factor", -1): 0.9,
 }
 
@@ -95,7 +93,7 @@ def test_a_patched_file_is_the_candidate_and_otherwise_as_it_was() -> None:
     for name in (
         *("dof_damping", "dof_frictionloss", "dof_armature", "qpos0", "jnt_range"),
         *("actuator_gainprm", "actuator_biasprm", "actuator_forcerange"),
-        *("jnt_stiffness", "qpos_spring", "jnt_actfrcrange", "jnt_actfrclimited"),
+        *("jnt_stiffness", "qpos_spring"),
         *("body_mass", "body_ipos", "body_inertia", "body_pos", "dof_invweight0"),
     ):
         np.testing.assert_allclose(

@@ -15,7 +15,6 @@ from pdoik._files import write_whole
 from .messages import fail, tell
 
 if TYPE_CHECKING:
-    from pdoik.sim2real import Model
     from pdoik.sim2real.study.columns import Table
     from pdoik.sim2real.study.reading import Reading
     from pdoik.sim2real.study.recording import Recording
@@ -42,21 +41,22 @@ def check_files(model: Path, motion: Path, output: Path, robot: Path | None = No
 Columns = Annotated[
     Path | None,
     typer.Option(
-        help="A study whose 'columns:', 'units:' and 'ignore:' tell how the logs are read, instead"
-        " of those that the model was made with."
+        help="A study whose 'columns:', 'units:' and 'ignore:' tell how the logs are read; without"
+        " it names and units are pdoik's, or as the names say."
     ),
 ]
 
 
-def reading_of(columns: Path | None, model: Model) -> Reading:
-    """How logs are read: as a study says, or as the model remembers.
+def reading_of(columns: Path | None) -> Reading:
+    """How logs are read: as a study says, else by pdoik's own names and units.
 
     Raises:
         LoadError: The study is none.
     """
+    from pdoik.sim2real.study.reading import Reading
     from pdoik.sim2real.study.reading_key import reading_of_study
 
-    return model.reading if columns is None else reading_of_study(columns)
+    return Reading() if columns is None else reading_of_study(columns)
 
 
 def read_motion(

@@ -40,7 +40,7 @@ def predict(
         loaded = load_model(model)
         if robot is not None:
             loaded = loaded.with_robot(robot)
-        motion = read_motion(recording, loaded.joints, reading_of(columns, loaded))
+        motion = read_motion(recording, loaded.joints, reading_of(columns))
         tau = torque_of(loaded, motion, findings=not without_findings)  # (T, n)
         write_motion(output, loaded.joints, motion.start + motion.time, {"tau": tau})
     out.print(escape(str(output)), highlight=False)

@@ -40,7 +40,7 @@ def replay(
         from pdoik.sim2real import replay as simulate
 
         loaded = load_model(model)
-        motion = read_motion(commands, loaded.joints, reading_of(columns, loaded), commands=True)
+        motion = read_motion(commands, loaded.joints, reading_of(columns), commands=True)
         simulated = simulate(loaded, motion, findings=not without_findings)
         channels = {name: getattr(simulated, name) for name in simulated.channels if name != "tip"}
         write_motion(output, loaded.joints, simulated.start + simulated.time, channels)

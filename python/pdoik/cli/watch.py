@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
 
@@ -21,7 +20,8 @@ from .motions import Columns, read_motion, reading_of
 from .sim2real_extra import extra_needed
 
 if TYPE_CHECKING:
-    from pdoik.sim2real import Alarm, Model, Watch
+    from pdoik.sim2real import Alarm, Watch
+    from pdoik.sim2real.study.reading import Reading
     from pdoik.sim2real.watch.tail import Piece
 
     Pieces = Iterator[Piece]
@@ -75,8 +75,7 @@ def watch(
         changed = {"watch.alarms_per_day": false_alarms, "watch.friction_change": friction_change}
         thresholds = Thresholds().changed(changed)
         loaded = load_model(model)
-        reading = reading_of(columns, loaded)
-        loaded = replace(loaded, reading=reading)
+        reading = reading_of(columns)
         if calibrate:
             healthy = [read_motion(each, loaded.joints, reading) for each in calibrate]
             loaded = calibrated(loaded, healthy, thresholds=thresholds.watch)
@@ -84,10 +83,10 @@ def watch(
         for name in watching.unwatched:
             warn(f"{name} hardly moves in the healthy logs: it is not watched")
         if output is None:
-            _follow(watching, loaded, logs, once, None)
+            _follow(watching, loaded.joints, logs, reading, once, None)
         else:
             with output.open("a", encoding="utf-8") as file:
-                _follow(watching, loaded, logs, once, file)
+                _follow(watching, loaded.joints, logs, reading, once, file)
     if once and watching.alarms:
         raise typer.Exit(ALARMED)
 
@@ -110,11 +109,17 @@ def _check(model: Path, logs: list[Path], calibrate: list[Path], output: Path | 
 
 
 def _follow(
-    watching: Watch, model: Model, logs: list[Path], once: bool, file: TextIO | None
+    watching: Watch,
+    joints: tuple[str, ...],
+    logs: list[Path],
+    reading: Reading,
+    once: bool,
+    file: TextIO | None,
 ) -> None:
     """Until there is no more, or Ctrl-C."""
     with interrupts.noted() as stop:
-        for name, columns in _pieces(logs, model, once, lambda: not stop.empty()):
+        pieces = _pieces(logs, joints, reading, once, lambda: not stop.empty())
+        for name, columns in pieces:
             told = watching.end() if columns is None else watching.feed(columns, source=name)
             _tell(told, file)
             if not stop.empty():
@@ -131,20 +136,21 @@ def _tell(told: Iterable[Alarm], file: TextIO | None) -> None:
             file.flush()
 
 
-def _pieces(logs: list[Path], model: Model, once: bool, stopped: Stopped) -> Pieces:
+def _pieces(
+    logs: list[Path], joints: tuple[str, ...], reading: Reading, once: bool, stopped: Stopped
+) -> Pieces:
     from pdoik.sim2real.watch.tail import Folder, Tail
 
     if str(logs[0]) == "-":
-        yield from _standard_input(model, stopped)
+        yield from _standard_input(joints, reading, stopped)
         return
     *finished, last = logs
-    joints, said = model.joints, model.reading
     for path in finished:
-        with closing(Tail(path, joints, said)) as tail:
+        with closing(Tail(path, joints, reading)) as tail:
             yield from tail.read()
         yield path.name, None
     kind = Folder if last.is_dir() else Tail
-    with closing(kind(last, joints, said)) as source:
+    with closing(kind(last, joints, reading)) as source:
         while not stopped():
             yield from source.read()
             if once:
@@ -152,10 +158,10 @@ def _pieces(logs: list[Path], model: Model, once: bool, stopped: Stopped) -> Pie
             time.sleep(_PAUSE)
 
 
-def _standard_input(model: Model, stopped: Stopped) -> Pieces:
+def _standard_input(joints: tuple[str, ...], reading: Reading, stopped: Stopped) -> Pieces:
     from pdoik.sim2real.watch.csv_stream import CsvStream
 
-    stream = CsvStream("standard input", model.joints, model.reading)
+    stream = CsvStream("standard input", joints, reading)
     number = sys.stdin.fileno()
     while not stopped():
         ready, _, _ = select.select([number], [], [], _PAUSE)

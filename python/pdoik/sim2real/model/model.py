@@ -19,7 +19,6 @@ from ..simulation.mjcf import flat_mjcf
 from ..simulation.parts import ExternalForce, LinkChange, Vector
 from ..simulation.plant import STANDARD_GRAVITY, link_carrying
 from ..study.payload import Payload
-from ..study.reading import Reading
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller, Study
 from .content import array_of, controller_content, controller_of, findings_of, listed, required
@@ -44,7 +43,6 @@ class Model:
     """By link: ten corrected parameters instead of the robot's own, in `Inertial.ten`'s order."""
     cutoff: float | None = None  # of the filter that the findings were made with [Hz]
     healthy: Healthy | None = None  # what the model leaves of a healthy machine's torques
-    reading: Reading = field(default_factory=Reading)  # how the study's logs were read
 
     def __repr__(self) -> str:
         found = ", ".join(finding.effect for finding in self.findings) or "nothing"
@@ -72,7 +70,6 @@ class Model:
             findings=findings,
             rigid_body=rigid_body or {},
             cutoff=cutoff,
-            reading=study.reading,
         )
 
     def with_robot(self, robot: str | Path) -> Model:
@@ -206,7 +203,6 @@ class Model:
             "findings": json.loads(found.to_json())["findings"],
             "rigid_body": {link: listed(ten) for link, ten in self.rigid_body.items()},
             "healthy": None if self.healthy is None else self.healthy.content(),
-            "log": self.reading.content(),
             "robot": self.robot,
         }
         return json.dumps(content, indent=1) + "\n"
@@ -247,8 +243,6 @@ class Model:
             key = "healthy"
             figures = content.get("healthy")
             healthy = None if figures is None else Healthy.of_content(figures, n)
-            key = "log"
-            reading = Reading.of_content(content.get("log") or {}, "log")
             key = "robot"
             robot, tip = content["robot"], content["tip"]
             if robot is not None and not isinstance(robot, str):
@@ -268,7 +262,6 @@ class Model:
             rigid_body=rigid_body,
             cutoff=cutoff,
             healthy=healthy,
-            reading=reading,
         )
 
 

@@ -48,12 +48,9 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
     simple = ("damping", "frictionloss", "armature", "kp", "kv", "stiffness", "ref", "delay")
     found = [Term(name, (Knob(name, k),)) for name in simple for k in range(n)]
     found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
-    if user.peaks:
-        found += [Term("forcelimit", (Knob("forcelimit", k),)) for k in range(n)]
     if n > 1:
         shared = (("delay", "delay"), ("kp", "kp_factor"))
         found += [Term(name, (Knob(knob, EVERY),)) for name, knob in shared]
-        found.append(Term("gains", (Knob("kp_factor", EVERY), Knob("kv_factor", EVERY))))
     heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
     found += [Term("mass", (Knob("mass", k),)) for k in heavy]
     last = [k for k in heavy if not _carries_joints(user, k)]

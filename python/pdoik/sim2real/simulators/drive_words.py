@@ -1,4 +1,4 @@
-"""Words of the drives: gains, force limits and delays."""
+"""Words of the drives: gains and delays."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from typing import Any
 
 from .property import Property, Scales, held
 from .user_model import UserModel
-
-_WEAKEST = 1e-5  # [N m]
 
 
 class Kp(Property):
@@ -51,88 +49,23 @@ class Kv(Property):
         return Kp().read(user, index) * held(user)
 
 
-class _Factor(Property):
-    """By how much a gain of all joints differs alike: a torque constant, or a unit."""
+class KpFactor(Property):
+    """By how much all proportional gains differ alike: a torque constant, or a unit."""
 
-    unit, place, ends = "", "machine", True
+    name, unit, place, ends = "kp_factor", "", "machine", True
+    isaac = "stiffness of all joint drives, times this"
+    gazebo = "<p_gain> of all position controllers, times this"
 
     def read(self, user: UserModel, index: int) -> float:
         return 1.0
-
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.03
-
-
-class KpFactor(_Factor):
-    """Of all proportional gains."""
-
-    name = "kp_factor"
-    isaac = "stiffness of all joint drives, times this"
-    gazebo = "<p_gain> of all position controllers, times this"
 
     def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
         for k in user.actuators:
             model.actuator_biasprm[k, 1] *= value
             model.actuator_gainprm[k, 0] *= value
 
-
-class KvFactor(_Factor):
-    """Of all damping gains."""
-
-    name = "kv_factor"
-    isaac = "damping of all joint drives, times this"
-    gazebo = "<d_gain> of all position controllers, times this"
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        for k in user.actuators:
-            model.actuator_biasprm[k, 2] *= value
-
-    def feigned(self, user: UserModel, index: int) -> float:
-        kp, kv = Kp(), Kv()
-        shares = [kp.read(user, k) / max(kv.read(user, k), 1e-9) for k in range(len(user.joints))]
-        return min(shares) * held(user)
-
-
-class ForceLimit(Property):
-    """Largest torque of the drive, both ways: `forcerange`, or `actuatorfrcrange` of the joint.
-
-    A limit above what the commands ask for shows nothing, so its value in the user's model is at
-    most the largest torque there.
-    """
-
-    name, unit, ends, downward = "forcelimit", "N m", True, True
-    lowest = 1e-6
-    mujoco = "forcerange, or actuatorfrcrange of the joint"
-    isaac = "effort limit of the joint"
-    gazebo = "<axis><limit><effort>"
-
-    def read(self, user: UserModel, index: int) -> float:
-        peak = user.peaks[index] if user.peaks else float("inf")
-        return max(min(limit_of(user, index), peak), _WEAKEST)
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        joint, actuator = user.joint_ids[index], user.actuators[index]
-        if model.jnt_actfrclimited[joint] or not model.actuator_forcelimited[actuator]:
-            model.jnt_actfrclimited[joint] = 1
-            model.jnt_actfrcrange[joint] = (-value, value)
-        if model.actuator_forcelimited[actuator]:
-            at_motor = value / abs(_gear(user, index))
-            model.actuator_forcerange[actuator] = (-at_motor, at_motor)
-
     def step(self, scales: Scales, value: float) -> float:
-        return 0.3 * value
-
-
-def limit_of(user: UserModel, index: int) -> float:
-    """Torque at which the user's own model ends a drive [N m]; infinite where it does not."""
-    model, found = user.model, [float("inf")]
-    joint, actuator = user.joint_ids[index], user.actuators[index]
-    if model.jnt_actfrclimited[joint]:
-        found += [float(abs(each)) for each in model.jnt_actfrcrange[joint]]
-    if model.actuator_forcelimited[actuator]:
-        gear = abs(_gear(user, index))
-        found += [float(abs(each)) * gear for each in model.actuator_forcerange[actuator]]
-    return min(found)
+        return 0.03
 
 
 class Delay(Property):

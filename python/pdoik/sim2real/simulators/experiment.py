@@ -167,15 +167,6 @@ class Experiment:
         shown = np.concatenate(rows)
         return shown if as_it_is or self._of_step is None else shown + self._of_step
 
-    def peaks(self, values: Values) -> tuple[float, ...]:
-        """Largest torque of each drive in a candidate's runs [N m].
-
-        Raises:
-            SimulationError: it left all bounds.
-        """
-        sensed = self._rolled(values)[1][:, :, list(self.user.torque_sensors)]
-        return tuple(float(each) for each in np.abs(sensed).max(axis=(0, 1)))
-
     def _cut(self, length: float, warm: float, thin: bool) -> list[_Run]:
         runs: list[_Run] = []
         seconds = sum(float(each.time[-1]) for each in self.recordings)

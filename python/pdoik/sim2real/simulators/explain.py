@@ -103,7 +103,6 @@ def explain(
         ValueError: commands are missing.
     """
     say = tell or (lambda text: None)
-    user = replace(user, peaks=Experiment(user, fit).peaks({}))
     experiment, held_out = Experiment(user, fit), Experiment(user, validate)
     noise = noise_of(experiment)
     scales, all_terms = scales_of(experiment), terms_of(user)

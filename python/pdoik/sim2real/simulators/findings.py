@@ -72,7 +72,7 @@ def _changed(explained: Explained) -> tuple[Changed, ...]:
     user, model = explained.user, model_with(explained.user, explained.patch)
     found = {}
     for knob, value in sorted(explained.patch.items(), key=lambda pair: pair[0]):
-        if knob.property in ("kp", "kv", "kp_factor", "kv_factor"):
+        if knob.property in ("kp", "kv", "kp_factor"):
             name = knob.property[:2]
             own = range(len(user.joints)) if knob.index == EVERY else (knob.index,)
             for k in own:

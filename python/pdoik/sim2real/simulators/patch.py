@@ -85,10 +85,8 @@ class _Editor:
         for k in range(len(self.user.joints)):
             mine = {knob.property for knob in self.values if knob.index == k}
             self._joint_figures(k, mine)
-            if mine & {"kp", "kv"} or every & {"kp_factor", "kv_factor"}:
+            if mine & {"kp", "kv"} or "kp_factor" in every:
                 self._gains(k)
-            if "forcelimit" in mine:
-                self._force_limit(k)
             if mine & set(_OF_BODY):
                 self._body(self.user.body_of(k))
         self._damping_ratios()
@@ -148,21 +146,6 @@ class _Editor:
         for k in range(len(self.user.joints)):
             if "dampratio" in self._actuator(k).attributes:
                 self._gains(k)
-
-    def _force_limit(self, k: int) -> None:
-        joint, actuator = self.user.joint_ids[k], self.user.actuators[k]
-        limited = bool(self.user.model.actuator_forcelimited[actuator])
-        if limited and self.user.law_outside:
-            name = self.user.joints[k]
-            self.left_out.append(f"torque limit of {name}: it is the study's controller's")
-            return
-        if limited:
-            limits = self.candidate.actuator_forcerange[actuator]
-            self._edit(self._actuator(k), {"forcerange": _numbers(limits)})
-        if self.candidate.jnt_actfrclimited[joint]:
-            limits = self.candidate.jnt_actfrcrange[joint]
-            changed = {"actuatorfrcrange": _numbers(limits), "actuatorfrclimited": "true"}
-            self._edit(self._joint(k), changed)
 
     def _delays(self) -> None:
         """Delays as the actuators' own, where this MuJoCo has them."""

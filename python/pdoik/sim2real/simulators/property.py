@@ -31,7 +31,6 @@ class Property:
     place: ClassVar[Place] = "joint"
     lowest: ClassVar[float] = 0.0
     ends: ClassVar[bool] = False  # whether nothing real has its lowest value
-    downward: ClassVar[bool] = False  # whether only a lower value shows anything
     mujoco: ClassVar[str] = ""  # what an MJCF calls it, if it is not the name
     isaac: ClassVar[str]  # what Isaac Sim and Isaac Lab call it
     gazebo: ClassVar[str]  # SDF's element

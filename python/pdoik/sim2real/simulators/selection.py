@@ -20,9 +20,6 @@ from .property import EVERY
 ORDINARY = ("damping", "frictionloss", "armature", "delay")
 """What every machine has more of than its model: taken first unless another is clearly better."""
 
-_LIKE = {"gains": ("kp", "kv", "damping")}
-"""Other names of what all joints may share and each may have its own of."""
-
 MOST = 60  # terms
 _AGAIN = 3  # rounds of adding and trying anew
 _UNLIKE = 0.3  # cosine below which two terms cannot stand for each other
@@ -124,17 +121,15 @@ class Selection:
         return [*chosen, first]
 
     def _is_shared(self, chosen: list[Term], term: Term) -> bool:
-        """Whether what all joints have alike does as well as each joint's own figure."""
+        """Whether what all joints have alike does about as much as each joint's own figure."""
         if term.indices != {EVERY}:
             return True
-        family = (term.name, *_LIKE.get(term.name, ()))
-        others = [each for each in chosen if each != term and each.name not in family]
-        together = self._loss([*others, term])
-        for name in family:
-            apart = [t for t in self.terms if t.name == name and t.indices != {EVERY}]
-            if apart and t_of(together - self._loss([*others, *apart])) >= self.limits.apart_t:
-                return False
-        return True
+        others = [each for each in chosen if each.name != term.name]
+        apart = [each for each in self.terms if each.name == term.name and each != term]
+        without = float(self._loss(others).sum())
+        together = without - float(self._loss([*others, term]).sum())
+        most = without - float(self._loss([*others, *apart]).sum())
+        return together >= self.limits.alike_in_all * most
 
     @property
     def _least_t(self) -> float:

@@ -93,7 +93,6 @@ def sensitivities(
     user = experiment.user
     base = np.array([baseline(user, knob) for knob in knobs])
     step = np.array([_step(knob, scales, value) for knob, value in zip(knobs, base, strict=True)])
-    sign = np.array([-1.0 if PROPERTIES[knob.property].downward else 1.0 for knob in knobs])
     now = np.array([values.get(knob, value) for knob, value in zip(knobs, base, strict=True)])
     shown = experiment.run(values)
     J = np.zeros((len(knobs), *shown.shape))
@@ -101,7 +100,7 @@ def sensitivities(
     for group in _together(user, knobs):
         moved = dict(values)
         for p in group:
-            moved[knobs[p]] = float(now[p] + sign[p] * step[p])
+            moved[knobs[p]] = float(now[p] + step[p])
         try:
             difference = experiment.run(moved) - shown
         except SimulationError:
@@ -110,7 +109,7 @@ def sensitivities(
             mine = np.ones(len(columns), dtype=bool)
             if knobs[p].index != EVERY:
                 mine = columns == user.trees()[knobs[p].index]
-            J[p][:, mine] = sign[p] * difference[:, mine]
+            J[p][:, mine] = difference[:, mine]
     return Sensitivities(
         knobs=tuple(knobs), step=step, base=base, at=(now - base) / step, shown=shown, J=J
     )

@@ -47,7 +47,6 @@ class UserModel:
     law_outside: bool  # whether gains are the study's controller's, not the file's
     law: Controller | None = None  # whose desired speeds and gravity are fed forward, too
     notes: tuple[str, ...] = ()
-    peaks: tuple[float, ...] = ()  # largest torques under the recorded commands [N m], once known
 
     @property
     def timestep(self) -> float:

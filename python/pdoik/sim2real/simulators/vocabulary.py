@@ -17,8 +17,6 @@ PROPERTIES: dict[str, Property] = {
         drive_words.Kp(),
         drive_words.Kv(),
         drive_words.KpFactor(),
-        drive_words.KvFactor(),
-        drive_words.ForceLimit(),
         joint_words.Stiffness(),
         joint_words.SpringTorque(),
         joint_words.Ref(),

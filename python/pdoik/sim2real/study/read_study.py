@@ -20,7 +20,6 @@ from .names.known import Known
 from .names.mujoco_order import mujoco_order
 from .read_log import read_log
 from .read_setup import Told, facts_of, setups_of
-from .reading import Reading
 from .recording import FloatArray, Recording
 from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
 from .simulator_key import simulator_from
@@ -113,7 +112,6 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
             trust=study_keys.trust_from(content.get("trust")),
             rotor_inertia=rotor_inertia,
             setups=setups,
-            reading=Reading(columns=known.key.sources, units=units.named, ignore=tuple(ignore)),
             notes=(
                 *notes,
                 *(f"{name}: {note}" for name, setup in setups.items() for note in setup.notes),

@@ -1,4 +1,4 @@
-"""How a study's logs are read, for whoever reads further logs of the same machine."""
+"""How a study says that logs are read, for whoever reads further logs of its machine."""
 
 from __future__ import annotations
 
@@ -54,4 +54,4 @@ class Reading:
         """What of it decides how a log is understood, in words; "" where nothing does."""
         said = [f"{target} from {source!r}" for target, source in self.columns.items()]
         said += [f"{channel} in {unit}" for channel, unit in self.units.items()]
-        return f"read as the study's logs: {', '.join(said)}" if said else ""
+        return f"read as the study says: {', '.join(said)}" if said else ""

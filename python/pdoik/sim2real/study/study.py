@@ -10,7 +10,6 @@ from ..thresholds import Thresholds
 from .controller import Controller as Controller
 from .controller import ToldController
 from .payload import Payload
-from .reading import Reading
 from .recording import FloatArray, Recording
 from .simulator_file import SimulatorFile
 
@@ -81,7 +80,6 @@ class Study:
     notes: tuple[str, ...] = ()
     thresholds: Thresholds = field(default_factory=Thresholds)
     setups: Mapping[str, Setup] = field(default_factory=dict)  # by recording, where they differ
-    reading: Reading = field(default_factory=Reading)  # how its logs are read
 
     def setup_of(self, recording: Recording) -> Setup:
         """What is known of a recording, or of the one it is a part of."""

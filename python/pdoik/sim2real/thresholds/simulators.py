@@ -25,6 +25,11 @@ class SimulatorThresholds(Group):
     apart_t: float = threshold(
         2.0, "errors, over blocks, by which two terms must differ to be distinguished", "s.e."
     )
+    alike_in_all: float = threshold(
+        0.9,
+        "share of what each joint's own figure takes away that one figure for all joints must take"
+        " away, to be told in their place",
+    )
     least_confidence: float = threshold(
         0.75, "confidence below which a finding is suspected, not claimed"
     )

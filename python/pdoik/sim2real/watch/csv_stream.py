@@ -28,7 +28,7 @@ class CsvStream:
     """One log's columns for a model's joints."""
 
     def __init__(self, name: str, joints: Sequence[str], reading: Reading | None = None) -> None:
-        """Of a log of this name, which is read as the study's were."""
+        """Of a log of this name, which is read as a study says."""
         self.name = name
         self._reading = reading or Reading()
         self.torn = 0  # lines that were left out
