@@ -91,6 +91,33 @@ def test_a_delay_of_all_commands_is_one_finding() -> None:
     assert finding.parameters["delay"].value == pytest.approx(0.012, abs=5e-4)
 
 
+def test_gains_that_are_all_off_alike_are_one_finding() -> None:
+    def weak(spec: Any) -> None:
+        for servo in spec.actuators:
+            gain, bias = servo.gainprm, servo.biasprm
+            gain[0] *= 0.8
+            bias[1] *= 0.8
+            servo.gainprm, servo.biasprm = gain, bias
+
+    step = step_with(weak)
+    (finding,) = step.findings
+    assert (finding.effect, finding.joints) == ("kp", JOINTS)
+    assert finding.parameters["kp_factor"].value == pytest.approx(0.8, abs=0.01)
+    changed = {each.knob.index: each.after for each in step.changed}
+    assert changed == pytest.approx({0: 96.0, 1: 64.0, 2: 12.0}, rel=0.02)
+
+
+def test_a_spring_is_found_with_its_rest() -> None:
+    def cable(spec: Any) -> None:
+        spec.joint("elbow").stiffness[0] = 6.0
+        spec.joint("elbow").springref = np.rad2deg(-0.5)
+
+    (finding,) = step_with(cable).findings
+    assert (finding.effect, *finding.joints) == ("spring", "elbow")
+    assert finding.parameters["stiffness"].value == pytest.approx(6.0, rel=0.1)
+    assert finding.parameters["spring_torque"].value == pytest.approx(-3.0, rel=0.1)
+
+
 def test_two_causes_are_told_apart() -> None:
     def both(spec: Any) -> None:
         more_friction(spec)
