@@ -99,7 +99,8 @@ def test_a_replay_starts_from_commands_of_the_machines_own_names(tmp_path: Path)
     controller = Controller(kp=np.full(2, 200.0), kd=np.full(2, 20.0), gravity_compensation=True)
     made = replace(Model.load(model(tmp_path)), controller=controller).save(tmp_path)
     study = tmp_path / "study.yaml"
-    study.write_text(yaml.safe_dump({"recordings": ["aims.csv"], **OWN.content()}))
+    content = {"recordings": ["aims.csv"], "columns": dict(OWN.columns), "units": dict(OWN.units)}
+    study.write_text(yaml.safe_dump(content))
     out = tmp_path / "replay.csv"
     done = run("replay", made, commands, "--columns", study, "--out", out)
     assert done.exit_code == 0, done.output

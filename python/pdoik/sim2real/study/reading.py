@@ -20,7 +20,7 @@ class Reading:
 
     @classmethod
     def of_content(cls, content: Mapping[str, Any], source: str) -> Reading:
-        """Of the keys of a study, or of a model.
+        """Of the keys of a study.
 
         Raises:
             LoadError: they are not as expected.
@@ -30,14 +30,6 @@ class Reading:
             units=dict(units_from(content.get("units"), source).named),
             ignore=tuple(str(each) for each in content.get("ignore") or ()),
         )
-
-    def content(self) -> dict[str, Any]:
-        """As `of_content` takes it."""
-        return {
-            "columns": dict(self.columns),
-            "units": dict(self.units),
-            "ignore": list(self.ignore),
-        }
 
     @property
     def key(self) -> ColumnsKey:

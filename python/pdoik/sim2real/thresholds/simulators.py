@@ -8,7 +8,7 @@ from .threshold import Group, threshold
 
 _FITTED = (
     "logistic regression as in bench/simulators_confidence.py, on 18 findings of seven pairs of"
-    " development: few"
+    " development: few; by gains over all channels"
 )
 
 
