@@ -20,16 +20,13 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from command_line import misuse, run
 from pdoik.errors import LoadError
-from pdoik.sim2real import Controller, Recording, Simulator, Thresholds, load_study
-from pdoik.sim2real.simulators import compare
-from pdoik.sim2real.simulators.candidates import Knob, baseline
+from pdoik.sim2real import Recording, Thresholds, load_study
+from pdoik.sim2real.simulators.candidates import Knob
 from pdoik.sim2real.simulators.differences import differences_of, in_bands
 from pdoik.sim2real.simulators.experiment import Experiment
 from pdoik.sim2real.simulators.explain import explain
 from pdoik.sim2real.simulators.pairing import at_times_of, pairs_of
 from pdoik.sim2real.simulators.user_model import simulator_of
-from sim2real_recordings import even_recording
-from sim2real_robots import arm_urdf
 from sim2real_simulators import JOINTS, MJCF, PERIOD, log, write_csv
 
 LIMITS = Thresholds().simulators
@@ -286,32 +283,3 @@ def test_included_files_are_patched_in_one_file(tmp_path: Path) -> None:
     assert "<!-- the user's own words -->" in text
     model = mujoco.MjModel.from_xml_string(text)
     assert model.joint("elbow").frictionloss[0] == pytest.approx(0.6, rel=0.05)
-
-
-def test_gains_that_nobody_knows_are_fitted(tmp_path: Path) -> None:
-    """A URDF's arm under gains that the study does not say: the ratio to its inertia comes out."""
-    (tmp_path / "arm.urdf").write_text(arm_urdf(2))
-    time = np.arange(0.0, 14.0, PERIOD)
-    speeds = np.outer(time, [2.1, 3.3])
-    q_des = 0.4 * np.sin(speeds) + 0.2 * np.sin(3.1 * speeds) + [0.3, -0.2]
-    rotors = np.array([0.05, 0.03])
-    law = Controller(kp=np.array([90.0, 60.0]), kd=np.array([6.0, 3.0]), gravity_compensation=False)
-    simulator = Simulator(tmp_path / "arm.urdf", ("joint1", "joint2"), law, rotors)
-    machine = simulator.replay(even_recording(time, q=q_des, q_des=q_des))
-    write_csv(tmp_path / "run.csv", machine, ("joint1", "joint2"))
-    content = {
-        "simulator": {"urdf": "arm.urdf", "gains": "unknown"},
-        "rotor_inertia": rotors.tolist(),
-        "recordings": ["run.csv"],
-    }
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(content))
-    comparison = compare(tmp_path / "study.yaml")
-    assert comparison.machine is not None
-    user = comparison.machine.explained.user
-    gains = [baseline(user, Knob("kp", k)) for k in range(2)]
-    assert gains == pytest.approx([90.0, 60.0], rel=0.1)
-    assert any("Gains are unknown" in note for note in comparison.notes)
-    content["simulator"]["gains"] = "none"  # type: ignore[index]
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(content))
-    with pytest.raises(LoadError, match="gains: expected 'unknown'"):
-        load_study(tmp_path / "study.yaml")

@@ -21,7 +21,6 @@ from .differences import Difference, differences_of
 from .experiment import simulated
 from .explain import explain
 from .findings import Step, step_of
-from .gains import with_fitted_gains
 from .pairing import Pair, at_times_of, drift_note, pairs_of
 from .patch import Patch, patched
 from .user_model import UserModel, description_of, simulator_of, user_model
@@ -77,9 +76,6 @@ def _compare(study: Study, say: Tell) -> Comparison:
             " 'simulation:' (a log of it under the recorded commands)"
         )
     user = simulator_of(study)
-    if user is not None and study.simulator is not None and not study.simulator.gains_known:
-        user, note = with_fitted_gains(user, study.fit, limits)
-        notes.append(note)
     pairs: tuple[Pair, ...] = ()
     shown: dict[str, Shown] = {}
     if study.simulation:

@@ -17,7 +17,6 @@ from ..simulation.mjcf import mjcf_text, movable_joints
 from ..simulation.plant import build_plant
 from ..study.columns import nearest
 from ..study.study import Controller, Study
-from .guess import guessed_law
 
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _NO_BIAS = int(mujoco.mjtBias.mjBIAS_NONE)
@@ -159,21 +158,18 @@ def user_model(
 
 def _of_urdf(path: Path, study: Study) -> UserModel:
     """A URDF's links and joints with the study's gains as position actuators."""
+    controller = study.controller
+    if controller is None:
+        raise LoadError(
+            f"{path.name}: a URDF has no gains: expected 'controller: {{kp: ..., kd: ...}}' in the"
+            " study, or an MJCF with position actuators"
+        )
     described = read_description(path)
     others = tuple(j for j in movable_joints(described) if j not in study.joints)
     rotors = study.rotor_inertia
     if rotors is not None:
         rotors = np.concatenate([rotors, np.zeros(len(others))])
     plant = build_plant(path, (*study.joints, *others), rotor_inertia=rotors)
-    controller = study.controller
-    if controller is None and study.simulator is not None and not study.simulator.gains_known:
-        controller = guessed_law(plant.model, plant.dof[: len(study.joints)])
-    if controller is None:
-        raise LoadError(
-            f"{path.name}: a URDF has no gains: expected 'controller: {{kp: ..., kd: ...}}' in the"
-            " study, or an MJCF with position actuators; where nobody knows them,"
-            f" 'simulator: {{urdf: {path.name}, gains: unknown}}' has them fitted"
-        )
     position = []
     for k, joint in enumerate(study.joints):
         kp, kd = float(controller.kp[k]), float(controller.kd[k])

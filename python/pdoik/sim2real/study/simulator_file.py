@@ -13,5 +13,4 @@ class SimulatorFile:
 
     path: Path
     format: str  # mjcf or urdf
-    gains_known: bool = True  # False: they are fitted to the recordings
     actuators: Mapping[str, str] = field(default_factory=dict)  # by joint, where told

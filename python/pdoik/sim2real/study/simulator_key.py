@@ -22,7 +22,7 @@ def simulator_from(content: Any, folder: Path) -> SimulatorFile | None:
     """
     if content is None:
         return None
-    told = checked(content, (*_FILES, "actuators", "gains"), "simulator")
+    told = checked(content, (*_FILES, "actuators"), "simulator")
     named = [key for key in _FILES if told.get(key) is not None]
     if len(named) != 1:
         raise LoadError(
@@ -34,12 +34,6 @@ def simulator_from(content: Any, folder: Path) -> SimulatorFile | None:
     if not path.is_file():
         beside = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
         raise LoadError(f"simulator: no such file: {path}{nearest(path.name, beside)}")
-    gains = told.get("gains")
-    if gains not in (None, "unknown") or (gains is not None and named[0] != "urdf"):
-        raise LoadError(
-            "simulator: gains: expected 'unknown', of a urdf (an MJCF's actuators have theirs, and"
-            f" the study's 'controller:' tells others), got {gains!r}"
-        )
     actuators = told.get("actuators") or {}
     if not isinstance(actuators, dict):
         raise LoadError(
@@ -48,6 +42,5 @@ def simulator_from(content: Any, folder: Path) -> SimulatorFile | None:
     return SimulatorFile(
         path=path,
         format=named[0],
-        gains_known=gains is None,
         actuators={str(joint): str(actuator) for joint, actuator in actuators.items()},
     )
