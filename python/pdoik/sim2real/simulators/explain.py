@@ -15,10 +15,10 @@ from ..thresholds.simulators import SimulatorThresholds
 from .blocks import Blocks, t_of
 from .candidates import Knob, Term, Values, baseline, terms_of
 from .experiment import Experiment
+from .follows import check_follows
 from .property import Scales
 from .selection import Rival, Selection
 from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
-from .stability import check_follows
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
