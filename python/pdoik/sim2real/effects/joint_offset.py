@@ -54,7 +54,7 @@ class JointOffset(Effect):
             torque = (motion.body.torque(q, motion.dq, motion.ddq) - here) / shape[0]
             if tip is not None:
                 tip = motion.tip_moved(q) / shape[0]
-        return on_torque_and_tip(torque, tip)
+        return on_torque_and_tip(motion, torque, tip) | motion.soles_by_joint(j)
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The offset."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..effects import Effect
 from ..effects.asymmetric_friction import AsymmetricFriction
+from ..effects.imu import ImuOffset, ImuTilt
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
@@ -192,8 +193,9 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
         causes = ((Friction(), size), (OneWay(), size), (Rest(), size), (Scale(), believed.torque))
         for cause, scale in causes:
             columns = balances.compute(cause, place, cause.shape)
-            for column in columns.values():
-                prior = np.full(column.shape[1], 1.0 / max(scale, 1e-9) ** 2)
+            if columns:
+                width = next(iter(columns.values())).shape[1]
+                prior = np.full(width, 1.0 / max(scale, 1e-9) ** 2)
                 terms.append(
                     Term(
                         effect=BACKGROUND,
@@ -203,7 +205,23 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
                         prior=prior,
                     )
                 )
-    return (*terms, *trusted(balances, believed.bodies))
+    return (*terms, *_of_imu(balances), *trusted(balances, believed.bodies))
+
+
+def _of_imu(balances: Balances) -> list[Term]:
+    """Of an IMU, which is never mounted or zeroed quite right."""
+    believed = balances.thresholds.background
+    turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
+    found = []
+    for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
+        for place in effect.places(balances.motions):
+            columns = balances.compute(effect, place, ())
+            if columns:
+                prior = 1.0 / np.square(sizes)
+                found.append(
+                    Term(effect=BACKGROUND, place=place, shape=(), columns=columns, prior=prior)
+                )
+    return found
 
 
 def usual_torque(balances: Balances, j: int) -> float:

@@ -10,6 +10,7 @@ from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
 from .controllers import ControllerThresholds
+from .feet import FeetThresholds
 from .figures import FigureThresholds
 from .gates import GateThresholds
 from .limits import LimitThresholds
@@ -48,6 +49,7 @@ class Thresholds:
     support: SupportThresholds = field(default_factory=SupportThresholds)
     gates: GateThresholds = field(default_factory=GateThresholds)
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
+    feet: FeetThresholds = field(default_factory=FeetThresholds)
     unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
     selection: SelectionThresholds = field(default_factory=SelectionThresholds)
     controllers: ControllerThresholds = field(default_factory=ControllerThresholds)
