@@ -95,6 +95,15 @@ class Balances:
         # What a filter leaves long after is no number to reckon with, and slow to reckon with.
         return np.where(np.abs(thin) < _NOTHING, 0.0, thin)
 
+    def _thinned(self, motion: int, columns: Columns) -> Columns:
+        """Columns of the balances that there are, thinned: all at once, which is quicker."""
+        kept = {key: values for key, values in columns.items() if key in self.residual}
+        if not kept:
+            return {}
+        thin = self.thin(motion, np.hstack(list(kept.values())))
+        ends = np.cumsum([values.shape[1] for values in kept.values()])[:-1]
+        return dict(zip(kept, np.split(thin, ends, axis=1), strict=True))
+
     def sampled(self, values: Sequence[FloatArray]) -> FloatArray:
         """Unfiltered values of every motion at the rows, (N, ...)."""
         return self._stack(list(values))
@@ -112,9 +121,9 @@ class Balances:
         for i, motion in enumerate(self.motions):
             columns = _where_judged(columns_of(cause, motion, place, shape), motion)
             free = self._free[i]
-            for key, values in (columns if free is None else free.of(columns)).items():
-                if key in self.residual:
-                    parts.setdefault(key, {})[i] = self.thin(i, values)
+            columns = columns if free is None else free.of(columns)
+            for key, values in self._thinned(i, columns).items():
+                parts.setdefault(key, {})[i] = values
         result: dict[Key, FloatArray] = {}
         for key, by_motion in parts.items():
             width = next(iter(by_motion.values())).shape[1]

@@ -24,6 +24,7 @@ class FootMotion:
     foot: Foot
     place: FloatArray  # (T, 3) of the spot that touches the ground [m]
     jacobian: FloatArray  # (T, 3, n) of the body's point that is there
+    turning: FloatArray  # (T, 3, n) of the body's orientation
     wrench: FloatArray  # (T, rows, 3 or 6) torques per force [N], and moment [N m], on it
     may_touch: NDArray[np.bool_]  # (T,)
     stands: NDArray[np.bool_]  # (T,) surely, and not only just
@@ -32,6 +33,7 @@ class FootMotion:
     world: FloatArray | None = None  # (T, 3) that spot [m]
     speed: FloatArray | None = None  # (T,) of the body's point there along the ground [m/s]
     height: FloatArray | None = None  # (T,) of its sole over the simulator's ground [m]
+    force: FloatArray | None = None  # (T, 3) on it [N]
     normal: FloatArray | None = None  # (T,) force that presses it [N]
     grip: FloatArray | None = None  # (T,) tangential force beyond the simulator's friction [N]
     slips: NDArray[np.bool_] | None = None  # (T,)
@@ -76,6 +78,7 @@ def feet_of(
                 foot=foot,
                 place=np.ascontiguousarray(place),
                 jacobian=np.ascontiguousarray(jacobians[:, :3]),
+                turning=np.ascontiguousarray(jacobians[:, 3:]),
                 wrench=_wrench(foot, place, jacobians, body.rows),
                 may_touch=touches,
                 stands=stands,
@@ -83,6 +86,31 @@ def feet_of(
             )
         )
     return tuple(feet)
+
+
+def force_by_position(foot: FootMotion, force: FloatArray, depth: FloatArray) -> FloatArray:
+    """How a constant force's part of the torques changes with the joints, (T, rows, n).
+
+    By the kinematic Hessian: a joint nearer to the base turns what the others move.
+
+    Args:
+        foot: where it acts.
+        force: (T, 3) in the base's axes [N].
+        depth: (n,) joints from the base to each.
+    """
+    count, rows, _ = foot.wrench.shape
+    n = foot.jacobian.shape[2]
+    change = np.zeros((count, rows, n))
+    moved = np.cross(foot.jacobian, force[:, :, None], axis=1)  # (T, 3, n) J x f
+    # f . (z x J) = z . (J x f), z of the joint nearer to the base
+    turned = np.einsum("tai,taj->tij", foot.turning, moved)
+    nearer = depth[:, None] <= depth[None, :]
+    there = np.any(foot.jacobian != 0.0, axis=1)  # joints of the leg
+    change[:, :n] = np.where(nearer, turned, np.transpose(turned, (0, 2, 1)))
+    change[:, :n] *= there[:, :, None] & there[:, None, :]
+    if rows > n:
+        change[:, n + 3 :] = moved
+    return change
 
 
 def _load(body: CarriedBody, feet: int) -> float:

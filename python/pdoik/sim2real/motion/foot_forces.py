@@ -11,7 +11,7 @@ from ..study.floating_base import Ground
 from ..study.recording import FloatArray
 from ..thresholds.feet import FeetThresholds
 from ..thresholds.noise import NoiseThresholds
-from .feet import FootMotion
+from .feet import FootMotion, force_by_position
 from .free_rows import row_noise, unknown_forces
 from .motion import Motion
 from .signals import derivative, dilated, zero_phase
@@ -29,9 +29,13 @@ def with_ground(
         limits: when a sole slips.
     """
     base = motion.base
-    if base is None or base.position is None or base.rotation is None or not motion.feet:
+    if base is None or not motion.feet:
         return motion
     forces = _forces(motion, noise)
+    if forces is not None:
+        motion = _with_forces(motion, forces)
+    if base.position is None or base.rotation is None:
+        return motion
     feet = []
     for k, foot in enumerate(motion.feet):
         world = base.position + np.einsum("tij,tj->ti", base.rotation, foot.place)
@@ -60,6 +64,20 @@ def with_ground(
             )
         )
     return replace(motion, feet=tuple(feet))
+
+
+def _with_forces(motion: Motion, forces: list[FloatArray]) -> Motion:
+    """With the torques' change by the joints that constant forces on the feet make."""
+    assert motion.body is not None
+    pairs = list(zip(motion.feet, forces, strict=True))
+    each = [force_by_position(foot, force, motion.body.depth) for foot, force in pairs]
+    by_feet = -np.sum(each, axis=0)
+    return replace(
+        motion,
+        feet=tuple(replace(foot, force=force) for foot, force in pairs),
+        dtau_dq=motion.dtau_dq + by_feet,
+        cache={**motion.cache, "dtau_dq by feet": by_feet},
+    )
 
 
 def _grip(

@@ -21,6 +21,7 @@ from .place import Columns, Key
 from .signals import dilated, noise_density
 
 _RIDGE = 1e-10  # of the largest direction's square
+_COUPLED = 1e-9  # of a torque, that it must leave in another row to be seen there
 _LEAST_LEFT = 0.01  # of a row's own variance that must be left for it to be judged
 
 
@@ -29,7 +30,8 @@ class FreeRows:
     """The torques' rows of one motion, joints' and base's, with unknown forces taken off."""
 
     keys: tuple[Key, ...]  # of the rows
-    left: FloatArray  # (T, rows, rows) of each row's torque in each row
+    left: FloatArray  # (rows, rows, T): what each row keeps of itself and takes of each
+    coupled: NDArray[np.bool_]  # (rows, rows) where it ever is more than nothing
     variance: FloatArray  # (rows,) of the rows' noise, after filtering
 
     def of(self, columns: Columns) -> Columns:
@@ -38,17 +40,17 @@ class FreeRows:
         if not there:
             return columns
         result = {key: values for key, values in columns.items() if key not in self.keys}
-        stacked = np.stack([columns[self.keys[i]] for i in there], axis=1)  # (T, those, k)
         for i, key in enumerate(self.keys):
-            part = self.left[:, i, there]
-            if np.any(part):
-                result[key] = np.einsum("tr,trk->tk", part, stacked)
+            for j in there:
+                if self.coupled[i, j]:
+                    part = self.left[i, j][:, None] * columns[self.keys[j]]
+                    result[key] = result[key] + part if key in result else part
         return result
 
     def judged(self, key: Key) -> NDArray[np.bool_]:
         """Samples at which something of a row is left, (T,)."""
         row = self.keys.index(key)
-        return np.asarray(self.left[:, row, row] > _LEAST_LEFT)
+        return np.asarray(self.left[row, row] > _LEAST_LEFT)
 
     def noise(self, key: Key) -> float:
         """Variance of a row's own noise: what is left is weighted as if it had all of it.
@@ -62,9 +64,12 @@ def free_rows(motion: Motion, limits: NoiseThresholds) -> FreeRows | None:
     """Of a motion whose base floats; None of another."""
     if motion.base is None:
         return None
+    left = projector(unknown_forces(motion), np.sqrt(row_noise(motion, limits)))
+    left = np.ascontiguousarray(np.transpose(left, (1, 2, 0)))
     return FreeRows(
         keys=tuple(motion.row_key(i) for i in range(motion.rows)),
-        left=projector(unknown_forces(motion), np.sqrt(row_noise(motion, limits))),
+        left=left,
+        coupled=np.abs(left).max(axis=2) > _COUPLED,
         variance=_white_noise(motion),
     )
 

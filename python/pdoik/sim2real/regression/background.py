@@ -136,10 +136,10 @@ def friction_at(fit: Fit, j: int) -> FloatArray:
 
 def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
     """The balances with the discrepancy as their noise, and the terms of all that is ordinary."""
-    terms = _terms(balances)
-    if not terms:
+    plain = _terms(balances)
+    if not plain:
         return balances, ()
-    least = balances.sigma
+    terms, least = plain, balances.sigma
     for _ in range(_ROUNDS):
         fit = Fit(balances, terms)
         left = {key: fit.residual(key) * balances.sigma[key] for key in fit.design}
@@ -151,9 +151,7 @@ def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
         same = {key: repeats(balances, key, fit.rows[key], each) for key, each in left.items()}
         usual = float(np.median(list(same.values())))
         balances = balances.with_noise(sigma, usual)
-        terms = tuple(
-            replace(t, prior=t.prior * same.get(_own(t), usual)) for t in _terms(balances)
-        )
+        terms = tuple(replace(t, prior=t.prior * same.get(_own(t), usual)) for t in plain)
     return balances, terms
 
 
