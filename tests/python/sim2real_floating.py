@@ -8,11 +8,14 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+import pandas as pd
+import yaml
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
 from pdoik.sim2real.study.floating_base import FloatingBase, Foot, Ground
 from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Setup, Study
-from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -59,16 +62,15 @@ def urdf() -> str:
     return f'<robot name="tripod">{"".join(text)}</robot>'
 
 
-def floating(**changes: object) -> FloatingBase:
+def floating() -> FloatingBase:
     """What a study says of its base."""
-    told = FloatingBase(
+    return FloatingBase(
         link="trunk",
         imu_position=IMU_PLACE,
         imu_rotation=IMU_TURN.as_matrix(),
         feet=tuple(Foot(link=foot, flat=False, sole=RADIUS) for foot in FEET),
         ground=Ground(friction=0.7),
     )
-    return replace(told, **changes)  # type: ignore[arg-type]
 
 
 @dataclass
@@ -164,7 +166,7 @@ def recording(
         pushed[t] = np.linalg.norm(forces.reshape(3, 3), axis=1)
     for j, level in hidden.friction.items():
         tau[:, j] += level * np.tanh(dq[:, j] / 0.01)
-    felt = turn.inv().apply(acceleration + [0.0, 0.0, 9.81])
+    felt = turn.inv().apply(acceleration + np.array([0.0, 0.0, 9.81]))
     felt += np.cross(alpha, IMU_PLACE) + np.cross(omega, np.cross(omega, IMU_PLACE))
     imu = IMU_TURN * Rotation.from_rotvec(hidden.tilt)
 
@@ -204,19 +206,49 @@ def _turning(e: Array, de: Array, dde: Array) -> tuple[Rotation, Array, Array]:
 
 
 def study(
-    folder: Path, hidden: Hidden, *, runs: int = 2, base: FloatingBase | None = None, **kept: bool
+    folder: Path, hidden: Hidden, *, runs: int = 2, seconds: float = 12.0, **kept: bool
 ) -> Study:
     """Of some runs, the last held out."""
     robot = folder / "tripod.urdf"
     robot.write_text(urdf())
-    made = [recording(f"run{k}", k, hidden, **kept) for k in range(runs + 1)]
+    made = [recording(f"run{k}", k, hidden, seconds=seconds, **kept) for k in range(runs + 1)]
     made[-1] = replace(made[-1], role="validate")
     return Study(
         folder=folder,
         robot=robot,
-        base=base or floating(),
+        base=floating(),
         joints=JOINTS,
         recordings=tuple(made),
         split="by the study",
         setups={each.name: Setup() for each in made},
     )
+
+
+def written(folder: Path, made: Study, **keys: object) -> Path:
+    """The study as a user has it, in files; keys replace those of its YAML, None takes one out."""
+    entries = []
+    for each in made.recordings:
+        columns = {"time": each.time}
+        for channel in ("q", "tau"):
+            values = getattr(each, channel)
+            columns |= {f"{channel}.{joint}": values[:, k] for k, joint in enumerate(JOINTS)}
+        parts = {"base": ("x", "y", "z", "qw", "qx", "qy", "qz"), "contact": FEET}
+        for channel in ("base", "gyro", "acc", "contact"):
+            values = getattr(each, channel)
+            if values is not None:
+                names = parts.get(channel, ("x", "y", "z"))
+                columns |= {f"{channel}.{name}": values[:, k] for k, name in enumerate(names)}
+        pd.DataFrame(columns).to_csv(folder / f"{each.name}.csv", index=False)
+        entry: dict[str, object] = {"file": f"{each.name}.csv", "role": each.role}
+        held = {"base": "held"} if made.setup_of(each).held else {}
+        entries.append(entry | held)
+    rpy = IMU_TURN.as_euler("xyz").tolist()
+    content: dict[str, object] = {
+        "robot": "tripod.urdf",
+        "base": {"imu": {"position": IMU_PLACE.tolist(), "rpy": rpy}, "feet": list(FEET)},
+        "recordings": entries,
+    }
+    told = {key: value for key, value in (content | keys).items() if value is not None}
+    path = folder / "study.yaml"
+    path.write_text(yaml.safe_dump(told))
+    return path

@@ -96,7 +96,12 @@ def test_the_projector_takes_off_unknown_forces_and_nothing_else() -> None:
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_columns_are_what_is_hidden_in_a_recording(
-    tmp_path: Path, effect: str, place: Place, shape: tuple[float, ...], hidden: Hidden, beta: object
+    tmp_path: Path,
+    effect: str,
+    place: Place,
+    shape: tuple[float, ...],
+    hidden: Hidden,
+    beta: object,
 ) -> None:
     balances = prepare(_noiseless(tmp_path, hidden, 1)).fit
     if beta is None:

@@ -128,11 +128,12 @@ class FootSoftness(_OfFoot):
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The force that presses each."""
-        return {
-            ("foot", k): -motion.feet[k].normal[:, None]
-            for k in self._at(place, motion)
-            if motion.feet[k].height is not None and motion.feet[k].normal is not None
-        }
+        columns: Columns = {}
+        for k in self._at(place, motion):
+            normal = motion.feet[k].normal
+            if motion.feet[k].height is not None and normal is not None:
+                columns["foot", k] = -normal[:, None]
+        return columns
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
@@ -154,11 +155,12 @@ class FootFriction(_OfFoot):
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The normal force."""
-        return {
-            ("grip", k): motion.feet[k].normal[:, None]
-            for k in self._at(place, motion)
-            if motion.feet[k].grip is not None
-        }
+        columns: Columns = {}
+        for k in self._at(place, motion):
+            normal = motion.feet[k].normal
+            if motion.feet[k].grip is not None and normal is not None:
+                columns["grip", k] = normal[:, None]
+        return columns
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

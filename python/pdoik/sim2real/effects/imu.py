@@ -116,7 +116,10 @@ class ImuOffset(_OfImu):
         """In words."""
         acc = ", ".join(f"{values[f'acc_{a}']:.2g}" for a in _AXES)
         gyro = ", ".join(f"{values[f'gyro_{a}']:.2g}" for a in _AXES)
-        return f"The IMU's zeros are off: its accelerometer's by ({acc}) m/s^2, its gyro's by ({gyro}) rad/s."
+        return (
+            f"The IMU's zeros are off: its accelerometer's by ({acc}) m/s^2, its gyro's by"
+            f" ({gyro}) rad/s."
+        )
 
     def regime(self, where: str) -> str:
         """When it shows."""

@@ -138,11 +138,15 @@ class Payload(LinkInertials):
     corrected = 0.5
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The last link, or the trunk that floats."""
+        """The last link; where the base floats, that and each that is no part of a leg."""
         body = motions[0].body
         if body is None:
             return []
-        return [Place(link=body.last if motions[0].base is None else body.n)]
+        if motions[0].base is None:
+            return [Place(link=body.last)]
+        legs = [np.any(foot.jacobian[0] != 0.0, axis=0) for foot in motions[0].feet]
+        in_leg = np.any([np.zeros(body.n, dtype=bool), *legs], axis=0)
+        return [Place(link=body.n), *(Place(link=int(k)) for k in np.flatnonzero(~in_leg))]
 
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
         """A load may be of any size."""

@@ -34,6 +34,7 @@ class Model:
 
     joints: tuple[str, ...]
     robot: str | None = None  # text of a URDF, or of an MJCF without shapes
+    base: str | None = None  # link that floats; None: it is fixed
     tip: str | None = None  # link; the last joint's otherwise
     controller: Controller | None = None
     rotor_inertia: FloatArray | None = None  # (n,) known before the diagnosis [kg m^2]
@@ -64,6 +65,7 @@ class Model:
         return cls(
             joints=study.joints,
             robot=None if study.robot is None else robot_text(study.robot),
+            base=None if study.base is None else study.base.link,
             tip=study.tip,
             controller=study.controller,
             rotor_inertia=study.rotor_inertia,
@@ -125,10 +127,10 @@ class Model:
         """Closed-loop simulation with what was found, or as it was before.
 
         Raises:
-            ValueError: the study had no robot.
+            ValueError: the study had no robot, or one whose base floats.
         """
         return Simulator(
-            self.description,
+            self.of_fixed_base.description,
             self.joints,
             self.controller,
             self.rotor_inertia,
@@ -142,10 +144,10 @@ class Model:
         """The same without controller, a step at a time.
 
         Raises:
-            ValueError: the study had no robot.
+            ValueError: the study had no robot, or one whose base floats.
         """
         return Stepper(
-            self.description,
+            self.of_fixed_base.description,
             self.joints,
             self.parts(findings=findings),
             rotor_inertia=self.rotor_inertia,
@@ -153,6 +155,21 @@ class Model:
             gravity=self.gravity,
             timestep=timestep,
         )
+
+    @property
+    def of_fixed_base(self) -> Model:
+        """Itself.
+
+        Raises:
+            ValueError: its base floats, which nothing that runs or predicts it knows yet.
+        """
+        if self.base is not None:
+            raise ValueError(
+                f"the base of this model, link {self.base!r}, floats: it can be diagnosed, but not"
+                " simulated, predicted or watched yet; improved.xml and improved.urdf have what was"
+                " found for a simulator of your own"
+            )
+        return self
 
     @property
     def description(self) -> str:
@@ -195,6 +212,7 @@ class Model:
         content = {
             "schema": SCHEMA,
             "joints": list(self.joints),
+            "base": self.base,
             "tip": self.tip,
             "controller": controller_content(self.controller),
             "rotor_inertia": listed(self.rotor_inertia),
@@ -254,6 +272,7 @@ class Model:
         return cls(
             joints=joints,
             robot=robot,
+            base=content.get("base"),
             tip=tip,
             controller=controller,
             rotor_inertia=rotor_inertia,

@@ -93,7 +93,8 @@ def _grip(
     if force is None or ground.friction is None:
         return None, nowhere
     around = int(0.3 / (motion.cutoff * motion.period)) + 1
-    slips = foot.stands & ~dilated(speed < limits.slipping, around)
+    smear = int(1.0 / (motion.cutoff * motion.period)) + 1  # of the speed before it touched
+    slips = ~dilated(~foot.stands, smear) & ~dilated(speed < limits.slipping, around)
     tangential = np.linalg.norm(force[:, :2], axis=1)
     return tangential - ground.friction * force[:, 2], slips
 

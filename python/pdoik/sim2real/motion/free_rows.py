@@ -75,7 +75,7 @@ def free_rows(motion: Motion, limits: NoiseThresholds) -> FreeRows | None:
 
 
 def row_noise(motion: Motion, limits: NoiseThresholds) -> FloatArray:
-    """Variance of each row, (rows,): noise of channels, and of a model that is never quite right."""
+    """Variance of each row, (rows,): of channels, and of a model that is never quite right."""
     size = limits.fit_error * np.sqrt(np.mean(motion.tau**2, axis=0))
     return np.asarray(_white_noise(motion) + size**2 + 1e-18, dtype=np.float64)
 

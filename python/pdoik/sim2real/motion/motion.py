@@ -318,7 +318,7 @@ def motion_of(
     law = None if controller is None else control_law(recording, controller, believed)
     torque, source = _torque(recording, law, body is not None)
     feet: tuple[FootMotion, ...] = ()
-    if body is not None and floating is not None:
+    if isinstance(body, CarriedBody) and floating is not None:
         feet = feet_of(recording, floating, body, q, cutoff)
     command = recording.tau_cmd if source in ("tau", "current", "duty") else None
     return Motion(

@@ -10,7 +10,9 @@ import numpy as np
 from ..study.payload import Payload
 from ..study.recording import FloatArray
 
-Balance = Literal["torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "grip"]
+Balance = Literal[
+    "torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "grip"
+]
 Key = tuple[Balance, int]  # and its channel: a joint, an axis, or a foot
 Columns = dict[Key, FloatArray]  # (T, k) for every channel that changes
 Shape = tuple[float, ...]  # the parameters that enter nonlinearly

@@ -5,7 +5,6 @@ from __future__ import annotations
 import xml.etree.ElementTree as ElementTree
 from typing import Any
 
-import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pdoik.errors import LoadError
@@ -118,9 +117,7 @@ def _foot(link: str, content: Any, facts: RobotFacts) -> Foot:
     return Foot(link=link, flat=flat, at=at or (0.0, 0.0, 0.0), sole=sole)
 
 
-def _ball(
-    facts: RobotFacts, link: str
-) -> tuple[tuple[float, float, float] | None, float | None]:
+def _ball(facts: RobotFacts, link: str) -> tuple[tuple[float, float, float] | None, float | None]:
     """Middle in the link's frame and radius [m] of a foot that is a ball in a URDF."""
     root = ElementTree.parse(facts.path).getroot()
     for each in root.findall(f"link[@name='{link}']/collision"):

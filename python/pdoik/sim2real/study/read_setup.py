@@ -202,7 +202,7 @@ def _compensated(
 def _held(content: Any, source: str) -> bool:
     if content not in (None, "held"):
         raise LoadError(f"{source}: base: expected held, got {content!r}")
-    return content == "held"
+    return content is not None
 
 
 def _label(content: Any, source: str) -> str:
