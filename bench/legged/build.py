@@ -80,7 +80,7 @@ def takes_of(spec: Spec) -> list[Take]:
     """The recordings, with times and held poses drawn."""
     rng, takes = spec.stream("takes"), []
     for motion, role in PLANS[spec.robot]:
-        seconds = spec.seconds or float(np.round(rng.uniform(16.0, 22.0)))
+        seconds = spec.seconds or float(np.round(rng.uniform(15.0, 18.0)))
         tilt = Rotation.from_euler("xyz", rng.uniform(-0.25, 0.25, 3)).as_quat(scalar_first=True)
         pose = np.concatenate([rng.uniform(-0.1, 0.1, 2), rng.uniform(1.1, 1.4, 1), tilt])
         takes.append(

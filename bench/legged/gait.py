@@ -14,6 +14,8 @@ START = 1.0  # it stands until then [s]
 CAPTURE = 0.12  # a foot lands this much further ahead for each m/s too fast [s]
 RETURN = (0.8, 1.0)  # speed back to the origin and ahead [1/s]
 LEVEL = 0.6  # of the trunk's tilt, by which legs on the low side are longer
+EARLY = 0.85  # share of the flight by which a foot is told to be down: legs lag behind
+LANDING = 0.1  # of the cycle, over which a foot that landed is told to stand
 STEPPING = 0.15  # of the cycle, over which a foot's load comes and goes
 
 
@@ -37,6 +39,7 @@ class Trot:
         self._offset = np.zeros((4, 2))  # of the feet about their places, level frame [m]
         self._lifted = np.zeros((4, 2))  # the same when the foot left the ground
         self._torque = legs.torque(np.ones(4))
+        self._count = 0
         self._before, self._dq = -1.0, np.zeros(self.robot.n)
 
     def command(self, t: float, state: State) -> Array:
@@ -55,26 +58,27 @@ class Trot:
         swing = 1.0 - self.duty
         flying = (phase < swing) & (t > START)
         self._place(flying, phase / swing, speed, asked, spin, float(state.omega[2]), dt)
-        targets = self._below.copy()
-        targets[:, :2] += self._offset
-        targets[:, 2] -= fade * wish[2]
-        rise = np.where(flying, np.sin(np.pi * np.clip(phase / swing, 0.0, 1.0)) ** 2, 0.0)
-        targets[:, 2] += fade * self.lift * rise
-        about_x, about_y = fade * wish[3] - LEVEL * roll, fade * wish[4] - LEVEL * pitch
-        targets += np.column_stack(  # the ground as the trunk is to see it
-            [
-                -about_y * targets[:, 2],
-                about_x * targets[:, 2],
-                about_y * targets[:, 0] - about_x * targets[:, 1],
-            ]
-        )
+        done = np.clip(phase / swing, 0.0, 1.0)
+        flat = self._below + np.column_stack([self._offset, np.zeros(4)])
+        down = _seen(flat, fade * wish[3] - LEVEL * roll, fade * wish[4] - LEVEL * pitch)
+        down[:, 2] -= fade * wish[2]
+        up = _seen(flat, roll, pitch)  # over the ground as it is
+        up[:, 2] += self.robot.height - state.base[2]
+        s = np.minimum(done / EARLY, 1.0)
+        up[:, 2] += fade * self.lift * 6.75 * s * (1.0 - s) ** 2  # quickly up, gently down
+        since = np.clip((phase - swing) / LANDING, 0.0, 1.0)
+        bears = np.where(flying, np.clip(1.0 - done / 0.3, 0.0, 1.0), since)[:, None]
+        bears = np.maximum(bears, 1.0 - fade)
+        targets = bears * down + (1.0 - bears) * up
         q = self.legs.towards(self._q, targets)
         self.legs.put(UPRIGHT, q)
         if dt > 0.0:
             self._dq += 0.2 * ((q - self._q) / dt - self._dq)
         self._q = q
-        share = self._share(phase, swing) if t > START else np.ones(4)
-        self._torque += 0.5 * (self.legs.torque(share) - self._torque)
+        if self._count % 2 == 0:
+            share = self._share(phase, swing) if t > START else np.ones(4)
+            self._torque += 0.6 * (self.legs.torque(share) - self._torque)
+        self._count += 1
         return np.asarray(q + (self._torque + self.robot.kd * self._dq) / self.robot.kp)
 
     def _place(
@@ -95,7 +99,7 @@ class Trot:
         )
         for k in range(4):
             if flying[k]:
-                s = min(1.0, max(0.0, float(done[k])) / 0.85)
+                s = min(1.0, max(0.0, float(done[k])) / EARLY)
                 ease = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
                 self._offset[k] = self._lifted[k] + ease * (land[k] - self._lifted[k])
             else:
@@ -107,6 +111,14 @@ class Trot:
         """Of the weight: none in the air, ramps after landing and before leaving."""
         since, until = (phase - swing) / STEPPING, (1.0 - phase) / STEPPING
         return np.asarray(np.clip(np.minimum(since, until), 0.0, 1.0))
+
+
+def _seen(points: Array, about_x: float, about_y: float) -> Array:
+    """Points (k, 3) of a level frame, from a trunk that is tilted a little."""
+    x, y, z = points.T
+    return points + np.column_stack(
+        [-about_y * z, about_x * z, about_y * x - about_x * y]
+    )
 
 
 def angles(wxyz: Array) -> tuple[float, float, float]:

@@ -85,8 +85,7 @@ def simulate(
     settle, count = EACH * round(SETTLE / tick / EACH), round(seconds / tick)
     late = [max(1, 1 + round(d / tick)) for d in world.machine.delay]
     sent: deque[Array] = deque(maxlen=max(late))
-    record = _Record(world, count)
-    sensors = _Sensors(world)
+    record = _Record(world, data, count)
     q_des = start[1]
     for k in range(-settle, count):
         state = _state(world, data)
@@ -102,9 +101,9 @@ def simulate(
         if k < 0:
             mujoco.mj_step(model, data, steps)
             continue
-        record.before(k, data, state, q_des)
+        record.before(k, state, q_des)
         mujoco.mj_step(model, data)
-        record.after(k, data, sensors, acted)
+        record.after(k, acted)
         mujoco.mj_step(model, data, steps - 1)
     return record.rows(tick)
 
@@ -154,38 +153,42 @@ class _Sensors:
 
 
 class _Record:
-    """Arrays that fill up."""
+    """Arrays that fill up; MuJoCo's are looked at once, for they stay where they are."""
 
-    def __init__(self, world: World, count: int) -> None:
+    def __init__(self, world: World, data: Any, count: int) -> None:
         self.world = world
         n, feet = world.machine.robot.n, len(world.feet)
         widths = {"q": n, "dq": n, "ddq": n, "read": n, "tau": n, "q_des": n, "acted": n}
         widths |= {"base": 7, "twist": 6, "acceleration": 6, "gyro": 3, "acc": 3, "contact": feet}
         self.table = {name: np.zeros((count, width)) for name, width in widths.items()}
         self.wrench, self.arm = np.zeros((count, feet, 6)), np.zeros((count, feet, 3))
+        self._sensors, self._feet = _Sensors(world), np.array(world.feet)
+        self._qvel, self._qacc, self._force = data.qvel, data.qacc, data.actuator_force
+        self._sensed, self._external = data.sensordata, data.cfrc_ext
+        self._com, self._place = data.subtree_com[world.base], data.xpos
 
-    def before(self, k: int, data: Any, state: State, q_des: Array) -> None:
+    def before(self, k: int, state: State, q_des: Array) -> None:
         """The state that the step begins with."""
         table, world = self.table, self.world
-        table["q"][k], table["dq"][k] = data.qpos[world.qpos], data.qvel[world.dof]
+        table["q"][k] = state.q + world.machine.joint_offset
+        table["dq"][k] = self._qvel[world.dof]
         table["read"][k], table["q_des"][k], table["base"][k] = state.q, q_des, state.base
         if not world.held:
-            table["twist"][k] = data.qvel[:6]
+            table["twist"][k] = self._qvel[:6]
 
-    def after(self, k: int, data: Any, sensors: _Sensors, acted: Array) -> None:
+    def after(self, k: int, acted: Array) -> None:
         """Forces and accelerations at that state."""
-        table, world = self.table, self.world
-        table["ddq"][k] = data.qacc[world.dof]
-        table["tau"][k], table["acted"][k] = data.actuator_force, acted
-        table["gyro"][k] = data.sensordata[sensors.gyro : sensors.gyro + 3]
-        table["acc"][k] = data.sensordata[sensors.acc : sensors.acc + 3]
+        table, world, sensors, sensed = self.table, self.world, self._sensors, self._sensed
+        table["ddq"][k] = self._qacc[world.dof]
+        table["tau"][k], table["acted"][k] = self._force, acted
+        table["gyro"][k] = sensed[sensors.gyro : sensors.gyro + 3]
+        table["acc"][k] = sensed[sensors.acc : sensors.acc + 3]
         if world.held:
             return
-        table["acceleration"][k] = data.qacc[:6]
-        table["contact"][k] = data.sensordata[sensors.touch].sum(axis=1)
-        feet = list(world.feet)
-        self.wrench[k] = data.cfrc_ext[feet]  # moment about the whole's centre of mass, force
-        self.arm[k] = data.subtree_com[world.base] - data.xpos[feet]
+        table["acceleration"][k] = self._qacc[:6]
+        table["contact"][k] = sensed[sensors.touch].sum(axis=1)
+        self.wrench[k] = self._external[self._feet]  # moment about the centre of mass, force
+        self.arm[k] = self._com - self._place[self._feet]
 
     def rows(self, tick: float) -> Rows:
         """All of it."""

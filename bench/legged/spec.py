@@ -41,7 +41,7 @@ class Spec:
     robot: str = "go2"
     background: str = "plain"  # plain: exact but for what is hidden; dense: as machines are
     kind: str = HEALTHY  # one of KINDS, or nothing hidden
-    seconds: float | None = None  # of each run; None: 16 to 22 s, drawn
+    seconds: float | None = None  # of each run; None: 15 to 18 s, drawn
 
     def __post_init__(self) -> None:
         """Refuses what there is not."""
