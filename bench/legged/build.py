@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,13 @@ from scipy.spatial.transform import Rotation
 
 SCHEMA = "pdoik.legged/1"
 ATTEMPTS = 8  # at something that the robot bears
+FIT, VALIDATE = "fit", "validate"
 PLANS = {
-    "go2": (("trot", "fit"), ("stand", "fit"), ("hang", "fit"), ("trot", "validate"), ("stand", "validate")),
-    "h1": (("stand", "fit"), ("hang", "fit"), ("stand", "fit"), ("stand", "validate"), ("hang", "validate")),
+    "go2": {FIT: ("trot", "stand", "hang"), VALIDATE: ("trot", "stand")},
+    "h1": {FIT: ("stand", "hang", "stand"), VALIDATE: ("stand", "hang")},
 }
+"""Motions of the recordings by their role."""
+
 DRAWS: dict[str, Draw] = {
     kind: getattr(draw_joint if kind in JOINT_KINDS else draw_base, kind) for kind in KINDS
 }
@@ -79,7 +82,8 @@ def background(spec: Spec) -> Machine:
 def takes_of(spec: Spec) -> list[Take]:
     """The recordings, with times and held poses drawn."""
     rng, takes = spec.stream("takes"), []
-    for motion, role in PLANS[spec.robot]:
+    plan = [(motion, role) for role, motions in PLANS[spec.robot].items() for motion in motions]
+    for motion, role in plan:
         seconds = spec.seconds or float(np.round(rng.uniform(15.0, 18.0)))
         tilt = Rotation.from_euler("xyz", rng.uniform(-0.25, 0.25, 3)).as_quat(scalar_first=True)
         pose = np.concatenate([rng.uniform(-0.1, 0.1, 2), rng.uniform(1.1, 1.4, 1), tilt])
@@ -118,7 +122,8 @@ def _start(kind: Robot, machine: Machine, policy: Policy, take: Take) -> tuple[A
     if take.hold is not None:
         return take.hold, policy.command(0.0, None)  # type: ignore[arg-type]
     q = legs_of(kind.name).solved(base, kind.rest.copy(), feet, steps=15)
-    return base + [0.0, 0.0, machine.ground, 0.0, 0.0, 0.0, 0.0], q
+    base[2] += machine.ground
+    return base, q
 
 
 def made(spec: Spec) -> Made:
@@ -168,11 +173,12 @@ def truth_of(world: Made) -> dict[str, Any]:
     spec, machine = world.spec, world.machine
     return {
         "schema": SCHEMA,
-        "spec": {"seed": spec.seed, "robot": spec.robot, "background": spec.background, "kind": spec.kind},
+        "spec": asdict(spec),
         "effects": [each.to_json() for each in world.hidden],
         "joints": list(machine.robot.joints),
         "feet": list(machine.robot.feet),
         "base": machine.robot.base,
+        "mass": float(legs_of(spec.robot).model.body_mass.sum()),
         "background": background(spec).facts(),
         "machine": machine.facts(),
         "sensors": world.sensors.facts(),

@@ -48,7 +48,9 @@ def coulomb_friction(scene: Scene) -> tuple[Machine, Hidden]:
 def viscous_friction(scene: Scene) -> tuple[Machine, Hidden]:
     """Friction in proportion to speed, beside what there is."""
     machine, j, robot = scene.machine, scene.joint(), scene.machine.robot
-    total = float(machine.viscous[j] + scene.rng.uniform(0.2, 0.45) * robot.load[j] / robot.speed[j])
+    total = float(
+        machine.viscous[j] + scene.rng.uniform(0.2, 0.45) * robot.load[j] / robot.speed[j]
+    )
     return machine.at("viscous", j, total), _told(scene, "viscous_friction", j, coefficient=total)
 
 

@@ -116,9 +116,7 @@ class Trot:
 def _seen(points: Array, about_x: float, about_y: float) -> Array:
     """Points (k, 3) of a level frame, from a trunk that is tilted a little."""
     x, y, z = points.T
-    return points + np.column_stack(
-        [-about_y * z, about_x * z, about_y * x - about_x * y]
-    )
+    return points + np.column_stack([-about_y * z, about_x * z, about_y * x - about_x * y])
 
 
 def angles(wxyz: Array) -> tuple[float, float, float]:

@@ -21,9 +21,7 @@ def eased(time: Array, seconds: float, ramp: float = 1.5) -> Array:
     return np.asarray(edge**3 * (10.0 - 15.0 * edge + 6.0 * edge**2))
 
 
-def visits(
-    rng: np.random.Generator, time: Array, low: float, high: float, pace: float
-) -> Array:
+def visits(rng: np.random.Generator, time: Array, low: float, high: float, pace: float) -> Array:
     """From value to value between low and high by quintics, with short rests, (T,)."""
     result = np.empty_like(time)
     begin, value = 0.0, float(rng.uniform(low, high))

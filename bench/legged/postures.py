@@ -168,8 +168,12 @@ def hang(legs: Legs, hold: Array, seconds: float, rng: np.random.Generator) -> P
 _REACH: dict[str, tuple[Array, Array]] = {
     "go2": (np.array([0.5, 0.9, 0.8] * 4), np.array([0.5, 0.9, 0.7] * 4)),
     "h1": (
-        np.array([0.4, 0.35, 0.7, 0.7, 0.4] * 2 + [0.9] + [0.8, 0.2, 0.7, 0.8] + [0.8, 0.9, 0.7, 0.8]),
-        np.array([0.4, 0.35, 0.7, 0.7, 0.6] * 2 + [0.9] + [0.8, 0.9, 0.7, 0.8] + [0.8, 0.2, 0.7, 0.8]),
+        np.array(
+            [0.4, 0.35, 0.7, 0.7, 0.4] * 2 + [0.9] + [0.8, 0.2, 0.7, 0.8] + [0.8, 0.9, 0.7, 0.8]
+        ),
+        np.array(
+            [0.4, 0.35, 0.7, 0.7, 0.6] * 2 + [0.9] + [0.8, 0.9, 0.7, 0.8] + [0.8, 0.2, 0.7, 0.8]
+        ),
     ),
 }
 """How far each joint goes below and above its rest [rad]."""

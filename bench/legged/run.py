@@ -8,8 +8,8 @@ from typing import Any, Protocol
 
 import mujoco
 import numpy as np
-from bench.legged.spec import Array
 from bench.legged.postures import State
+from bench.legged.spec import Array
 from bench.legged.world import TIMESTEP, World
 
 SETTLE = 1.0  # before the log begins [s]
