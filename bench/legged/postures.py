@@ -61,7 +61,8 @@ class Balance:
         off = self._com(t) - self.legs.com()[:2]
         arm = self.legs.com() - state.base[:3]
         wx, wy, wz = self.legs.turned(state.omega)
-        speed = state.velocity[:2] + [wy * arm[2] - wz * arm[1], wz * arm[0] - wx * arm[2]]
+        swept = np.array([wy * arm[2] - wz * arm[1], wz * arm[0] - wx * arm[2]])
+        speed = state.velocity[:2] + swept
         force = PULL[0] * off + PULL[1] * (self._speed(t) - speed)
         force[1] *= 0.3  # soles are narrow
         return np.asarray(self._parts[round(t / GRID)] @ force)
@@ -165,15 +166,12 @@ def hang(legs: Legs, hold: Array, seconds: float, rng: np.random.Generator) -> P
     return Path(robot, time, q, torques)
 
 
+_OUT, _IN = [0.8, 0.9, 0.7, 0.8], [0.8, 0.2, 0.7, 0.8]  # shoulders roll out further than in
 _REACH: dict[str, tuple[Array, Array]] = {
     "go2": (np.array([0.5, 0.9, 0.8] * 4), np.array([0.5, 0.9, 0.7] * 4)),
     "h1": (
-        np.array(
-            [0.4, 0.35, 0.7, 0.7, 0.4] * 2 + [0.9] + [0.8, 0.2, 0.7, 0.8] + [0.8, 0.9, 0.7, 0.8]
-        ),
-        np.array(
-            [0.4, 0.35, 0.7, 0.7, 0.6] * 2 + [0.9] + [0.8, 0.9, 0.7, 0.8] + [0.8, 0.2, 0.7, 0.8]
-        ),
+        np.array([*[0.4, 0.35, 0.7, 0.7, 0.4] * 2, 0.9, *_IN, *_OUT]),
+        np.array([*[0.4, 0.35, 0.7, 0.7, 0.6] * 2, 0.9, *_OUT, *_IN]),
     ),
 }
 """How far each joint goes below and above its rest [rad]."""
