@@ -74,9 +74,14 @@ def imu_tilt(scene: Scene) -> tuple[Machine, Hidden]:
 def foot_friction(scene: Scene) -> tuple[Machine, Hidden]:
     """Feet that slip."""
     feet, told = _feet(scene)
-    value = float(scene.rng.uniform(0.22, 0.35))
+    low, high = _SLIPPERY[scene.machine.robot.name]
+    value = float(scene.rng.uniform(low, high))
     changed = scene.machine.at("friction", feet, value)
     return changed, Hidden(effect="foot_friction", feet=told, parameters={"friction": value})
+
+
+_SLIPPERY = {"go2": (0.22, 0.35), "h1": (0.18, 0.28)}
+"""Friction at which the motions slip at times and the robot does not fall for it."""
 
 
 def foot_softness(scene: Scene) -> tuple[Machine, Hidden]:

@@ -114,6 +114,14 @@ class Legs:
         tau = load[joints] - rows[:, joints].T @ wrench
         return np.asarray(tau[:, 0] if push is None else tau)
 
+    def squeeze(self) -> Array:
+        """Torques (n,) by which two feet push the ground apart sideways with 1 N each."""
+        tau = np.zeros(self.robot.n)
+        for sign, foot in zip((-1.0, 1.0), self.world.feet, strict=True):
+            mujoco.mj_jac(self.model, self.data, self._p, self._r, self.data.xpos[foot], foot)
+            tau -= sign * self._p[1, self.world.dof]
+        return tau
+
     def gravity(self) -> Array:
         """What holds the joints (n,) [N m] while the base is held."""
         mujoco.mj_rne(self.model, self.data, 0, self._gravity)

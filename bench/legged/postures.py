@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 GRID = 0.01  # of postures [s]
+SQUEEZE = 90.0  # of two soles, apart and together, as hips strive against one another [N]
 PULL = (1200.0, 250.0)  # of the centre of mass to where it should be [N/m], [N s/m]
 
 
@@ -93,6 +94,7 @@ def stand(legs: Legs, seconds: float, rng: np.random.Generator) -> Path:
     upper = _arms(robot, time, rng, pace) * ease[:, None]
     rest, legs_end = robot.rest.copy(), robot.legs[-1].stop
     share = np.ones(len(feet))
+    squeeze = SQUEEZE * ease * sines(rng, pace * time, [(0.15, 0.3, 0.75), (0.4, 0.7, 0.35)])
     rows, torques, com, parts = [], [], [], []
     for k in range(len(time)):
         turn = Rotation.from_euler("xyz", moves[k, 3:])
@@ -104,6 +106,7 @@ def stand(legs: Legs, seconds: float, rng: np.random.Generator) -> Path:
         rows.append(q)
         torques.append(legs.torque(share))
         if legs.flat:
+            torques[-1] += squeeze[k] * legs.squeeze()
             com.append(legs.com()[:2])
             parts.append(legs.torque(share, np.ones(2)))
     balance = Balance(legs, time, np.array(com), np.array(parts)) if legs.flat else None

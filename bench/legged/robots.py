@@ -123,7 +123,7 @@ def _h1() -> Robot:
     leg = tuple(f"{side}_{part}_joint" for side in sides for part in _H1_LEG)
     arm = tuple(f"{side}_{part}_joint" for side in sides for part in _H1_ARM)
     joints = (*leg, "torso_joint", *arm)
-    kp_leg, kd_leg = [300.0, 300.0, 300.0, 400.0, 120.0], [8.0, 8.0, 8.0, 10.0, 4.0]
+    kp_leg, kd_leg = [300.0, 600.0, 300.0, 400.0, 120.0], [8.0, 14.0, 8.0, 10.0, 4.0]
     kp_arm, kd_arm = [80.0, 80.0, 60.0, 60.0], [3.0, 3.0, 2.0, 2.0]
     rotor_leg, rotor_arm = [0.1, 0.1, 0.1, 0.12, 0.04], [0.03, 0.03, 0.02, 0.02]
     arms = [[0.2, 0.15 * side, 0.0, 0.8] for side in (1, -1)]
