@@ -20,6 +20,7 @@ from bench.legged.run import FallenError, Policy, Rows, simulate
 from bench.legged.sensors import Sensors, measured, sensors
 from bench.legged.spec import HEALTHY, JOINT_KINDS, KINDS, Array, Spec
 from bench.legged.study_files import write_log, write_study, write_truth
+from bench.legged.visibility import visibility
 from bench.legged.world import GRAVITY, build, massive_links
 from scipy.spatial.transform import Rotation
 
@@ -184,6 +185,7 @@ def truth_of(world: Made) -> dict[str, Any]:
         "sensors": world.sensors.facts(),
         "motions": [take.motion for take in world.takes],
         "attempts": world.attempts,
+        "visibility": visibility(legs_of(spec.robot), world.rows, world.sensors.tau),
     }
 
 

@@ -41,11 +41,13 @@ def run(
     """All rows of a plan; worlds that are there are taken, each tool has its own results."""
     tool, generator = tool_digest(), generator_digest()
     worlds = out / f"worlds-{generator[:12]}"
+    said = out / f"said-{tool[:12]}-{generator[:12]}"
     settings = {"tool": tool, "generator": generator}
     facts = {name: asdict(spec) for name, spec in specs.items()}
     jobs = {
         f"{name}-{digest_of(facts[name])[:8]}": {
             "worlds": str(worlds),
+            "said": str(said),
             "name": name,
             "spec": facts[name],
             **settings,
@@ -53,7 +55,7 @@ def run(
         for name in specs
     }
     with dask_client(scheduler, workers) as client:
-        campaign = Campaign(out / f"said-{tool[:12]}", settings)
+        campaign = Campaign(said, settings)
         return campaign.run(by_value(one_world), jobs, client, console)
 
 
@@ -72,13 +74,13 @@ def one_world(job: Job) -> list[Row]:
         try:
             _make(worlds, study, truth, spec)
         except FallenError as error:
-            console.print(f"{spec.name} was not made: {error}")
-            return []
+            return [{"name": job["name"], **job["spec"], "not_made": str(error)}]
     said = diagnosed(study)
-    answer = worlds.parent / f"said-{job['tool'][:12]}" / "answers" / f"{spec.name}.json"
+    answer = Path(job["said"]) / "answers" / f"{spec.name}.json"
     answer.parent.mkdir(parents=True, exist_ok=True)
     write_text(answer, json.dumps(said, indent=1))
-    return [score(str(job["name"]), json.loads(truth.read_text()), said)]
+    row = score(str(job["name"]), json.loads(truth.read_text()), said)
+    return [{**row, "not_made": ""}]
 
 
 def _make(worlds: Path, study: Path, truth: Path, spec: Spec) -> None:

@@ -98,7 +98,7 @@ def position_dependent_spring(scene: Scene) -> tuple[Machine, Hidden]:
 def torque_saturation(scene: Scene) -> tuple[Machine, Hidden]:
     """A drive that gives less at most than the motions ask for."""
     machine, j = scene.machine, scene.joint()
-    level = float(scene.rng.uniform(0.55, 0.8) * scene.peaks()[j])
+    level = float(scene.rng.uniform(0.65, 0.9) * scene.peaks()[j])
     return machine.at("limit", j, level), _told(scene, "torque_saturation", j, level=level)
 
 

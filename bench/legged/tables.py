@@ -13,6 +13,7 @@ KEYS = ("named", "sized", "listed", "suspected")
 
 def tables(rows: pd.DataFrame) -> str:
     """By sort of world, and by kind."""
+    failed, rows = rows[rows.not_made != ""], rows[rows.not_made == ""].infer_objects()
     hidden, healthy = rows[rows.kind != HEALTHY], rows[rows.kind == HEALTHY]
     text = []
     by_sort = [
@@ -24,7 +25,13 @@ def tables(rows: pd.DataFrame) -> str:
         markdown_table(head, [*by_sort, ("all", "", len(hidden), *_shares(hidden), _rate(hidden))])
     )
     alarms = [
-        (robot, background, len(group), int(group.alarm.sum()), int(group["false"].sum()))
+        (
+            robot,
+            background,
+            len(group),
+            int(group.alarm.astype(bool).sum()),
+            int(group["false"].sum()),
+        )
         for (robot, background), group in healthy.groupby(["robot", "background"])
     ]
     head = ("robot", "background", "healthy worlds", "with a false alarm", "false findings")
@@ -36,7 +43,10 @@ def tables(rows: pd.DataFrame) -> str:
     took = rows.seconds
     text.append(f"A diagnosis takes {took.median():.0f} s, at most {took.max():.0f} s;")
     text.append(f"{int(rows.crash.sum())} of {len(rows)} studies were not diagnosed.")
-    return "\n\n".join(text[:-2]) + "\n\n" + " ".join(text[-2:]) + "\n"
+    text[-2:] = [" ".join(text[-2:])]
+    if len(failed):
+        text.append(f"Not made, as the robot fell whatever was drawn: {', '.join(failed.name)}.")
+    return "\n\n".join(text) + "\n"
 
 
 def _shares(group: pd.DataFrame) -> tuple[str, ...]:
