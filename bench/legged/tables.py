@@ -46,7 +46,7 @@ def tables(rows: pd.DataFrame) -> str:
     text[-2:] = [" ".join(text[-2:])]
     if len(failed):
         text.append(f"Not made, as the robot fell whatever was drawn: {', '.join(failed.name)}.")
-    return "\n\n".join(text) + "\n"
+    return "\n\n".join(part.rstrip() for part in text) + "\n"
 
 
 def _shares(group: pd.DataFrame) -> tuple[str, ...]:
