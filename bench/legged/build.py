@@ -145,7 +145,8 @@ def made(spec: Spec) -> Made:
 
     said = ""
     for attempt in range(ATTEMPTS):
-        machine, hidden = before, ()
+        machine: Machine = before
+        hidden: tuple[Hidden, ...] = ()
         if spec.kind != HEALTHY:
             rng = spec.stream(f"{spec.kind}{attempt}")
             machine, one = DRAWS[spec.kind](Scene(machine=before, rng=rng, peaks=peaks))

@@ -40,7 +40,7 @@ def link_inertial_error(scene: Scene) -> tuple[Machine, Hidden]:
     link = str(rng.choice(robot.heavy))
     mass, com = body_of(robot, link)
     before = machine.bodies.get(link, Body())
-    extra = rng.uniform(0.3, 0.7) * max(mass, 0.05 * robot.load[2])
+    extra = rng.uniform(0.3, 0.7) * max(mass, _FELT[robot.name])
     shift = np.array(before.shift) + rng.uniform(-0.02, 0.02, 3)
     scale = before.scale + float(extra) / mass
     body = Body(scale=scale, shift=(float(shift[0]), float(shift[1]), float(shift[2])))
@@ -49,6 +49,10 @@ def link_inertial_error(scene: Scene) -> tuple[Machine, Hidden]:
     figures |= {f"d_first_moment_{a}": float(v) for a, v in zip(AXES, moment, strict=True)}
     changed = replace(machine, bodies={**machine.bodies, link: body})
     return changed, Hidden(effect="link_inertial_error", links=(link,), parameters=figures)
+
+
+_FELT = {"go2": 0.4, "h1": 0.75}
+"""Mass of a link from which shares of it are felt; lighter ones get as much as these [kg]."""
 
 
 def imu_offset(scene: Scene) -> tuple[Machine, Hidden]:

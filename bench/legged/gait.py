@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from bench.legged.legs import UPRIGHT, Legs
 from bench.legged.motion import sines
 from bench.legged.postures import GRID, State, home
@@ -83,7 +84,7 @@ class Trot:
 
     def _place(
         self,
-        flying: Array,
+        flying: npt.NDArray[np.bool_],
         done: Array,
         speed: Array,
         asked: Array,
@@ -116,7 +117,9 @@ class Trot:
 def _seen(points: Array, about_x: float, about_y: float) -> Array:
     """Points (k, 3) of a level frame, from a trunk that is tilted a little."""
     x, y, z = points.T
-    return points + np.column_stack([-about_y * z, about_x * z, about_y * x - about_x * y])
+    return np.asarray(points) + np.column_stack(
+        [-about_y * z, about_x * z, about_y * x - about_x * y]
+    )
 
 
 def angles(wxyz: Array) -> tuple[float, float, float]:

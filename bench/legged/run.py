@@ -198,7 +198,7 @@ class _Record:
         ordered = robot.kp * (acted - table["read"]) - robot.kd * table["dq"]
         said = table["tau"] / machine.drive_gain * machine.sensor_gain + machine.sensor_offset
         return Rows(
-            time=tick * np.arange(len(acted)),
+            time=tick * np.arange(len(acted), dtype=np.float64),
             said=said,
             tau_cmd=ordered,
             force=self.wrench[:, :, 3:],

@@ -7,51 +7,55 @@ from bench.legged.spec import HEALTHY
 
 from markdown import markdown_table
 
-COLUMNS = ("named", "and sized", "or listed", "or suspected")
-KEYS = ("named", "sized", "listed", "suspected")
+KEYS = {
+    "named": "named",
+    "and sized": "sized",
+    "or listed": "listed",
+    "or suspected": "suspected",
+}
+RATE = "false findings in a world"
+SORT = ["robot", "background"]
 
 
 def tables(rows: pd.DataFrame) -> str:
-    """By sort of world, and by kind."""
-    failed, rows = rows[rows.not_made != ""], rows[rows.not_made == ""].infer_objects()
-    hidden, healthy = rows[rows.kind != HEALTHY], rows[rows.kind == HEALTHY]
-    text = []
-    by_sort = [
-        (robot, background, len(group), *_shares(group), _rate(group))
-        for (robot, background), group in hidden.groupby(["robot", "background"])
+    """By sort of world, of healthy worlds, and by kind."""
+    made = rows[rows.not_made == ""].infer_objects()
+    hidden = made[made.kind != HEALTHY]
+    took, crashed = made.seconds, int(made.crash.sum())
+    parts = [
+        _by_sort(hidden),
+        _healthy(made[made.kind == HEALTHY]),
+        _by_kind(hidden),
+        f"A diagnosis takes {took.median():.0f} s, at most {took.max():.0f} s;"
+        f" {crashed} of {len(made)} studies were not diagnosed.",
     ]
-    head = ("robot", "background", "worlds", *COLUMNS, "false findings in a world")
-    text.append(
-        markdown_table(head, [*by_sort, ("all", "", len(hidden), *_shares(hidden), _rate(hidden))])
+    fallen = rows[rows.not_made != ""]
+    if len(fallen):
+        parts.append(f"Not made, for the robot always fell: {', '.join(fallen.name)}.")
+    return "\n\n".join(part.rstrip() for part in parts) + "\n"
+
+
+def _by_sort(hidden: pd.DataFrame) -> str:
+    lines = [(*sort, len(group), *_counts(group)) for sort, group in hidden.groupby(SORT)]
+    return markdown_table(
+        (*SORT, "worlds", *KEYS, RATE), [*lines, ("all", "", len(hidden), *_counts(hidden))]
     )
-    alarms = [
-        (
-            robot,
-            background,
-            len(group),
-            int(group.alarm.astype(bool).sum()),
-            int(group["false"].sum()),
-        )
-        for (robot, background), group in healthy.groupby(["robot", "background"])
+
+
+def _healthy(healthy: pd.DataFrame) -> str:
+    lines = [
+        (*sort, len(group), int(group.alarm.astype(bool).sum()), int(group["false"].sum()))
+        for sort, group in healthy.groupby(SORT)
     ]
-    head = ("robot", "background", "healthy worlds", "with a false alarm", "false findings")
-    text.append(markdown_table(head, alarms))
-    kinds = [
-        (kind, len(group), *_shares(group), _rate(group)) for kind, group in hidden.groupby("kind")
-    ]
-    text.append(markdown_table(("kind", "worlds", *COLUMNS, "false findings in a world"), kinds))
-    took = rows.seconds
-    text.append(f"A diagnosis takes {took.median():.0f} s, at most {took.max():.0f} s;")
-    text.append(f"{int(rows.crash.sum())} of {len(rows)} studies were not diagnosed.")
-    text[-2:] = [" ".join(text[-2:])]
-    if len(failed):
-        text.append(f"Not made, as the robot fell whatever was drawn: {', '.join(failed.name)}.")
-    return "\n\n".join(part.rstrip() for part in text) + "\n"
+    return markdown_table((*SORT, "healthy worlds", "with a false alarm", "false findings"), lines)
 
 
-def _shares(group: pd.DataFrame) -> tuple[str, ...]:
-    return tuple(f"{int(group[key].sum())}" for key in KEYS)
+def _by_kind(hidden: pd.DataFrame) -> str:
+    lines = [(kind, len(group), *_counts(group)) for kind, group in hidden.groupby("kind")]
+    return markdown_table(("kind", "worlds", *KEYS, RATE), lines)
 
 
-def _rate(group: pd.DataFrame) -> str:
-    return f"{group['false'].mean():.2f}" if len(group) else "-"
+def _counts(group: pd.DataFrame) -> tuple[str, ...]:
+    """Of the columns of KEYS, and the rate of false findings."""
+    rate = f"{group['false'].mean():.2f}" if len(group) else "-"
+    return (*(str(int(group[key].sum())) for key in KEYS.values()), rate)
