@@ -53,6 +53,11 @@ class Robot:
     imu_rpy: tuple[float, float, float]  # [rad]
 
     @property
+    def sole(self) -> float:
+        """From a foot link's frame down to the ground [m]."""
+        return max(pad.radius - pad.center[2] for pad in self.pads)
+
+    @property
     def n(self) -> int:
         """Joints."""
         return len(self.joints)

@@ -18,6 +18,11 @@ EACH = 2  # ticks of a command
 LEAST_HEIGHT, MOST_TILT = 0.6, np.radians(40.0)  # of the standing height; what is worse has fallen
 
 
+def held_for(rate: int) -> float:
+    """How long a command is, at a rate of the log [s]."""
+    return EACH * TICKS[rate][0] * TIMESTEP
+
+
 class FallenError(RuntimeError):
     """The robot lost its balance."""
 
@@ -102,9 +107,12 @@ def simulate(
             mujoco.mj_step(model, data, steps)
             continue
         record.before(k, state, q_des)
-        mujoco.mj_step(model, data)
-        record.after(k, acted)
-        mujoco.mj_step(model, data, steps - 1)
+        for step in range(steps):
+            record.asked(k, acted, steps)
+            mujoco.mj_step(model, data)
+            record.given(k, steps)
+            if step == 0:
+                record.after(k)
     return record.rows(tick)
 
 
@@ -139,6 +147,11 @@ def _check(world: World, state: State, height: float) -> None:
         raise FallenError(f"it fell: the base is at {state.base[2]:.2f} m")
 
 
+def _centred(means: Array) -> Array:
+    """Means over ticks as means about rows: what jumps at rows is else seen at its youngest."""
+    return np.asarray(0.5 * (means + np.concatenate([means[:1], means[:-1]])))
+
+
 class _Sensors:
     """Where in MuJoCo's arrays the sensors are."""
 
@@ -158,12 +171,14 @@ class _Record:
     def __init__(self, world: World, data: Any, count: int) -> None:
         self.world = world
         n, feet = world.machine.robot.n, len(world.feet)
-        widths = {"q": n, "dq": n, "ddq": n, "read": n, "tau": n, "q_des": n, "acted": n}
+        widths = {"q": n, "dq": n, "ddq": n, "read": n, "q_des": n, "drive": n, "ordered": n}
+        widths["tau"] = n
         widths |= {"base": 7, "twist": 6, "acceleration": 6, "gyro": 3, "acc": 3, "contact": feet}
         self.table = {name: np.zeros((count, width)) for name, width in widths.items()}
         self.wrench, self.arm = np.zeros((count, feet, 6)), np.zeros((count, feet, 3))
         self._sensors, self._feet = _Sensors(world), np.array(world.feet)
         self._qvel, self._qacc, self._force = data.qvel, data.qacc, data.actuator_force
+        self._qpos = data.qpos
         self._sensed, self._external = data.sensordata, data.cfrc_ext
         self._com, self._place = data.subtree_com[world.base], data.xpos
 
@@ -176,11 +191,22 @@ class _Record:
         if not world.held:
             table["twist"][k] = self._qvel[:6]
 
-    def after(self, k: int, acted: Array) -> None:
+    def asked(self, k: int, acted: Array, steps: int) -> None:
+        """What the drives ask of themselves in the step to come, for means over `steps`."""
+        robot = self.world.machine.robot
+        read = self._qpos[self.world.qpos] - self.world.machine.joint_offset
+        asked = robot.kp * (acted - read) - robot.kd * self._qvel[self.world.dof]
+        self.table["ordered"][k] += asked / steps
+
+    def given(self, k: int, steps: int) -> None:
+        """What they gave in the step that was."""
+        self.table["drive"][k] += self._force / steps
+
+    def after(self, k: int) -> None:
         """Forces and accelerations at that state."""
         table, world, sensors, sensed = self.table, self.world, self._sensors, self._sensed
         table["ddq"][k] = self._qacc[world.dof]
-        table["tau"][k], table["acted"][k] = self._force, acted
+        table["tau"][k] = self._force
         table["gyro"][k] = sensed[sensors.gyro : sensors.gyro + 3]
         table["acc"][k] = sensed[sensors.acc : sensors.acc + 3]
         if world.held:
@@ -193,12 +219,10 @@ class _Record:
     def rows(self, tick: float) -> Rows:
         """All of it."""
         table, machine = self.table, self.world.machine
-        robot = machine.robot
-        acted = table.pop("acted")
-        ordered = robot.kp * (acted - table["read"]) - robot.kd * table["dq"]
-        said = table["tau"] / machine.drive_gain * machine.sensor_gain + machine.sensor_offset
+        ordered, given = (_centred(table.pop(name)) for name in ("ordered", "drive"))
+        said = given / machine.drive_gain * machine.sensor_gain + machine.sensor_offset
         return Rows(
-            time=tick * np.arange(len(acted), dtype=np.float64),
+            time=tick * np.arange(len(said), dtype=np.float64),
             said=said,
             tau_cmd=ordered,
             force=self.wrench[:, :, 3:],

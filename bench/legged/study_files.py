@@ -18,7 +18,6 @@ from bench.legged.spec import Array
 from whole_files import write_text, write_whole
 
 DIGITS = {"time": 5, "q": 7, "q_des": 7, "base": 7, "contact": 3}  # 6 of the others
-PERIOD = 5e-4  # of the drives' law [s]
 
 
 def write_log(path: Path, table: dict[str, Array]) -> None:
@@ -34,8 +33,10 @@ def write_log(path: Path, table: dict[str, Array]) -> None:
     write_whole(path, lambda new: new.write_bytes(head + text.getvalue().to_pybytes()))
 
 
-def write_study(folder: Path, robot: Robot, recordings: list[dict[str, str]]) -> None:
-    """robot.urdf and study.yaml."""
+def write_study(
+    folder: Path, robot: Robot, recordings: list[dict[str, str]], period: float
+) -> None:
+    """robot.urdf and study.yaml; commands are held for a period [s]."""
     shutil.copyfile(robot.urdf, folder / "robot.urdf")
     study = {
         "robot": "robot.urdf",
@@ -47,12 +48,12 @@ def write_study(folder: Path, robot: Robot, recordings: list[dict[str, str]]) ->
             "kd": robot.kd.tolist(),
             "gravity_compensation": False,
             "torque_limit": robot.effort.tolist(),
-            "period": PERIOD,
+            "period": period,
         },
         "rotor_inertia": robot.rotor.tolist(),
         "base": {
             "imu": {"position": list(robot.imu_position), "rpy": list(robot.imu_rpy)},
-            "feet": list(robot.feet),
+            "feet": {foot: {"sole": robot.sole} for foot in robot.feet},
             "ground": {"friction": FRICTION, "height": 0.0},
         },
     }
