@@ -16,7 +16,7 @@ from bench.legged.legs import Legs
 from bench.legged.machine import Machine, as_told, dense
 from bench.legged.postures import hang, home, stand
 from bench.legged.robots import Robot, robot
-from bench.legged.run import FallenError, Policy, Rows, held_for, simulate
+from bench.legged.run import FallenError, Policy, Rows, simulate
 from bench.legged.sensors import Sensors, measured, sensors
 from bench.legged.spec import HEALTHY, JOINT_KINDS, KINDS, Array, Spec
 from bench.legged.study_files import write_log, write_study, write_truth
@@ -207,6 +207,6 @@ def make_study(folder: Path, spec: Spec, truth: Path) -> Made:
         held = take.hold is not None
         write_log(folder / name, measured(rows, world.machine, world.sensors, rng, held=held))
         entries.append({"file": name, **take.entry})
-    write_study(folder, world.machine.robot, entries, held_for(world.sensors.rate))
+    write_study(folder, world.machine.robot, entries)
     write_truth(truth, truth_of(world))
     return world

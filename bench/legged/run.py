@@ -18,11 +18,6 @@ EACH = 2  # ticks of a command
 LEAST_HEIGHT, MOST_TILT = 0.6, np.radians(40.0)  # of the standing height; what is worse has fallen
 
 
-def held_for(rate: int) -> float:
-    """How long a command is, at a rate of the log [s]."""
-    return EACH * TICKS[rate][0] * TIMESTEP
-
-
 class FallenError(RuntimeError):
     """The robot lost its balance."""
 
@@ -40,7 +35,8 @@ class Rows:
 
     time: Array
     q: Array  # true joint positions [rad]
-    dq: Array
+    dq: Array  # that forces go by: MuJoCo's are half a step old
+    speed: Array  # at the row
     ddq: Array
     read: Array  # the encoders' [rad]
     tau: Array  # delivered [N m]
@@ -172,7 +168,7 @@ class _Record:
         self.world = world
         n, feet = world.machine.robot.n, len(world.feet)
         widths = {"q": n, "dq": n, "ddq": n, "read": n, "q_des": n, "drive": n, "ordered": n}
-        widths["tau"] = n
+        widths |= {"tau": n, "speed": n}
         widths |= {"base": 7, "twist": 6, "acceleration": 6, "gyro": 3, "acc": 3, "contact": feet}
         self.table = {name: np.zeros((count, width)) for name, width in widths.items()}
         self.wrench, self.arm = np.zeros((count, feet, 6)), np.zeros((count, feet, 3))
@@ -206,6 +202,7 @@ class _Record:
         """Forces and accelerations at that state."""
         table, world, sensors, sensed = self.table, self.world, self._sensors, self._sensed
         table["ddq"][k] = self._qacc[world.dof]
+        table["speed"][k] = 0.5 * (table["dq"][k] + self._qvel[world.dof])
         table["tau"][k] = self._force
         table["gyro"][k] = sensed[sensors.gyro : sensors.gyro + 3]
         table["acc"][k] = sensed[sensors.acc : sensors.acc + 3]
@@ -219,6 +216,7 @@ class _Record:
     def rows(self, tick: float) -> Rows:
         """All of it."""
         table, machine = self.table, self.world.machine
+        table["q_des"] = _centred(table["q_des"])
         ordered, given = (_centred(table.pop(name)) for name in ("ordered", "drive"))
         said = given / machine.drive_gain * machine.sensor_gain + machine.sensor_offset
         return Rows(

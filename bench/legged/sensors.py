@@ -11,7 +11,7 @@ from bench.legged.run import TICKS, Rows
 from bench.legged.spec import Array
 from scipy.spatial.transform import Rotation
 
-AVERAGED = ("said", "tau_cmd", "gyro", "acc", "contact")
+AVERAGED = ("said", "tau_cmd", "q_des", "gyro", "acc", "contact")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,9 +67,9 @@ def measured(
         q = np.rint(q / sense.q_step) * sense.q_step
     channels = {
         "q": q,
-        "dq": noisy(rows.dq[::every], sense.dq),
+        "dq": noisy(rows.speed[::every], sense.dq),
         "tau": noisy(mean["said"], sense.tau),
-        "q_des": rows.q_des[::every],
+        "q_des": mean["q_des"],
         "tau_cmd": mean["tau_cmd"],
     }
     table = {"time": rows.time[::every]}

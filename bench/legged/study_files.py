@@ -14,6 +14,7 @@ import yaml
 from bench.legged.machine import FRICTION
 from bench.legged.robots import Robot
 from bench.legged.spec import Array
+from bench.legged.world import TIMESTEP
 
 from whole_files import write_text, write_whole
 
@@ -33,10 +34,8 @@ def write_log(path: Path, table: dict[str, Array]) -> None:
     write_whole(path, lambda new: new.write_bytes(head + text.getvalue().to_pybytes()))
 
 
-def write_study(
-    folder: Path, robot: Robot, recordings: list[dict[str, str]], period: float
-) -> None:
-    """robot.urdf and study.yaml; commands are held for a period [s]."""
+def write_study(folder: Path, robot: Robot, recordings: list[dict[str, str]]) -> None:
+    """robot.urdf and study.yaml."""
     shutil.copyfile(robot.urdf, folder / "robot.urdf")
     study = {
         "robot": "robot.urdf",
@@ -48,7 +47,7 @@ def write_study(
             "kd": robot.kd.tolist(),
             "gravity_compensation": False,
             "torque_limit": robot.effort.tolist(),
-            "period": period,
+            "period": TIMESTEP,  # of the drives' law
         },
         "rotor_inertia": robot.rotor.tolist(),
         "base": {

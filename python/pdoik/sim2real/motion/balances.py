@@ -249,11 +249,7 @@ class Balances:
             size = noise.model_error * float(np.sqrt(np.mean(tau**2)))
         elif balance == "velocity":
             speeds = np.concatenate([m.dq[:, channel] for m in self.motions])
-            bends = np.concatenate(
-                [m.recording.raw_period * m.ddq[:, channel] for m in self.motions]
-            )
             size = noise.model_error * float(np.sqrt(np.mean(speeds**2)))
-            size = float(np.hypot(size, noise.apart * np.sqrt(np.mean(bends**2))))
         elif balance == "foot":
             size = self.thresholds.feet.height
         size = float(np.hypot(size, noise.fit_error * self.rms(key)))

@@ -17,12 +17,6 @@ class NoiseThresholds(Group):
     fit_error: float = threshold(
         0.01, "share of a mismatch's own size to which the catalogue's laws are held to be exact"
     )
-    apart: float = threshold(
-        12**-0.5,
-        "share of a log's period by which its channels' clocks may be apart, standard deviation",
-        "",
-        "of what is sampled at any time within a period",
-    )
     block: float = threshold(
         1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"
     )
