@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -104,9 +105,7 @@ def simulate(
             continue
         record.before(k, state, q_des)
         for step in range(steps):
-            record.asked(k, acted, steps)
-            mujoco.mj_step(model, data)
-            record.given(k, steps)
+            record.step(k, acted, lambda: mujoco.mj_step(model, data), steps)
             if step == 0:
                 record.after(k)
     return record.rows(tick)
@@ -143,9 +142,13 @@ def _check(world: World, state: State, height: float) -> None:
         raise FallenError(f"it fell: the base is at {state.base[2]:.2f} m")
 
 
-def _centred(means: Array) -> Array:
-    """Means over ticks as means about rows: what jumps at rows is else seen at its youngest."""
-    return np.asarray(0.5 * (means + np.concatenate([means[:1], means[:-1]])))
+def _centred(means: Array, steps: int) -> Array:
+    """Means over ticks as means about rows: what jumps at rows is else seen at its youngest.
+
+    A tick's steps begin with its row, so that their middle is half a step before the tick's.
+    """
+    late = 0.5 + 0.5 / steps
+    return np.asarray(late * means + (1.0 - late) * np.concatenate([means[:1], means[:-1]]))
 
 
 class _Sensors:
@@ -187,15 +190,14 @@ class _Record:
         if not world.held:
             table["twist"][k] = self._qvel[:6]
 
-    def asked(self, k: int, acted: Array, steps: int) -> None:
-        """What the drives ask of themselves in the step to come, for means over `steps`."""
-        robot = self.world.machine.robot
-        read = self._qpos[self.world.qpos] - self.world.machine.joint_offset
-        asked = robot.kp * (acted - read) - robot.kd * self._qvel[self.world.dof]
-        self.table["ordered"][k] += asked / steps
-
-    def given(self, k: int, steps: int) -> None:
-        """What they gave in the step that was."""
+    def step(self, k: int, acted: Array, step: Callable[[], None], steps: int) -> None:
+        """One of a tick's steps: what the drives ask of themselves and give, as means over it."""
+        robot, world = self.world.machine.robot, self.world
+        read = self._qpos[world.qpos] - world.machine.joint_offset
+        speed = self._qvel[world.dof].copy()
+        step()
+        speed = 0.5 * (speed + self._qvel[world.dof])  # when the position was read
+        self.table["ordered"][k] += (robot.kp * (acted - read) - robot.kd * speed) / steps
         self.table["drive"][k] += self._force / steps
 
     def after(self, k: int) -> None:
@@ -216,8 +218,9 @@ class _Record:
     def rows(self, tick: float) -> Rows:
         """All of it."""
         table, machine = self.table, self.world.machine
-        table["q_des"] = _centred(table["q_des"])
-        ordered, given = (_centred(table.pop(name)) for name in ("ordered", "drive"))
+        steps = round(tick / TIMESTEP)
+        table["q_des"] = _centred(table["q_des"], steps)
+        ordered, given = (_centred(table.pop(name), steps) for name in ("ordered", "drive"))
         said = given / machine.drive_gain * machine.sensor_gain + machine.sensor_offset
         return Rows(
             time=tick * np.arange(len(said), dtype=np.float64),

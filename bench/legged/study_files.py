@@ -14,7 +14,6 @@ import yaml
 from bench.legged.machine import FRICTION
 from bench.legged.robots import Robot
 from bench.legged.spec import Array
-from bench.legged.world import TIMESTEP
 
 from whole_files import write_text, write_whole
 
@@ -47,7 +46,6 @@ def write_study(folder: Path, robot: Robot, recordings: list[dict[str, str]]) ->
             "kd": robot.kd.tolist(),
             "gravity_compensation": False,
             "torque_limit": robot.effort.tolist(),
-            "period": TIMESTEP,  # of the drives' law
         },
         "rotor_inertia": robot.rotor.tolist(),
         "base": {

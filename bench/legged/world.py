@@ -112,6 +112,7 @@ def _bodies(spec: Any, machine: Machine) -> None:
     for k, load in enumerate(machine.loads):
         box = spec.body(load.link).add_body(name=f"load{k}", pos=load.com)
         box.mass, box.explicitinertial = load.mass, True
+        box.ipos = [0.0, 0.0, 0.0]  # else it is the body's own place once more
         box.inertia = [load.mass * load.size**2 / 6.0] * 3
 
 

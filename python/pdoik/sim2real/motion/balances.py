@@ -252,6 +252,8 @@ class Balances:
             size = noise.model_error * float(np.sqrt(np.mean(speeds**2)))
         elif balance == "foot":
             size = self.thresholds.feet.height
+        elif balance == "grip":
+            size = self.thresholds.feet.friction * _usual_load(self.motions, key)
         size = float(np.hypot(size, noise.fit_error * self.rms(key)))
         self.sigma[key] = float(np.hypot(self.floor[key], size)) or 1e-9
 
@@ -334,6 +336,16 @@ def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
                 for m, values in zip(motions, each, strict=True)
             ]
     return raw
+
+
+def _usual_load(motions: Sequence[Motion], key: Key) -> float:
+    """What presses a foot where it slips, [N]."""
+    loads = [m.feet[key[1]].normal for m in motions]
+    each = [
+        load[m.judged(key)] for m, load in zip(motions, loads, strict=True) if load is not None
+    ]
+    there = np.concatenate([np.zeros(0), *each])
+    return float(np.sqrt(np.mean(there**2))) if len(there) else 0.0
 
 
 def _where_judged(columns: Columns, motion: Motion) -> Columns:

@@ -14,6 +14,9 @@ class FeetThresholds(Group):
     height: float = threshold(
         1e-3, "to which a sole's height follows from joints and pose", "m", "calibrated legs: 1 mm"
     )
+    friction: float = threshold(
+        0.1, "by which a coefficient of friction differs from slip to slip", "", "rubber on floors"
+    )
     slipping: float = threshold(
         0.05, "speed of a sole that slips", "m/s", "beyond the creep of elastic soles"
     )
