@@ -118,7 +118,7 @@ def _wave(rng: np.random.Generator, n: int, size: float, time: Array) -> tuple[A
 
 
 def recording(
-    name: str, seed: int, hidden: Hidden, *, seconds: float = 12.0, noise: float = 1.0, **kept: bool
+    name: str, seed: int, hidden: Hidden, *, seconds: float = 8.0, noise: float = 1.0, **kept: bool
 ) -> Recording:
     """A run on three feet, whose forces are the smallest that carry the trunk.
 
@@ -206,7 +206,7 @@ def _turning(e: Array, de: Array, dde: Array) -> tuple[Rotation, Array, Array]:
 
 
 def study(
-    folder: Path, hidden: Hidden, *, runs: int = 2, seconds: float = 12.0, **kept: bool
+    folder: Path, hidden: Hidden, *, runs: int = 2, seconds: float = 8.0, **kept: bool
 ) -> Study:
     """Of some runs, the last held out."""
     robot = folder / "tripod.urdf"
