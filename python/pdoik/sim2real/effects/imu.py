@@ -26,14 +26,20 @@ class _OfImu(Effect):
         """The base, where its IMU is what tells of its motion."""
         return [Place()] if any(m.base is not None and m.base.of_imu for m in motions) else []
 
-    def _columns(self, motion: Motion, rates: FloatArray, forces: FloatArray) -> Columns:
-        """Of errors of the gyro and of the accelerometer, (T, 3, k) each, in the IMU's axes."""
+    def _columns(
+        self, motion: Motion, rates: FloatArray, turns: FloatArray, forces: FloatArray
+    ) -> Columns:
+        """Of errors of rates, their derivatives and forces, (T, 3, k) each, in the IMU's axes."""
         base = motion.base
         if base is None or not base.of_imu:
             return {}
         # Where it says too much, the model's torques are too large: as gravity the other way.
         by_force = np.einsum("trb,ba->tra", motion.dtau_dgravity, base.imu_rotation)
-        columns = motion.on_rows(np.einsum("tra,tak->trk", by_force, forces))
+        torques = np.einsum("tra,tak->trk", by_force, forces)
+        if np.any(turns):
+            by_turn = motion.dtau_dturn() @ base.imu_rotation
+            torques -= np.einsum("tra,tak->trk", by_turn, turns)
+        columns = motion.on_rows(torques)
         if base.disagreement is not None:
             columns |= {("imu", axis): rates[:, axis] for axis in range(3)}
             columns |= {("imu", 3 + axis): forces[:, axis] for axis in range(3)}
@@ -72,8 +78,8 @@ class ImuTilt(_OfImu):
             return {}
         R = base.imu_rotation
         axes = np.eye(3)
-        rates, forces = base.omega @ R, base.felt @ R
-        turned = [np.stack([-np.cross(a, x) for a in axes], axis=2) for x in (rates, forces)]
+        felt = (base.omega @ R, base.alpha @ R, base.felt @ R)
+        turned = [np.stack([-np.cross(a, x) for a in axes], axis=2) for x in felt]
         return self._columns(motion, *turned)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
@@ -110,7 +116,7 @@ class ImuOffset(_OfImu):
         rates, forces = np.zeros((2, len(motion.time), 3, 6))
         forces[:, :, :3] = np.eye(3)
         rates[:, :, 3:] = np.eye(3)
-        return self._columns(motion, rates, forces)
+        return self._columns(motion, rates, np.zeros_like(rates), forces)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -341,9 +341,7 @@ def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
 def _usual_load(motions: Sequence[Motion], key: Key) -> float:
     """What presses a foot where it slips, [N]."""
     loads = [m.feet[key[1]].normal for m in motions]
-    each = [
-        load[m.judged(key)] for m, load in zip(motions, loads, strict=True) if load is not None
-    ]
+    each = [load[m.judged(key)] for m, load in zip(motions, loads, strict=True) if load is not None]
     there = np.concatenate([np.zeros(0), *each])
     return float(np.sqrt(np.mean(there**2))) if len(there) else 0.0
 

@@ -80,6 +80,13 @@ class Motion:
         """The balance that row i of the torques belongs to."""
         return ("torque", i) if i < self.n else ("base", i - self.n)
 
+    def dtau_dturn(self) -> FloatArray:
+        """Torques per angular acceleration of a floating base, (T, rows, 3)."""
+        if "dtau_dturn" not in self.cache:
+            assert isinstance(self.body, CarriedBody)
+            self.cache["dtau_dturn"] = self.body.base_inertia(self.q)[:, :, 3:]
+        return self.cache["dtau_dturn"]
+
     def judged(self, key: Key) -> NDArray[np.bool_]:
         """Samples at which a foot tells of the ground, (T,)."""
         balance, k = key
