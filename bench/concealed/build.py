@@ -46,6 +46,11 @@ def make_study(
     return truth
 
 
+def hidden_in(draft: Draft) -> tuple[Effect, ...]:
+    """What `make_study` hides in a draft's machine, at the size that its motions show."""
+    return _visible(draft)[0].effects
+
+
 def write_machine(folder: Path, draft: Draft, effects: tuple[Effect, ...]) -> None:
     """Writes robot.urdf, study.yaml and recordings of a draft's machine with just these effects.
 

@@ -66,6 +66,7 @@ class Study:
     """What `diagnose` is given."""
 
     folder: Path
+    source: Path | None = None  # the YAML file it was read from
     robot: Path | None
     tip: str | None = None  # link whose pose the channel `tip` is; the last link otherwise
     joints: tuple[str, ...]

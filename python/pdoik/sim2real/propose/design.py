@@ -1,0 +1,105 @@
+"""The search for a motion: many recipes at random, then the best of them changed part by part."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .clear import Clear
+from .excitation import Frame, Recipe, changed, motion_of, random_recipe
+from .expected import Prospect
+from .path import Path
+from .weigh import Weigher
+
+_FIRST = 0.4  # of the effort, for recipes at random
+_KEPT = 4  # recipes that are changed
+_CLOSER = 3  # of the best that are looked at with what is costly
+_SHRINKS = 6
+
+Say = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Design:
+    """A motion and what it is expected to settle."""
+
+    path: Path
+    prospects: tuple[Prospect, ...]
+    score: float
+    looked_at: int = 1  # motions
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bounds:
+    """What every motion must hold, and how a motion is made to."""
+
+    weigher: Weigher
+    frame: Frame
+    clear: Clear | None
+
+    def made(self, path: Path, *, costly: bool = False) -> Design | None:
+        """A path within all limits, weighed; None where shrinking does not help."""
+        if self.clear is not None:
+            path = self.clear.fitted(path, self.frame.start)
+        foretold, limits = self.weigher.foretold, self.frame.limits
+        for _ in range(_SHRINKS):
+            balances = foretold.balances(path)
+            excess = limits.excess(path, foretold.torque(balances))
+            if excess <= 1.0:
+                prospects = self.weigher.prospects_of(balances, costly=costly)
+                return Design(
+                    path=path, prospects=prospects, score=self.weigher.score(prospects)
+                )
+            path = path.toward(self.frame.start, max(0.5, 0.9 / excess))
+        return None
+
+
+def designed(
+    bounds: Bounds, rng: np.random.Generator, effort: int, seconds: float, say: Say
+) -> Design | None:
+    """The best motion found; None where none holds the limits.
+
+    Args:
+        bounds: of every motion.
+        rng: of the recipes.
+        effort: motions that are looked at, at most.
+        seconds: that the search may take, about.
+        say: called with words and the share of the effort that is done.
+    """
+    best: list[tuple[float, Recipe, Design]] = []
+    begin, count = time.perf_counter(), 0
+    while count < effort and time.perf_counter() - begin < seconds:
+        share = max(count / effort, (time.perf_counter() - begin) / seconds)
+        if share < _FIRST or not best:
+            recipe = random_recipe(rng)
+        else:
+            chosen = best[min(int(rng.exponential(1.0)), len(best) - 1)]
+            recipe = changed(chosen[1], rng)
+        made = bounds.made(motion_of(recipe, bounds.frame))
+        count += 1
+        if made is None:
+            continue
+        better = not best or made.score > best[0][0]
+        best.append((made.score, recipe, made))
+        best.sort(key=lambda each: -each[0])
+        del best[_KEPT:]
+        if better:
+            say(f"{count} motions looked at, clarity {made.score:.2f}", share)
+    looked = [
+        found for _, _, made in best[:_CLOSER] if (found := bounds.made(made.path, costly=True))
+    ]
+    if not looked:
+        return None
+    first = max(looked, key=lambda each: each.score)
+    return Design(
+        path=first.path, prospects=first.prospects, score=first.score, looked_at=count
+    )
+
+
+def start_of(recorded: FloatArray) -> FloatArray:
+    """Where the first recording began: a pose that the robot is known to reach."""
+    return np.asarray(recorded[0], dtype=np.float64)

@@ -1,0 +1,247 @@
+"""Motions to choose from: sums of sines, strokes to and fro at many speeds, quick moves and stops.
+
+What tells effects apart differs: friction needs reversals, small and large, slow and fast; bodies
+need wide and quick motion of several joints; play and elasticity need quick stops. A recipe puts
+such parts one after the other around a pose; every part is drawn from a seed of its own, so that a
+better recipe is found by drawing one part anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .limits import Limits
+from .path import REST, STEP, Path, path_of
+
+Kind = Literal["sines", "strokes", "moves"]
+KINDS: tuple[Kind, ...] = ("sines", "strokes", "moves")
+_FEWEST, _MOST = 2, 4  # parts of a recipe
+_SHORTEST = 2.5  # of a part [s]
+_TERMS = 5  # sines per joint
+_RATES = (0.08, 1.2)  # of them [Hz]
+_SLOWEST = 0.015  # of strokes, as a share of the speed limit
+_SMALLEST = 0.03  # of strokes, as a share of the room
+_WIDEST = 1.4  # room of a joint on either side of the pose, at most [rad]
+_TO_POSE = 0.6  # share of the speed limit at which the pose is gone to
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A stretch of one kind."""
+
+    kind: Kind
+    seed: int
+    share: float  # of the time
+    pace: float  # 0 to 1, of the speed limits
+    reach: float  # 0 to 1, of the room
+    alone: bool  # whether the joints in question move alone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recipe:
+    """Parts around a pose."""
+
+    pose: int  # seed
+    away: float  # 0 to 1: how far the pose may be from the start
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frame:
+    """What every motion has in common."""
+
+    limits: Limits  # to design within
+    start: FloatArray  # (n,)
+    duration: float  # [s]
+    asked: tuple[int, ...] = ()  # joints in question
+
+
+def random_recipe(rng: np.random.Generator) -> Recipe:
+    """Two to four parts."""
+    count = int(rng.integers(_FEWEST, _MOST + 1))
+    return Recipe(
+        pose=_seed(rng),
+        away=float(rng.uniform(0.0, 1.0)),
+        parts=tuple(_random_part(rng) for _ in range(count)),
+    )
+
+
+def changed(recipe: Recipe, rng: np.random.Generator) -> Recipe:
+    """A recipe near this one: a part, the pose or a figure drawn anew."""
+    parts = list(recipe.parts)
+    which = int(rng.integers(len(parts)))
+    part = parts[which]
+    what = rng.choice(["seed", "pace", "reach", "share", "part", "pose", "alone", "more", "fewer"])
+    if what == "pose":
+        return replace(recipe, pose=_seed(rng), away=float(rng.uniform(0.0, 1.0)))
+    if what == "more" and len(parts) < _MOST:
+        parts.insert(which, _random_part(rng))
+    elif what == "fewer" and len(parts) > 1:
+        parts.pop(which)
+    else:
+        parts[which] = {
+            "seed": replace(part, seed=_seed(rng)),
+            "pace": replace(part, pace=_near(rng, part.pace)),
+            "reach": replace(part, reach=_near(rng, part.reach)),
+            "share": replace(part, share=float(rng.uniform(0.3, 1.0))),
+            "alone": replace(part, alone=not part.alone),
+        }.get(str(what), _random_part(rng))
+    return replace(recipe, parts=tuple(parts))
+
+
+def motion_of(recipe: Recipe, frame: Frame) -> Path:
+    """The recipe's motion, within limits of position, speed and acceleration."""
+    limits, count = frame.limits, round(frame.duration / STEP) + 1
+    pose = pose_of(recipe, frame)
+    path, rest = _there_and_back(pose, frame, count)
+    room = np.minimum(np.minimum(limits.upper - pose, pose - limits.lower), _WIDEST)
+    rows = count - 2 * rest
+    swing = np.zeros((count, len(pose)))
+    total, first = sum(part.share for part in recipe.parts), rest
+    for part in recipe.parts:
+        last = min(first + round(part.share / total * rows), count - rest)
+        if last - first > round(_SHORTEST / STEP / 2):
+            swing[first:last] = _stretch(part, last - first, room, frame)
+        first = last
+    return _within(path, swing, limits)
+
+
+def random_motion(frame: Frame, rng: np.random.Generator) -> Path:
+    """Quick moves between random poses, as anybody would make them, to compare with."""
+    part = Part(kind="moves", seed=_seed(rng), share=1.0, pace=0.7, reach=0.8, alone=False)
+    return motion_of(Recipe(pose=_seed(rng), away=0.5, parts=(part,)), frame)
+
+
+def pose_of(recipe: Recipe, frame: Frame) -> FloatArray:
+    """The pose that a recipe's parts are around."""
+    rng, limits = np.random.default_rng(recipe.pose), frame.limits
+    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
+    anywhere = middle + 0.6 * half * rng.uniform(-1.0, 1.0, len(middle))
+    aim = np.clip(anywhere, frame.start - _WIDEST, frame.start + _WIDEST)
+    return np.asarray(frame.start + recipe.away * (aim - frame.start), dtype=np.float64)
+
+
+def _there_and_back(pose: FloatArray, frame: Frame, count: int) -> tuple[FloatArray, int]:
+    """From the start to the pose, and back at the end; and how many rows either takes."""
+    limits, way = frame.limits, np.abs(pose - frame.start)
+    # The quintic's largest speed is 15/8 of its mean, its largest acceleration 5.78 of D / T^2.
+    by_speed = float(np.max(15 / 8 * way / (_TO_POSE * limits.speed)))
+    by_rate = float(np.max(np.sqrt(5.78 * way / (_TO_POSE * limits.acceleration))))
+    needed = min(max(by_speed, by_rate, 0.3), 0.3 * frame.duration)
+    rest, rows = round(REST / STEP), round(needed / STEP)
+    s = np.linspace(0.0, 1.0, rows)
+    rise = np.concatenate([np.zeros(rest), s**3 * (10.0 - 15.0 * s + 6.0 * s**2)])
+    share = np.ones(count)
+    share[: len(rise)], share[-len(rise) :] = rise, rise[::-1]
+    return frame.start + share[:, None] * (pose - frame.start), len(rise)
+
+
+def _within(path: FloatArray, swing: FloatArray, limits: Limits) -> Path:
+    """Path and swing together, swings as much smaller as limits ask."""
+    scale = np.ones(swing.shape[1])
+    for _ in range(8):
+        made = path_of(path + scale * swing)
+        middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
+        excess = np.max(
+            [
+                np.max(np.abs(made.q - middle) / half, axis=0),
+                np.max(np.abs(made.dq) / limits.speed, axis=0),
+                np.max(np.abs(made.ddq) / limits.acceleration, axis=0),
+            ],
+            axis=0,
+        )
+        if (excess <= 1.0).all():
+            break
+        scale = np.where(excess > 1.0, 0.97 * scale / excess, scale)
+    return made
+
+
+def _stretch(part: Part, rows: int, room: FloatArray, frame: Frame) -> FloatArray:
+    """Swings of one part, (rows, n), that begin and end at the pose."""
+    rng = np.random.default_rng(part.seed)
+    make = {"sines": _sines, "strokes": _strokes, "moves": _moves}[part.kind]
+    path = make(rng, rows, part.pace * frame.limits.speed, part.reach * room)
+    if part.alone and frame.asked:
+        kept = np.isin(np.arange(path.shape[1]), frame.asked)
+        path = path * kept
+    fade = np.clip(np.minimum(np.arange(rows), np.arange(rows)[::-1]) * STEP / 0.6, 0.0, 1.0)
+    return path * (fade**2 * (3.0 - 2.0 * fade))[:, None]
+
+
+def _sines(rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray) -> FloatArray:
+    time, n = STEP * np.arange(rows), len(speed)
+    path = np.zeros((rows, n))
+    for j in range(n):
+        rates = 2.0 * np.pi * np.exp(rng.uniform(*np.log(_RATES), _TERMS))
+        phases, weights = rng.uniform(0.0, 2.0 * np.pi, _TERMS), rng.uniform(0.3, 1.0, _TERMS)
+        wave = (np.sin(np.outer(time, rates) + phases) * (weights / rates)).sum(axis=1)
+        wave -= wave.mean()
+        fastest = np.max(np.abs(np.gradient(wave, STEP)))
+        path[:, j] = wave * min(speed[j] / fastest, reach[j] / np.max(np.abs(wave)))
+    return path
+
+
+def _strokes(
+    rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray
+) -> FloatArray:
+    """To and fro, every stroke with a speed and a length of its own, over two decades of both."""
+    path, n = np.zeros((rows, len(speed))), len(speed)
+    for j in range(n):
+        times, places, at = [0.0], [0.0], 0.0
+        while times[-1] < rows * STEP:
+            pace = speed[j] * np.exp(rng.uniform(np.log(_SLOWEST), 0.0))
+            length = reach[j] * np.exp(rng.uniform(np.log(_SMALLEST), np.log(1.6)))
+            length = min(length, pace * rng.uniform(0.6, 3.0))
+            sign = -1.0 if len(times) % 2 else 1.0
+            aim = float(np.clip(at + sign * length, -reach[j], reach[j]))
+            if abs(aim - at) < 1e-3 * reach[j]:
+                aim = at - sign * min(length, reach[j])
+            times.append(times[-1] + abs(aim - at) / pace)
+            places.append(aim)
+            at = aim
+        path[:, j] = np.interp(STEP * np.arange(rows), times, places)
+    return path
+
+
+def _moves(rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray) -> FloatArray:
+    """From pose to pose with a short rest at each, all joints together or half of them."""
+    n = len(speed)
+    path, row, here = np.zeros((rows, n)), 0, np.zeros(n)
+    while row < rows:
+        goal = rng.uniform(-1.0, 1.0, n) * reach
+        if rng.random() < 0.3:
+            goal = np.where(rng.random(n) < 0.5, goal, here)
+        needed = float(np.max(1.25 * np.abs(goal - here) / speed))
+        count = max(round(max(needed, 0.3) / STEP), 2)
+        t = np.linspace(0.0, 1.0, count)
+        pace = np.cumsum(np.clip(np.minimum(t, 1.0 - t) / 0.2, 0.0, 1.0))
+        end = min(row + count, rows)
+        path[row:end] = here + (pace / pace[-1])[: end - row, None] * (goal - here)
+        here, row = goal, end
+        end = min(row + round(rng.uniform(0.1, 0.5) / STEP), rows)
+        path[row:end] = here
+        row = end
+    return path
+
+
+def _random_part(rng: np.random.Generator) -> Part:
+    return Part(
+        kind=KINDS[int(rng.integers(len(KINDS)))],
+        seed=_seed(rng),
+        share=float(rng.uniform(0.3, 1.0)),
+        pace=float(rng.uniform(0.3, 1.0)),
+        reach=float(rng.uniform(0.3, 1.0)),
+        alone=bool(rng.random() < 0.25),
+    )
+
+
+def _near(rng: np.random.Generator, share: float) -> float:
+    return float(np.clip(share * np.exp(rng.normal(0.0, 0.3)), 0.05, 1.0))
+
+
+def _seed(rng: np.random.Generator) -> int:
+    return int(rng.integers(2**31))

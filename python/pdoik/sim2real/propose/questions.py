@@ -1,0 +1,160 @@
+"""What a diagnosis leaves open: each finding, and what may be there instead of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from ..effects import CATALOGUE, Effect
+from ..findings import Diagnosis, Finding
+from ..model.predict import places_of
+from ..motion.place import Place, Shape
+from ..motion.prepare import Prepared
+from ..regression.naming import where_in_words
+from ..study.recording import FloatArray
+
+ENOUGH = 0.9
+"""Confidence from which a finding needs no further motion."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cause:
+    """An effect with its figures, at a place, or at several that share them."""
+
+    effect: Effect
+    places: tuple[Place, ...]
+    shape: Shape
+    beta: FloatArray
+    words: str
+
+    @property
+    def is_costly(self) -> bool:
+        """Whether its columns are a simulation of their own."""
+        return self.effect.costly
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Option:
+    """What may be there instead, its figures not known yet."""
+
+    effect: Effect
+    places: tuple[tuple[Place, ...], ...]  # those to choose from
+    listed: bool  # by the diagnosis; else only often confused with it
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Question:
+    """A finding that is not settled."""
+
+    finding: Finding
+    own: Cause
+    options: tuple[Option, ...]
+    why: str  # what is open, in words
+
+
+def open_findings(diagnosis: Diagnosis) -> tuple[Finding, ...]:
+    """Findings, suspected ones too, that list equivalents or are less sure than is enough."""
+    found = (*diagnosis.findings, *diagnosis.suspected)
+    return tuple(each for each in found if each.equivalents or each.confidence < ENOUGH)
+
+
+def beyond_motion(finding: Finding) -> str:
+    """Why no motion settles a finding, in words; "" where one may."""
+    effect = CATALOGUE.get(finding.effect)
+    name = finding.effect.replace("_", " ")
+    if effect is None or effect.sought == "last":
+        return f"{name}: it has no name whose torque could be foretold"
+    if effect.sought == "windows":
+        return f"{name}: it happened once"
+    if effect.sought == "channels":
+        return f"{name}: it is in the log, whatever the robot does"
+    return ""
+
+
+def questions_of(findings: Iterable[Finding], prepared: Prepared) -> tuple[Question, ...]:
+    """One for each finding that a motion may settle.
+
+    Args:
+        findings: `open_findings` of the study's diagnosis.
+        prepared: the study.
+    """
+    return tuple(_question(each, prepared) for each in findings if not beyond_motion(each))
+
+
+def cause_of(finding: Finding, prepared: Prepared) -> Cause:
+    """What a finding says, along any motion."""
+    effect = CATALOGUE[finding.effect]
+    shape, beta = effect.coefficients(finding.values, finding.shape)
+    places = places_of(finding, prepared.body, prepared.study.joints)
+    return Cause(
+        effect=effect,
+        places=tuple(_always(place) for place in places),
+        shape=shape,
+        beta=beta,
+        words=said(effect, finding.joints, finding.links),
+    )
+
+
+def said(effect: Effect, joints: Sequence[str], links: Sequence[str]) -> str:
+    """An effect and its place in words."""
+    where = where_in_words(effect.on, tuple(joints), tuple(links))
+    return f"{effect.words} at {where[0].lower()}{where[1:]}"
+
+
+def _question(finding: Finding, prepared: Prepared) -> Question:
+    listed = [
+        Option(effect=CATALOGUE[each.effect], places=(at,), listed=True)
+        for each in finding.equivalents
+        if each.effect in CATALOGUE
+        and (at := _at(each.effect, each.joints, each.links, prepared))
+    ]
+    own = cause_of(finding, prepared)
+    names = {option.effect.id for option in listed} | {finding.effect}
+    confused = [CATALOGUE[name] for name in own.effect.confused_with if name in CATALOGUE]
+    others = [
+        Option(effect=effect, places=near, listed=False)
+        for effect in confused
+        if effect.id not in names
+        and effect.sought == "candidates"
+        and (near := _near(effect, own, prepared))
+    ]
+    reasons = []
+    if finding.equivalents:
+        names_of = ", ".join(each.effect.replace("_", " ") for each in finding.equivalents)
+        reasons.append(f"explained as well by {names_of}")
+    if finding.confidence < ENOUGH:
+        reasons.append(f"confidence {finding.confidence:.2f}")
+    return Question(
+        finding=finding, own=own, options=(*listed, *others), why="; ".join(reasons)
+    )
+
+
+def _at(
+    effect: str, joints: tuple[str, ...], links: tuple[str, ...], prepared: Prepared
+) -> tuple[Place, ...]:
+    found = places_of(
+        Finding(effect=effect, joints=joints, links=links), prepared.body, prepared.study.joints
+    )
+    return tuple(_always(place) for place in found)
+
+
+def _near(effect: Effect, own: Cause, prepared: Prepared) -> tuple[tuple[Place, ...], ...]:
+    """Places of another effect at the joints or links of a cause, one cause each."""
+    here = {k for place in own.places for k in _indices(place)}
+    base = any(not _indices(place) for place in own.places)
+    places = effect.places(prepared.fit.motions)
+    near = [
+        place for place in places if base or not _indices(place) or here & {*_indices(place)}
+    ]
+    return tuple((place,) for place in near if place.held is None)
+
+
+def _indices(place: Place) -> tuple[int, ...]:
+    return place.joints if place.link is None else (*place.joints, place.link)
+
+
+def _always(place: Place) -> Place:
+    """Without a window of time, which no other motion has."""
+    if place.gate is not None and place.gate.of != "position":
+        place = replace(place, gate=None)
+    return replace(place, recording=None, window=None)

@@ -1,0 +1,292 @@
+"""What a motion is expected to say of each question: the refitted rival against the truth.
+
+For a cause A that is true and a rival B, the rows that A adds along the motion are fitted by B's
+columns, whatever its figures and of several shapes, with all that is ordinary beside it: friction,
+offset and rotor of every joint, the other findings, bodies within the user's trust. Half of what
+that leaves, in the noise of the recordings, is the expected log likelihood ratio (T-optimality,
+Atkeson and Fedorov, Biometrika 62(1), 1975). So it is with B true and A fitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..motion.balances import Balances
+from ..motion.place import Key, Place, Shape
+from ..motion.prepare import Prepared
+from ..regression.background import has_its_like
+from ..regression.trusted_bodies import trusted
+from ..select.candidates import same_kind
+from ..study.recording import FloatArray
+from .expected import Prospect, Rivalry, clarity, expected_confidence
+from .foretold import Foretold
+from .path import Path
+from .questions import Cause, Option, Question, said
+from .rows import Columns, Noise, Sheet, columns_at, contribution, noise_of
+
+_SHAPES = 4  # of a rival that are tried
+_KNOWN = 9.0  # decrease of the cost in the recordings from which a rival's figures are known
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rival:
+    """What may be there instead, with its figures where the recordings tell them."""
+
+    cause: Cause
+    listed: bool
+    known: bool
+
+
+class Weigher:
+    """Of one study and its questions."""
+
+    def __init__(
+        self, prepared: Prepared, questions: Sequence[Question], causes: Sequence[Cause]
+    ) -> None:
+        """Fits the rivals' figures to the recordings.
+
+        Args:
+            prepared: the study.
+            questions: what is to be settled.
+            causes: all that was found, the questions' own among them.
+        """
+        self.prepared, self.questions, self.causes = prepared, tuple(questions), tuple(causes)
+        self.limits = prepared.study.thresholds
+        self.noise = noise_of(prepared.fit, causes)
+        self.foretold = Foretold(prepared, causes)
+        self.rivals = tuple(self._rivals(question) for question in self.questions)
+
+    def prospects(self, path: Path, *, costly: bool = True) -> tuple[Prospect, ...]:
+        """Of each question along a path.
+
+        Args:
+            path: from rest to rest.
+            costly: whether effects whose columns are simulations are looked at, too.
+        """
+        return self.prospects_of(self.foretold.balances(path), costly=costly)
+
+    def prospects_of(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
+        """The same of a path's balances."""
+        sheet = Sheet(balances=balances, noise=self.noise)
+        plain = self._ordinary(sheet, bodies=any(not _is_ordinary(q) for q in self.questions))
+        return tuple(
+            self._prospect(sheet, plain, question, rivals, costly)
+            for question, rivals in zip(self.questions, self.rivals, strict=True)
+        )
+
+    def score(self, prospects: Sequence[Prospect]) -> float:
+        """The more, the better a motion settles all of them."""
+        each = [clarity(prospect, self.limits) for prospect in prospects]
+        return float(min(low for low, _ in each) + 0.3 * np.mean([mean for _, mean in each]))
+
+    def _ordinary(self, sheet: Sheet, *, bodies: bool) -> dict[object, Cause | None]:
+        """Adds what is ordinary, and what else was found; their names, with causes where any."""
+        balances, names = sheet.balances, {}
+        for j in range(balances.n):
+            place = Place(joints=(j,))
+            for effect in CATALOGUE.values():
+                if not effect.ordinary or effect.complexity > 1:
+                    continue
+                if place not in effect.places(balances.motions):
+                    continue
+                for shape in effect.asked(balances.motions, place)[:1]:
+                    columns = balances.compute(effect, place, shape)
+                    name = ("ordinary", effect.id, place)
+                    if columns:
+                        sheet.add(name, columns)
+                        cause = Cause(
+                            effect=effect, places=(place,), shape=shape, beta=np.ones(1), words=""
+                        )
+                        names[name] = cause
+        trust = self.prepared.study.trust.rigid_body
+        for term in trusted(balances, trust or (self.limits.background.bodies if bodies else 0.0)):
+            name = ("body", term.place.link)
+            sheet.add(name, term.columns, term.prior)
+            names[name] = None
+        return names
+
+    def _prospect(
+        self,
+        sheet: Sheet,
+        plain: dict[object, Cause | None],
+        question: Question,
+        rivals: Sequence[Rival],
+        costly: bool,
+    ) -> Prospect:
+        own = question.own
+        truth = ("true", id(own))
+        if not sheet.knows(truth):
+            sheet.add(truth, contribution(sheet.balances, own))
+        found = []
+        for rival in rivals:
+            if not costly and (rival.cause.is_costly or own.is_costly):
+                continue
+            found.append(self._rivalry(sheet, plain, own, rival))
+        beside = self._beside(plain, own, None)
+        energy = sheet.left(truth, beside)
+        acting = sheet.acting(truth)
+        gain = energy / max(energy + acting, 1e-9)
+        kept = tuple(found)
+        return Prospect(
+            finding=own.words,
+            why=question.why,
+            confidence_before=question.finding.confidence,
+            gain=gain,
+            rivalries=kept,
+            confidence=expected_confidence(gain, kept, self.limits),
+        )
+
+    def _rivalry(
+        self, sheet: Sheet, plain: dict[object, Cause | None], own: Cause, rival: Rival
+    ) -> Rivalry:
+        other = rival.cause
+        own_left, own_share = self._left(sheet, plain, own, other)
+        if rival.known:
+            other_left, other_share = self._left(sheet, plain, other, own)
+        else:
+            other_left, other_share = np.inf, 1.0
+        alike = same_kind(own.effect.id, other.effect.id) and own.places == other.places
+        search = self.limits.search
+        return Rivalry(
+            rival=other.words,
+            listed=rival.listed,
+            if_own=0.5 * own_left,
+            if_rival=0.5 * other_left,
+            share=min(own_share, other_share),
+            least_share=1.0 - search.same_kind if alike else search.tie,
+        )
+
+    def _left(
+        self, sheet: Sheet, plain: dict[object, Cause | None], true: Cause, other: Cause
+    ) -> tuple[float, float]:
+        """What the other leaves of the true one, and as a share of what nothing else explains."""
+        name = ("true", id(true))
+        if not sheet.knows(name):
+            sheet.add(name, contribution(sheet.balances, true))
+        beside = self._beside(plain, true, other)
+        alone = sheet.left(name, beside)
+        if alone <= 0.0:
+            return 0.0, 0.0
+        least = alone
+        for shape in self._shapes(sheet.balances, other):
+            column = ("columns", id(other), shape)
+            if not sheet.knows(column):
+                sheet.add(column, columns_at(sheet.balances, other, shape))
+            least = min(least, sheet.left(name, [*beside, column]))
+        return least, least / alone
+
+    def _beside(
+        self, plain: dict[object, Cause | None], one: Cause, other: Cause | None
+    ) -> list[object]:
+        """Names of what is fitted beside two causes: nothing that is either of them."""
+        kept = []
+        for name, cause in plain.items():
+            if cause is not None and any(
+                _is_the_same(cause, each) for each in (one, other) if each is not None
+            ):
+                continue
+            if cause is None and one.effect.is_body and name[1] in _links(one):  # type: ignore[index]
+                continue
+            kept.append(name)
+        return kept
+
+    def _shapes(self, balances: Balances, cause: Cause) -> list[Shape]:
+        """The one it was found with, and others."""
+        effect = cause.effect
+        if effect.costly:
+            return [cause.shape]
+        shapes = effect.shapes(balances.motions, cause.places[0])
+        variant = effect.variant(cause.shape)
+        others = [s for s in shapes if s != cause.shape and effect.variant(s) == variant]
+        step = max(1, -(-len(others) // _SHAPES))
+        return [cause.shape, *others[::step]]
+
+    def _rivals(self, question: Question) -> tuple[Rival, ...]:
+        found = []
+        for option in question.options:
+            best = self._best(question, option)
+            if best is not None:
+                found.append(best)
+        return tuple(found)
+
+    def _best(self, question: Question, option: Option) -> Rival | None:
+        """The place and shape that fit the recordings best in the place of the question's own."""
+        b = self.prepared.fit
+        sheet = Sheet(balances=b, noise=self.noise)
+        plain = self._ordinary(sheet, bodies=False)
+        target = _target(b, [cause for cause in self.causes if cause is not question.own])
+        sheet.add("target", target)
+        best: tuple[float, Cause] | None = None
+        for places in option.places:
+            for shape in option.effect.shapes(b.motions, places[0]):
+                made = Cause(
+                    effect=option.effect,
+                    places=places,
+                    shape=shape,
+                    beta=np.zeros(0),
+                    words=self._said(option, places),
+                )
+                columns = columns_at(b, made, shape)
+                if not columns:
+                    continue
+                name = ("columns", places, shape)
+                sheet.add(name, columns)
+                beside = self._beside(plain, made, question.own)
+                gain = sheet.left("target", beside) - sheet.left("target", [*beside, name])
+                beta = _bounded(option, sheet.fitted(name, "target", beside), len(places))
+                if best is None or gain > best[0]:
+                    best = gain, replace(made, beta=beta)
+        if best is None:
+            return None
+        gain, cause = best
+        known = gain > _KNOWN and bool(np.any(cause.beta))
+        return Rival(cause=cause, listed=option.listed, known=known)
+
+    def _said(self, option: Option, places: tuple[Place, ...]) -> str:
+        study, body = self.prepared.study, self.prepared.body
+        joints = [study.joints[j] for place in places for j in place.joints]
+        links = [
+            body.links[place.link] for place in places if place.link is not None and body is not None
+        ]
+        return said(option.effect, joints, links)
+
+
+def _target(balances: Balances, causes: Sequence[Cause]) -> dict[Key, FloatArray]:
+    """What recordings show beside these causes, a column for each key."""
+    target = {key: values[:, None].copy() for key, values in balances.residual.items()}
+    for cause in causes:
+        for key, column in contribution(balances, cause).items():
+            target[key] = target[key] - column
+    return target
+
+
+def _bounded(option: Option, beta: FloatArray, places: int) -> FloatArray:
+    """One cause's coefficients, within its bounds; the mean over places that share them."""
+    effect = option.effect
+    each = beta.reshape(places, -1).mean(axis=0)
+    if effect.fixed:
+        return np.ones(1)
+    lower, upper = effect.bounds
+    return np.asarray(np.clip(each, lower[: len(each)], upper[: len(each)]), dtype=np.float64)
+
+
+def _is_the_same(plain: Cause, cause: Cause) -> bool:
+    """Whether what is ordinary at a joint is a cause itself, or a coarser name for it."""
+    alike = plain.effect.id == cause.effect.id or same_kind(plain.effect.id, cause.effect.id)
+    return alike and plain.places[0] in [replace(p, gate=None) for p in cause.places]
+
+
+def _links(cause: Cause) -> set[int | None]:
+    return {place.link for place in cause.places}
+
+
+def _is_ordinary(question: Question) -> bool:
+    effect = question.own.effect
+    return has_its_like(effect) or effect.costly
+
+
+__all__ = ["Columns", "Noise", "Rival", "Weigher"]
