@@ -78,7 +78,7 @@ def poor_world(spec: WorldSpec, way: Way) -> PoorWorld:
     asked = effects[0].joints(draft.ref) or tuple(range(draft.arm.n))
     motions = [poor_motion(draft, rng, way, asked) for _ in range(2)]
     return PoorWorld(
-        draft=replace(draft, motions=motions, roles=["fit", "fit"]), effects=effects
+        draft=replace(draft, motions=motions, roles=["fit", "validate"]), effects=effects
     )
 
 

@@ -10,4 +10,4 @@ from .limits import Limits, limits_of
 from .proposal import Proposal
 from .propose import NothingToSettle, propose
 
-__all__ = ["Limits", "NothingToSettle", "Prospect", "Proposal", "limits_of", "propose"]
+__all__ = ["Limits", "NothingToSettle", "Proposal", "Prospect", "limits_of", "propose"]

@@ -92,7 +92,9 @@ class Clear:
             whole, rates = self._whole(q), np.zeros(self.robot.dof)
             rates[self._at] = dq
             for link in links[-3:]:
-                most = max(most, float(np.linalg.norm((self.robot.jacobian(whole, link) @ rates)[:3])))
+                most = max(
+                    most, float(np.linalg.norm((self.robot.jacobian(whole, link) @ rates)[:3]))
+                )
         return (most + 0.1 * fastest) * period
 
     def fitted(self, path: Path, start: FloatArray) -> Path:
@@ -146,9 +148,7 @@ class Clear:
         clearance = min(each.clearance for each in verdicts)
         apart = min(each.self_distance for each in verdicts)
         worst = min(verdicts, key=lambda each: min(each.clearance, each.self_distance))
-        return Verdict(
-            clearance=clearance, self_distance=apart, worst=worst.worst, time=worst.time
-        )
+        return Verdict(clearance=clearance, self_distance=apart, worst=worst.worst, time=worst.time)
 
     def _at_time(self, q: FloatArray, time: float) -> Verdict:
         result = self.solver.judge(*self._goal(self._whole(q)), obstacles=self.obstacles)

@@ -51,9 +51,7 @@ class Bounds:
             excess = limits.excess(path, foretold.torque(balances))
             if excess <= 1.0:
                 prospects = self.weigher.prospects_of(balances, costly=costly)
-                return Design(
-                    path=path, prospects=prospects, score=self.weigher.score(prospects)
-                )
+                return Design(path=path, prospects=prospects, score=self.weigher.score(prospects))
             path = path.toward(self.frame.start, max(0.5, 0.9 / excess))
         return None
 
@@ -95,9 +93,7 @@ def designed(
     if not looked:
         return None
     first = max(looked, key=lambda each: each.score)
-    return Design(
-        path=first.path, prospects=first.prospects, score=first.score, looked_at=count
-    )
+    return Design(path=first.path, prospects=first.prospects, score=first.score, looked_at=count)
 
 
 def start_of(recorded: FloatArray) -> FloatArray:

@@ -24,7 +24,9 @@ _SHORTEST = 2.5  # of a part [s]
 _TERMS = 5  # sines per joint
 _RATES = (0.08, 1.2)  # of them [Hz]
 _SLOWEST = 0.015  # of strokes, as a share of the speed limit
-_SMALLEST = 0.03  # of strokes, as a share of the room
+_SMALLEST = 0.006  # of strokes [rad]
+_LONGEST = 3.0  # that a stroke takes [s]
+_RAMP = 0.7  # share of the acceleration limit that strokes and moves take
 _WIDEST = 1.4  # room of a joint on either side of the pose, at most [rad]
 _TO_POSE = 0.6  # share of the speed limit at which the pose is gone to
 
@@ -164,7 +166,8 @@ def _stretch(part: Part, rows: int, room: FloatArray, frame: Frame) -> FloatArra
     """Swings of one part, (rows, n), that begin and end at the pose."""
     rng = np.random.default_rng(part.seed)
     make = {"sines": _sines, "strokes": _strokes, "moves": _moves}[part.kind]
-    path = make(rng, rows, part.pace * frame.limits.speed, part.reach * room)
+    limits = frame.limits
+    path = make(rng, rows, part.pace * limits.speed, part.reach * room, limits.acceleration)
     if part.alone and frame.asked:
         kept = np.isin(np.arange(path.shape[1]), frame.asked)
         path = path * kept
@@ -172,7 +175,9 @@ def _stretch(part: Part, rows: int, room: FloatArray, frame: Frame) -> FloatArra
     return path * (fade**2 * (3.0 - 2.0 * fade))[:, None]
 
 
-def _sines(rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray) -> FloatArray:
+def _sines(
+    rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray, rate: FloatArray
+) -> FloatArray:
     time, n = STEP * np.arange(rows), len(speed)
     path = np.zeros((rows, n))
     for j in range(n):
@@ -180,34 +185,54 @@ def _sines(rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatA
         phases, weights = rng.uniform(0.0, 2.0 * np.pi, _TERMS), rng.uniform(0.3, 1.0, _TERMS)
         wave = (np.sin(np.outer(time, rates) + phases) * (weights / rates)).sum(axis=1)
         wave -= wave.mean()
-        fastest = np.max(np.abs(np.gradient(wave, STEP)))
-        path[:, j] = wave * min(speed[j] / fastest, reach[j] / np.max(np.abs(wave)))
+        dwave = np.gradient(wave, STEP)
+        quickest = np.max(np.abs(np.gradient(dwave, STEP)))
+        path[:, j] = wave * min(
+            speed[j] / np.max(np.abs(dwave)),
+            reach[j] / np.max(np.abs(wave)),
+            _RAMP * rate[j] / quickest,
+        )
     return path
 
 
 def _strokes(
-    rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray
+    rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray, rate: FloatArray
 ) -> FloatArray:
-    """To and fro, every stroke with a speed and a length of its own, over two decades of both."""
+    """To and fro, every stroke with a speed and a length of its own, over decades of both.
+
+    A part has strokes of one order of length: what small ones tell, large ones would drown.
+    """
     path, n = np.zeros((rows, len(speed))), len(speed)
     for j in range(n):
-        times, places, at = [0.0], [0.0], 0.0
-        while times[-1] < rows * STEP:
+        usual = np.exp(rng.uniform(np.log(_SMALLEST), np.log(max(reach[j], 2.0 * _SMALLEST))))
+        at, row, sign = 0.0, 0, rng.choice([-1.0, 1.0])
+        while row < rows:
+            length = usual * np.exp(rng.uniform(-0.7, 0.7))
             pace = speed[j] * np.exp(rng.uniform(np.log(_SLOWEST), 0.0))
-            length = reach[j] * np.exp(rng.uniform(np.log(_SMALLEST), np.log(1.6)))
-            length = min(length, pace * rng.uniform(0.6, 3.0))
-            sign = -1.0 if len(times) % 2 else 1.0
+            pace = max(pace, min(length / _LONGEST, speed[j]))
             aim = float(np.clip(at + sign * length, -reach[j], reach[j]))
-            if abs(aim - at) < 1e-3 * reach[j]:
-                aim = at - sign * min(length, reach[j])
-            times.append(times[-1] + abs(aim - at) / pace)
-            places.append(aim)
-            at = aim
-        path[:, j] = np.interp(STEP * np.arange(rows), times, places)
+            stroke = _stroke(abs(aim - at), pace, _RAMP * rate[j])
+            end = min(row + len(stroke), rows)
+            path[row:end, j] = at + np.sign(aim - at) * stroke[: end - row]
+            at, row, sign = aim, end, -sign
     return path
 
 
-def _moves(rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray) -> FloatArray:
+def _stroke(length: float, pace: float, rate: float) -> FloatArray:
+    """From 0 to a length with a trapezoid of speed, on the grid of a path."""
+    pace = min(pace, float(np.sqrt(rate * max(length, 1e-6))))
+    ramp = pace / rate
+    whole = ramp + length / pace
+    rows = max(round(whole / STEP), 2)
+    t = np.linspace(0.0, whole, rows)
+    speed = np.clip(np.minimum(t, whole - t) / ramp, 0.0, 1.0)
+    way = np.cumsum(speed)
+    return np.asarray(length * way / way[-1], dtype=np.float64)
+
+
+def _moves(
+    rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray, rate: FloatArray
+) -> FloatArray:
     """From pose to pose with a short rest at each, all joints together or half of them."""
     n = len(speed)
     path, row, here = np.zeros((rows, n)), 0, np.zeros(n)
@@ -215,8 +240,11 @@ def _moves(rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatA
         goal = rng.uniform(-1.0, 1.0, n) * reach
         if rng.random() < 0.3:
             goal = np.where(rng.random(n) < 0.5, goal, here)
-        needed = float(np.max(1.25 * np.abs(goal - here) / speed))
-        count = max(round(max(needed, 0.3) / STEP), 2)
+        way = np.abs(goal - here)
+        # With ramps of a fifth the speed is 1.25 D / T, the acceleration 6.25 D / T^2.
+        by_rate = float(np.max(np.sqrt(6.25 * way / (_RAMP * rate))))
+        needed = max(float(np.max(1.25 * way / speed)), by_rate, 0.3)
+        count = max(round(needed / STEP), 2)
         t = np.linspace(0.0, 1.0, count)
         pace = np.cumsum(np.clip(np.minimum(t, 1.0 - t) / 0.2, 0.0, 1.0))
         end = min(row + count, rows)

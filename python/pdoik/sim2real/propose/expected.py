@@ -10,6 +10,7 @@ from ..confirm.confidence import confidence_of
 from ..findings import Support
 from ..thresholds import Thresholds
 
+_ENOUGH = 4.0  # clarity from which more is not sought
 _NO_SUPPORT = Support(
     weight=0.0, gain=0.0, t=0.0, size=0.0, agree=0, sessions=0, blocks=0, left=0.0, rivals=0
 )
@@ -65,12 +66,11 @@ def clarity(prospect: Prospect, limits: Thresholds) -> tuple[float, float]:
         for each in prospect.rivalries
     ]
     listed = [p for p, each in zip(parts, prospect.rivalries, strict=True) if each.listed]
-    return float(min(min([seen, *listed]), 2.0)), float(np.mean(np.minimum([seen, *parts], 2.0)))
+    least, mean = min([seen, *listed]), np.mean(np.minimum([seen, *parts], _ENOUGH))
+    return float(min(least, _ENOUGH)), float(mean)
 
 
-def expected_confidence(
-    gain: float, rivalries: tuple[Rivalry, ...], limits: Thresholds
-) -> float:
+def expected_confidence(gain: float, rivalries: tuple[Rivalry, ...], limits: Thresholds) -> float:
     """Of a name: of what is there by its gain, times the odds against every other name.
 
     Ratios are held to fall short by `propose.doubt` of their standard deviations: a log ratio of

@@ -20,6 +20,16 @@ _COARSE = 2  # rows of a path that a look takes together, where the balances' cu
 _BELOW = 0.4  # cut-off times period, at most
 
 
+def followed(asked: FloatArray, stuck: FloatArray) -> FloatArray:
+    """Positions (T, n) of joints that stand until they are asked to be `stuck` (n,) elsewhere."""
+    q = np.empty_like(asked)
+    at = asked[0]
+    for t, row in enumerate(asked):
+        at = np.minimum(np.maximum(at, row - stuck), row + stuck)
+        q[t] = at
+    return q
+
+
 class _Noiseless(Balances):
     """Balances of channels without noise: none is looked for."""
 
@@ -40,9 +50,10 @@ class Foretold:
         first = prepared.fit.motions[0]
         self._like = first.recording
         self._noise = np.full(prepared.fit.n, 1e-14)
-        every = _COARSE if _BELOW / (_COARSE * STEP) >= prepared.cutoff else 1
+        every = _COARSE if prepared.cutoff <= _BELOW / (_COARSE * STEP) else 1
         self.every = every
         self.cutoff = min(prepared.cutoff, _BELOW / (every * STEP))
+        self._stuck = self._sticking()
 
     def balances(self, path: Path) -> Balances:
         """Of the path, with residuals of nothing."""
@@ -76,8 +87,24 @@ class Foretold:
                         tau[:, channel] += column @ cause.beta[: column.shape[1]]
         return tau
 
+    def _sticking(self) -> FloatArray:
+        """Error (n,) that each joint's dry friction lets stand before the controller moves it."""
+        control = self.prepared.study.controller
+        stuck = np.zeros(self.prepared.fit.n)
+        if control is None:
+            return stuck
+        for cause in self.causes:
+            if cause.effect.one_of == "dry" and len(cause.beta):
+                for place in cause.places:
+                    stiff = max(float(control.kp[place.joints[0]]), 1e-9)
+                    stuck[place.joints[0]] += abs(float(cause.beta[0])) / stiff
+        return stuck
+
     def _recording(self, path: Path) -> Recording:
-        q, dq, ddq = (each[:: self.every] for each in (path.q, path.dq, path.ddq))
+        asked_for, step = path.q[:: self.every], self.every * STEP
+        q = followed(asked_for, self._stuck) if self._stuck.any() else asked_for
+        dq = np.gradient(q, step, axis=0)
+        ddq = np.gradient(dq, step, axis=0)
         study, body, like = self.prepared.study, self.body, self._like
         tau = body.torque(q, dq, ddq) + body.rotor * ddq
         control = study.controller
@@ -87,7 +114,7 @@ class Foretold:
             if like.dq_des is None:
                 asked = asked + control.kd * dq
             q_des = q + asked / control.kp
-        time = self.every * STEP * np.arange(len(q))
+        time = step * np.arange(len(q))
 
         def if_there(name: str, values: FloatArray) -> FloatArray | None:
             there = getattr(like, name)
@@ -107,7 +134,7 @@ class Foretold:
             tau_cmd=if_there("tau_cmd", tau),
             tip=None if like.tip is None else self._tip(q),
             valid=np.ones(len(q), dtype=np.bool_),
-            raw_period=self.every * STEP,
+            raw_period=step,
             jitter=0.0,
         )
 

@@ -11,7 +11,7 @@ from ..study.recording import FloatArray
 
 STEP = 0.01  # of the grid [s]
 REST = 0.25  # at either end [s]
-_ROUNDING = 0.12  # of corners: half the width of the window that they are rounded with [s]
+_ROUNDING = 0.04  # of corners: half the width of the window that they are rounded with [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,9 +39,7 @@ class Path:
 
     def toward(self, start: FloatArray, share: float) -> Path:
         """The same shrunk towards one configuration: all of it at 1, nothing but that at 0."""
-        return Path(
-            q=start + share * (self.q - start), dq=share * self.dq, ddq=share * self.ddq
-        )
+        return Path(q=start + share * (self.q - start), dq=share * self.dq, ddq=share * self.ddq)
 
 
 def path_of(q: FloatArray) -> Path:

@@ -105,8 +105,7 @@ def _question(finding: Finding, prepared: Prepared) -> Question:
     listed = [
         Option(effect=CATALOGUE[each.effect], places=(at,), listed=True)
         for each in finding.equivalents
-        if each.effect in CATALOGUE
-        and (at := _at(each.effect, each.joints, each.links, prepared))
+        if each.effect in CATALOGUE and (at := _at(each.effect, each.joints, each.links, prepared))
     ]
     own = cause_of(finding, prepared)
     names = {option.effect.id for option in listed} | {finding.effect}
@@ -124,9 +123,7 @@ def _question(finding: Finding, prepared: Prepared) -> Question:
         reasons.append(f"explained as well by {names_of}")
     if finding.confidence < ENOUGH:
         reasons.append(f"confidence {finding.confidence:.2f}")
-    return Question(
-        finding=finding, own=own, options=(*listed, *others), why="; ".join(reasons)
-    )
+    return Question(finding=finding, own=own, options=(*listed, *others), why="; ".join(reasons))
 
 
 def _at(
@@ -143,9 +140,7 @@ def _near(effect: Effect, own: Cause, prepared: Prepared) -> tuple[tuple[Place, 
     here = {k for place in own.places for k in _indices(place)}
     base = any(not _indices(place) for place in own.places)
     places = effect.places(prepared.fit.motions)
-    near = [
-        place for place in places if base or not _indices(place) or here & {*_indices(place)}
-    ]
+    near = [place for place in places if base or not _indices(place) or here & {*_indices(place)}]
     return tuple((place,) for place in near if place.held is None)
 
 

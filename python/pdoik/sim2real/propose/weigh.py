@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects import CATALOGUE
+from ..effects import CATALOGUE, Effect
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
 from ..motion.prepare import Prepared
@@ -59,6 +59,25 @@ class Weigher:
         self.noise = noise_of(prepared.fit, causes)
         self.foretold = Foretold(prepared, causes)
         self.rivals = tuple(self._rivals(question) for question in self.questions)
+        self._recorded: dict[tuple[int, int], tuple[float, float]] = {}
+        self._remember()
+
+    def _remember(self) -> None:
+        """What the recordings themselves say of each pair: little, but they count afterwards."""
+        sheet = Sheet(balances=self.prepared.fit, noise=self.noise)
+        plain = self._ordinary(sheet, bodies=self._bodies)
+        for question, rivals in zip(self.questions, self.rivals, strict=True):
+            for rival in rivals:
+                for true, other in (
+                    (question.own, rival.cause),
+                    *(((rival.cause, question.own),) if rival.known else ()),
+                ):
+                    self._recorded[id(true), id(other)] = self._left(sheet, plain, true, other)
+
+    @property
+    def _bodies(self) -> bool:
+        """Whether bodies may be a tenth off where nobody says so: beside what is peculiar."""
+        return any(not _is_ordinary(question) for question in self.questions)
 
     def prospects(self, path: Path, *, costly: bool = True) -> tuple[Prospect, ...]:
         """Of each question along a path.
@@ -72,7 +91,7 @@ class Weigher:
     def prospects_of(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
         """The same of a path's balances."""
         sheet = Sheet(balances=balances, noise=self.noise)
-        plain = self._ordinary(sheet, bodies=any(not _is_ordinary(q) for q in self.questions))
+        plain = self._ordinary(sheet, bodies=self._bodies)
         return tuple(
             self._prospect(sheet, plain, question, rivals, costly)
             for question, rivals in zip(self.questions, self.rivals, strict=True)
@@ -144,9 +163,9 @@ class Weigher:
         self, sheet: Sheet, plain: dict[object, Cause | None], own: Cause, rival: Rival
     ) -> Rivalry:
         other = rival.cause
-        own_left, own_share = self._left(sheet, plain, own, other)
+        own_left, own_share = self._with_recorded(sheet, plain, own, other)
         if rival.known:
-            other_left, other_share = self._left(sheet, plain, other, own)
+            other_left, other_share = self._with_recorded(sheet, plain, other, own)
         else:
             other_left, other_share = np.inf, 1.0
         alike = same_kind(own.effect.id, other.effect.id) and own.places == other.places
@@ -160,10 +179,22 @@ class Weigher:
             least_share=1.0 - search.same_kind if alike else search.tie,
         )
 
+    def _with_recorded(
+        self, sheet: Sheet, plain: dict[object, Cause | None], true: Cause, other: Cause
+    ) -> tuple[float, float]:
+        """What the other leaves of the true one, recordings included, and as a share.
+
+        Figures may differ between the two, which makes what is left less than it will be.
+        """
+        before, whole = self._recorded[id(true), id(other)]
+        left, alone = self._left(sheet, plain, true, other)
+        total = left + before
+        return total, total / max(alone + whole, 1e-300)
+
     def _left(
         self, sheet: Sheet, plain: dict[object, Cause | None], true: Cause, other: Cause
     ) -> tuple[float, float]:
-        """What the other leaves of the true one, and as a share of what nothing else explains."""
+        """What the other leaves of the true one, and what is left of it without the other."""
         name = ("true", id(true))
         if not sheet.knows(name):
             sheet.add(name, contribution(sheet.balances, true))
@@ -177,7 +208,7 @@ class Weigher:
             if not sheet.knows(column):
                 sheet.add(column, columns_at(sheet.balances, other, shape))
             least = min(least, sheet.left(name, [*beside, column]))
-        return least, least / alone
+        return least, alone
 
     def _beside(
         self, plain: dict[object, Cause | None], one: Cause, other: Cause | None
@@ -199,11 +230,14 @@ class Weigher:
         effect = cause.effect
         if effect.costly:
             return [cause.shape]
-        shapes = effect.shapes(balances.motions, cause.places[0])
         variant = effect.variant(cause.shape)
-        others = [s for s in shapes if s != cause.shape and effect.variant(s) == variant]
-        step = max(1, -(-len(others) // _SHAPES))
-        return [cause.shape, *others[::step]]
+        shapes = [
+            shape
+            for shape in effect.shapes(balances.motions, cause.places[0])
+            if effect.variant(shape) == variant
+        ]
+        step = max(1, -(-len(shapes) // _SHAPES))
+        return list(dict.fromkeys([cause.shape, *shapes[::step], *_ends(effect, shapes)]))
 
     def _rivals(self, question: Question) -> tuple[Rival, ...]:
         found = []
@@ -250,9 +284,20 @@ class Weigher:
         study, body = self.prepared.study, self.prepared.body
         joints = [study.joints[j] for place in places for j in place.joints]
         links = [
-            body.links[place.link] for place in places if place.link is not None and body is not None
+            body.links[place.link]
+            for place in places
+            if place.link is not None and body is not None
         ]
         return said(option.effect, joints, links)
+
+
+def _ends(effect: Effect, shapes: Sequence[Shape]) -> list[Shape]:
+    """The lowest and highest of a single nonlinear parameter: the diagnosis goes as far."""
+    if not shapes or len(shapes[0]) != 1:
+        return []
+    low, high = min(shapes), max(shapes)
+    ends = effect.shape_bounds(low)[0][0], effect.shape_bounds(high)[0][1]
+    return [(end,) for end in ends if np.isfinite(end)]
 
 
 def _target(balances: Balances, causes: Sequence[Cause]) -> dict[Key, FloatArray]:
