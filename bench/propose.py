@@ -30,7 +30,7 @@ from diagnosis_score import last_link, name_of, placed
 from intervals import share
 from markdown import markdown_table
 from pdoik.sim2real import Diagnosis, examine, model_of
-from pdoik.sim2real.propose import NothingToSettle, Proposal, propose
+from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
 from pdoik.sim2real.propose.propose import Wishes
 from pdoik.sim2real.propose.questions import open_findings
 from propose_worlds import WAYS, PoorWorld, Way, motion_of, poor_world
@@ -133,7 +133,7 @@ def _followed(spec: WorldSpec, way: Way, search: float, folder: Path) -> Row:
         wishes = Wishes(seconds=SECONDS, random=kind == "random", search=search)
         try:
             proposal = propose(report, wishes)
-        except NothingToSettle as error:
+        except NothingToSettleError as error:
             return row | {"open": False, "error": str(error)}
         study = world.write(folder / kind, run_of(proposal, world))
         after = _diagnosed(study, folder / f"report {kind}")

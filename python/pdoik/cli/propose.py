@@ -112,7 +112,7 @@ def propose(
     """
     _check(report, output)
     with extra_needed("propose"), misuse_fails():
-        from pdoik.sim2real.propose import NothingToSettle
+        from pdoik.sim2real.propose import NothingToSettleError
         from pdoik.sim2real.propose import propose as proposed
         from pdoik.sim2real.propose.propose import Wishes
 
@@ -145,7 +145,7 @@ def propose(
         try:
             with story() as tell:
                 proposal = proposed(report, wishes, tell)
-        except NothingToSettle as error:
+        except NothingToSettleError as error:
             err.print(escape(str(error)), highlight=False)
             raise typer.Exit(NOTHING) from error
         proposal.save(output)

@@ -86,7 +86,7 @@ class Clear:
         fastest = float(np.max(np.linalg.norm(path.dq, axis=1)))
         rows = path.q[:: max(1, round(_LOOK / STEP))]
         speed = path.dq[:: max(1, round(_LOOK / STEP))]
-        links = [each for each in self.robot.link_names]
+        links = list(self.robot.link_names)
         most = 0.0
         for q, dq in zip(rows, speed, strict=True):
             whole, rates = self._whole(q), np.zeros(self.robot.dof)

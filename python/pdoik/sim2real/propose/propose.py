@@ -35,7 +35,7 @@ _EFFORT = 400  # motions that are looked at
 _SEARCH = 60.0  # that the search takes at most [s]
 
 
-class NothingToSettle(ValueError):
+class NothingToSettleError(ValueError):
     """A diagnosis lists no equivalents and is sure of all it found, or no motion would help."""
 
 
@@ -79,7 +79,7 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         tell: called with a stage's name, words, and the share of the work done.
 
     Raises:
-        NothingToSettle: no motion is needed, or none would help.
+        NothingToSettleError: no motion is needed, or none would help.
         LoadError: a file of the report, or the study, is not there or is not what it should be.
         ValueError: limits are missing, or the start breaks them.
     """
@@ -88,12 +88,12 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
     findings = open_findings(diagnosis)
     unsettled = tuple(said for each in findings if (said := beyond_motion(each)))
     if not findings:
-        raise NothingToSettle(
+        raise NothingToSettleError(
             "there is nothing to settle: every finding has a confidence of 0.9 or more and no"
             " equivalents"
         )
     if len(unsettled) == len(findings):
-        raise NothingToSettle(f"no motion would settle what is open: {'; '.join(unsettled)}")
+        raise NothingToSettleError(f"no motion would settle what is open: {'; '.join(unsettled)}")
     study = load_study(_study_file(model, wishes))
     with threadpool_limits(limits=1, user_api="blas"):
         ready = made_ready(study, lambda stage, text, share: say(stage, text, 0.5 * share))
