@@ -69,7 +69,7 @@ def main(
     out: OutFolder = BUILD / "propose",
     quick: Quick = False,
     wanted: Annotated[int, typer.Option(min=1, help="Studies that leave something open.")] = 60,
-    search: Annotated[float, typer.Option(help="Seconds of each search.")] = 25.0,
+    effort: Annotated[int, typer.Option(min=1, help="Motions that each search looks at.")] = 60,
     seed: Seed = 8000,
 ) -> None:
     """Diagnose, propose, run, diagnose again, count."""
@@ -77,7 +77,7 @@ def main(
         wanted, out = 2, out.with_name(out.name + "-quick")
     if seed + 1000 > FIRST_PROOF_SEED:
         raise typer.BadParameter("is a proof's: these are for development", param_hint="--seed")
-    settings = {"experiment": "propose", "code": code(), "seed": seed, "search": search}
+    settings = {"experiment": "propose", "code": code(), "seed": seed, "effort": effort}
     with plain_errors():
         campaign = Campaign(out, settings)
         names: list[str] = []
@@ -86,7 +86,7 @@ def main(
             name = f"{spec.seed}-{spec.effect}-{way.replace(' ', '-')}"
             names.append(name)
             if not campaign.has(name):
-                campaign.keep(name, [study_row(spec, way, search)])
+                campaign.keep(name, [study_row(spec, way, effort)])
             row = campaign.gather([name]).iloc[0]
             done += bool(row.open)
             console.print(f"{done} {name} {spec.robot}: {line(row)}", highlight=False)
@@ -105,7 +105,7 @@ def specs(first: int) -> Iterator[tuple[WorldSpec, Way]]:
         yield WorldSpec(seed=first + k, effect=effect, robot=robot), way
 
 
-def study_row(spec: WorldSpec, way: Way, search: float) -> Row:
+def study_row(spec: WorldSpec, way: Way, effort: int) -> Row:
     """All of one study."""
     row: Row = {**asdict(spec), "way": way, "size": 0.0, "open": False, "error": ""}
     row |= dict.fromkeys(("before", "expected", "hidden"), "[]")
@@ -115,13 +115,13 @@ def study_row(spec: WorldSpec, way: Way, search: float) -> Row:
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="pdoik-propose-") as folder:
         try:
-            row |= _followed(spec, way, search, Path(folder))
+            row |= _followed(spec, way, effort, Path(folder))
         except Exception as error:  # a study the tool breaks on counts as not settled
             row["error"] = f"{type(error).__name__}: {error}"
     return row | {"seconds": time.perf_counter() - begin}
 
 
-def _followed(spec: WorldSpec, way: Way, search: float, folder: Path) -> Row:
+def _followed(spec: WorldSpec, way: Way, effort: int, folder: Path) -> Row:
     world = poor_world(spec, way)
     report = folder / "report"
     before = _diagnosed(world.write(folder / "before"), report)
@@ -130,7 +130,8 @@ def _followed(spec: WorldSpec, way: Way, search: float, folder: Path) -> Row:
     if not row["open"]:
         return row
     for kind in ("proposed", "random"):
-        wishes = Wishes(seconds=SECONDS, random=kind == "random", search=search)
+        random = kind == "random"
+        wishes = Wishes(seconds=SECONDS, random=random, effort=effort, search=np.inf)
         try:
             proposal = propose(report, wishes)
         except NothingToSettleError as error:
@@ -168,16 +169,16 @@ def _diagnosed(study: Path, report: Path) -> Diagnosis:
 def settled(diagnosis: Diagnosis, world: PoorWorld, *, strict: bool) -> bool:
     """Whether the true cause is named at its place with confidence, and nothing listed beside.
 
-    Leniently its name may be one that counts as the same, and names may be listed beside it.
+    A payload in the hand and an error of the hand's link count as one, for they are one body.
+    Leniently other names may still be listed beside it.
     """
     hidden = world.hidden
     last = last_link(joint_names(world.draft.arm))
     for finding in diagnosis.findings:
         entry = as_entry(finding)
-        right = entry["effect"] == hidden["effect"] if strict else True
-        right = right and name_of(entry, last) == name_of(hidden, last) and placed(entry, hidden)
         others = [each for each in finding.equivalents if not _same(as_entry(each), hidden, last)]
-        if right and finding.confidence >= SURE and not (strict and others):
+        right = _same(entry, hidden, last) and finding.confidence >= SURE
+        if right and not (strict and others):
             return True
     return False
 

@@ -132,9 +132,7 @@ def test_what_happened_once_is_settled_by_no_motion(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("missing", "option"), [('velocity="3"', "--max-speed"), ('effort="30"', "--max-torque")]
 )
-def test_a_limit_that_nobody_told_is_asked_for(
-    missing: str, option: str, tmp_path: Path
-) -> None:
+def test_a_limit_that_nobody_told_is_asked_for(missing: str, option: str, tmp_path: Path) -> None:
     study = write_study(tmp_path, URDF.replace(missing, missing.split("=")[0] + '="0"'))
     report = write_report(tmp_path, study, friction("presliding_hysteresis"))
     with pytest.raises(ValueError, match=f"no .* limit of .*elbow.*{option}"):

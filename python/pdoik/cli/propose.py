@@ -71,9 +71,7 @@ def propose(
     ] = None,
     max_speed: Annotated[
         float | None,
-        typer.Option(
-            help="Of joints whose description has none, rad/s.", rich_help_panel=_LIMITS
-        ),
+        typer.Option(help="Of joints whose description has none, rad/s.", rich_help_panel=_LIMITS),
     ] = None,
     max_torque: Annotated[
         float | None,
@@ -95,7 +93,9 @@ def propose(
     clearance: Clearance = _DEFAULTS.clearance,
     margin: Annotated[
         float,
-        typer.Option(help="Least distance between the robot's own hulls.", rich_help_panel=OBSTACLES),
+        typer.Option(
+            help="Least distance between the robot's own hulls.", rich_help_panel=OBSTACLES
+        ),
     ] = 0.0,
 ) -> None:
     """Propose the motion that separates best what a diagnosis could not tell apart.
@@ -123,7 +123,9 @@ def propose(
             loaded = (
                 _of_text(text, tip, occupancy, srdf)
                 if robot is None
-                else load_robot(robot, None, tip if robot.endswith("urdf") else None, occupancy, srdf)
+                else load_robot(
+                    robot, None, tip if robot.endswith("urdf") else None, occupancy, srdf
+                )
             )
             return _clear(loaded, joints, None if obstacles is None else obstacles.kept(), options)
 
@@ -250,7 +252,9 @@ def _print(proposal: Proposal, report: Path, output: Path, robot: str | None) ->
         ]
         out.print(f"nearest: {' and '.join(near) or 'nothing'}", highlight=False)
     shown = robot or "ROBOT.urdf"
-    out.print(escape(f"{output}: see it with  pdoik view {shown} --replay {output}"), highlight=False)
+    out.print(
+        escape(f"{output}: see it with  pdoik view {shown} --replay {output}"), highlight=False
+    )
     out.print(
         escape(
             f"then go to its first row, run it, log it, add the log to the study's recordings"

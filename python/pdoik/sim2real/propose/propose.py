@@ -13,7 +13,7 @@ from pdoik.errors import LoadError
 
 from ..diagnose import Tell, made_ready
 from ..evidence.files import DIAGNOSIS
-from ..findings import Diagnosis
+from ..findings import Diagnosis, Finding
 from ..model.model import FILE_NAME, Model, load_model, robot_text
 from ..motion.prepare import Prepared
 from ..study.read_study import load_study
@@ -24,7 +24,7 @@ from .excitation import Frame, random_motion
 from .limits import Limits, limits_of
 from .path import Path
 from .proposal import Proposal
-from .questions import Question, beyond_motion, cause_of, open_findings, questions_of
+from .questions import Cause, Question, beyond_motion, cause_of, open_findings, questions_of
 from .weigh import Weigher
 
 SHORTEST = 5.0
@@ -133,15 +133,21 @@ def _study_file(model: Model, wishes: Wishes) -> File:
     return told
 
 
-def _causes(diagnosis: Diagnosis, questions: tuple[Question, ...], prepared: Prepared) -> list:
-    """All that was found along a motion, with the questions' own causes among them."""
-    own = {id(question.finding): question.own for question in questions}
-    found = (*diagnosis.findings, *diagnosis.suspected)
-    return [
-        own.get(id(each)) or cause_of(each, prepared)
-        for each in found
-        if not beyond_motion(each) and (id(each) in own or each in diagnosis.findings)
+def _causes(
+    diagnosis: Diagnosis, questions: tuple[Question, ...], prepared: Prepared
+) -> list[Cause]:
+    """All that was found and acts along a motion, the questions' own causes among it."""
+    asked = {_name(question.finding) for question in questions}
+    others = [
+        cause_of(each, prepared)
+        for each in diagnosis.findings
+        if not beyond_motion(each) and _name(each) not in asked
     ]
+    return [*(question.own for question in questions), *others]
+
+
+def _name(finding: Finding) -> tuple[object, ...]:
+    return finding.effect, finding.joints, finding.links, finding.positions, finding.variant
 
 
 def _frame(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from ..effects import CATALOGUE, Effect
-from ..findings import Diagnosis, Finding
+from ..findings import Diagnosis, Equivalent, Finding
 from ..model.predict import places_of
 from ..motion.place import Place, Shape
 from ..motion.prepare import Prepared
@@ -53,9 +53,27 @@ class Question:
 
 
 def open_findings(diagnosis: Diagnosis) -> tuple[Finding, ...]:
-    """Findings, suspected ones too, that list equivalents or are less sure than is enough."""
-    found = (*diagnosis.findings, *diagnosis.suspected)
-    return tuple(each for each in found if each.equivalents or each.confidence < ENOUGH)
+    """What is suspected, and findings that list equivalents or are less sure than is enough.
+
+    What is listed as another name of the same body, a payload in the hand and an error of the
+    hand, is told apart by no motion: it is no equivalent here.
+    """
+    found = [
+        replace(each, equivalents=tuple(e for e in each.equivalents if not _one_body(each, e)))
+        for each in (*diagnosis.findings, *diagnosis.suspected)
+    ]
+    sure = len(diagnosis.findings)
+    return tuple(
+        each
+        for k, each in enumerate(found)
+        if k >= sure or each.equivalents or each.confidence < ENOUGH
+    )
+
+
+def _one_body(finding: Finding, other: Equivalent) -> bool:
+    names = CATALOGUE.get(finding.effect), CATALOGUE.get(other.effect)
+    bodies = all(effect is not None and effect.is_body for effect in names)
+    return bodies and finding.links == other.links and finding.effect != other.effect
 
 
 def beyond_motion(finding: Finding) -> str:
@@ -114,6 +132,7 @@ def _question(finding: Finding, prepared: Prepared) -> Question:
         Option(effect=effect, places=near, listed=False)
         for effect in confused
         if effect.id not in names
+        and not (effect.is_body and own.effect.is_body)
         and effect.sought == "candidates"
         and (near := _near(effect, own, prepared))
     ]
@@ -123,6 +142,8 @@ def _question(finding: Finding, prepared: Prepared) -> Question:
         reasons.append(f"explained as well by {names_of}")
     if finding.confidence < ENOUGH:
         reasons.append(f"confidence {finding.confidence:.2f}")
+    if not reasons:
+        reasons.append("only suspected: what is ordinary may explain it")
     return Question(finding=finding, own=own, options=(*listed, *others), why="; ".join(reasons))
 
 

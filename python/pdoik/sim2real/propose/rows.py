@@ -97,12 +97,18 @@ class Sheet:
         """Products of all columns."""
         done = len(self._gram)
         if self._parts:
-            old = self._whole
-            self._whole = np.hstack([old, *self._parts])
-            new = self._whole[:, done:]
+            new = np.hstack(self._parts)
             self._parts.clear()
-            cross = old.T @ new
-            self._gram = np.block([[self._gram, cross], [cross.T, new.T @ new]])
+            if self._width > self._whole.shape[1]:
+                wider = np.zeros((self._count, 2 * self._width))
+                wider[:, :done] = self._whole[:, :done]
+                self._whole = wider
+            self._whole[:, done : self._width] = new
+            products = self._whole[:, : self._width].T @ new
+            gram = np.zeros((self._width, self._width))
+            gram[:done, :done] = self._gram
+            gram[:, done:], gram[done:, :] = products, products.T
+            self._gram = gram
         return self._gram
 
     def left(self, name: object, beside: Iterable[object]) -> float:

@@ -198,16 +198,13 @@ class Weigher:
         name = ("true", id(true))
         if not sheet.knows(name):
             sheet.add(name, contribution(sheet.balances, true))
+        shapes = [("columns", id(other), shape) for shape in self._shapes(sheet.balances, other)]
+        for column in shapes:
+            if not sheet.knows(column):
+                sheet.add(column, columns_at(sheet.balances, other, column[2]))
         beside = self._beside(plain, true, other)
         alone = sheet.left(name, beside)
-        if alone <= 0.0:
-            return 0.0, 0.0
-        least = alone
-        for shape in self._shapes(sheet.balances, other):
-            column = ("columns", id(other), shape)
-            if not sheet.knows(column):
-                sheet.add(column, columns_at(sheet.balances, other, shape))
-            least = min(least, sheet.left(name, [*beside, column]))
+        least = min(sheet.left(name, [*beside, column]) for column in shapes)
         return least, alone
 
     def _beside(
