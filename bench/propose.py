@@ -22,6 +22,9 @@ from typing import Annotated, Any
 import numpy as np
 import pandas as pd
 import typer
+from bench.concealed.motion import STEP, Motion
+from bench.concealed.spec import FIRST_PROOF_SEED, WorldSpec
+from bench.concealed.study_files import joint_names
 
 from campaign import Campaign, Row
 from campaign_cli import BUILD, OutFolder, Quick, Seed, console, plain_errors, show, write_report
@@ -34,10 +37,6 @@ from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
 from pdoik.sim2real.propose.propose import Wishes
 from pdoik.sim2real.propose.questions import open_findings
 from propose_worlds import WAYS, PoorWorld, Way, motion_of, poor_world
-
-from bench.concealed.motion import STEP, Motion
-from bench.concealed.spec import FIRST_PROOF_SEED, WorldSpec
-from bench.concealed.study_files import joint_names
 
 SECONDS = 20.0
 SURE = 0.9

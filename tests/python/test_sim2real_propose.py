@@ -156,7 +156,7 @@ def test_files_that_are_gone_are_named(report: Path, tmp_path: Path) -> None:
 def test_bad_wishes_are_refused(report: Path) -> None:
     with pytest.raises(ValueError, match="2 s is too short"):
         Wishes(seconds=2.0)
-    with pytest.raises(ValueError, match="elbow at 2.9, outside of -2.5 to 2.5"):
+    with pytest.raises(ValueError, match=r"elbow at 2\.9, outside of -2\.5 to 2\.5"):
         propose(report, replace(WISHES, start=np.array([0.0, 2.9])))
     with pytest.raises(ValueError, match="start has 3 numbers, expected 2"):
         propose(report, replace(WISHES, start=np.zeros(3)))

@@ -16,8 +16,8 @@ from pdoik.sim2real.propose import Proposal, propose
 from pdoik.sim2real.propose.clear import Clear
 from pdoik.sim2real.propose.excitation import Frame, motion_of, random_recipe
 from pdoik.sim2real.propose.limits import Limits
-from pdoik.sim2real.propose.path import STEP, Path as Motion
-from pdoik.sim2real.propose.path import path_of
+from pdoik.sim2real.propose.path import STEP, path_of
+from pdoik.sim2real.propose.path import Path as Motion
 from pdoik.sim2real.propose.propose import Wishes
 from propose_reports import friction, write_report, write_study
 from studies import JOINTS
@@ -73,7 +73,7 @@ class Judge:
         )
 
 
-def _distance(one, here, other, there) -> float:  # noqa: ANN001
+def _distance(one, here, other, there) -> float:
     result = coal.DistanceResult()
     return float(coal.distance(one, here, other, there, coal.DistanceRequest(), result))
 

@@ -22,7 +22,7 @@ KINDS: tuple[Kind, ...] = ("sines", "strokes", "moves")
 _FEWEST, _MOST = 2, 4  # parts of a recipe
 _SHORTEST = 2.5  # of a part [s]
 _TERMS = 5  # sines per joint
-_RATES = (0.08, 1.2)  # of them [Hz]
+_SLOWEST_SINE, _FASTEST_SINE = 0.08, 1.2  # of them [Hz]
 _SLOWEST = 0.015  # of strokes, as a share of the speed limit
 _SMALLEST = 0.006  # of strokes [rad]
 _LONGEST = 3.0  # that a stroke takes [s]
@@ -181,7 +181,9 @@ def _sines(
     time, n = STEP * np.arange(rows), len(speed)
     path = np.zeros((rows, n))
     for j in range(n):
-        rates = 2.0 * np.pi * np.exp(rng.uniform(*np.log(_RATES), _TERMS))
+        rates = (
+            2.0 * np.pi * np.exp(rng.uniform(np.log(_SLOWEST_SINE), np.log(_FASTEST_SINE), _TERMS))
+        )
         phases, weights = rng.uniform(0.0, 2.0 * np.pi, _TERMS), rng.uniform(0.3, 1.0, _TERMS)
         wave = (np.sin(np.outer(time, rates) + phases) * (weights / rates)).sum(axis=1)
         wave -= wave.mean()

@@ -114,7 +114,7 @@ class Foretold:
             if like.dq_des is None:
                 asked = asked + control.kd * dq
             q_des = q + asked / control.kp
-        time = step * np.arange(len(q))
+        time = np.asarray(step * np.arange(len(q)), dtype=np.float64)
 
         def if_there(name: str, values: FloatArray) -> FloatArray | None:
             there = getattr(like, name)

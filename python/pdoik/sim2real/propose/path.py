@@ -25,7 +25,7 @@ class Path:
     @property
     def time(self) -> FloatArray:
         """Of the rows, from 0 [s]."""
-        return STEP * np.arange(len(self.q))
+        return np.asarray(STEP * np.arange(len(self.q)), dtype=np.float64)
 
     @property
     def duration(self) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path as File
 
 import numpy as np
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pdoik.errors import LoadError
@@ -180,7 +181,11 @@ def _frame(
 
 
 def _reaching(
-    limits: Limits, whole: Limits, start: FloatArray, outside: FloatArray, joints: tuple[str, ...]
+    limits: Limits,
+    whole: Limits,
+    start: FloatArray,
+    outside: NDArray[np.intp],
+    joints: tuple[str, ...],
 ) -> Limits:
     """Limits that a start near their end is within."""
     for j in outside:

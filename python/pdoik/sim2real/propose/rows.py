@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
 from ..motion.balances import Balances
@@ -61,7 +62,7 @@ class Sheet:
     balances: Balances
     noise: Noise
     _parts: list[FloatArray] = field(default_factory=list)
-    _spans: dict[object, FloatArray] = field(default_factory=dict)
+    _spans: dict[object, NDArray[np.intp]] = field(default_factory=dict)
     _priors: list[FloatArray] = field(default_factory=list)
     _gram: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     _width: int = 0

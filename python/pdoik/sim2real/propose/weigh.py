@@ -104,7 +104,8 @@ class Weigher:
 
     def _ordinary(self, sheet: Sheet, *, bodies: bool) -> dict[object, Cause | None]:
         """Adds what is ordinary, and what else was found; their names, with causes where any."""
-        balances, names = sheet.balances, {}
+        balances = sheet.balances
+        names: dict[object, Cause | None] = {}
         for j in range(balances.n):
             place = Place(joints=(j,))
             for effect in CATALOGUE.values():
@@ -123,9 +124,9 @@ class Weigher:
                         names[name] = cause
         trust = self.prepared.study.trust.rigid_body
         for term in trusted(balances, trust or (self.limits.background.bodies if bodies else 0.0)):
-            name = ("body", term.place.link)
-            sheet.add(name, term.columns, term.prior)
-            names[name] = None
+            body = ("body", term.place.link)
+            sheet.add(body, term.columns, term.prior)
+            names[body] = None
         return names
 
     def _prospect(
