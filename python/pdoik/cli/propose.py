@@ -226,21 +226,19 @@ def _print(proposal: Proposal, report: Path, output: Path, robot: str | None) ->
     for note in proposal.notes:
         warn(note)
     for each in proposal.prospects:
-        out.print(
-            f"[bold]{escape(each.finding)}[/] ({escape(each.why)}): expected confidence"
-            f" {each.confidence_before:.2f} -> {each.confidence:.2f}",
-            highlight=False,
+        _say(
+            f"[bold]{escape(each.finding)}[/]: confidence {each.confidence_before:.2f},"
+            f" expected {each.confidence:.2f} after it ({escape(each.why)})"
         )
         for rival in each.rivalries:
-            out.print(
+            _say(
                 f"    against {escape(rival.rival)}: log likelihood ratio"
-                f" {_ratio(rival.if_own)} if it is this, {_ratio(rival.if_rival)} if that",
-                highlight=False,
+                f" {_ratio(rival.if_own)} if it is this, {_ratio(rival.if_rival)} if that"
             )
     for said in proposal.unsettled:
-        out.print(f"no motion settles {escape(said)}", highlight=False)
+        _say(f"no motion settles {escape(said)}")
     parts = ", ".join(f"{name} {100 * share:.0f} %" for name, share in proposal.used.items())
-    out.print(f"of the limits it takes: {parts}", highlight=False)
+    _say(f"of the limits it takes: {parts}")
     if proposal.verdict is not None:
         near = [
             f"{1e3 * value:.0f} mm {what}"
@@ -250,18 +248,15 @@ def _print(proposal: Proposal, report: Path, output: Path, robot: str | None) ->
             )
             if np.isfinite(value)
         ]
-        out.print(f"nearest: {' and '.join(near) or 'nothing'}", highlight=False)
-    shown = robot or "ROBOT.urdf"
-    out.print(
-        escape(f"{output}: see it with  pdoik view {shown} --replay {output}"), highlight=False
-    )
-    out.print(
-        escape(
-            f"then go to its first row, run it, log it, add the log to the study's recordings"
-            f" (role: fit), and diagnose again:  pdoik diagnose STUDY.yaml --out {report}"
-        ),
-        highlight=False,
-    )
+        _say(f"nearest: {' and '.join(near) or 'nothing'}")
+    _say(escape(f"see it: pdoik view {robot or 'ROBOT.urdf'} --replay {output}"))
+    _say(escape(f"then go to the first row of {output}, run it, log it, and add the log to"))
+    _say(escape("the study's recordings with 'role: fit', another one with 'role: validate'; then"))
+    _say(escape(f"pdoik diagnose STUDY.yaml --out {report}"))
+
+
+def _say(text: str) -> None:
+    out.print(text, highlight=False)
 
 
 def _ratio(value: float) -> str:

@@ -43,7 +43,7 @@ class Prospect:
 
     finding: str  # in words
     why: str  # what is open
-    confidence_before: float
+    confidence_before: float  # as stated, shared with the names that are listed beside it
     gain: float  # share of what is left that it explains where it acts
     rivalries: tuple[Rivalry, ...]
     confidence: float  # expected after, on the careful side

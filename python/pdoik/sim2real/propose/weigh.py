@@ -154,7 +154,8 @@ class Weigher:
         return Prospect(
             finding=own.words,
             why=question.why,
-            confidence_before=question.finding.confidence,
+            confidence_before=question.finding.confidence
+            / (1 + len(question.finding.equivalents)),
             gain=gain,
             rivalries=kept,
             confidence=expected_confidence(gain, kept, self.limits),
