@@ -61,7 +61,7 @@ EFFECTS = (
     "joint_coupling",
 )
 """What a motion alone may settle: no event, no channel, nothing that needs tip poses."""
-ROBOTS = ("random3", "random2", "random3", "random4", "random2")
+ROBOTS = ("random2", "random3", "random2")
 
 
 def main(

@@ -103,7 +103,8 @@ def swing(robot: pdoik.Robot, seed: int) -> Motion:
         acceleration=np.full(robot.dof, 5.0),
         torque=robot.effort,
     )
-    frame = Frame(limits=limits.within(0.4, acceleration=3.0), start=START, duration=8.0)
+    within = limits.within(0.4, acceleration=3.0)
+    frame = Frame(limits=within, start=START, duration=8.0, stuck=np.zeros(robot.dof))
     return motion_of(random_recipe(np.random.default_rng(seed)), frame)
 
 

@@ -8,6 +8,14 @@ be, and the confidence to expect after it. It is run, logged, added to the study
 from .expected import Prospect
 from .limits import Limits, limits_of
 from .proposal import Proposal
-from .propose import NothingToSettleError, propose
+from .propose import NothingToSettleError, Wishes, propose
 
-__all__ = ["Limits", "NothingToSettleError", "Proposal", "Prospect", "limits_of", "propose"]
+__all__ = [
+    "Limits",
+    "NothingToSettleError",
+    "Proposal",
+    "Prospect",
+    "Wishes",
+    "limits_of",
+    "propose",
+]

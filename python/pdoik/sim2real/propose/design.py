@@ -10,7 +10,7 @@ import numpy as np
 
 from ..study.recording import FloatArray
 from .clear import Clear
-from .excitation import Frame, Recipe, changed, motion_of, random_recipe
+from .excitation import Frame, Recipe, changed, first_recipes, motion_of, random_recipe
 from .expected import Prospect
 from .path import Path
 from .weigh import Weigher
@@ -69,10 +69,13 @@ def designed(
         say: called with words and the share of the effort that is done.
     """
     best: list[tuple[float, Recipe, Design]] = []
+    planned = first_recipes(rng)
     begin, count = time.perf_counter(), 0
     while count < effort and time.perf_counter() - begin < seconds:
         share = max(count / effort, (time.perf_counter() - begin) / seconds)
-        if share < _FIRST or not best:
+        if planned:
+            recipe = planned.pop(0)
+        elif share < _FIRST or not best:
             recipe = random_recipe(rng)
         else:
             chosen = best[min(int(rng.exponential(1.0)), len(best) - 1)]

@@ -23,8 +23,9 @@ _FEWEST, _MOST = 2, 4  # parts of a recipe
 _SHORTEST = 2.5  # of a part [s]
 _TERMS = 5  # sines per joint
 _SLOWEST_SINE, _FASTEST_SINE = 0.08, 1.2  # of them [Hz]
-_SLOWEST = 0.015  # of strokes, as a share of the speed limit
+_SLOWEST = 0.03  # pace of a part, as a share of the speed limits
 _SMALLEST = 0.006  # of strokes [rad]
+_STROKES = ((0.05, 0.04), (0.15, 0.06), (0.3, 0.1), (0.45, 0.2), (0.65, 0.5))  # reach, pace
 _LONGEST = 3.0  # that a stroke takes [s]
 _RAMP = 0.7  # share of the acceleration limit that strokes and moves take
 _WIDEST = 1.4  # room of a joint on either side of the pose, at most [rad]
@@ -39,7 +40,7 @@ class Part:
     seed: int
     share: float  # of the time
     pace: float  # 0 to 1, of the speed limits
-    reach: float  # 0 to 1, of the room
+    reach: float  # 0 to 1, of the room; of strokes on a scale from the smallest to the room
     alone: bool  # whether the joints in question move alone
 
 
@@ -59,7 +60,25 @@ class Frame:
     limits: Limits  # to design within
     start: FloatArray  # (n,)
     duration: float  # [s]
+    stuck: FloatArray  # (n,) by which friction holds a joint back at a reversal
     asked: tuple[int, ...] = ()  # joints in question
+
+
+def first_recipes(rng: np.random.Generator) -> list[Recipe]:
+    """What is known to tell: strokes of one size after another, then of two kinds in turn."""
+
+    def part(kind: Kind, reach: float, pace: float = 0.6) -> Part:
+        return Part(kind=kind, seed=_seed(rng), share=1.0, pace=pace, reach=reach, alone=False)
+
+    plans = [
+        *((part("strokes", reach, pace),) for reach, pace in _STROKES),
+        (part("sines", 1.0, 1.0),),
+        (part("moves", 0.8, 1.0),),
+        (part("strokes", 0.1, 0.06), part("strokes", 0.5)),
+        (part("strokes", 0.1, 0.06), part("sines", 1.0, 1.0)),
+        (part("strokes", 0.3, 0.2), part("moves", 0.8, 1.0)),
+    ]
+    return [Recipe(pose=_seed(rng), away=0.3 * (k % 2), parts=p) for k, p in enumerate(plans)]
 
 
 def random_recipe(rng: np.random.Generator) -> Recipe:
@@ -165,9 +184,15 @@ def _within(path: FloatArray, swing: FloatArray, limits: Limits) -> Path:
 def _stretch(part: Part, rows: int, room: FloatArray, frame: Frame) -> FloatArray:
     """Swings of one part, (rows, n), that begin and end at the pose."""
     rng = np.random.default_rng(part.seed)
-    make = {"sines": _sines, "strokes": _strokes, "moves": _moves}[part.kind]
-    limits = frame.limits
-    path = make(rng, rows, part.pace * limits.speed, part.reach * room, limits.acceleration)
+    limits, reach = frame.limits, part.reach * room
+    if part.kind == "strokes":
+        reach = _SMALLEST * (np.maximum(room, 2.0 * _SMALLEST) / _SMALLEST) ** part.reach
+        path = _strokes(
+            rng, rows, part.pace * limits.speed, reach, limits.acceleration, 2.0 * frame.stuck
+        )
+    else:
+        make = {"sines": _sines, "moves": _moves}[part.kind]
+        path = make(rng, rows, part.pace * limits.speed, reach, limits.acceleration)
     if part.alone and frame.asked:
         kept = np.isin(np.arange(path.shape[1]), frame.asked)
         path = path * kept
@@ -198,24 +223,32 @@ def _sines(
 
 
 def _strokes(
-    rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray, rate: FloatArray
+    rng: np.random.Generator,
+    rows: int,
+    speed: FloatArray,
+    reach: FloatArray,
+    rate: FloatArray,
+    stuck: FloatArray,
 ) -> FloatArray:
-    """To and fro, every stroke with a speed and a length of its own, over decades of both.
+    """To and fro, every stroke with a speed of its own, up to six times slower than `speed`.
 
-    A part has strokes of one order of length: what small ones tell, large ones would drown.
+    A part has strokes of one order of length, `reach`: what small ones tell, large ones drown. Each
+    is longer by what friction takes of it, which is passed quickly.
     """
     path, n = np.zeros((rows, len(speed))), len(speed)
     for j in range(n):
-        usual = np.exp(rng.uniform(np.log(_SMALLEST), np.log(max(reach[j], 2.0 * _SMALLEST))))
         at, row, sign = 0.0, 0, rng.choice([-1.0, 1.0])
         while row < rows:
-            length = usual * np.exp(rng.uniform(-0.7, 0.7))
-            pace = speed[j] * np.exp(rng.uniform(np.log(_SLOWEST), 0.0))
+            length = reach[j] * np.exp(rng.uniform(-0.4, 0.4))
+            pace = speed[j] * np.exp(rng.uniform(-1.8, 0.0))
             pace = max(pace, min(length / _LONGEST, speed[j]))
-            aim = float(np.clip(at + sign * length, -reach[j], reach[j]))
-            stroke = _stroke(abs(aim - at), pace, _RAMP * rate[j])
+            stroke = _stroke(length, pace, _RAMP * rate[j])
+            if stuck[j] > 0.0:  # at once through what friction takes, while nothing moves
+                first = _stroke(stuck[j], np.inf, _RAMP * rate[j])
+                stroke = np.concatenate([first, stuck[j] + stroke])
             end = min(row + len(stroke), rows)
-            path[row:end, j] = at + np.sign(aim - at) * stroke[: end - row]
+            path[row:end, j] = at + sign * stroke[: end - row]
+            aim = at + sign * (length + stuck[j])
             at, row, sign = aim, end, -sign
     return path
 
@@ -263,14 +296,14 @@ def _random_part(rng: np.random.Generator) -> Part:
         kind=KINDS[int(rng.integers(len(KINDS)))],
         seed=_seed(rng),
         share=float(rng.uniform(0.3, 1.0)),
-        pace=float(rng.uniform(0.3, 1.0)),
+        pace=float(np.exp(rng.uniform(np.log(_SLOWEST), 0.0))),
         reach=float(rng.uniform(0.3, 1.0)),
         alone=bool(rng.random() < 0.25),
     )
 
 
 def _near(rng: np.random.Generator, share: float) -> float:
-    return float(np.clip(share * np.exp(rng.normal(0.0, 0.3)), 0.05, 1.0))
+    return float(np.clip(share * np.exp(rng.normal(0.0, 0.4)), _SLOWEST, 1.0))
 
 
 def _seed(rng: np.random.Generator) -> int:

@@ -10,7 +10,7 @@ from ..confirm.confidence import confidence_of
 from ..findings import Support
 from ..thresholds import Thresholds
 
-_ENOUGH = 4.0  # clarity from which more is not sought
+_ENOUGH = 1.5  # clarity from which more is not sought
 _NO_SUPPORT = Support(
     weight=0.0, gain=0.0, t=0.0, size=0.0, agree=0, sessions=0, blocks=0, left=0.0, rivals=0
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,18 +16,38 @@ from ..study.recording import FloatArray, Recording
 from .path import STEP, Path
 from .questions import Cause
 
-_COARSE = 2  # rows of a path that a look takes together, where the balances' cut-off allows
 _BELOW = 0.4  # cut-off times period, at most
 
 
-def followed(asked: FloatArray, stuck: FloatArray) -> FloatArray:
-    """Positions (T, n) of joints that stand until they are asked to be `stuck` (n,) elsewhere."""
-    q = np.empty_like(asked)
-    at = asked[0]
-    for t, row in enumerate(asked):
-        at = np.minimum(np.maximum(at, row - stuck), row + stuck)
-        q[t] = at
-    return q
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sticking:
+    """Dry friction against a position controller; (n,) each."""
+
+    level: FloatArray  # of the friction [N m]
+    kp: FloatArray
+    kd: FloatArray
+    knows_speed: bool  # whether the controller is told the speed that is asked for
+
+    @property
+    def error(self) -> FloatArray:
+        """By which a joint that stands is off before it moves [rad]."""
+        return self.level / self.kp
+
+    def followed(self, asked: FloatArray) -> FloatArray:
+        """Positions (T, n), STEP apart, that joints without inertia take where these are asked for.
+
+        kp (asked - q) + kd (d asked - dq) = level sign(dq); what is below the level moves nothing.
+        """
+        speed = np.gradient(asked, STEP, axis=0) if self.knows_speed else np.zeros_like(asked)
+        damping = np.maximum(self.kd, self.kp * STEP)
+        q, at = np.empty_like(asked), asked[0].copy()
+        for t in range(len(asked)):
+            drive = self.kp * (asked[t] - at) + self.kd * speed[t]
+            beyond = drive - np.clip(drive, -self.level, self.level)
+            at = at + STEP * beyond / damping
+            q[t] = at
+        rubbing = self.level > 0.0
+        return np.where(rubbing, q, asked)
 
 
 class _Noiseless(Balances):
@@ -50,10 +70,8 @@ class Foretold:
         first = prepared.fit.motions[0]
         self._like = first.recording
         self._noise = np.full(prepared.fit.n, 1e-14)
-        every = _COARSE if prepared.cutoff <= _BELOW / (_COARSE * STEP) else 1
-        self.every = every
-        self.cutoff = min(prepared.cutoff, _BELOW / (every * STEP))
-        self._stuck = self._sticking()
+        self.cutoff = min(prepared.cutoff, _BELOW / STEP)
+        self.sticking = self._sticking()
 
     def balances(self, path: Path) -> Balances:
         """Of the path, with residuals of nothing."""
@@ -87,22 +105,27 @@ class Foretold:
                         tau[:, channel] += column @ cause.beta[: column.shape[1]]
         return tau
 
-    def _sticking(self) -> FloatArray:
-        """Error (n,) that each joint's dry friction lets stand before the controller moves it."""
-        control = self.prepared.study.controller
-        stuck = np.zeros(self.prepared.fit.n)
-        if control is None:
-            return stuck
+    @property
+    def stuck(self) -> FloatArray:
+        """Error (n,) that friction lets stand before the controller moves a joint."""
+        return np.zeros(self.prepared.fit.n) if self.sticking is None else self.sticking.error
+
+    def _sticking(self) -> Sticking | None:
+        """By the causes' dry friction; None without any, or where no gains are known."""
+        control, level = self.prepared.study.controller, np.zeros(self.prepared.fit.n)
+        if control is None or not (control.kp > 0.0).all():
+            return None
         for cause in self.causes:
             if cause.effect.one_of == "dry" and len(cause.beta):
                 for place in cause.places:
-                    stiff = max(float(control.kp[place.joints[0]]), 1e-9)
-                    stuck[place.joints[0]] += abs(float(cause.beta[0])) / stiff
-        return stuck
+                    level[place.joints[0]] += abs(float(cause.beta[0]))
+        knows = self._like.dq_des is not None
+        made = Sticking(level=level, kp=control.kp, kd=control.kd, knows_speed=knows)
+        return made if level.any() else None
 
     def _recording(self, path: Path) -> Recording:
-        asked_for, step = path.q[:: self.every], self.every * STEP
-        q = followed(asked_for, self._stuck) if self._stuck.any() else asked_for
+        asked_for, step = path.q, STEP
+        q = asked_for if self.sticking is None else self.sticking.followed(asked_for)
         dq = np.gradient(q, step, axis=0)
         ddq = np.gradient(dq, step, axis=0)
         study, body, like = self.prepared.study, self.body, self._like

@@ -102,7 +102,7 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         questions = questions_of(findings, prepared)
         say("rivals", f"{len(questions)} questions", 0.1)
         weigher = Weigher(prepared, questions, _causes(diagnosis, questions, prepared))
-        frame, notes = _frame(prepared, questions, wishes)
+        frame, notes = _frame(prepared, questions, wishes, weigher.foretold.stuck)
         clear = _clear(prepared, wishes)
         bounds = Bounds(weigher=weigher, frame=frame, clear=clear)
         _check_start(bounds)
@@ -152,7 +152,7 @@ def _name(finding: Finding) -> tuple[object, ...]:
 
 
 def _frame(
-    prepared: Prepared, questions: tuple[Question, ...], wishes: Wishes
+    prepared: Prepared, questions: tuple[Question, ...], wishes: Wishes, stuck: FloatArray
 ) -> tuple[Frame, tuple[str, ...]]:
     study = prepared.study
     if study.robot is None:
@@ -177,7 +177,8 @@ def _frame(
         names = ", ".join(study.joints[j] for j in outside)
         notes.append(f"{names}: starts nearer to a limit than a motion should come")
     asked = tuple(sorted({j for q in questions for place in q.own.places for j in place.joints}))
-    return Frame(limits=limits, start=start, duration=wishes.seconds, asked=asked), tuple(notes)
+    frame = Frame(limits=limits, start=start, duration=wishes.seconds, stuck=stuck, asked=asked)
+    return frame, tuple(notes)
 
 
 def _reaching(
@@ -293,7 +294,7 @@ def _proposal(
         dq=curve(time, 1),
         torque=torque,
         used=used,
-        prospects=design.prospects,
+        prospects=tuple(each for each in design.prospects if each.why),
         unsettled=unsettled,
         verdict=verdict,
         looked_at=design.looked_at,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..effects import CATALOGUE, Effect
 from ..findings import Diagnosis, Equivalent, Finding
 from ..model.predict import places_of
@@ -26,6 +28,11 @@ class Cause:
     shape: Shape
     beta: FloatArray
     words: str
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """The same for the same cause with the same figures."""
+        return self.effect.id, self.places, self.shape, tuple(self.beta.tolist())
 
     @property
     def is_costly(self) -> bool:
@@ -145,6 +152,43 @@ def _question(finding: Finding, prepared: Prepared) -> Question:
     if not reasons:
         reasons.append("only suspected: what is ordinary may explain it")
     return Question(finding=finding, own=own, options=(*listed, *others), why="; ".join(reasons))
+
+
+def standing(questions: Iterable[Question], prepared: Prepared) -> tuple[Question, ...]:
+    """What every joint has, and is confused with, at the joints in question.
+
+    Where a name turns out to be another one's, these would be open next. Each is as large as what
+    the recordings show of the joint's torque beside the model.
+    """
+    b = prepared.fit
+    joints = sorted({j for q in questions for place in q.own.places for j in place.joints})
+    taken = {(q.own.effect.id, place) for q in questions for place in q.own.places}
+    found = []
+    for j in joints:
+        place = Place(joints=(j,))
+        for effect in CATALOGUE.values():
+            if not effect.ordinary or effect.complexity > 1 or (effect.id, place) in taken:
+                continue
+            options = tuple(
+                Option(effect=other, places=((place,),), listed=False)
+                for name in effect.confused_with
+                if (other := CATALOGUE.get(name)) is not None
+                and not (other.costly or other.is_body or other.sought != "candidates")
+                and place in other.places(b.motions)
+            )
+            shape = next(iter(effect.asked(b.motions, place)), ())
+            columns = b.compute(effect, place, shape).get(("torque", j))
+            if not options or columns is None:
+                continue
+            size = max(b.rms(("torque", j)), 5.0 * b.sigma["torque", j])
+            amount = size / max(b.rms(("torque", j), columns[:, 0]), 1e-9)
+            words = said(effect, (prepared.study.joints[j],), ())
+            own = Cause(
+                effect=effect, places=(place,), shape=shape, beta=np.array([amount]), words=words
+            )
+            finding = Finding(effect=effect.id, joints=(prepared.study.joints[j],))
+            found.append(Question(finding=finding, own=own, options=options, why=""))
+    return tuple(found)
 
 
 def _at(

@@ -25,10 +25,14 @@ from ..study.recording import FloatArray
 from .expected import Prospect, Rivalry, clarity, expected_confidence
 from .foretold import Foretold
 from .path import Path
-from .questions import Cause, Option, Question, said
+from .questions import Cause, Option, Question, said, standing
 from .rows import Columns, Noise, Sheet, columns_at, contribution, noise_of
 
+Name = tuple[object, ...]  # of columns: what kind they are, and whose
+
+_FOUND = "found"
 _SHAPES = 4  # of a rival that are tried
+_OF_THE_MEAN = 0.2  # what the mean clarity counts beside the least
 _KNOWN = 9.0  # decrease of the cost in the recordings from which a rival's figures are known
 
 
@@ -59,7 +63,12 @@ class Weigher:
         self.noise = noise_of(prepared.fit, causes)
         self.foretold = Foretold(prepared, causes)
         self.rivals = tuple(self._rivals(question) for question in self.questions)
-        self._recorded: dict[tuple[int, int], tuple[float, float]] = {}
+        self.standing = tuple(
+            (question, tuple(rival for o in question.options if (rival := self._unknown(o))))
+            for question in standing(self.questions, prepared)
+        )
+        self._variants = {q.own.key: self._alike(q.own) for q in self.questions}
+        self._recorded: dict[tuple[object, object], tuple[float, float]] = {}
         self._remember()
 
     def _remember(self) -> None:
@@ -68,11 +77,47 @@ class Weigher:
         plain = self._ordinary(sheet, bodies=self._bodies)
         for question, rivals in zip(self.questions, self.rivals, strict=True):
             for rival in rivals:
-                for true, other in (
-                    (question.own, rival.cause),
-                    *(((rival.cause, question.own),) if rival.known else ()),
-                ):
-                    self._recorded[id(true), id(other)] = self._left(sheet, plain, true, other)
+                pairs = [(own, rival.cause) for own in self._variants[question.own.key]]
+                pairs += [(rival.cause, question.own)] if rival.known else []
+                for true, other in pairs:
+                    left = self._left(sheet, plain, true, other)
+                    self._recorded[true.key, other.key] = left
+
+    def _unknown(self, option: Option) -> Rival | None:
+        """Of an option whose figures nobody knows; None where no recording could show it."""
+        places = option.places[0]
+        shapes = option.effect.asked(self.prepared.fit.motions, places[0])
+        if not shapes:
+            return None
+        cause = Cause(
+            effect=option.effect, places=places, shape=shapes[0], beta=np.zeros(0), words=""
+        )
+        return Rival(cause=cause, listed=option.listed, known=False)
+
+    def _alike(self, own: Cause) -> tuple[Cause, ...]:
+        """A cause with the shapes that explain the recordings as well: its own, and the extremes.
+
+        Slow motion may not tell how sharply friction turns; another motion must not rely on it.
+        """
+        if own.effect.costly or own.effect.fixed or not own.shape:
+            return (own,)
+        b = self.prepared.fit
+        sheet = Sheet(balances=b, noise=self.noise)
+        plain = self._ordinary(sheet, bodies=False)
+        sheet.add("target", _target(b, [each for each in self.causes if each is not own]))
+        beside = self._beside(plain, own, None)
+        alone, gains = sheet.left("target", beside), {}
+        for shape in self._shapes(b, own):
+            sheet.add(("columns", shape), columns_at(b, own, shape))
+            gains[shape] = alone - sheet.left("target", [*beside, ("columns", shape)])
+        least = (1.0 - self.limits.search.tie) * max(gains.values())
+        kept = sorted(shape for shape, gain in gains.items() if gain >= least)
+        found = [own]
+        for shape in dict.fromkeys((kept[0], kept[-1])) if kept else ():
+            if shape != own.shape:
+                beta = sheet.fitted(("columns", shape), "target", beside)
+                found.append(replace(own, shape=shape, beta=_bounded(own, beta)))
+        return tuple(found)
 
     @property
     def _bodies(self) -> bool:
@@ -89,23 +134,25 @@ class Weigher:
         return self.prospects_of(self.foretold.balances(path), costly=costly)
 
     def prospects_of(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
-        """The same of a path's balances."""
+        """The same of a path's balances; then of what stands, which has no `why`."""
         sheet = Sheet(balances=balances, noise=self.noise)
         plain = self._ordinary(sheet, bodies=self._bodies)
+        pairs = [*zip(self.questions, self.rivals, strict=True), *self.standing]
         return tuple(
-            self._prospect(sheet, plain, question, rivals, costly)
-            for question, rivals in zip(self.questions, self.rivals, strict=True)
+            self._prospect(sheet, plain, question, rivals, costly) for question, rivals in pairs
         )
 
     def score(self, prospects: Sequence[Prospect]) -> float:
         """The more, the better a motion settles all of them."""
-        each = [clarity(prospect, self.limits) for prospect in prospects]
-        return float(min(low for low, _ in each) + 0.3 * np.mean([mean for _, mean in each]))
+        asked = [clarity(each, self.limits) for each in prospects if each.why]
+        others = [clarity(each, self.limits)[1] for each in prospects if not each.why]
+        mean = np.mean([mean for _, mean in asked] + others)
+        return float(min(low for low, _ in asked) + _OF_THE_MEAN * mean)
 
-    def _ordinary(self, sheet: Sheet, *, bodies: bool) -> dict[object, Cause | None]:
+    def _ordinary(self, sheet: Sheet, *, bodies: bool) -> dict[Name, Cause | None]:
         """Adds what is ordinary, and what else was found; their names, with causes where any."""
         balances = sheet.balances
-        names: dict[object, Cause | None] = {}
+        names: dict[Name, Cause | None] = {}
         for j in range(balances.n):
             place = Place(joints=(j,))
             for effect in CATALOGUE.values():
@@ -122,6 +169,11 @@ class Weigher:
                             effect=effect, places=(place,), shape=shape, beta=np.ones(1), words=""
                         )
                         names[name] = cause
+        for found in self.causes:
+            columns = columns_at(balances, found, found.shape)
+            if columns and not found.is_costly:
+                sheet.add((_FOUND, *found.key), columns)
+                names[_FOUND, *found.key] = found
         trust = self.prepared.study.trust.rigid_body
         for term in trusted(balances, trust or (self.limits.background.bodies if bodies else 0.0)):
             body = ("body", term.place.link)
@@ -132,15 +184,13 @@ class Weigher:
     def _prospect(
         self,
         sheet: Sheet,
-        plain: dict[object, Cause | None],
+        plain: dict[Name, Cause | None],
         question: Question,
         rivals: Sequence[Rival],
         costly: bool,
     ) -> Prospect:
         own = question.own
-        truth = ("true", id(own))
-        if not sheet.knows(truth):
-            sheet.add(truth, contribution(sheet.balances, own))
+        truth = self._added(sheet, own)
         found = []
         for rival in rivals:
             if not costly and (rival.cause.is_costly or own.is_costly):
@@ -154,18 +204,19 @@ class Weigher:
         return Prospect(
             finding=own.words,
             why=question.why,
-            confidence_before=question.finding.confidence
-            / (1 + len(question.finding.equivalents)),
+            confidence_before=question.finding.confidence / (1 + len(question.finding.equivalents)),
             gain=gain,
             rivalries=kept,
             confidence=expected_confidence(gain, kept, self.limits),
         )
 
     def _rivalry(
-        self, sheet: Sheet, plain: dict[object, Cause | None], own: Cause, rival: Rival
+        self, sheet: Sheet, plain: dict[Name, Cause | None], own: Cause, rival: Rival
     ) -> Rivalry:
         other = rival.cause
-        own_left, own_share = self._with_recorded(sheet, plain, own, other)
+        variants = self._variants.get(own.key, (own,))
+        weighed = [self._with_recorded(sheet, plain, each, other) for each in variants]
+        own_left, own_share = (min(values) for values in zip(*weighed, strict=True))
         if rival.known:
             other_left, other_share = self._with_recorded(sheet, plain, other, own)
         else:
@@ -182,36 +233,42 @@ class Weigher:
         )
 
     def _with_recorded(
-        self, sheet: Sheet, plain: dict[object, Cause | None], true: Cause, other: Cause
+        self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
     ) -> tuple[float, float]:
         """What the other leaves of the true one, recordings included, and as a share.
 
         Figures may differ between the two, which makes what is left less than it will be.
         """
-        before, whole = self._recorded[id(true), id(other)]
+        before, whole = self._recorded.get((true.key, other.key), (0.0, 0.0))
         left, alone = self._left(sheet, plain, true, other)
         total = left + before
         return total, total / max(alone + whole, 1e-300)
 
     def _left(
-        self, sheet: Sheet, plain: dict[object, Cause | None], true: Cause, other: Cause
+        self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
     ) -> tuple[float, float]:
-        """What the other leaves of the true one, and what is left of it without the other."""
-        name = ("true", id(true))
-        if not sheet.knows(name):
-            sheet.add(name, contribution(sheet.balances, true))
-        shapes = [("columns", id(other), shape) for shape in self._shapes(sheet.balances, other)]
-        for column in shapes:
+        """What the other leaves of the true one, and what the other findings alone do."""
+        name = self._added(sheet, true)
+        shapes = []
+        for shape in self._shapes(sheet.balances, other):
+            column = ("columns", other.effect.id, other.places, shape)
             if not sheet.knows(column):
-                sheet.add(column, columns_at(sheet.balances, other, column[2]))
+                sheet.add(column, columns_at(sheet.balances, other, shape))
+            shapes.append(column)
         beside = self._beside(plain, true, other)
-        alone = sheet.left(name, beside)
         least = min(sheet.left(name, [*beside, column]) for column in shapes)
-        return least, alone
+        return least, sheet.left(name, [n for n in beside if n[0] == _FOUND])
+
+    def _added(self, sheet: Sheet, cause: Cause) -> Name:
+        """The name of a cause's contribution, which is added where it is new."""
+        name = ("true", *cause.key)
+        if not sheet.knows(name):
+            sheet.add(name, contribution(sheet.balances, cause))
+        return name
 
     def _beside(
-        self, plain: dict[object, Cause | None], one: Cause, other: Cause | None
-    ) -> list[object]:
+        self, plain: dict[Name, Cause | None], one: Cause, other: Cause | None
+    ) -> list[Name]:
         """Names of what is fitted beside two causes: nothing that is either of them."""
         kept = []
         for name, cause in plain.items():
@@ -219,7 +276,7 @@ class Weigher:
                 _is_the_same(cause, each) for each in (one, other) if each is not None
             ):
                 continue
-            if cause is None and one.effect.is_body and name[1] in _links(one):  # type: ignore[index]
+            if cause is None and one.effect.is_body and name[1] in _links(one):
                 continue
             kept.append(name)
         return kept
@@ -270,7 +327,7 @@ class Weigher:
                 sheet.add(name, columns)
                 beside = self._beside(plain, made, question.own)
                 gain = sheet.left("target", beside) - sheet.left("target", [*beside, name])
-                beta = _bounded(option, sheet.fitted(name, "target", beside), len(places))
+                beta = _bounded(made, sheet.fitted(name, "target", beside))
                 if best is None or gain > best[0]:
                     best = gain, replace(made, beta=beta)
         if best is None:
@@ -308,10 +365,10 @@ def _target(balances: Balances, causes: Sequence[Cause]) -> dict[Key, FloatArray
     return target
 
 
-def _bounded(option: Option, beta: FloatArray, places: int) -> FloatArray:
+def _bounded(cause: Cause, beta: FloatArray) -> FloatArray:
     """One cause's coefficients, within its bounds; the mean over places that share them."""
-    effect = option.effect
-    each = beta.reshape(places, -1).mean(axis=0)
+    effect = cause.effect
+    each = beta.reshape(len(cause.places), -1).mean(axis=0)
     if effect.fixed:
         return np.ones(1)
     lower, upper = effect.bounds
