@@ -29,7 +29,7 @@ class Rivalry:
     if_own: float  # ratio where the finding is true
     if_rival: float  # ratio where the rival is true; inf where its figures are not known
     share: float  # of what either adds that the other cannot explain, the less of the two
-    least_share: float  # from which the diagnosis lists the other no more
+    clear: float  # times what is asked of a name, so that the diagnosis lists the other no more
 
     @property
     def ratio(self) -> float:
@@ -62,7 +62,7 @@ def clarity(prospect: Prospect, limits: Thresholds) -> tuple[float, float]:
     asked = limits.propose
     seen = _odds(prospect.gain) / _odds(asked.gain)
     parts = [
-        min(np.sqrt(each.ratio / asked.decisive), each.share / (asked.clear * each.least_share))
+        min(np.sqrt(each.ratio / asked.decisive), each.clear / asked.clear)
         for each in prospect.rivalries
     ]
     listed = [p for p, each in zip(parts, prospect.rivalries, strict=True) if each.listed]
@@ -78,7 +78,7 @@ def expected_confidence(gain: float, rivalries: tuple[Rivalry, ...], limits: Thr
     """
     odds = 0.0
     for each in rivalries:
-        level = each.share <= each.least_share
+        level = each.clear <= 1.0
         careful = max(each.ratio - limits.propose.doubt * np.sqrt(2.0 * each.ratio), 0.0)
         odds += 1.0 if level and each.listed else float(np.exp(-min(careful, 500.0)))
     there = confidence_of(limits, replace(_NO_SUPPORT, gain=gain))

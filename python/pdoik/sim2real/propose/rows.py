@@ -112,20 +112,34 @@ class Sheet:
             self._gram = gram
         return self._gram
 
-    def left(self, name: object, beside: Iterable[object]) -> float:
-        """Sum of squares that others, refitted, leave of a single column."""
-        gram, prior = self.gram, np.concatenate(self._priors)
+    def left_by_block(self, name: object, beside: Iterable[object]) -> FloatArray:
+        """Sums of squares, by blocks of time, that others, refitted, leave of a single column."""
         (at,) = self._spans[name]
+        index, taken = self._taken(at, beside)
+        left = self._whole[:, at] - self._whole[:, index] @ taken
+        blocks = np.concatenate([self.balances.block[rows] for rows in self._rows.values()])
+        sums = np.bincount(blocks, left**2, minlength=int(self.balances.block.max()) + 1)
+        acting = np.bincount(blocks, self._whole[:, at] ** 2, minlength=len(sums)) > 0.0
+        return np.asarray(sums[acting], dtype=np.float64)
+
+    def left(self, name: object, beside: Iterable[object]) -> float:
+        """Sum of squares that others, refitted, leave of a single column; the prior's included."""
+        (at,) = self._spans[name]
+        index, taken = self._taken(at, beside)
+        return float(max(self.gram[at, at] - self.gram[index, at] @ taken, 0.0))
+
+    def _taken(self, at: int, beside: Iterable[object]) -> tuple[NDArray[np.intp], FloatArray]:
+        """Columns that others have, by number, and their coefficients where they fit a column."""
+        gram, prior = self.gram, np.concatenate(self._priors)
         parts = [self._spans[each] for each in beside if each in self._spans]
         index = np.concatenate(parts) if parts else np.zeros(0, dtype=np.intp)
         index = index[np.diag(gram)[index] > 0.0]
         if not len(index):
-            return float(gram[at, at])
+            return index, np.zeros(0)
         inside, cross = gram[np.ix_(index, index)] + np.diag(prior[index]), gram[index, at]
         size = 1.0 / np.sqrt(np.diag(inside))
         even = inside * np.outer(size, size) + _RIDGE * np.eye(len(index))
-        taken = linalg.solve(even, size * cross, assume_a="pos")
-        return float(max(gram[at, at] - (size * cross) @ taken, 0.0))
+        return index, np.asarray(size * linalg.solve(even, size * cross, assume_a="pos"))
 
     def fitted(self, name: object, of: object, beside: Iterable[object]) -> FloatArray:
         """Coefficients of one name's columns where a column is fitted by them and others."""

@@ -68,7 +68,7 @@ class Weigher:
             for question in standing(self.questions, prepared)
         )
         self._variants = {q.own.key: self._alike(q.own) for q in self.questions}
-        self._recorded: dict[tuple[object, object], tuple[float, float]] = {}
+        self._recorded: dict[tuple[object, object], tuple[FloatArray, float]] = {}
         self._remember()
 
     def _remember(self) -> None:
@@ -216,38 +216,54 @@ class Weigher:
         other = rival.cause
         variants = self._variants.get(own.key, (own,))
         weighed = [self._with_recorded(sheet, plain, each, other) for each in variants]
-        own_left, own_share = (min(values) for values in zip(*weighed, strict=True))
+        own_left, own_share, own_t = (min(values) for values in zip(*weighed, strict=True))
         if rival.known:
-            other_left, other_share = self._with_recorded(sheet, plain, other, own)
+            other_left, other_share, other_t = self._with_recorded(sheet, plain, other, own)
         else:
-            other_left, other_share = np.inf, 1.0
-        alike = same_kind(own.effect.id, other.effect.id) and own.places == other.places
-        search = self.limits.search
+            other_left, other_share, other_t = np.inf, 1.0, np.inf
+        clear = [
+            self._clear(own, other, own_share, own_t),
+            self._clear(other, own, other_share, other_t),
+        ]
         return Rivalry(
             rival=other.words,
             listed=rival.listed,
             if_own=0.5 * own_left,
             if_rival=0.5 * other_left,
             share=min(own_share, other_share),
-            least_share=1.0 - search.same_kind if alike else search.tie,
+            clear=float(min(clear)),
         )
+
+    def _clear(self, true: Cause, other: Cause, share: float, t: float) -> float:
+        """Times what the diagnosis asks, so that it lists the other beside the true one no more.
+
+        A name is level where it explains nearly as much and blocks of time do not tell; a coarser
+        law of the same kind is listed as long as it explains nine tenths.
+        """
+        search = self.limits.search
+        alike = same_kind(true.effect.id, other.effect.id) and true.places == other.places
+        if alike and other.effect.complexity <= true.effect.complexity:
+            return share / (1.0 - search.same_kind)
+        return max(share / search.tie, t / search.tie_error)
 
     def _with_recorded(
         self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
-    ) -> tuple[float, float]:
-        """What the other leaves of the true one, recordings included, and as a share.
+    ) -> tuple[float, float, float]:
+        """What the other leaves of the true one, recordings included, its share, and its t.
 
         Figures may differ between the two, which makes what is left less than it will be.
         """
-        before, whole = self._recorded.get((true.key, other.key), (0.0, 0.0))
+        before, whole = self._recorded.get((true.key, other.key), (np.zeros(0), 0.0))
         left, alone = self._left(sheet, plain, true, other)
-        total = left + before
-        return total, total / max(alone + whole, 1e-300)
+        blocks = np.concatenate([before, left])
+        total = float(blocks.sum())
+        error = float(np.std(blocks) * np.sqrt(len(blocks))) if len(blocks) > 1 else np.inf
+        return total, total / max(alone + whole, 1e-300), total / max(error, 1e-300)
 
     def _left(
         self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
-    ) -> tuple[float, float]:
-        """What the other leaves of the true one, and what the other findings alone do."""
+    ) -> tuple[FloatArray, float]:
+        """What the other leaves of the true one by blocks, and what the other findings alone do."""
         name = self._added(sheet, true)
         shapes = []
         for shape in self._shapes(sheet.balances, other):
@@ -256,8 +272,9 @@ class Weigher:
                 sheet.add(column, columns_at(sheet.balances, other, shape))
             shapes.append(column)
         beside = self._beside(plain, true, other)
-        least = min(sheet.left(name, [*beside, column]) for column in shapes)
-        return least, sheet.left(name, [n for n in beside if n[0] == _FOUND])
+        best = min(shapes, key=lambda column: sheet.left(name, [*beside, column]))
+        alone = sheet.left(name, [n for n in beside if n[0] == _FOUND])
+        return sheet.left_by_block(name, [*beside, best]), alone
 
     def _added(self, sheet: Sheet, cause: Cause) -> Name:
         """The name of a cause's contribution, which is added where it is new."""
