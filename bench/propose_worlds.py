@@ -27,7 +27,7 @@ from bench.concealed.study_files import joint_names
 
 Way = Literal["slow", "short", "one joint", "one way"]
 WAYS: tuple[Way, ...] = ("slow", "short", "one joint", "one way")
-LENGTH = 12.0  # of each of two recordings [s]
+LENGTH = 9.0  # of each of two recordings [s]
 
 Axes = tuple[int, ...]
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..study.recording import FloatArray
 from .clear import Clear
 from .excitation import Frame, Recipe, changed, first_recipes, motion_of, random_recipe
-from .expected import Prospect
+from .expected import Pair, Prospect, hopeless_of
 from .path import Path
 from .weigh import Weigher
 
@@ -29,8 +29,8 @@ class Design:
 
     path: Path
     prospects: tuple[Prospect, ...]
-    score: float
     looked_at: int = 1  # motions
+    hopeless: frozenset[Pair] = frozenset()  # pairs that none of these tells apart
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,7 +51,7 @@ class Bounds:
             excess = limits.excess(path, foretold.torque(balances))
             if excess <= 1.0:
                 prospects = self.weigher.prospects_of(balances, costly=costly)
-                return Design(path=path, prospects=prospects, score=self.weigher.score(prospects))
+                return Design(path=path, prospects=prospects)
             path = path.toward(self.frame.start, max(0.5, 0.9 / excess))
         return None
 
@@ -68,35 +68,54 @@ def designed(
         seconds: that the search may take, about.
         say: called with words and the share of the effort that is done.
     """
-    best: list[tuple[float, Recipe, Design]] = []
-    planned = first_recipes(rng)
+    planned, ranking = first_recipes(rng), _Ranking(weigher=bounds.weigher)
     begin, count = time.perf_counter(), 0
     while count < effort and time.perf_counter() - begin < seconds:
         share = max(count / effort, (time.perf_counter() - begin) / seconds)
-        if planned:
+        first = bool(planned)
+        if first:
             recipe = planned.pop(0)
-        elif share < _FIRST or not best:
+        elif share < _FIRST or not ranking.best:
             recipe = random_recipe(rng)
         else:
-            chosen = best[min(int(rng.exponential(1.0)), len(best) - 1)]
-            recipe = changed(chosen[1], rng)
+            place = min(int(rng.exponential(1.0)), len(ranking.best) - 1)
+            recipe = changed(ranking.best[place][1], rng)
         made = bounds.made(motion_of(recipe, bounds.frame))
         count += 1
-        if made is None:
-            continue
-        better = not best or made.score > best[0][0]
-        best.append((made.score, recipe, made))
-        best.sort(key=lambda each: -each[0])
-        del best[_KEPT:]
-        if better:
-            say(f"{count} motions looked at, clarity {made.score:.2f}", share)
+        if made is not None and ranking.add(recipe, made, first=first):
+            say(f"{count} motions looked at, clarity {ranking.best[0][0]:.2f}", share)
     looked = [
-        found for _, _, made in best[:_CLOSER] if (found := bounds.made(made.path, costly=True))
+        found
+        for _, _, made in ranking.best[:_CLOSER]
+        if (found := bounds.made(made.path, costly=True))
     ]
     if not looked:
         return None
-    first = max(looked, key=lambda each: each.score)
-    return Design(path=first.path, prospects=first.prospects, score=first.score, looked_at=count)
+    chosen = max(looked, key=lambda each: ranking.score(each))
+    return replace(chosen, looked_at=count, hopeless=ranking.hopeless)
+
+
+@dataclass(kw_only=True, eq=False)
+class _Ranking:
+    """The best motions so far, by what is not hopeless: pairs that no planned recipe tells."""
+
+    weigher: Weigher
+    best: list[tuple[float, Recipe, Design]] = field(default_factory=list)
+    hopeless: frozenset[Pair] = frozenset()
+
+    def score(self, design: Design) -> float:
+        """Of one."""
+        return self.weigher.score(design.prospects, self.hopeless)
+
+    def add(self, recipe: Recipe, design: Design, *, first: bool) -> bool:
+        """Whether a motion is the best so far; `first` for one of the planned recipes."""
+        found = [*self.best, (0.0, recipe, design)]
+        if first:  # as different as can be: what none of them tells apart, no motion does
+            self.hopeless = hopeless_of([each.prospects for _, _, each in found])
+        scored = [(self.score(each), name, each) for _, name, each in found]
+        scored.sort(key=lambda each: -each[0])
+        self.best = scored if first else scored[:_KEPT]
+        return scored[0][2] is design
 
 
 def start_of(recorded: FloatArray) -> FloatArray:

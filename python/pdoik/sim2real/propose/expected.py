@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +10,11 @@ import numpy as np
 from ..confirm.confidence import confidence_of
 from ..findings import Support
 from ..thresholds import Thresholds
+
+Pair = tuple[str, str]  # a finding and its rival, in words
+
+NOTHING = 1.0
+"""Log likelihood ratio that tells nothing."""
 
 _ENOUGH = 1.5  # clarity from which more is not sought
 _NO_SUPPORT = Support(
@@ -54,20 +60,32 @@ class Prospect:
         return min((each.ratio for each in self.rivalries), default=np.inf)
 
 
-def clarity(prospect: Prospect, limits: Thresholds) -> tuple[float, float]:
+def clarity(
+    prospect: Prospect, limits: Thresholds, hopeless: frozenset[Pair] = frozenset()
+) -> tuple[float, float]:
     """How far a motion settles a finding: 1 for just so, the least and the mean of its parts.
 
-    What is only often confused with the finding counts in the mean.
+    What is only often confused with the finding counts in the mean, and what no motion tells from
+    it counts nowhere.
     """
     asked = limits.propose
     seen = _odds(prospect.gain) / _odds(asked.gain)
-    parts = [
-        min(np.sqrt(each.ratio / asked.decisive), each.clear / asked.clear)
-        for each in prospect.rivalries
-    ]
-    listed = [p for p, each in zip(parts, prospect.rivalries, strict=True) if each.listed]
+    told = [each for each in prospect.rivalries if (prospect.finding, each.rival) not in hopeless]
+    parts = [min(np.sqrt(each.ratio / asked.decisive), each.clear / asked.clear) for each in told]
+    listed = [part for part, each in zip(parts, told, strict=True) if each.listed]
     least, mean = min([seen, *listed]), np.mean(np.minimum([seen, *parts], _ENOUGH))
     return float(min(least, _ENOUGH)), float(mean)
+
+
+def hopeless_of(motions: Sequence[tuple[Prospect, ...]]) -> frozenset[Pair]:
+    """Pairs that none of many motions tells apart: a rotor, and a link's inertia about its axis."""
+    best: dict[Pair, float] = {}
+    for prospects in motions:
+        for prospect in prospects:
+            for each in prospect.rivalries:
+                pair = prospect.finding, each.rival
+                best[pair] = max(best.get(pair, 0.0), each.ratio)
+    return frozenset(pair for pair, ratio in best.items() if ratio < NOTHING)
 
 
 def expected_confidence(gain: float, rivalries: tuple[Rivalry, ...], limits: Thresholds) -> float:

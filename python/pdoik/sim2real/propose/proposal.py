@@ -15,7 +15,7 @@ from pdoik._files import write_whole
 
 from ..study.recording import FloatArray
 from .clear import Verdict
-from .expected import Prospect
+from .expected import Pair, Prospect
 
 SCHEMA = "pdoik.proposal/1"
 
@@ -32,6 +32,7 @@ class Proposal:
     used: dict[str, float]  # largest share of the limits of position, speed, acceleration, torque
     prospects: tuple[Prospect, ...]
     unsettled: tuple[str, ...]  # what no motion settles, in words
+    hopeless: frozenset[Pair]  # findings and what is listed beside them, alike in every motion
     verdict: Verdict | None  # of obstacles and the robot itself; None: only limits were kept
     looked_at: int  # motions that were weighed
     random: bool  # one motion at random, to compare with
@@ -60,6 +61,7 @@ class Proposal:
             "clear": None if self.verdict is None else _finite(asdict(self.verdict)),
             "expected": [_finite(asdict(each)) for each in self.prospects],
             "unsettled": list(self.unsettled),
+            "hopeless": sorted(map(list, self.hopeless)),
             "notes": list(self.notes),
         }
         return json.dumps(content, indent=1) + "\n"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path as File
 
@@ -22,10 +22,11 @@ from ..study.recording import FloatArray
 from .clear import Clear, Verdict
 from .design import Bounds, Design, designed, start_of
 from .excitation import Frame, random_motion
+from .expected import Pair
 from .limits import Limits, limits_of
 from .path import Path
 from .proposal import Proposal
-from .questions import Cause, Question, beyond_motion, cause_of, open_findings, questions_of
+from .questions import ENOUGH, Cause, Question, beyond_motion, cause_of, open_findings, questions_of
 from .weigh import Weigher
 
 SHORTEST = 5.0
@@ -107,6 +108,7 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         bounds = Bounds(weigher=weigher, frame=frame, clear=clear)
         _check_start(bounds)
         design = _found(bounds, wishes, say)
+        _check_hope(questions, design)
         verdict = _judged(clear, design.path)
         return _proposal(bounds, design, verdict, wishes, unsettled, notes)
 
@@ -254,6 +256,29 @@ def _found(bounds: Bounds, wishes: Wishes, say: Tell) -> Design:
     )
 
 
+def _hopeless(design: Design) -> frozenset[Pair]:
+    """Findings and what is listed beside them, alike along every motion that was looked at."""
+    listed = {(p.finding, r.rival) for p in design.prospects for r in p.rivalries if r.listed}
+    return design.hopeless & listed
+
+
+def _alike_in_words(pairs: Iterable[Pair]) -> tuple[str, ...]:
+    return tuple(
+        f"whether it is {finding} or {rival}, which are alike along every motion"
+        for finding, rival in sorted(pairs)
+    )
+
+
+def _check_hope(questions: Iterable[Question], design: Design) -> None:
+    """Nobody should run a motion for what no motion tells."""
+    hopeless = _hopeless(design)
+    for question, prospect in zip(questions, design.prospects, strict=False):
+        rivals = {(prospect.finding, each.rival) for each in prospect.rivalries if each.listed}
+        if not rivals or not rivals <= hopeless or question.finding.confidence < ENOUGH:
+            return
+    raise NothingToSettleError(f"no motion tells {'; '.join(_alike_in_words(hopeless))}")
+
+
 def _judged(clear: Clear | None, path: Path) -> Verdict | None:
     """Of dense samples, once more."""
     if clear is None:
@@ -295,7 +320,8 @@ def _proposal(
         torque=torque,
         used=used,
         prospects=tuple(each for each in design.prospects if each.why),
-        unsettled=unsettled,
+        unsettled=(*unsettled, *_alike_in_words(_hopeless(design))),
+        hopeless=_hopeless(design),
         verdict=verdict,
         looked_at=design.looked_at,
         random=wishes.random,

@@ -22,7 +22,7 @@ from ..regression.background import has_its_like
 from ..regression.trusted_bodies import trusted
 from ..select.candidates import same_kind
 from ..study.recording import FloatArray
-from .expected import Prospect, Rivalry, clarity, expected_confidence
+from .expected import NOTHING, Pair, Prospect, Rivalry, clarity, expected_confidence
 from .foretold import Foretold
 from .path import Path
 from .questions import Cause, Option, Question, said, standing
@@ -142,10 +142,12 @@ class Weigher:
             self._prospect(sheet, plain, question, rivals, costly) for question, rivals in pairs
         )
 
-    def score(self, prospects: Sequence[Prospect]) -> float:
-        """The more, the better a motion settles all of them."""
-        asked = [clarity(each, self.limits) for each in prospects if each.why]
-        others = [clarity(each, self.limits)[1] for each in prospects if not each.why]
+    def score(
+        self, prospects: Sequence[Prospect], hopeless: frozenset[Pair] = frozenset()
+    ) -> float:
+        """The more, the better a motion settles all of them that are not hopeless."""
+        asked = [clarity(each, self.limits, hopeless) for each in prospects if each.why]
+        others = [clarity(each, self.limits, hopeless)[1] for each in prospects if not each.why]
         mean = np.mean([mean for _, mean in asked] + others)
         return float(min(low for low, _ in asked) + _OF_THE_MEAN * mean)
 
@@ -258,7 +260,8 @@ class Weigher:
         blocks = np.concatenate([before, left])
         total = float(blocks.sum())
         error = float(np.std(blocks) * np.sqrt(len(blocks))) if len(blocks) > 1 else np.inf
-        return total, total / max(alone + whole, 1e-300), total / max(error, 1e-300)
+        t = total / max(error, 1e-300) if 0.5 * total > NOTHING else 0.0
+        return total, total / max(alone + whole, 1e-300), t
 
     def _left(
         self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
