@@ -18,8 +18,11 @@ EFFORT, SPEED = (60.0, 30.0), 3.0
 PERIOD = 0.01
 
 
-def write_study(folder: Path, urdf: str = URDF) -> Path:
-    """study.yaml, arm.urdf and a log of 10 s to learn from, another one to judge."""
+def write_study(folder: Path, urdf: str = URDF, width: float = 0.0) -> Path:
+    """study.yaml, arm.urdf and a log of 10 s to learn from, another one to judge.
+
+    `width` is the way over which the friction builds up after a reversal [rad].
+    """
     (folder / "arm.urdf").write_text(urdf.format(mass=1))
     body = RigidBody(folder / "arm.urdf", JOINTS, np.array(ROTORS))
     time = PERIOD * np.arange(1000)
@@ -27,7 +30,8 @@ def write_study(folder: Path, urdf: str = URDF) -> Path:
         phase = 0.3 * time[:, None] + np.array([0.0, 0.7]) + k
         q = np.array([0.3, -0.4]) + 0.12 * np.sin(phase)
         dq, ddq = 0.036 * np.cos(phase), -0.0108 * np.sin(phase)
-        tau = body.dynamics(q, dq, ddq).tau + [0.0, LEVEL] * np.sign(dq)
+        tau = body.dynamics(q, dq, ddq).tau
+        tau[:, 1] += LEVEL * (np.sign(dq[:, 1]) if width == 0.0 else bristles(q[:, 1], width))
         tau = tau + 0.02 * np.random.default_rng(k).standard_normal(tau.shape)
         columns = {"time": time}
         columns |= {f"q.{joint}": q[:, j] for j, joint in enumerate(JOINTS)}
@@ -45,6 +49,15 @@ def write_study(folder: Path, urdf: str = URDF) -> Path:
     path = folder / "study.yaml"
     path.write_text(yaml.safe_dump(study))
     return path
+
+
+def bristles(q: np.ndarray, width: float) -> np.ndarray:
+    """Dahl's friction along positions (T,), of level 1."""
+    z, states = 0.0, []
+    for step in np.diff(q, prepend=q[0]):
+        z = np.sign(step) + (z - np.sign(step)) * np.exp(-abs(step) / width)
+        states.append(z)
+    return np.array(states)
 
 
 def friction(*equivalents: str, confidence: float = 0.95) -> Finding:

@@ -12,7 +12,17 @@ import pytest
 from pdoik.errors import LoadError
 from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
 from pdoik.sim2real.propose.propose import Wishes
-from propose_reports import EFFORT, LEVEL, ROTORS, SPEED, friction, push, write_report, write_study
+from propose_reports import (
+    EFFORT,
+    LEVEL,
+    ROTORS,
+    SPEED,
+    bristles,
+    friction,
+    push,
+    write_report,
+    write_study,
+)
 from studies import URDF
 
 WISHES = Wishes(effort=40, search=10.0, speed_share=0.6, torque_share=0.7, acceleration=6.0)
@@ -80,11 +90,7 @@ def left_of_sliding(proposal: Proposal) -> float:
     truth = np.sign(dq[moving, 1])
     least = 1.0
     for width in (0.0012, 0.003, 0.008, 0.02, 0.05):
-        z, states = 0.0, []
-        for step in np.diff(q[:, 1], prepend=q[0, 1]):
-            z = np.sign(step) + (z - np.sign(step)) * np.exp(-abs(step) / width)
-            states.append(z)
-        A = np.column_stack([states, dq[:, 1], np.ones(len(q))])[moving]
+        A = np.column_stack([bristles(q[:, 1], width), dq[:, 1], np.ones(len(q))])[moving]
         rest = truth - A @ np.linalg.lstsq(A, truth, rcond=None)[0]
         least = min(least, float(rest @ rest / (truth @ truth)))
     return least

@@ -21,7 +21,7 @@ from studies import JOINTS
 def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report by the tool itself, of an arm that was moved slowly within a few degrees."""
     folder = tmp_path_factory.mktemp("diagnosed")
-    study = write_study(folder)
+    study = write_study(folder, width=0.003)
     made = run("diagnose", study, "--out", folder / "report", "--quick")
     assert made.exit_code == 0, made.output
     return folder / "report"
