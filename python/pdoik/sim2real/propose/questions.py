@@ -14,8 +14,9 @@ from ..motion.place import Place, Shape
 from ..motion.prepare import Prepared
 from ..regression.naming import where_in_words
 from ..study.recording import FloatArray
+from ..thresholds.propose import ProposeThresholds
 
-ENOUGH = 0.9
+ENOUGH = ProposeThresholds().enough
 """Confidence from which a finding needs no further motion."""
 
 
