@@ -33,6 +33,7 @@ from diagnosis_score import last_link, name_of, placed
 from intervals import share
 from markdown import markdown_table
 from pdoik.sim2real import CATALOGUE, Diagnosis, examine, model_of
+from pdoik.sim2real.effects import Effect
 from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
 from pdoik.sim2real.propose.propose import Wishes
 from pdoik.sim2real.propose.questions import open_findings
@@ -72,8 +73,12 @@ def main(
     wanted: Annotated[int, typer.Option(min=1, help="Studies that leave something open.")] = 60,
     effort: Annotated[int, typer.Option(min=1, help="Motions that each search looks at.")] = 60,
     seed: Seed = 8000,
+    table: Annotated[bool, typer.Option("--table", help="Only of what is there so far.")] = False,
 ) -> None:
     """Diagnose, propose, run, diagnose again, count."""
+    if table:
+        show(tables(pd.concat(map(pd.read_parquet, sorted((out / "parts").glob("*.parquet"))))))
+        return
     if quick:
         wanted, out = 2, out.with_name(out.name + "-quick")
     if seed + 1000 > FIRST_PROOF_SEED:
@@ -187,12 +192,18 @@ def settled(
             each
             for each in finding.equivalents
             if not _same(as_entry(each), hidden, last)
-            and in_words(CATALOGUE[each.effect], each.joints, each.links) not in but
+            and in_words(_one_body(each.effect), each.joints, each.links) not in but
         ]
         right = _same(entry, hidden, last) and finding.confidence >= SURE
         if right and not (strict and others):
             return True
     return False
+
+
+def _one_body(effect: str) -> Effect:
+    """A payload and an error of the link that holds it are one body."""
+    found = CATALOGUE[effect]
+    return CATALOGUE["link_inertial_error"] if found.is_body else found
 
 
 def as_entry(finding: Any) -> dict[str, Any]:
