@@ -1,14 +1,16 @@
-"""The picture of `pdoik propose` in the README: what a log could not tell apart, and a motion can.
+"""The picture of `pdoik propose` in the README: two frictions along a log and a proposed motion.
 
     python bench/propose_picture.py bench/propose.png
 
-An arm with dry friction in its second joint, moved slowly once, is diagnosed; the motion that is
-proposed is drawn beside the log, with the friction of either name along both.
+An arm with dry friction in its second joint, moved slowly once, is diagnosed, and presliding is put
+beside that finding by hand, as if it were listed: the motion that is proposed for it is drawn
+beside the log, with the friction of either name along both.
 """
 
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +20,7 @@ import typer
 from bench.concealed.spec import WorldSpec
 
 from pdoik._files import renamed_when_whole
-from pdoik.sim2real import Diagnosis, examine, load_study, model_of
+from pdoik.sim2real import Diagnosis, Equivalent, examine, load_study, model_of
 from pdoik.sim2real.diagnose import made_ready
 from pdoik.sim2real.effects.presliding_hysteresis import bristle
 from pdoik.sim2real.propose import Proposal, propose
@@ -43,7 +45,8 @@ def main(out: Annotated[Path, typer.Argument(help="PNG.")]) -> None:
         examination = examine(study)
         report = Path(folder) / "report"
         report.mkdir()
-        (report / "diagnosis.json").write_text(examination.diagnosis.to_json())
+        diagnosis = doubted(examination.diagnosis)
+        (report / "diagnosis.json").write_text(diagnosis.to_json())
         model_of(examination).save(report)
         proposal = propose(report, Wishes(effort=60, search=np.inf))
         recording = made_ready(load_study(study)).prepared.fit.motions[0]
@@ -51,8 +54,18 @@ def main(out: Annotated[Path, typer.Argument(help="PNG.")]) -> None:
         logged = np.arange(0.0, recording.time[-1], PERIOD)
         log = np.interp(logged, recording.time, recording.q[:, at])
     with house_style(), renamed_when_whole(out) as path:
-        figure = picture(examination.diagnosis, proposal, (logged, log))
+        figure = picture(diagnosis, proposal, (logged, log))
         figure.savefig(path, dpi=110, bbox_inches="tight")
+
+
+def doubted(diagnosis: Diagnosis) -> Diagnosis:
+    """With presliding beside the joint's friction."""
+    other = (Equivalent(effect="presliding_hysteresis", joints=(JOINT,)),)
+    findings = (
+        replace(each, equivalents=other) if JOINT in each.joints else each
+        for each in diagnosis.findings
+    )
+    return replace(diagnosis, findings=tuple(findings))
 
 
 def picture(diagnosis: Diagnosis, proposal: Proposal, log: tuple[Array, Array]) -> plt.Figure:
