@@ -44,6 +44,7 @@ class Model:
     """By link: ten corrected parameters instead of the robot's own, in `Inertial.ten`'s order."""
     cutoff: float | None = None  # of the filter that the findings were made with [Hz]
     healthy: Healthy | None = None  # what the model leaves of a healthy machine's torques
+    study: str | None = None  # the YAML file that was diagnosed
 
     def __repr__(self) -> str:
         found = ", ".join(finding.effect for finding in self.findings) or "nothing"
@@ -72,6 +73,7 @@ class Model:
             findings=findings,
             rigid_body=rigid_body or {},
             cutoff=cutoff,
+            study=None if study.source is None else str(study.source),
         )
 
     def with_robot(self, robot: str | Path) -> Model:
@@ -221,6 +223,7 @@ class Model:
             "findings": json.loads(found.to_json())["findings"],
             "rigid_body": {link: listed(ten) for link, ten in self.rigid_body.items()},
             "healthy": None if self.healthy is None else self.healthy.content(),
+            "study": self.study,
             "robot": self.robot,
         }
         return json.dumps(content, indent=1) + "\n"
@@ -261,6 +264,8 @@ class Model:
             key = "healthy"
             figures = content.get("healthy")
             healthy = None if figures is None else Healthy.of_content(figures, n)
+            key = "study"
+            study = None if content.get("study") is None else str(content["study"])
             key = "robot"
             robot, tip = content["robot"], content["tip"]
             if robot is not None and not isinstance(robot, str):
@@ -281,6 +286,7 @@ class Model:
             rigid_body=rigid_body,
             cutoff=cutoff,
             healthy=healthy,
+            study=study,
         )
 
 

@@ -106,6 +106,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     return check_study(
         Study(
             folder=folder,
+            source=path.resolve(),
             robot=None if facts is None else facts.path,
             base=base,
             tip=tip,

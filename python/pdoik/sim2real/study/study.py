@@ -70,6 +70,7 @@ class Study:
     """What `diagnose` is given."""
 
     folder: Path
+    source: Path | None = None  # the YAML file it was read from
     robot: Path | None
     base: FloatingBase | None = None  # None: it is fixed
     tip: str | None = None  # link whose pose the channel `tip` is; the last link otherwise

@@ -15,6 +15,7 @@ from .figures import FigureThresholds
 from .gates import GateThresholds
 from .limits import LimitThresholds
 from .noise import NoiseThresholds
+from .propose import ProposeThresholds
 from .search import SearchThresholds
 from .selection import SelectionThresholds
 from .simulation import SimulationThresholds
@@ -60,6 +61,7 @@ class Thresholds:
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
     simulators: SimulatorThresholds = field(default_factory=SimulatorThresholds)
     watch: WatchThresholds = field(default_factory=WatchThresholds)
+    propose: ProposeThresholds = field(default_factory=ProposeThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
         """With other values by GROUP.NAME.
