@@ -18,7 +18,7 @@ OBJECT = tuple(f"object.{name}" for name in ("x", "y", "z", "qw", "qx", "qy", "q
 
 
 def log_columns(*, with_object: bool = False) -> list[str]:
-    """The time [s], each signal's 19 joints, q_des.left_ankle_joint, ..., the pelvis, the object."""
+    """Time [s], each signal's 19 joints (q_des.left_ankle_joint, ...), the pelvis, the object."""
     joints = [f"{signal}.{joint}" for signal in SIGNALS for joint in JOINT_NAMES]
     return ["time", *joints, *BASE, *(OBJECT if with_object else ())]
 
@@ -26,7 +26,8 @@ def log_columns(*, with_object: bool = False) -> list[str]:
 def write_log(run: Run, path: str | Path, every: int = 1) -> None:
     """Write a run's rows, each or each so-manieth; the file appears whole or not at all.
 
-    The pelvis' pose in the world [m] is in the columns BASE. Where something flew, its pose in the pelvis' frame [m] is in the columns OBJECT.
+    The pelvis' pose in the world [m] is in the columns BASE. Where something flew, its pose in the
+    pelvis' frame [m] is in the columns OBJECT.
     """
     with_object = bool(len(run.distance))
     signals = [getattr(run, signal) for signal in SIGNALS]

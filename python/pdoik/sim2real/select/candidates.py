@@ -12,7 +12,6 @@ from ..motion.balances import Balances
 from ..motion.place import Key
 from ..regression.fit import Fit, Term, TermKey, term_of
 
-
 _POOLS: WeakKeyDictionary[Balances, list[Term]] = WeakKeyDictionary()
 
 
