@@ -17,7 +17,7 @@ from pdoik.sim2real.motion.free_rows import projector
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.study.study import Setup, Study
-from sim2real_floating import JOINTS, Hidden, recording, study
+from sim2real_floating import FEET, JOINTS, Hidden, recording, study
 
 QUIET = 1e-6
 
@@ -119,6 +119,41 @@ def test_columns_are_what_is_hidden_in_a_recording(
         size = sizes[key[1] + len(JOINTS) * (key[0] == "base")]
         error, whole = np.sqrt(np.mean((there - said) ** 2)), np.sqrt(np.mean(there**2))
         assert error < 0.06 * whole + 5e-3 * size, key
+
+
+def test_every_effect_has_columns_of_balances_that_exist(tmp_path: Path) -> None:
+    motions = prepare(study(tmp_path, Hidden(), runs=1)).fit.motions
+    (motion,) = motions
+    known = {("torque", j) for j in range(len(JOINTS))}
+    known |= {(balance, axis) for balance in ("base", "imu") for axis in range(6)}
+    known |= {(balance, k) for balance in ("foot", "grip") for k in range(len(FEET))}
+    seen = set()
+    for effect in CATALOGUE.values():
+        for place in effect.places(motions):
+            for shape in effect.shapes(motions, place)[:1]:
+                columns = effect.columns(motion, place, shape)
+                assert set(columns) <= known, effect.id
+                widths = {column.shape[1] for column in columns.values()}
+                for column in columns.values():
+                    assert column.shape == (len(motion.time), *widths)
+                    assert np.isfinite(column).all(), effect.id
+                if columns:
+                    seen.add(effect.id)
+                    assert effect.prior(*widths).shape == (*widths,)
+    ground = {"ground_height", "ground_slope", "foot_softness", "foot_friction"}
+    assert seen >= {"imu_tilt", "imu_offset", "payload", "coulomb_friction", *ground}
+    assert "gravity_direction" not in seen
+
+
+def test_what_presses_a_foot_is_what_mujoco_says(tmp_path: Path) -> None:
+    (motion,) = prepare(_noiseless(tmp_path, Hidden(), 1)).fit.motions
+    for foot in motion.feet:
+        assert foot.force is not None
+        assert foot.pressed is not None
+        inner = slice(100, -100)
+        size = np.linalg.norm(foot.force, axis=1)[inner]
+        apart = np.abs(size - foot.pressed[inner])  # a stretched leg feels no force along it
+        assert np.quantile(apart, 0.95) < 0.005 * foot.pressed.max()
 
 
 def _noiseless(folder: Path, hidden: Hidden, runs: int, **kept: bool) -> Study:
