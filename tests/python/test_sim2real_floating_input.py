@@ -12,6 +12,9 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.errors import LoadError
+from pdoik.sim2real import Watch
+from pdoik.sim2real.model.model import Model
+from pdoik.sim2real.model.predict import predict
 from pdoik.sim2real.study.read_study import load_study
 from sim2real_floating import FEET, IMU_PLACE, IMU_TURN, JOINTS, RADIUS, Hidden, study, written
 
@@ -96,3 +99,17 @@ def test_a_held_base_is_told_and_needs_the_key(tmp_path: Path) -> None:
     assert all(read.setup_of(each).held for each in read.recordings)
     with pytest.raises(LoadError, match="expected 'base:' in the study first"):
         load_study(written(tmp_path, made, recordings=held, base=None))
+
+
+def test_what_cannot_be_run_yet_says_so(tmp_path: Path) -> None:
+    made = study(tmp_path, Hidden(), runs=1, seconds=3.0)
+    model = Model.from_json(Model.of_study(made).to_json())
+    assert model.base == "trunk"
+    for wanted in (
+        model.stepper,
+        model.simulator,
+        lambda: predict(model, made.recordings[0]),
+        lambda: Watch(model),
+    ):
+        with pytest.raises(ValueError, match=r"the base of this model, link 'trunk', floats"):
+            wanted()

@@ -141,7 +141,7 @@ def _traces(
         clock=motion.recording.start + motion.time,
         q=motion.q,
         dq=motion.dq,
-        load=motion.tau if prepared.body is not None else np.full(shape, np.nan),
+        load=motion.tau[:, : motion.n] if prepared.body is not None else np.full(shape, np.nan),
         before=before,
         after=after,
         measured=measured,
@@ -171,7 +171,8 @@ def _raw(motion: Motion, key: Key) -> tuple[FloatArray, FloatArray] | None:
     """What was measured, and that less what the model says, (T,) each."""
     balance, j = key
     if balance == "torque" and motion.torque is not None:
-        return motion.torque[:, j], motion.torque[:, j] - motion.tau[:, j]
+        needed = motion.tau[:, j] - motion.by_feet()[:, j]
+        return motion.torque[:, j], motion.torque[:, j] - needed
     if balance == "drive" and motion.torque is not None and motion.command is not None:
         return motion.torque[:, j], motion.torque[:, j] - motion.command[:, j]
     if balance == "law" and motion.law is not None:

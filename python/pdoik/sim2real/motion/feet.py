@@ -33,10 +33,15 @@ class FootMotion:
     world: FloatArray | None = None  # (T, 3) that spot [m]
     speed: FloatArray | None = None  # (T,) of the body's point there along the ground [m/s]
     height: FloatArray | None = None  # (T,) of its sole over the simulator's ground [m]
-    force: FloatArray | None = None  # (T, 3) on it [N]
+    load: FloatArray | None = None  # (T, 3 or 6) likeliest force on it, and moment, in base axes
     normal: FloatArray | None = None  # (T,) force that presses it [N]
     grip: FloatArray | None = None  # (T,) tangential force beyond the simulator's friction [N]
     slips: NDArray[np.bool_] | None = None  # (T,)
+
+    @property
+    def force(self) -> FloatArray | None:
+        """The likeliest force on it, (T, 3) in the base's axes [N]."""
+        return None if self.load is None else self.load[:, :3]
 
 
 def feet_of(

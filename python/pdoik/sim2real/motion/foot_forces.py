@@ -31,13 +31,13 @@ def with_ground(
     base = motion.base
     if base is None or not motion.feet:
         return motion
-    forces = _forces(motion, noise)
-    if forces is not None:
-        motion = _with_forces(motion, forces)
+    loads = _loads(motion, noise)
+    if loads is not None:
+        motion = _with_loads(motion, loads)
     if base.position is None or base.rotation is None:
         return motion
     feet = []
-    for k, foot in enumerate(motion.feet):
+    for foot in motion.feet:
         world = base.position + np.einsum("tij,tj->ti", base.rotation, foot.place)
         height = world[:, 2] - ground.height
         moving = np.einsum("tij,tj->ti", foot.jacobian, motion.dq) + np.cross(
@@ -47,7 +47,9 @@ def with_ground(
         velocity += np.einsum("tij,tj->ti", base.rotation, moving)
         velocity = zero_phase(velocity, 0.5 * motion.cutoff, motion.period)
         speed = np.linalg.norm(velocity[:, :2], axis=1)
-        force = None if forces is None else np.einsum("tij,tj->ti", base.rotation, forces[k])
+        force = foot.force
+        if force is not None:
+            force = np.einsum("tij,tj->ti", base.rotation, force)
         pressed = foot.pressed
         if pressed is None and force is not None:
             pressed = force[:, 2]
@@ -66,15 +68,15 @@ def with_ground(
     return replace(motion, feet=tuple(feet))
 
 
-def _with_forces(motion: Motion, forces: list[FloatArray]) -> Motion:
+def _with_loads(motion: Motion, loads: list[FloatArray]) -> Motion:
     """With the torques' change by the joints that constant forces on the feet make."""
     assert motion.body is not None
-    pairs = list(zip(motion.feet, forces, strict=True))
-    each = [force_by_position(foot, force, motion.body.depth) for foot, force in pairs]
+    pairs = list(zip(motion.feet, loads, strict=True))
+    each = [force_by_position(foot, load[:, :3], motion.body.depth) for foot, load in pairs]
     by_feet = -np.sum(each, axis=0)
     return replace(
         motion,
-        feet=tuple(replace(foot, force=force) for foot, force in pairs),
+        feet=tuple(replace(foot, load=load) for foot, load in pairs),
         dtau_dq=motion.dtau_dq + by_feet,
         cache={**motion.cache, "dtau_dq by feet": by_feet},
     )
@@ -99,11 +101,10 @@ def _grip(
     return tangential - ground.friction * force[:, 2], slips
 
 
-def _forces(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
-    """Force on each foot, (T, 3) in the base's axes: the likeliest by torques and base."""
+def _loads(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
+    """What each foot takes, (T, 3 or 6): the likeliest by torques and base."""
     if motion.torque is None or motion.setup.held:
         return None
-    count = len(motion.time)
     left = motion.tau.copy()
     left[:, : motion.n] -= np.nan_to_num(motion.torque)
     directions = unknown_forces(motion) / np.sqrt(row_noise(motion, noise))[:, None]
@@ -115,7 +116,7 @@ def _forces(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
     sizes = np.linalg.solve(gram, moment[:, :, None])[:, :, 0]
     found, first = [], 0
     for foot in motion.feet:
-        part = sizes[:, first : first + 3]
-        found.append(zero_phase(part.reshape(count, 3), motion.cutoff, motion.period))
-        first += foot.wrench.shape[2]
+        last = first + foot.wrench.shape[2]
+        found.append(zero_phase(sizes[:, first:last], motion.cutoff, motion.period))
+        first = last
     return found
