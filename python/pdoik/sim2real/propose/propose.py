@@ -83,10 +83,11 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
     Raises:
         NothingToSettleError: no motion is needed, or none would help.
         LoadError: a file of the report, or the study, is not there or is not what it should be.
-        ValueError: limits are missing, or the start breaks them.
+        ValueError: limits are missing, the start breaks them, or the robot's base floats.
     """
     wishes, say = wishes or Wishes(), tell or (lambda stage, text, share: None)
     diagnosis, model = _read(File(report))
+    model = model.of_fixed_base
     findings = open_findings(diagnosis)
     unsettled = tuple(said for each in findings if (said := beyond_motion(each)))
     if not findings:
