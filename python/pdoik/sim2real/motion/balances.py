@@ -119,8 +119,7 @@ class Balances:
         parts: dict[Key, dict[int, FloatArray]] = {}
         for i, motion in enumerate(self.motions):
             columns = _where_judged(columns_of(cause, motion, place, shape), motion)
-            free = self._free[i]
-            columns = columns if free is None else free.of(columns)
+            columns = self.freed(i, columns)
             for key, values in self._thinned(i, columns).items():
                 parts.setdefault(key, {})[i] = values
         result: dict[Key, FloatArray] = {}
@@ -204,15 +203,19 @@ class Balances:
                 raw["tip", axis] = [_column(m.tip_error, axis) for m in self.motions]
         return raw
 
+    def freed(self, motion: int, columns: Columns) -> Columns:
+        """Columns at a motion's rate without what forces of unknown size may do."""
+        free = self._free[motion]
+        return columns if free is None else free.of(columns)
+
     def _freed(self, raw: dict[Key, list[FloatArray]]) -> dict[Key, list[FloatArray]]:
-        """Without what forces of unknown size may have done."""
+        """The same of what is measured less what the model says."""
         found = {key: list(values) for key, values in raw.items()}
-        for i, free in enumerate(self._free):
-            if free is not None:
-                columns = {key: values[i][:, None] for key, values in raw.items()}
-                for key, column in free.of(columns).items():
-                    if key in found:
-                        found[key][i] = column[:, 0]
+        for i in range(len(self.motions)):
+            columns = {key: values[i][:, None] for key, values in raw.items()}
+            for key, column in self.freed(i, columns).items():
+                if key in found:
+                    found[key][i] = column[:, 0]
         return found
 
     def _known(self, name: str, j: int) -> bool:

@@ -80,14 +80,6 @@ class Motion:
         """The balance that row i of the torques belongs to."""
         return ("torque", i) if i < self.n else ("base", i - self.n)
 
-    def by_feet(self) -> FloatArray:
-        """What the likeliest forces on the feet take off the torques, (T, rows)."""
-        total = np.zeros_like(self.tau)
-        for foot in self.feet:
-            if foot.load is not None:
-                total += np.einsum("trk,tk->tr", foot.wrench, foot.load)
-        return total
-
     def dtau_dturn(self) -> FloatArray:
         """Torques per angular acceleration of a floating base, (T, rows, 3)."""
         if "dtau_dturn" not in self.cache:
