@@ -46,6 +46,15 @@ def make_study(
     return truth
 
 
+def hidden_in(draft: Draft) -> tuple[Effect, ...]:
+    """What `make_study` hides in a draft's machine, at the size that its motions show.
+
+    Machines are only simulated where nothing else tells the size.
+    """
+    effects = drawn(draft)
+    return _visible(draft)[0].effects if any(each.calibrated for each in effects) else effects
+
+
 def write_machine(folder: Path, draft: Draft, effects: tuple[Effect, ...]) -> None:
     """Writes robot.urdf, study.yaml and recordings of a draft's machine with just these effects.
 

@@ -59,7 +59,7 @@ def recording_motion(
         q[:, joint] = _creep(rng, len(q), middle[joint], half[joint])
     for joint, position in style.still.items():
         q[:, joint] = position
-    q = _smoothed(q, 0.2)
+    q = smoothed(q)
     dq = np.gradient(q, STEP, axis=0)
     return Motion(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
 
@@ -160,7 +160,7 @@ def _triangle(rows: int, pace: float, reach: float, phase: float) -> Array:
     return reach * (4.0 * np.abs((turns % 1.0) - 0.5) - 1.0)
 
 
-def _smoothed(q: Array, width: float) -> Array:
+def smoothed(q: Array, width: float = 0.2) -> Array:
     """Rounded by a Hann window twice, so that accelerations are continuous."""
     count = max(3, round(width / STEP))
     window = np.hanning(count + 2)[1:-1]

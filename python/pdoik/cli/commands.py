@@ -18,6 +18,7 @@ from .messages import out
 from .occupancy import occupancy
 from .pairs import pairs
 from .predict import predict
+from .propose import propose
 from .replay import replay
 from .solve import solve
 from .study import app as study
@@ -46,6 +47,7 @@ app.command()(compare)
 app.command()(predict)
 app.command()(replay)
 app.command()(watch)
+app.command()(propose)
 app.add_typer(effects)
 app.add_typer(study)
 app.command()(thresholds)

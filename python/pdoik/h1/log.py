@@ -13,22 +13,25 @@ from pdoik.h1.robot import JOINT_NAMES, FloatArray
 from pdoik.h1.simulate import Run
 
 SIGNALS = ("q_des", "q", "dq", "tau")  # [rad], [rad], [rad/s], [N m]
+BASE = tuple(f"base.{name}" for name in ("x", "y", "z", "qw", "qx", "qy", "qz"))
 OBJECT = tuple(f"object.{name}" for name in ("x", "y", "z", "qw", "qx", "qy", "qz"))
 
 
 def log_columns(*, with_object: bool = False) -> list[str]:
-    """The time [s], then each signal's 19 joints: q_des.left_ankle_joint, ...; then the object."""
+    """Time [s], each signal's 19 joints (q_des.left_ankle_joint, ...), the pelvis, the object."""
     joints = [f"{signal}.{joint}" for signal in SIGNALS for joint in JOINT_NAMES]
-    return ["time", *joints, *(OBJECT if with_object else ())]
+    return ["time", *joints, *BASE, *(OBJECT if with_object else ())]
 
 
 def write_log(run: Run, path: str | Path, every: int = 1) -> None:
     """Write a run's rows, each or each so-manieth; the file appears whole or not at all.
 
-    Where something flew, its pose in the pelvis' frame [m] is in the columns OBJECT.
+    The pelvis' pose in the world [m] is in the columns BASE. Where something flew, its pose in the
+    pelvis' frame [m] is in the columns OBJECT.
     """
     with_object = bool(len(run.distance))
-    parts = [run.time[:, None], *(getattr(run, signal) for signal in SIGNALS)]
+    signals = [getattr(run, signal) for signal in SIGNALS]
+    parts = [run.time[:, None], *signals, run.qpos[:, :7]]
     if with_object:
         parts.append(object_in_pelvis(run))
     text = io.StringIO()

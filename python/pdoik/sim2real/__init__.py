@@ -29,6 +29,7 @@ from .infer.conclude import Examination, conclude
 from .model.model import Model, load_model, replay
 from .model.predict import predict
 from .motion.prepare import Prepared, prepare
+from .propose import NothingToSettleError, Proposal, Wishes, propose
 from .regression.trial import Search
 from .select.search import search
 from .simulation import SimulationError, Simulator, Stepper
@@ -55,8 +56,10 @@ __all__ = [
     "Finding",
     "JointFit",
     "Model",
+    "NothingToSettleError",
     "Payload",
     "Prepared",
+    "Proposal",
     "Recording",
     "Residue",
     "Search",
@@ -70,6 +73,7 @@ __all__ = [
     "Trust",
     "UnanswerableError",
     "Watch",
+    "Wishes",
     "calibrated",
     "check_study",
     "conclude",
@@ -84,6 +88,7 @@ __all__ = [
     "model_of",
     "predict",
     "prepare",
+    "propose",
     "register",
     "replay",
     "search",

@@ -12,6 +12,8 @@ import numpy.typing as npt
 
 from pdoik.errors import LoadError
 
+from .expected import expected_of
+
 FloatArray = npt.NDArray[np.float64]
 
 SIGNALS = ("q_des", "q", "dq", "tau")
@@ -30,12 +32,14 @@ class Log:
             [rad] or [m], speeds, torques [N m] or forces [N].
         object_pose: T_base_object, the H1's T_pelvis_object, (T, 4, 4); None without the object's
             columns.
+        expected: Of a proposed motion, what it is expected to settle, as Markdown.
     """
 
     name: str
     time: FloatArray
     signals: dict[str, FloatArray]
     object_pose: FloatArray | None
+    expected: str = ""
 
     @property
     def duration(self) -> float:
@@ -124,6 +128,7 @@ def load_log(path: str | Path, joint_names: Sequence[str]) -> Log:
         time=time,
         signals=parts,
         object_pose=None if object_table is None else _poses(path, object_table),
+        expected=expected_of(path),
     )
 
 

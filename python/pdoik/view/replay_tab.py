@@ -110,4 +110,5 @@ def facts(log: Log, elapsed: float, joint_names: list[str]) -> str:
             values = log.signals[signal][row]
             i = int(np.argmax(np.abs(values)))
             lines.append(f"{signal} at most {values[i]:.3g} {what}: {joint_names[i]}")
+    lines += [log.expected] if log.expected else []
     return "\n\n".join(lines)

@@ -137,6 +137,8 @@ def why_not(study: Study) -> str:
     """Why a study's arm cannot be simulated from its commands, in words; "" where it can."""
     if study.robot is None:
         return "no robot is known"
+    if study.base is not None:
+        return "its base is not fixed"
     if study.controller is None:
         return "no controller is known"
     if any(r.q_des is None or not np.isfinite(r.q_des).all() for r in study.recordings):

@@ -14,6 +14,8 @@ from .external_contact import ExternalContact
 from .friction_drift import FrictionDrift
 from .gear_efficiency import GearEfficiency
 from .gravity_direction import GravityDirection
+from .ground import FootFriction, FootSoftness, GroundHeight, GroundSlope
+from .imu import ImuOffset, ImuTilt
 from .inertial import LinkInertials, Payload
 from .joint_coupling import JointCoupling
 from .joint_elasticity import JointElasticity
@@ -88,6 +90,12 @@ for _effect in (
     PayloadError(),
     LinkInertials(),
     GravityDirection(),
+    ImuTilt(),
+    ImuOffset(),
+    GroundHeight(),
+    GroundSlope(),
+    FootSoftness(),
+    FootFriction(),
     TorqueGain(),
     TorqueOffset(),
     TorqueSaturation(),

@@ -265,9 +265,9 @@ class Effect(ABC):
         return f"motion of {where}"
 
 
-def on_torque_and_tip(torque: FloatArray, tip: FloatArray | None) -> Columns:
-    """One coefficient's columns from changes of all torques (T, n) and of the tip's pose (T, 6)."""
-    columns: Columns = {("torque", i): torque[:, i, None] for i in range(torque.shape[1])}
+def on_torque_and_tip(motion: Motion, torque: FloatArray, tip: FloatArray | None) -> Columns:
+    """One coefficient's columns, of changes of all torques (T, rows) and the tip's pose (T, 6)."""
+    columns = motion.on_rows(torque)
     if tip is not None:
         columns |= {("tip", axis): tip[:, axis, None] for axis in range(6)}
     return columns

@@ -38,16 +38,13 @@ class GravityDirection(Effect):
     against = "q"
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The base."""
-        return [Place()]
+        """A base that stands; one that moves feels gravity itself."""
+        return [] if any(motion.base is not None for motion in motions) else [Place()]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Torques per sine of the tilts about x and y, and what the cosine takes from gravity."""
         by = STANDARD_GRAVITY * motion.dtau_dgravity
-        return {
-            ("torque", j): np.stack([-by[:, j, 1], by[:, j, 0], by[:, j, 2]], axis=1)
-            for j in range(motion.n)
-        }
+        return motion.on_rows(np.stack([-by[:, :, 1], by[:, :, 0], by[:, :, 2]], axis=2))
 
     def prior(self, width: int) -> FloatArray:
         """The cosine of a tilt of less than a tenth of a radian."""

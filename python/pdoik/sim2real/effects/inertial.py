@@ -57,7 +57,7 @@ class LinkInertials(Effect):
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """Every link; on the last it may be lighter, where a payload cannot."""
         body = motions[0].body
-        return [] if body is None else [Place(link=link) for link in range(body.n)]
+        return [] if body is None else [Place(link=link) for link in range(len(body.links))]
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """One, with a model."""
@@ -67,7 +67,7 @@ class LinkInertials(Effect):
         """The link's part of the regressor; zero for joints that do not carry it."""
         assert place.link is not None
         part = motion.regressor()[:, :, place.link]
-        return {("torque", j): part[:, j] for j in range(motion.n)}
+        return motion.on_rows(part)
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Mass, first moments and inertias."""
@@ -138,9 +138,15 @@ class Payload(LinkInertials):
     corrected = 0.5
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The last link."""
+        """The last link; where the base floats, that and each that is no part of a leg."""
         body = motions[0].body
-        return [] if body is None else [Place(link=body.last)]
+        if body is None:
+            return []
+        if motions[0].base is None:
+            return [Place(link=body.last)]
+        legs = [np.any(foot.jacobian[0] != 0.0, axis=0) for foot in motions[0].feet]
+        in_leg = np.any([np.zeros(body.n, dtype=bool), *legs], axis=0)
+        return [Place(link=body.n), *(Place(link=int(k)) for k in np.flatnonzero(~in_leg))]
 
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
         """A load may be of any size."""

@@ -39,7 +39,7 @@ class JointCoupling(Effect):
         q = motion.q[:, j]
         change = motion.by_motion(k, q, motion.dq[:, j], motion.ddq[:, j])
         change[:, j] += motion.tau_without_rotor()[:, k]  # rotor k turns with its own motor
-        return on_torque_and_tip(change, tip_turned(motion, k, q))
+        return on_torque_and_tip(motion, change, tip_turned(motion, k, q))
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The ratio."""

@@ -18,7 +18,7 @@ from .site import Site
 def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:
     """What a link that lags its motor by `deflection` (T,) changes in torques and tip."""
     change = motion.by_deflection(deflection, j)
-    return on_torque_and_tip(change, tip_turned(motion, j, -deflection))
+    return on_torque_and_tip(motion, change, tip_turned(motion, j, -deflection))
 
 
 class JointElasticity(Effect):

@@ -52,9 +52,11 @@ class JointOffset(Effect):
             q[:, j] += shape[0]
             here = motion.tau_without_rotor()
             torque = (motion.body.torque(q, motion.dq, motion.ddq) - here) / shape[0]
+            if "dtau_dq by feet" in motion.cache:
+                torque += motion.cache["dtau_dq by feet"][:, :, j]
             if tip is not None:
                 tip = motion.tip_moved(q) / shape[0]
-        return on_torque_and_tip(torque, tip)
+        return on_torque_and_tip(motion, torque, tip) | motion.soles_by_joint(j)
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The offset."""

@@ -42,7 +42,7 @@ class KinematicError(Effect):
         if motion.body is None:
             return {}
         torque = _torques(motion, motion.body, j)
-        columns: Columns = {("torque", i): torque[:, i] for i in range(motion.n)}
+        columns = motion.on_rows(torque)
         return columns if motion.tip_jacobian is None else columns | _tip(motion, motion.body, j)
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

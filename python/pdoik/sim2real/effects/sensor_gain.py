@@ -60,7 +60,9 @@ class SensorGain(Effect):
             return {("velocity", j): dq[:, None], **through_law(motion, j, dq)}
         # The true position is q / k = q + b q: coefficient b = 1/k - 1. Where speed was measured
         # apart it stays right, and the balance of speed sees the positions' derivative grow.
-        columns = on_torque_and_tip(motion.by_motion(j, q, dq, ddq), tip_turned(motion, j, q))
+        columns = on_torque_and_tip(
+            motion, motion.by_motion(j, q, dq, ddq), tip_turned(motion, j, q)
+        )
         if motion.measured_dq is not None and _known(motion.measured_dq[:, j]):
             columns["velocity", j] = dq[:, None]
         if shape[0] == OF_LOGGED_POSITION:

@@ -116,4 +116,4 @@ def _moved(
     torque = motion.by_motion(j, value, slope * dq, acceleration)
     # The rotor stays with the motor; what the link needs comes by the slope of its place.
     torque[:, j] += slope * (motion.tau[:, j] - motion.rotor(j))
-    return on_torque_and_tip(torque, tip_turned(motion, j, value))
+    return on_torque_and_tip(motion, torque, tip_turned(motion, j, value))

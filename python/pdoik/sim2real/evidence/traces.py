@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..motion.balances import Balances, columns_of
-from ..motion.motion import Motion
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..motion.signals import zero_phase
@@ -111,12 +110,12 @@ def _traces(
     shape = motion.q.shape
     before, after, measured, *predicted = (np.full(shape, np.nan) for _ in range(5))
     step = _step(b, i)
-    change = _added(motion, weighted)
+    change = _added(b, i, weighted)
     parts = [np.full(shape, np.nan) for _ in by_finding]
-    shares = [_added(motion, each) for each in by_finding]
+    shares = [_added(b, i, each) for each in by_finding]
     for j in range(b.n):
         key = shown_key(b, j)
-        raw = None if key is None else _raw(motion, key)
+        raw = None if key is None else _raw(b, i, key)
         if key is None or raw is None:
             continue
         left = zero_phase(raw[1], motion.cutoff, motion.period)
@@ -141,7 +140,7 @@ def _traces(
         clock=motion.recording.start + motion.time,
         q=motion.q,
         dq=motion.dq,
-        load=motion.tau if prepared.body is not None else np.full(shape, np.nan),
+        load=motion.tau[:, : motion.n] if prepared.body is not None else np.full(shape, np.nan),
         before=before,
         after=after,
         measured=measured,
@@ -157,21 +156,24 @@ def _step(b: Balances, i: int) -> int:
     return round(float(rows[1] - rows[0]) / b.motions[i].period) if len(rows) > 1 else 1
 
 
-def _added(motion: Motion, weighted: Weighted) -> dict[Key, FloatArray]:
-    """What the terms add to each balance, unfiltered, (T,)."""
+def _added(b: Balances, i: int, weighted: Weighted) -> dict[Key, FloatArray]:
+    """What the terms add to each balance of a motion, unfiltered, (T,)."""
     total: dict[Key, FloatArray] = {}
     for term, beta in weighted:
         effect = effect_of(term)
-        for key, column in columns_of(effect, motion, term.place, term.shape).items():
+        columns = columns_of(effect, b.motions[i], term.place, term.shape)
+        for key, column in b.freed(i, columns).items():
             total[key] = total.get(key, 0.0) + column @ beta
     return total
 
 
-def _raw(motion: Motion, key: Key) -> tuple[FloatArray, FloatArray] | None:
-    """What was measured, and that less what the model says, (T,) each."""
-    balance, j = key
+def _raw(b: Balances, i: int, key: Key) -> tuple[FloatArray, FloatArray] | None:
+    """What was measured of a motion, and that less what the model says, (T,) each."""
+    motion, (balance, j) = b.motions[i], key
     if balance == "torque" and motion.torque is not None:
-        return motion.torque[:, j], motion.torque[:, j] - motion.tau[:, j]
+        left = -motion.tau
+        left[:, : motion.n] += motion.torque
+        return motion.torque[:, j], b.freed(i, motion.on_rows(left))[key][:, 0]
     if balance == "drive" and motion.torque is not None and motion.command is not None:
         return motion.torque[:, j], motion.torque[:, j] - motion.command[:, j]
     if balance == "law" and motion.law is not None:

@@ -34,6 +34,7 @@ class Model:
 
     joints: tuple[str, ...]
     robot: str | None = None  # text of a URDF, or of an MJCF without shapes
+    base: str | None = None  # link that floats; None: it is fixed
     tip: str | None = None  # link; the last joint's otherwise
     controller: Controller | None = None
     rotor_inertia: FloatArray | None = None  # (n,) known before the diagnosis [kg m^2]
@@ -43,6 +44,7 @@ class Model:
     """By link: ten corrected parameters instead of the robot's own, in `Inertial.ten`'s order."""
     cutoff: float | None = None  # of the filter that the findings were made with [Hz]
     healthy: Healthy | None = None  # what the model leaves of a healthy machine's torques
+    study: str | None = None  # the YAML file that was diagnosed
 
     def __repr__(self) -> str:
         found = ", ".join(finding.effect for finding in self.findings) or "nothing"
@@ -64,12 +66,14 @@ class Model:
         return cls(
             joints=study.joints,
             robot=None if study.robot is None else robot_text(study.robot),
+            base=None if study.base is None else study.base.link,
             tip=study.tip,
             controller=study.controller,
             rotor_inertia=study.rotor_inertia,
             findings=findings,
             rigid_body=rigid_body or {},
             cutoff=cutoff,
+            study=None if study.source is None else str(study.source),
         )
 
     def with_robot(self, robot: str | Path) -> Model:
@@ -125,10 +129,10 @@ class Model:
         """Closed-loop simulation with what was found, or as it was before.
 
         Raises:
-            ValueError: the study had no robot.
+            ValueError: the study had no robot, or one whose base floats.
         """
         return Simulator(
-            self.description,
+            self.of_fixed_base.description,
             self.joints,
             self.controller,
             self.rotor_inertia,
@@ -142,10 +146,10 @@ class Model:
         """The same without controller, a step at a time.
 
         Raises:
-            ValueError: the study had no robot.
+            ValueError: the study had no robot, or one whose base floats.
         """
         return Stepper(
-            self.description,
+            self.of_fixed_base.description,
             self.joints,
             self.parts(findings=findings),
             rotor_inertia=self.rotor_inertia,
@@ -153,6 +157,21 @@ class Model:
             gravity=self.gravity,
             timestep=timestep,
         )
+
+    @property
+    def of_fixed_base(self) -> Model:
+        """Itself.
+
+        Raises:
+            ValueError: its base floats, which nothing that runs or predicts it knows yet.
+        """
+        if self.base is not None:
+            raise ValueError(
+                f"the base of this model, link {self.base!r}, floats: it can be diagnosed, but not"
+                " simulated, predicted, watched or moved yet; improved.xml and improved.urdf have"
+                " what was found for a simulator of your own"
+            )
+        return self
 
     @property
     def description(self) -> str:
@@ -195,6 +214,7 @@ class Model:
         content = {
             "schema": SCHEMA,
             "joints": list(self.joints),
+            "base": self.base,
             "tip": self.tip,
             "controller": controller_content(self.controller),
             "rotor_inertia": listed(self.rotor_inertia),
@@ -203,6 +223,7 @@ class Model:
             "findings": json.loads(found.to_json())["findings"],
             "rigid_body": {link: listed(ten) for link, ten in self.rigid_body.items()},
             "healthy": None if self.healthy is None else self.healthy.content(),
+            "study": self.study,
             "robot": self.robot,
         }
         return json.dumps(content, indent=1) + "\n"
@@ -243,6 +264,8 @@ class Model:
             key = "healthy"
             figures = content.get("healthy")
             healthy = None if figures is None else Healthy.of_content(figures, n)
+            key = "study"
+            study = None if content.get("study") is None else str(content["study"])
             key = "robot"
             robot, tip = content["robot"], content["tip"]
             if robot is not None and not isinstance(robot, str):
@@ -254,6 +277,7 @@ class Model:
         return cls(
             joints=joints,
             robot=robot,
+            base=content.get("base"),
             tip=tip,
             controller=controller,
             rotor_inertia=rotor_inertia,
@@ -262,6 +286,7 @@ class Model:
             rigid_body=rigid_body,
             cutoff=cutoff,
             healthy=healthy,
+            study=study,
         )
 
 

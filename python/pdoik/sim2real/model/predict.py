@@ -107,8 +107,9 @@ def body_of(model: Model) -> RigidBody:
     """The model's robot for inverse dynamics.
 
     Raises:
-        ValueError: the model has no robot.
+        ValueError: the model has no robot, or one whose base floats.
     """
+    model = model.of_fixed_base
     if model.robot is None:
         raise ValueError("the study had no robot description, so no torque can be predicted")
     with TemporaryDirectory() as folder:

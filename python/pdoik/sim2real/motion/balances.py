@@ -11,10 +11,16 @@ from numpy.typing import NDArray
 
 from ..study.recording import FloatArray
 from ..thresholds import Thresholds
+from .free_rows import free_rows
 from .motion import Motion
-from .place import Columns, Key, Place, Shape
+from .motion_noise import inertial_noise, pose_noise, position_noise
+from .place import Balance, Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
 from .told_sessions import told_sessions
+
+_NOTHING = 1e-100
+_OF_FEET: dict[Balance, str] = {"foot": "height", "grip": "grip"}
+"""Balances of feet, by the attribute of theirs that each is of."""
 
 
 class Cause(Protocol):
@@ -72,7 +78,8 @@ class Balances:
         self.taken_off: dict[Key, FloatArray] = {}  # of the residuals, see `less`
         self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[tuple[str, Place, Shape], dict[Key, FloatArray]] = {}
-        for key, values in self._raw().items():
+        self._free = [free_rows(motion, self.thresholds.noise) for motion in motions]
+        for key, values in self._freed(self._raw()).items():
             self._add(key, values)
 
     @property
@@ -83,7 +90,18 @@ class Balances:
     def thin(self, motion: int, values: FloatArray) -> FloatArray:
         """Filter and leave out samples, as every balance is; (T, ...) to (N of the motion, ...)."""
         m = self.motions[motion]
-        return zero_phase(values, m.cutoff, m.period)[:: self._steps[motion]]
+        thin = zero_phase(values, m.cutoff, m.period)[:: self._steps[motion]]
+        # What a filter leaves long after is no number to reckon with, and slow to reckon with.
+        return np.where(np.abs(thin) < _NOTHING, 0.0, thin)
+
+    def _thinned(self, motion: int, columns: Columns) -> Columns:
+        """Columns of the balances that there are, thinned: all at once, which is quicker."""
+        kept = {key: values for key, values in columns.items() if key in self.residual}
+        if not kept:
+            return {}
+        thin = self.thin(motion, np.hstack(list(kept.values())))
+        ends = np.cumsum([values.shape[1] for values in kept.values()])[:-1]
+        return dict(zip(kept, np.split(thin, ends, axis=1), strict=True))
 
     def sampled(self, values: Sequence[FloatArray]) -> FloatArray:
         """Unfiltered values of every motion at the rows, (N, ...)."""
@@ -100,9 +118,10 @@ class Balances:
         """`columns`, computed anew."""
         parts: dict[Key, dict[int, FloatArray]] = {}
         for i, motion in enumerate(self.motions):
-            for key, values in columns_of(cause, motion, place, shape).items():
-                if key in self.residual:
-                    parts.setdefault(key, {})[i] = self.thin(i, values)
+            columns = _where_judged(columns_of(cause, motion, place, shape), motion)
+            columns = self.freed(i, columns)
+            for key, values in self._thinned(i, columns).items():
+                parts.setdefault(key, {})[i] = values
         result: dict[Key, FloatArray] = {}
         for key, by_motion in parts.items():
             width = next(iter(by_motion.values())).shape[1]
@@ -172,10 +191,32 @@ class Balances:
                 raw["velocity", j] = [_column(m.measured_dq, j) - m.dq[:, j] for m in self.motions]
             if first.source == "" and first.q_des is not None and self._known("q_des", j):
                 raw["servo", j] = [m.q[:, j] - _column(m.q_des, j) for m in self.motions]
+        for axis in range(first.rows - self.n):
+            raw["base", axis] = [-m.tau[:, self.n + axis] for m in self.motions]
+        if all(m.base is not None and m.base.disagreement is not None for m in self.motions):
+            for axis in range(6):
+                raw["imu", axis] = [_column(m.base.disagreement, axis) for m in self.motions]  # type: ignore[union-attr]
+        for k in range(len(first.feet)):
+            raw |= _of_foot(self.motions, k)
         if all(m.tip_error is not None for m in self.motions):
             for axis in range(6):
                 raw["tip", axis] = [_column(m.tip_error, axis) for m in self.motions]
         return raw
+
+    def freed(self, motion: int, columns: Columns) -> Columns:
+        """Columns at a motion's rate without what forces of unknown size may do."""
+        free = self._free[motion]
+        return columns if free is None else free.of(columns)
+
+    def _freed(self, raw: dict[Key, list[FloatArray]]) -> dict[Key, list[FloatArray]]:
+        """The same of what is measured less what the model says."""
+        found = {key: list(values) for key, values in raw.items()}
+        for i in range(len(self.motions)):
+            columns = {key: values[i][:, None] for key, values in raw.items()}
+            for key, column in self.freed(i, columns).items():
+                if key in found:
+                    found[key][i] = column[:, 0]
+        return found
 
     def _known(self, name: str, j: int) -> bool:
         arrays = [getattr(m, name) for m in self.motions]
@@ -189,6 +230,11 @@ class Balances:
             good = m.valid.copy()
             edge = int(1.0 / (m.cutoff * m.period)) + 1
             good[:edge] = good[-edge:] = False
+            free = self._free[i]
+            if free is not None and balance in ("torque", "base"):
+                good &= free.judged(key)
+            if balance in _OF_FEET:
+                good &= m.judged(key)
             if balance == "torque":
                 # At rest dry friction takes whatever value holds the joint: nothing to learn.
                 around = int(0.3 / (m.cutoff * m.period))
@@ -200,12 +246,17 @@ class Balances:
         self.mask[key] = mask
         self.floor[key] = self._noise(key, values)
         size, noise = 0.0, self.thresholds.noise
-        if balance in ("torque", "drive", "law"):
-            tau = np.concatenate([m.tau[:, channel] for m in self.motions])
+        if balance in ("torque", "drive", "law", "base"):
+            row = self.n * (balance == "base") + channel
+            tau = np.concatenate([m.tau[:, row] for m in self.motions])
             size = noise.model_error * float(np.sqrt(np.mean(tau**2)))
         elif balance == "velocity":
             speeds = np.concatenate([m.dq[:, channel] for m in self.motions])
             size = noise.model_error * float(np.sqrt(np.mean(speeds**2)))
+        elif balance == "foot":
+            size = self.thresholds.feet.height
+        elif balance == "grip":
+            size = self.thresholds.feet.friction * _usual_load(self.motions, key)
         size = float(np.hypot(size, noise.fit_error * self.rms(key)))
         self.sigma[key] = float(np.hypot(self.floor[key], size)) or 1e-9
 
@@ -213,11 +264,16 @@ class Balances:
         """Standard deviation that white noise of the channels leaves after filtering."""
         balance, channel = key
         variances = []
-        for m, each in zip(self.motions, values, strict=True):
+        for m, each, free in zip(self.motions, values, self._free, strict=True):
+            if free is not None and balance in ("torque", "base"):
+                variances.append(free.noise(key))
+                continue
             density = float(noise_density(each[:, None], m.period, 1.5 * m.cutoff)[0])
             variance = density * m.cutoff
             if balance == "torque":
                 variance += float(inertial_noise(m)[channel])
+            elif balance == "imu":
+                variance += float(pose_noise(m)[channel])
             elif balance == "velocity":
                 q_noise = position_noise(m.recording.q, m.period)[channel]
                 variance += q_noise * (2 * np.pi) ** 2 * m.cutoff**3 / 3
@@ -271,23 +327,34 @@ class Balances:
         return np.concatenate(parts)
 
 
-def position_noise(q: FloatArray, period: float) -> FloatArray:
-    """Density of white noise in positions, (n,) [rad^2/Hz]."""
-    return noise_density(q, period, 0.25 / period)
+def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
+    """What foot k tells of the ground, 0 where it tells nothing."""
+    raw: dict[Key, list[FloatArray]] = {}
+    for balance, name in _OF_FEET.items():
+        each = [getattr(m.feet[k], name) for m in motions]
+        if any(values is not None for values in each):
+            key = (balance, k)
+            raw[key] = [
+                np.zeros(len(m.time)) if values is None else np.where(m.judged(key), values, 0.0)
+                for m, values in zip(motions, each, strict=True)
+            ]
+    return raw
 
 
-def inertial_noise(motion: Motion) -> FloatArray:
-    """Variance that noise of positions leaves in the inertial torques after filtering, (n,).
+def _usual_load(motions: Sequence[Motion], key: Key) -> float:
+    """What presses a foot where it slips, [N]."""
+    loads = [m.feet[key[1]].normal for m in motions]
+    each = [load[m.judged(key)] for m, load in zip(motions, loads, strict=True) if load is not None]
+    there = np.concatenate([np.zeros(0), *each])
+    return float(np.sqrt(np.mean(there**2))) if len(there) else 0.0
 
-    White noise of density S in q is S (2 pi f)^4 in the acceleration: its integral up to the
-    cut-off times the mass matrix squared.
-    """
-    density = position_noise(motion.recording.q, motion.period)
-    acceleration = density * (2 * np.pi) ** 4 * motion.cutoff**5 / 5
-    squared = np.mean(motion.mass_matrix**2, axis=0)
-    if motion.body is not None:
-        squared = squared + np.diag(motion.body.rotor**2)
-    return np.asarray(squared @ acceleration, dtype=np.float64)
+
+def _where_judged(columns: Columns, motion: Motion) -> Columns:
+    """Columns of feet only where these tell something, as their balances are."""
+    return {
+        key: np.where(motion.judged(key)[:, None], column, 0.0) if key[0] in _OF_FEET else column
+        for key, column in columns.items()
+    }
 
 
 def _excited(motions: Sequence[Motion], j: int, thresholds: Thresholds) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..study.recording import FloatArray, Recording
 from ..thresholds.noise import NoiseThresholds
-from .balances import position_noise
+from .motion_noise import position_noise
 from .rigid_body import RigidBody
 from .signals import noise_density
 

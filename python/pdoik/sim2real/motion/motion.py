@@ -9,9 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from ..study.floating_base import FloatingBase
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller, Setup
 from ..thresholds import Thresholds
+from .base_motion import BaseMotion, base_motion_of
+from .carried_body import CarriedBody
+from .feet import FootMotion, feet_of
+from .place import Columns, Key
 from .rigid_body import RigidBody
 from .signals import derivative, dilated, shifted, zero_phase
 
@@ -23,7 +28,7 @@ _WIDER = 2.5  # the motion is filtered this much wider than the balances are
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """Arrays are (T, n) unless said otherwise."""
+    """Arrays are (T, n) unless said otherwise; (T, rows, ...) as those of `RigidBody`."""
 
     recording: Recording
     body: RigidBody | None
@@ -43,17 +48,19 @@ class Motion:
     command: FloatArray | None  # torque the drive was told to give, where both were recorded
     law: FloatArray | None  # torque by the controller's law
     controller: Controller | None
-    tau: FloatArray  # of the rigid body; zeros without a model
-    dtau_dq: FloatArray  # (T, n, n)
-    dtau_dv: FloatArray  # (T, n, n)
-    mass_matrix: FloatArray  # (T, n, n)
-    dtau_dgravity: FloatArray  # (T, n, 3)
+    tau: FloatArray  # (T, rows) of the rigid body; zeros without a model
+    dtau_dq: FloatArray  # (T, rows, n)
+    dtau_dv: FloatArray  # (T, rows, n)
+    mass_matrix: FloatArray  # (T, rows, n)
+    dtau_dgravity: FloatArray  # (T, rows, 3)
     tip: str | None  # link whose pose is measured
     measured_dq: FloatArray | None
     q_des: FloatArray | None
     dq_des: FloatArray | None
     tip_error: FloatArray | None  # (T, 6) measured tip less the model's: translation, rotation
     tip_jacobian: FloatArray | None  # (T, 6, n)
+    base: BaseMotion | None = None  # None: it is fixed
+    feet: tuple[FootMotion, ...] = ()
     believed: RigidBody | None = None  # by the controller, whose gravity it compensates
     setup: Setup = field(default_factory=Setup)
     cache: dict[str, FloatArray] = field(default_factory=dict, repr=False)
@@ -64,13 +71,51 @@ class Motion:
         """Number of joints."""
         return int(self.q.shape[1])
 
+    @property
+    def rows(self) -> int:
+        """Of its torques: the joints', and the base's where that floats."""
+        return int(self.tau.shape[1])
+
+    def row_key(self, i: int) -> Key:
+        """The balance that row i of the torques belongs to."""
+        return ("torque", i) if i < self.n else ("base", i - self.n)
+
+    def dtau_dturn(self) -> FloatArray:
+        """Torques per angular acceleration of a floating base, (T, rows, 3)."""
+        if "dtau_dturn" not in self.cache:
+            assert isinstance(self.body, CarriedBody)
+            self.cache["dtau_dturn"] = self.body.base_inertia(self.q)[:, :, 3:]
+        return self.cache["dtau_dturn"]
+
+    def judged(self, key: Key) -> NDArray[np.bool_]:
+        """Samples at which a foot tells of the ground, (T,)."""
+        balance, k = key
+        slips, stands = self.feet[k].slips, self.feet[k].stands
+        return stands if balance == "foot" or slips is None else slips
+
+    def on_rows(self, values: FloatArray) -> Columns:
+        """Columns of changes of all torques, (T, rows) of one coefficient or (T, rows, k)."""
+        wide = values if values.ndim == 3 else values[:, :, None]
+        return {self.row_key(i): wide[:, i] for i in range(wide.shape[1])}
+
+    def soles_by_joint(self, j: int) -> Columns:
+        """Heights that soles seem to have per radian that joint j stands further than it says."""
+        if self.base is None or self.base.rotation is None:
+            return {}
+        up = self.base.rotation[:, 2]
+        return {
+            ("foot", k): -np.sum(up * foot.jacobian[:, :, j], axis=1)[:, None]
+            for k, foot in enumerate(self.feet)
+            if foot.height is not None
+        }
+
     def sign(self, j: int, smoothing: float = 0.0) -> FloatArray:
         """Direction of joint j, -1 to 1, smooth within `smoothing` [rad/s] of rest; (T,)."""
         scale = max(smoothing, 0.5 * self.speed_floor[j])
         return np.asarray(np.tanh(self.dq[:, j] / scale), dtype=np.float64)
 
     def regressor(self) -> FloatArray:
-        """Torque per inertial parameter, (T, n, n links, 10)."""
+        """Torque per inertial parameter, (T, rows, links, 10)."""
         if "regressor" not in self.cache:
             assert self.body is not None
             gravity = self.cache.get("gravity")
@@ -120,7 +165,7 @@ class Motion:
         return np.asarray(smooth - self.rotor(j), dtype=np.float64)
 
     def tau_without_rotor(self) -> FloatArray:
-        """Torques of the rigid body alone, (T, n)."""
+        """Torques of the rigid body alone, (T, rows)."""
         if "rigid" not in self.cache:
             assert self.body is not None
             self.cache["rigid"] = self.body.torque(self.q, self.dq, self.ddq)
@@ -150,7 +195,7 @@ class Motion:
         return self.cache[name]
 
     def by_motion(self, j: int, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
-        """Change of the torques, (T, n), where joint j moves by (T,) more, to first order."""
+        """Change of the torques, (T, rows), where joint j moves by (T,) more, to first order."""
         change = (
             self.dtau_dq[:, :, j] * q[:, None]
             + self.dtau_dv[:, :, j] * dq[:, None]
@@ -229,6 +274,7 @@ def motion_of(
     thresholds: Thresholds | None = None,
     believed: RigidBody | None = None,
     setup: Setup | None = None,
+    floating: FloatingBase | None = None,
 ) -> Motion:
     """Smooth the motion and evaluate the model along it.
 
@@ -243,6 +289,7 @@ def motion_of(
         thresholds: the defaults if none are given.
         believed: whose gravity the controller compensates; `body` if None.
         setup: of the recording; nothing special if None.
+        floating: of the study; None where the base is fixed.
     """
     period, count = recording.period, len(recording.time)
     n = recording.q.shape[1]
@@ -255,6 +302,11 @@ def motion_of(
     band = min(wide, 0.5 / period)
     speed_noise = np.sqrt(position_noise * (2 * np.pi) ** 2 * band**3 / 3)
     floor = np.maximum(4.0 * speed_noise, limits.noise.still_speed)
+    base = None
+    if body is not None and floating is not None:
+        base = base_motion_of(recording, floating, wide)
+        body = CarriedBody.on(body, base)
+        believed = None if believed is None else CarriedBody.on(believed, base)
     zeros = np.zeros((count, n))
     empty = np.zeros((count, n, n))
     tau, by_q, by_v, mass = zeros, empty, empty, empty
@@ -272,6 +324,9 @@ def motion_of(
     believed = body if believed is None else believed
     law = None if controller is None else control_law(recording, controller, believed)
     torque, source = _torque(recording, law, body is not None)
+    feet: tuple[FootMotion, ...] = ()
+    if isinstance(body, CarriedBody) and floating is not None:
+        feet = feet_of(recording, floating, body, q, cutoff)
     command = recording.tau_cmd if source in ("tau", "current", "duty") else None
     return Motion(
         recording=recording,
@@ -302,6 +357,8 @@ def motion_of(
         dq_des=recording.dq_des,
         tip_error=tip_error,
         tip_jacobian=tip_jacobian,
+        base=base,
+        feet=feet,
         believed=believed,
         setup=Setup() if setup is None else setup,
         cache=cache,

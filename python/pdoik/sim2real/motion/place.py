@@ -10,8 +10,10 @@ import numpy as np
 from ..study.payload import Payload
 from ..study.recording import FloatArray
 
-Balance = Literal["torque", "drive", "law", "velocity", "tip", "servo"]
-Key = tuple[Balance, int]  # a balance and its channel: a joint, or an axis of the tip's error
+Balance = Literal[
+    "torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "grip"
+]
+Key = tuple[Balance, int]  # and its channel: a joint, an axis, or a foot
 Columns = dict[Key, FloatArray]  # (T, k) for every channel that changes
 Shape = tuple[float, ...]  # the parameters that enter nonlinearly
 
@@ -50,3 +52,4 @@ class Place:
     window: tuple[float, float] | None = None
     gate: Gate | None = None
     held: Payload | None = None  # the known body without which it does nothing
+    foot: int | None = None

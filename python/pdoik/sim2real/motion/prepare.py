@@ -10,6 +10,7 @@ from ..study.recording import FloatArray, Recording
 from ..study.study import Setup, Study
 from .balances import Balances
 from .cutoff import chosen_cutoff, noise_of
+from .foot_forces import with_ground
 from .motion import Motion, motion_of, thinned
 from .rigid_body import RigidBody
 
@@ -29,7 +30,8 @@ def rigid_body(study: Study) -> RigidBody | None:
     """The study's robot; None without one."""
     if study.robot is None:
         return None
-    return RigidBody(study.robot, study.joints, study.rotor_inertia)
+    floats = study.base is not None
+    return RigidBody(study.robot, study.joints, study.rotor_inertia, floats=floats)
 
 
 def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = None) -> Prepared:
@@ -99,7 +101,11 @@ def motions_of(
             study.thresholds,
             moved if setup.compensated else body,
             setup,
+            study.base,
         )
+        if study.base is not None:
+            limits = study.thresholds
+            made = with_ground(made, study.base.ground, limits.noise, limits.feet)
         motions.append(replace(made, clock=clocks.get(r.name, 0.0)))
     return motions
 
@@ -113,7 +119,8 @@ def body_in(study: Study, setup: Setup, body: RigidBody | None) -> RigidBody | N
         body: of the study's robot.
     """
     if body is not None and setup.robot is not None:
-        body = RigidBody(setup.robot, study.joints, study.rotor_inertia)
+        floats = study.base is not None
+        body = RigidBody(setup.robot, study.joints, study.rotor_inertia, floats=floats)
     return body if body is None or setup.payload is None else body.holding(setup.payload)
 
 

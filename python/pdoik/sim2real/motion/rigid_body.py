@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -23,22 +22,39 @@ _SPEED_OF_REST = 2e-3  # within which the description's dry friction turns [rad/
 class Dynamics:
     """Inverse dynamics along a motion and its derivatives."""
 
-    tau: FloatArray  # (T, n) of the rigid body, with the known rotor inertia [N m]
-    dtau_dq: FloatArray  # (T, n, n)
-    dtau_dv: FloatArray  # (T, n, n)
-    mass_matrix: FloatArray  # (T, n, n), without rotors
-    dtau_dgravity: FloatArray  # (T, n, 3) per m/s^2 of gravity along x, y, z of the base
+    tau: FloatArray  # (T, rows) of the rigid body, with the known rotor inertia [N m]
+    dtau_dq: FloatArray  # (T, rows, n)
+    dtau_dv: FloatArray  # (T, rows, n)
+    mass_matrix: FloatArray  # (T, rows, n), without rotors
+    dtau_dgravity: FloatArray  # (T, rows, 3) per m/s^2 of gravity along x, y, z of the base
 
 
 class RigidBody:
-    """The study's joints of a URDF or MJCF; every other joint is held at its neutral position."""
+    """The study's joints of a URDF or MJCF; every other joint is held at its neutral position.
+
+    `rows` of torques are one a joint; where the base floats six more follow, the force [N] and the
+    moment [N m] on it, in its own axes.
+    """
 
     def __init__(
-        self, robot: Path, joints: tuple[str, ...], rotor_inertia: FloatArray | None
+        self,
+        robot: Path,
+        joints: tuple[str, ...],
+        rotor_inertia: FloatArray | None,
+        *,
+        floats: bool = False,
     ) -> None:
-        """Raises ValueError where a joint of the study has not one degree of freedom."""
-        model = _load(robot)
-        held = [i for i in range(1, model.njoints) if model.names[i] not in joints]
+        """Raises ValueError where a joint of the study has not one degree of freedom.
+
+        Args:
+            robot: URDF or MJCF.
+            joints: of the study, in its order.
+            rotor_inertia: (n,) seen at the joints [kg m^2]; None: none.
+            floats: whether the base is free to move.
+        """
+        model = _load(robot, floats)
+        first = 2 if floats else 1
+        held = [i for i in range(first, model.njoints) if model.names[i] not in joints]
         model = pin.buildReducedModel(model, held, pin.neutral(model))
         for name in joints:
             if model.joints[model.getJointId(name)].nv != 1:
@@ -54,18 +70,25 @@ class RigidBody:
         self._v = np.array([model.joints[i].idx_v for i in ids])  # place of each joint in v
         self._q = np.array([model.joints[i].idx_q for i in ids])
         self._circle = np.array([model.joints[i].nq == 2 for i in ids])  # continuous: cos, sin
-        self.links = tuple(_link_of(model, i) for i in ids)
+        self._rows = np.concatenate([self._v, np.arange(6 if floats else 0)]).astype(np.intp)
+        self._link_ids = [*ids, *([1] if floats else [])]  # joints that carry the links
+        self.links = tuple(_link_of(model, i) for i in self._link_ids)
         ancestors = np.array([[_carries(model, a, b) for b in ids] for a in ids])
         self.depth = ancestors.sum(axis=0)  # study joints from the base to each, itself included
         self.last = int(np.argmax(self.depth))  # the joint that moves the last link
         self.damping = np.array(model.damping)[self._v]  # as the description has it
         self.friction = _dry_friction(model)[self._v]
         self.rotor = np.zeros(self.n) if rotor_inertia is None else rotor_inertia
-        self._own = np.stack([model.inertias[i].toDynamicParameters() for i in ids])
+        self._own = np.stack([model.inertias[i].toDynamicParameters() for i in self._link_ids])
+
+    @property
+    def rows(self) -> int:
+        """Of its torques: the joints', and the base's where that floats."""
+        return len(self._rows)
 
     def _position(self, q: FloatArray) -> FloatArray:
         """Pinocchio's configurations, (T, nq)."""
-        configuration = np.zeros((len(q), self.model.nq))
+        configuration = np.tile(pin.neutral(self.model), (len(q), 1))
         plain = ~self._circle
         configuration[:, self._q[plain]] = q[:, plain]
         for j in np.flatnonzero(self._circle):
@@ -78,38 +101,37 @@ class RigidBody:
         velocity[:, self._v] = dq
         return velocity
 
+    def _acceleration(self, ddq: FloatArray) -> FloatArray:
+        return self._velocity(ddq)
+
     def dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> Dynamics:
         """Torques and derivatives, for (T, n) each."""
-        model, data, v = self.model, self._data, self._v
+        model, data, rows = self.model, self._data, self._rows
         count, n = q.shape
-        grid = np.ix_(v, v)
+        grid = np.ix_(rows, self._v)
         configuration, velocity = self._position(q), self._velocity(dq)
-        acceleration = self._velocity(ddq)
-        tau = np.empty((count, n))
-        by_q, by_v, mass = (np.empty((count, n, n)) for _ in range(3))
+        acceleration = self._acceleration(ddq)
+        tau = np.empty((count, len(rows)))
+        by_q, by_v, mass = (np.empty((count, len(rows), n)) for _ in range(3))
+        by_gravity = self._by_gravity(configuration)
         for t in range(count):
             pin.computeRNEADerivatives(model, data, configuration[t], velocity[t], acceleration[t])
-            tau[t] = data.tau[v]
+            tau[t] = data.tau[rows]
             by_q[t] = data.dtau_dq[grid]
             by_v[t] = data.dtau_dv[grid]
-            mass[t] = data.M[grid]
-        mass = np.triu(mass) + np.transpose(np.triu(mass, 1), (0, 2, 1))
+            whole = np.triu(data.M)
+            mass[t] = (whole + np.triu(whole, 1).T)[grid]
+        tau[:, :n] += self.rotor * ddq + self.damping * dq
+        tau[:, :n] += self.friction * np.tanh(dq / _SPEED_OF_REST)
         return Dynamics(
-            tau=tau
-            + self.rotor * ddq
-            + self.damping * dq
-            + self.friction * np.tanh(dq / _SPEED_OF_REST),
-            dtau_dq=by_q,
-            dtau_dv=by_v,
-            mass_matrix=mass,
-            dtau_dgravity=self._by_gravity(configuration),
+            tau=tau, dtau_dq=by_q, dtau_dv=by_v, mass_matrix=mass, dtau_dgravity=by_gravity
         )
 
     def torque(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
-        """Torques of the rigid body alone, (T, n): no rotors, no friction."""
-        model, data, v = self.model, self._data, self._v
-        rows = zip(self._position(q), self._velocity(dq), self._velocity(ddq), strict=True)
-        return np.stack([pin.rnea(model, data, a, b, c)[v] for a, b, c in rows])
+        """Torques of the rigid body alone, (T, rows): no rotors, no friction."""
+        model, data, rows = self.model, self._data, self._rows
+        each = zip(self._position(q), self._velocity(dq), self._acceleration(ddq), strict=True)
+        return np.stack([pin.rnea(model, data, a, b, c)[rows] for a, b, c in each])
 
     def displaced(self, j: int, shift: FloatArray, turn: FloatArray) -> RigidBody:
         """The same body with joint j placed elsewhere.
@@ -137,12 +159,13 @@ class RigidBody:
         joint, inertia = self._carried(payload)
         other = copy.copy(self)
         other.model = self.model.copy()
-        other.model.inertias[self._ids[joint]] = self.model.inertias[self._ids[joint]] + inertia
+        carrying = self._link_ids[joint]
+        other.model.inertias[carrying] = self.model.inertias[carrying] + inertia
         other._data = other.model.createData()
         return other
 
     def carrier(self, payload: Payload) -> tuple[int, FloatArray]:
-        """The study joint that carries a known body, and the body's ten parameters there, (10,).
+        """The link, by place in `links`, that holds a known body, and its ten parameters there.
 
         Raises:
             ValueError: no study joint moves its link.
@@ -153,10 +176,10 @@ class RigidBody:
     def _carried(self, payload: Payload) -> tuple[int, Any]:
         there = self.model.existFrame(payload.link)
         frame = self.model.frames[self.frame(payload.link)] if there else None
-        if frame is None or frame.parentJoint not in self._ids:
+        if frame is None or frame.parentJoint not in self._link_ids:
             raise ValueError(f"payload: link {payload.link!r} is moved by no joint of the study")
         own = pin.Inertia(payload.mass, np.array(payload.com), payload.inertia_matrix)
-        return self._ids.index(frame.parentJoint), frame.placement.act(own)
+        return self._link_ids.index(frame.parentJoint), frame.placement.act(own)
 
     def placement_rotation(self, j: int) -> FloatArray:
         """Orientation of joint j's frame on its parent at its zero, (3, 3)."""
@@ -180,9 +203,9 @@ class RigidBody:
         )
 
     def _by_gravity(self, configuration: FloatArray) -> FloatArray:
-        model, v = self.model.copy(), self._v
+        model, v = self.model.copy(), self._rows
         data = model.createData()
-        result = np.empty((len(configuration), self.n, 3))
+        result = np.empty((len(configuration), len(v), 3))
         for axis in range(3):
             model.gravity.linear = np.eye(3)[axis]
             for t, row in enumerate(configuration):
@@ -192,7 +215,7 @@ class RigidBody:
     def regressor(
         self, q: FloatArray, dq: FloatArray, ddq: FloatArray, gravity: FloatArray | None = None
     ) -> FloatArray:
-        """Torque per inertial parameter, (T, n, n links, 10).
+        """Torque per inertial parameter, (T, rows, links, 10).
 
         Ten per link, in the link's frame at its joint: mass, first moments x y z, inertias about
         the frame's origin xx xy yy xz yz zz (Pinocchio's order).
@@ -208,19 +231,19 @@ class RigidBody:
             model = model.copy()
             model.gravity.linear = gravity
         configuration, velocity = self._position(q), self._velocity(dq)
-        acceleration = self._velocity(ddq)
-        order = [(i - 1) * 10 + k for i in self._ids for k in range(10)]
-        result = np.empty((len(q), self.n, self.n, 10))
+        acceleration = self._acceleration(ddq)
+        order = [(i - 1) * 10 + k for i in self._link_ids for k in range(10)]
+        result = np.empty((len(q), self.rows, len(self.links), 10))
         for t in range(len(q)):
             each = pin.computeJointTorqueRegressor(
                 model, self._data, configuration[t], velocity[t], acceleration[t]
             )
             each = each.reshape(self.model.nv, -1)  # flat where there is one joint
-            result[t] = each[self._v][:, order].reshape(self.n, self.n, 10)
+            result[t] = each[self._rows][:, order].reshape(result.shape[1:])
         return result
 
     def inertial_parameters(self) -> FloatArray:
-        """The model's own ten parameters per link, (n, 10), as `regressor` orders them."""
+        """The model's own ten parameters per link, (links, 10), as `regressor` orders them."""
         return self._own.copy()
 
     def inertial_scale(self, link: int) -> FloatArray:
@@ -242,10 +265,16 @@ class RigidBody:
         return axis if np.linalg.norm(axis) > 0.5 else None
 
     def neighbours(self) -> list[tuple[int, int]]:
-        """Pairs of joints that follow one another along the chain, both ways round."""
-        order = np.argsort(self.depth, kind="stable").tolist()
-        pairs = list(pairwise(order))
+        """Pairs of joints that follow one another along a chain, both ways round."""
+        before = [self._before(i) for i in self._ids]
+        pairs = [(a, b) for b, a in enumerate(before) if a is not None]
+        pairs.sort(key=lambda pair: int(self.depth[pair[0]]))
         return pairs + [(b, a) for a, b in pairs]
+
+    def _before(self, joint: int) -> int | None:
+        """The study joint next towards the base."""
+        above = int(self.model.parents[joint])
+        return self._ids.index(above) if above in self._ids else None
 
     def frame(self, name: str | None) -> int:
         """Index of the frame of a link; of the last link for None."""
@@ -287,13 +316,16 @@ def _scale(ten: FloatArray) -> FloatArray:
     return np.array([mass] + [mass * reach] * 3 + [largest] * 6)
 
 
-def _load(robot: Path) -> Any:
-    if robot.suffix == ".urdf":
-        return pin.buildModelFromUrdf(str(robot))
-    root = ElementTree.parse(robot).getroot()
-    if root.tag == "robot":
-        return pin.buildModelFromUrdf(str(robot))
-    return pin.buildModelFromMJCF(str(robot))
+def _load(robot: Path, floats: bool) -> Any:
+    """Of a URDF or MJCF; where the base floats joint 1 is its six degrees of freedom."""
+    is_urdf = robot.suffix == ".urdf" or ElementTree.parse(robot).getroot().tag == "robot"
+    read = pin.buildModelFromUrdf if is_urdf else pin.buildModelFromMJCF
+    if not floats:
+        return read(str(robot))
+    model = None if is_urdf else read(str(robot))
+    if model is not None and model.njoints > 1 and model.joints[1].nv == 6:
+        return model  # a free joint of its own
+    return read(str(robot), pin.JointModelFreeFlyer())
 
 
 def _link_of(model: Any, joint: int) -> str:

@@ -25,16 +25,22 @@ def zero_phase(values: FloatArray, cutoff: float, period: float) -> FloatArray:
     nyquist = 0.5 / period
     if cutoff >= 0.9 * nyquist or len(values) < 3:
         return np.asarray(values, dtype=np.float64)
-    sections = _sections(cutoff / nyquist)
+    sections, rest = _sections(cutoff / nyquist)
     pad = min(len(values) - 1, int(3 / (cutoff * period)))
-    filtered = signal.sosfiltfilt(sections, values, axis=0, padtype="odd", padlen=pad)
-    return np.ascontiguousarray(filtered, dtype=np.float64)
+    ends = (2.0 * values[:1] - values[pad:0:-1], 2.0 * values[-1:] - values[-2 : -pad - 2 : -1])
+    there = np.concatenate([ends[0], values, ends[1]])
+    rest = rest.reshape(rest.shape + (1,) * (values.ndim - 1))
+    for _ in range(2):  # forwards, and backwards; each begins at rest at the first value
+        there, _state = signal.sosfilt(sections, there, axis=0, zi=rest * there[:1])
+        there = there[::-1]
+    return np.ascontiguousarray(there[pad : len(there) - pad], dtype=np.float64)
 
 
 @lru_cache(maxsize=64)
-def _sections(ratio: float) -> FloatArray:
-    """Of the filter with this cut-off over Nyquist's frequency; its design costs as much as use."""
-    return np.asarray(signal.butter(_ORDER, ratio, output="sos"), dtype=np.float64)
+def _sections(ratio: float) -> tuple[FloatArray, FloatArray]:
+    """The filter with this cut-off over Nyquist's frequency, and its state at rest at one."""
+    sections = np.asarray(signal.butter(_ORDER, ratio, output="sos"), dtype=np.float64)
+    return sections, np.asarray(signal.sosfilt_zi(sections), dtype=np.float64)
 
 
 def derivative(values: FloatArray, period: float) -> FloatArray:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..effects import Effect
 from ..effects.asymmetric_friction import AsymmetricFriction
+from ..effects.imu import ImuOffset, ImuTilt
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
@@ -135,10 +136,10 @@ def friction_at(fit: Fit, j: int) -> FloatArray:
 
 def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
     """The balances with the discrepancy as their noise, and the terms of all that is ordinary."""
-    terms = _terms(balances)
-    if not terms:
+    plain = _terms(balances)
+    if not plain:
         return balances, ()
-    least = balances.sigma
+    terms, least = plain, balances.sigma
     for _ in range(_ROUNDS):
         fit = Fit(balances, terms)
         left = {key: fit.residual(key) * balances.sigma[key] for key in fit.design}
@@ -150,9 +151,7 @@ def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
         same = {key: repeats(balances, key, fit.rows[key], each) for key, each in left.items()}
         usual = float(np.median(list(same.values())))
         balances = balances.with_noise(sigma, usual)
-        terms = tuple(
-            replace(t, prior=t.prior * same.get(_own(t), usual)) for t in _terms(balances)
-        )
+        terms = tuple(replace(t, prior=t.prior * same.get(_own(t), usual)) for t in plain)
     return balances, terms
 
 
@@ -192,8 +191,9 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
         causes = ((Friction(), size), (OneWay(), size), (Rest(), size), (Scale(), believed.torque))
         for cause, scale in causes:
             columns = balances.compute(cause, place, cause.shape)
-            for column in columns.values():
-                prior = np.full(column.shape[1], 1.0 / max(scale, 1e-9) ** 2)
+            if columns:
+                width = next(iter(columns.values())).shape[1]
+                prior = np.full(width, 1.0 / max(scale, 1e-9) ** 2)
                 terms.append(
                     Term(
                         effect=BACKGROUND,
@@ -203,7 +203,23 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
                         prior=prior,
                     )
                 )
-    return (*terms, *trusted(balances, believed.bodies))
+    return (*terms, *_of_imu(balances), *trusted(balances, believed.bodies))
+
+
+def _of_imu(balances: Balances) -> list[Term]:
+    """Of an IMU, which is never mounted or zeroed quite right."""
+    believed = balances.thresholds.background
+    turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
+    found = []
+    for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
+        for place in effect.places(balances.motions):
+            columns = balances.compute(effect, place, ())
+            if columns:
+                prior = 1.0 / np.square(sizes)
+                found.append(
+                    Term(effect=BACKGROUND, place=place, shape=(), columns=columns, prior=prior)
+                )
+    return found
 
 
 def usual_torque(balances: Balances, j: int) -> float:

@@ -74,7 +74,9 @@ def finding_of(
 
 
 def link_of(prepared: Prepared, term: Term) -> tuple[str, ...]:
-    """The link a term sits at, () where at none."""
+    """The link a term sits at, or the foot; () where at none."""
+    if term.place.foot is not None and prepared.study.base is not None:
+        return (prepared.study.base.feet[term.place.foot].link,)
     if term.place.link is None or prepared.body is None:
         return ()
     return (prepared.body.links[term.place.link],)
@@ -90,6 +92,10 @@ def channel_of(prepared: Prepared, key: Key) -> str:
         "velocity": "dq",
         "tip": "tip",
         "servo": "q_des",
+        "base": "acc" if "acc" in prepared.study.recordings[0].channels else "base",
+        "imu": "gyro" if key[1] < 3 else "acc",
+        "foot": "base",
+        "grip": source,
     }[key[0]]
 
 
@@ -97,8 +103,8 @@ def described(prepared: Prepared, term: Term) -> str:
     """An effect and its place in words."""
     place = term.place
     where = " and ".join(prepared.study.joints[j] for j in place.joints) or "the base"
-    if place.link is not None and prepared.body is not None:
-        where = prepared.body.links[place.link]
+    for link in link_of(prepared, term):
+        where = link
     if place.held is not None:
         where = place.held.label
     if place.window is not None:
@@ -162,7 +168,7 @@ def where_in_words(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> 
     if joints:
         said = " and ".join(joints)
         return said if "joint" in said.lower() else f"Joint{'s' * (len(joints) > 1)} {said}"
-    return "The base" if on == "base" else "The robot"
+    return {"base": "The base", "foot": "Every foot"}.get(on, "The robot")
 
 
 def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:

@@ -30,7 +30,7 @@ def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
     if not trust or body is None:
         return ()
     terms = []
-    for link in range(body.n):
+    for link in range(len(body.links)):
         scale = trust * body.inertial_scale(link)
         columns = balances.compute(_BODY, Place(link=link), ())
         if columns:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -10,9 +12,17 @@ from ..motion.balances import Balances
 from ..motion.place import Key
 from ..regression.fit import Fit, Term, TermKey, term_of
 
+_POOLS: WeakKeyDictionary[Balances, list[Term]] = WeakKeyDictionary()
+
 
 def candidates(balances: Balances) -> list[Term]:
-    """Every effect at every plausible place and first shape."""
+    """Every effect at every plausible place and first shape; made once for the same balances."""
+    if balances not in _POOLS:
+        _POOLS[balances] = _candidates(balances)
+    return list(_POOLS[balances])
+
+
+def _candidates(balances: Balances) -> list[Term]:
     terms: list[Term] = []
     for effect in CATALOGUE.values():
         if effect.sought != "candidates":

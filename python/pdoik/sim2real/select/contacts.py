@@ -102,8 +102,9 @@ def _new(fit: Fit, window: Window) -> bool:
 
 def _points(fit: Fit) -> list[tuple[int, Shape]]:
     """Links' origins and the tip, that first."""
-    body = fit.balances.motions[0].body
-    if body is None:
+    first = fit.balances.motions[0]
+    body = first.body
+    if body is None or first.base is not None:  # a free base shares every push with the feet
         return []
     links = [int(link) for link in np.argsort(-body.depth) if body.depth[link] >= 2 or body.n == 1]
     points: list[tuple[int, Shape]] = [(link, ()) for link in links]

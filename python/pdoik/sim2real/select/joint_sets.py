@@ -63,7 +63,8 @@ def _is_clear(state: Search, term: Term) -> bool:
 
 def _is_ordinary(term: Term, place: Place) -> bool:
     """Whether it is of the joint's torque alone, and of every machine."""
-    of_torque = set(term.columns) == {("torque", place.joints[0])}
+    key: Key = ("torque", place.joints[0])
+    of_torque = key in term.columns and {each[0] for each in term.columns} <= {"torque", "base"}
     return of_torque and term.place == place and CATALOGUE[term.effect].ordinary
 
 

@@ -47,9 +47,17 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
 
 
 def _is_listed(best: Trial, other: Trial) -> bool:
-    """Whether another name is said beside the best."""
+    """Whether another name is said beside the best: what is level, or nearly as good and coarser.
+
+    A finer law than the best, and clearly worse, is none: at its bound it comes near any coarser.
+    """
     nearly = other.gain > best.thresholds.same_kind * best.gain
-    return level(best, other) or (nearly and _alike(best.term, other.term))
+    coarser = _complexity(other.term) <= _complexity(best.term)
+    return level(best, other) or (nearly and coarser and _alike(best.term, other.term))
+
+
+def _complexity(term: Term) -> float:
+    return CATALOGUE[term.effect].complexity
 
 
 def _alike(one: Term, other: Term) -> bool:

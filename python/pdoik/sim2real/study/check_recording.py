@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pdoik.errors import LoadError
 
-from .columns import Table, channel_of, joints_of, nearest, tip_columns
+from .columns import CONTACT, VECTORS, Table, channel_of, joints_of, nearest, pose_columns
 from .duty import with_supply
 from .glitches import glitches
 from .recording import CHANNELS, FloatArray, Recording, Role
@@ -32,6 +32,7 @@ def to_recording(
     role: Role,
     units: Units,
     slides: Collection[str] = (),
+    feet: tuple[str, ...] = (),
 ) -> Recording:
     """A file's columns in SI units on a uniform grid, repairs noted.
 
@@ -41,6 +42,7 @@ def to_recording(
         role: Of the file.
         units: What the study says of the columns' units.
         slides: The prismatic ones among the joints.
+        feet: Links whose sensors' columns are read, in their order.
 
     Raises:
         LoadError: a position column is missing, time runs backwards or stands, it is too short.
@@ -59,7 +61,11 @@ def to_recording(
             for column, joint in zip(columns, joints, strict=True)
         ]
         arrays[channel] = _channel(table, grid, channel, columns, factors, valid, notes)
-    tip = _tip(table, grid, units, valid, notes)
+    poses = {of: _pose(table, grid, of, units, valid, notes) for of in ("tip", "base")}
+    imu = {of: _vector(table, grid, of, units, valid, notes) for of in VECTORS}
+    contact = _channel(
+        table, grid, "contact", [CONTACT + foot for foot in feet], [1.0] * len(feet), valid, notes
+    )
     q = arrays.pop("q")
     assert q is not None
     recording = Recording(
@@ -68,7 +74,11 @@ def to_recording(
         start=table.start,
         time=grid.time,
         q=q,
-        tip=tip,
+        contact=contact,
+        tip=poses["tip"],
+        base=poses["base"],
+        gyro=imu["gyro"],
+        acc=imu["acc"],
         valid=valid,
         raw_period=grid.raw_period,
         jitter=grid.jitter,
@@ -225,46 +235,71 @@ def _of_glitches(column: str, values: FloatArray, jumping: NDArray[np.bool_]) ->
     )
 
 
-def _tip(
-    table: Table, grid: Grid, units: Units, valid: NDArray[np.bool_], notes: list[str]
+def _vector(
+    table: Table,
+    grid: Grid,
+    of: str,
+    units: Units,
+    valid: NDArray[np.bool_],
+    notes: list[str],
 ) -> FloatArray | None:
-    """The tip's pose on the grid; orientation is NaN where only the position was measured."""
-    names = tip_columns()
+    """A channel of an IMU on the grid, (T, 3)."""
+    names = [f"{of}.{axis}" for axis in VECTORS[of]]
+    lost = [name for name in names if name not in table.columns]
+    if len(lost) == len(names):
+        return None
+    if lost:
+        raise LoadError(f"{table.name}: expected {' '.join(names)}; missing: {', '.join(lost)}")
+    return _channel(table, grid, of, names, [units.factor(of)] * 3, valid, notes)
+
+
+def _pose(
+    table: Table,
+    grid: Grid,
+    of: str,
+    units: Units,
+    valid: NDArray[np.bool_],
+    notes: list[str],
+) -> FloatArray | None:
+    """A pose on the grid; a tip's orientation is NaN where only its position was measured."""
+    names = pose_columns(of)
     there = [name for name in names if name in table.columns]
     if not there:
         return None
-    if there not in (list(names), list(names[:3])):
+    whole = (list(names), list(names[:3])) if of == "tip" else (list(names),)
+    if there not in whole:
         lost = [name for name in names if name not in there]
+        enough = ", with or without " if of == "tip" else " "
         raise LoadError(
-            f"{table.name}: expected tip.x tip.y tip.z, with or without tip.qw tip.qx tip.qy"
-            f" tip.qz; missing: {', '.join(lost)}"
+            f"{table.name}: expected {' '.join(names[:3])}{enough}{' '.join(names[3:])}; missing:"
+            f" {', '.join(lost)}"
         )
     if any(not np.isfinite(table.columns[name]).any() for name in there):
-        notes.append("the tip's columns hold no numbers")
+        notes.append(f"the {of}'s columns hold no numbers")
         return None
     pose = np.stack([table.columns[name] for name in there], axis=1)
-    pose[:, :3] *= units.factor("tip")
+    pose[:, :3] *= units.factor(of)
     if len(there) == 7:
-        pose[:, 3:] = _unit_quaternions(table.name, pose[:, 3:])
+        pose[:, 3:] = _unit_quaternions(table.name, of, pose[:, 3:])
     else:
-        notes.append("the tip's orientation was not recorded")
+        notes.append(f"the {of}'s orientation was not recorded")
     out = np.full((len(grid.time), 7), np.nan)
     for k in range(pose.shape[1]):
-        out[:, k], backed = on_grid(grid, "tip", pose[:, k])
+        out[:, k], backed = on_grid(grid, of, pose[:, k])
         valid &= backed
     if len(there) == 7:
         out[:, 3:] /= np.linalg.norm(out[:, 3:], axis=1, keepdims=True)
     return out
 
 
-def _unit_quaternions(name: str, wxyz: FloatArray) -> FloatArray:
+def _unit_quaternions(name: str, of: str, wxyz: FloatArray) -> FloatArray:
     """Quaternions of norm 1 with no jumps of sign, (R, 4)."""
     norms = np.linalg.norm(wxyz, axis=1)
     there = np.isfinite(norms)
     if there.any() and np.abs(norms[there] - 1).max() > 0.05:
         worst = norms[there][np.abs(norms[there] - 1).argmax()]
         raise LoadError(
-            f"{name}: the tip's quaternion (tip.qw ... tip.qz) has norm {worst:.3g}, expected 1"
+            f"{name}: the {of}'s quaternion ({of}.qw ... {of}.qz) has norm {worst:.3g}, expected 1"
         )
     out = wxyz / norms[:, None]
     rows = np.flatnonzero(there)

@@ -11,8 +11,14 @@ from .recording import CHANNELS, FloatArray
 SUPPLY = "volts"
 """Column of the supply that all joints share; `voltage.<joint>` is that of one."""
 
-TIP = ("x", "y", "z", "qw", "qx", "qy", "qz")
-"""What follows `tip.` in the columns of the measured tip pose."""
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+"""What follows `tip.` and `base.` in the columns of a measured pose."""
+
+VECTORS = {"gyro": ("x", "y", "z"), "acc": ("x", "y", "z")}
+"""What follows the names of an IMU's channels."""
+
+CONTACT = "contact."
+"""What stands before a foot's link in the column of its sensor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,13 +44,15 @@ def channel_of(column: str) -> tuple[str, str] | None:
 
 def is_known(column: str) -> bool:
     """Whether a column's name is one that recordings have."""
-    named = column in ("time", SUPPLY) or column in tip_columns()
-    return named or channel_of(column) is not None
+    named = column in ("time", SUPPLY) or column.startswith(CONTACT)
+    parts = {"tip": POSE, "base": POSE, **VECTORS}
+    channel, _, part = column.partition(".")
+    return named or part in parts.get(channel, ()) or channel_of(column) is not None
 
 
-def tip_columns() -> tuple[str, ...]:
-    """Names of the columns of the tip's pose."""
-    return tuple(f"tip.{part}" for part in TIP)
+def pose_columns(of: str) -> tuple[str, ...]:
+    """Names of the columns of a pose, of `tip` or `base`."""
+    return tuple(f"{of}.{part}" for part in POSE)
 
 
 def joints_of(columns: Iterable[str]) -> tuple[str, ...]:

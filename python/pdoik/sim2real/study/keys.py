@@ -25,6 +25,7 @@ from .values import vector as vector
 
 KEYS = (
     "robot",
+    "base",
     "tip",
     "joints",
     "recordings",
@@ -42,7 +43,16 @@ KEYS = (
 pass over, rows per file."""
 
 _ENTRY = ("file", "role", "window", "every", "rate", "columns")
-TOLD = ("robot", "payload", "compensated", "controller", "session", "temperature", "surface")
+TOLD = (
+    "robot",
+    "base",
+    "payload",
+    "compensated",
+    "controller",
+    "session",
+    "temperature",
+    "surface",
+)
 """What a recording's entry may say of how it was made."""
 
 

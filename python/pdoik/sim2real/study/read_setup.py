@@ -34,6 +34,7 @@ class Told:
     folder: Path
     joints: tuple[str, ...]
     facts: RobotFacts | None
+    floats: bool  # its base
     tip: str | None
     controller: Any  # the study's key, as it was written
 
@@ -77,6 +78,7 @@ def _setup(entry: Entry, told: Told) -> Setup:
         compensated=_compensated(content, source, controller, told),
         session=_label(content.get("session"), f"{source}: session"),
         temperature=_temperature(content.get("temperature"), source, told.joints),
+        held=_held(content.get("base"), source),
         surface=keys.text(content.get("surface"), f"{source}: surface") or "",
     )
 
@@ -90,7 +92,7 @@ def _robot(content: Any, source: str, told: Told) -> RobotFacts | None:
         raise LoadError(f"{source}: robot: expected one of the study first, 'robot:'")
     try:
         facts = robot_facts(told.folder / Path(name).expanduser())
-        check_robot(facts, told.joints, told.tip)
+        check_robot(facts, told.joints, told.tip, floats=told.floats)
     except LoadError as error:
         raise LoadError(f"{source}: {error}") from error
     for joint in told.joints:
@@ -195,6 +197,12 @@ def _compensated(
             f"{source}: compensated: expected a controller with 'gravity_compensation: true'"
         )
     return value
+
+
+def _held(content: Any, source: str) -> bool:
+    if content not in (None, "held"):
+        raise LoadError(f"{source}: base: expected held, got {content!r}")
+    return content is not None
 
 
 def _label(content: Any, source: str) -> str:

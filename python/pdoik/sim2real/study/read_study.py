@@ -9,10 +9,12 @@ from pathlib import Path
 from pdoik.errors import LoadError
 
 from . import keys as study_keys
+from .base_key import base_from, check_base
 from .check_recording import STILL, moves, to_recording
 from .columns import Table, joints_of
 from .controller_key import known_controller, told_controller
 from .duty import check_duty
+from .floating_base import FloatingBase
 from .keys import Entry
 from .names.check_names import check_names
 from .names.columns_key import columns_key
@@ -54,8 +56,10 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     tip = study_keys.text(content.get("tip"), "tip")
     robot = study_keys.text(content.get("robot"), "robot")
     facts = None if robot is None else robot_facts(folder / Path(robot).expanduser())
+    base = base_from(content.get("base"), facts)
+    floats = base is not None
     if facts is not None and named is not None:
-        check_robot(facts, named, tip)  # before the files, which may be long
+        check_robot(facts, named, tip, floats=floats)  # before the files, which may be long
     max_rows = content.get("max_rows")
     entries = study_keys.entries(content["recordings"], folder, "recordings", max_rows)
     simulations = study_keys.entries(
@@ -70,7 +74,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     )
     tables = [_table(each, known, units) for each in entries]
     joints, notes = (named, ()) if named is not None else _common_joints(tables, facts)
-    notes += () if facts is None else check_robot(facts, joints, tip)
+    notes += () if facts is None else check_robot(facts, joints, tip, floats=floats)
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
     told = told_controller(content.get("controller"), joints)
     rotor_inertia = _rotor_inertia(content.get("rotor_inertia"), joints, facts)
@@ -78,15 +82,17 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
         folder=folder,
         joints=joints,
         facts=facts,
+        floats=floats,
         tip=tip,
         controller=content.get("controller"),
     )
     setups = setups_of(entries, simulations, beside)
 
     def recording(table: Table, entry: Entry) -> Recording:
-        return _recording(
-            table, entry, joints, units, facts_of(setups.get(entry.name, Setup()), facts)
-        )
+        setup = setups.get(entry.name, Setup())
+        made = _recording(table, entry, joints, units, facts_of(setup, facts), base)
+        check_base(base, made, setup.held)
+        return made
 
     recordings = []
     for entry, table in zip(entries, tables, strict=True):
@@ -100,7 +106,9 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     return check_study(
         Study(
             folder=folder,
+            source=path.resolve(),
             robot=None if facts is None else facts.path,
+            base=base,
             tip=tip,
             joints=joints,
             recordings=parted,
@@ -134,7 +142,7 @@ def check_study(study: Study) -> Study:
     for recording in (*study.recordings, *study.simulation):
         rows = len(recording.time)
         for channel in recording.channels:
-            shape = (rows, 7 if channel == "tip" else n)
+            shape = (rows, _width(study, channel))
             came = getattr(recording, channel).shape
             if came != shape:
                 raise ValueError(f"{recording.name}: {channel} is {came}, expected {shape}")
@@ -165,6 +173,13 @@ def check_study(study: Study) -> Study:
     if not study.fit:
         raise ValueError("recordings: none has the role fit")
     return study
+
+
+def _width(study: Study, channel: str) -> int:
+    """Columns of a channel."""
+    if channel == "contact":
+        return 0 if study.base is None else len(study.base.feet)
+    return {"tip": 7, "base": 7, "gyro": 3, "acc": 3}.get(channel, len(study.joints))
 
 
 def _table(entry: Entry, known: Known, units: Units) -> Table:
@@ -212,12 +227,14 @@ def _recording(
     joints: tuple[str, ...],
     units: Units,
     facts: RobotFacts | None,
+    base: FloatingBase | None,
 ) -> Recording:
     slides = [
         joint for joint in joints if facts is not None and facts.joints[joint].type == "prismatic"
     ]
     units = units.with_written(table.units)
-    recording = to_recording(table, joints, entry.role, units, slides)
+    feet = () if base is None else tuple(foot.link for foot in base.feet)
+    recording = to_recording(table, joints, entry.role, units, slides, feet)
     check_units(recording, joints, units, facts)
     check_duty(recording, joints, units)
     return recording

@@ -14,6 +14,9 @@ Role = Literal["fit", "validate"]
 CHANNELS = ("q", "dq", "tau", "current", "duty", "voltage", "q_des", "dq_des", "tau_cmd")
 """Channels with a column per joint, as `channel.joint`."""
 
+OF_BASE = ("base", "gyro", "acc", "contact")
+"""Channels of a base that moves, and of the feet it stands on."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Recording:
@@ -37,6 +40,10 @@ class Recording:
     dq_des: FloatArray | None = None
     tau_cmd: FloatArray | None = None
     tip: FloatArray | None = None  # (T, 7): x y z qw qx qy qz in the base frame
+    base: FloatArray | None = None  # (T, 7): pose of the base link in the world, likewise
+    gyro: FloatArray | None = None  # (T, 3) in the IMU's axes [rad/s]
+    acc: FloatArray | None = None  # (T, 3) specific force, g upwards at rest, likewise [m/s^2]
+    contact: FloatArray | None = None  # (T, feet) as the feet's sensors say, NaN without one
     valid: NDArray[np.bool_]  # (T,) False within gaps bridged by interpolation
     released: NDArray[np.bool_] | None = None  # True where the drive has let go; found, not logged
     raw_period: float  # median step of the file's time [s]
@@ -51,5 +58,5 @@ class Recording:
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the channels that were logged."""
-        names = (*CHANNELS, "tip")
+        names = (*CHANNELS, "tip", *OF_BASE)
         return tuple(name for name in names if getattr(self, name) is not None)

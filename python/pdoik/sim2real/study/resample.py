@@ -20,7 +20,7 @@ _STEPPED = 0.5  # share of samples equal to the one before from which a command 
 _RESTING = 0.15  # without a change for so long a command is at rest [s]
 """Channels that keep their value until the next sample: commands."""
 
-SMOOTH = ("q", "tip")
+SMOOTH = ("q", "tip", "base")
 """Channels interpolated by cubic splines: positions of bodies with inertia."""
 
 BoolArray = NDArray[np.bool_]

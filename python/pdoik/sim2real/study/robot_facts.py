@@ -74,8 +74,16 @@ def robot_facts(path: Path) -> RobotFacts:
     raise LoadError(f"{path.name}: expected a URDF (<robot>) or MJCF (<mujoco>), got <{root.tag}>")
 
 
-def check_robot(facts: RobotFacts, joints: Collection[str], tip: str | None) -> tuple[str, ...]:
+def check_robot(
+    facts: RobotFacts, joints: Collection[str], tip: str | None, *, floats: bool = False
+) -> tuple[str, ...]:
     """That the description has the joints and the tip, and mass behind every joint.
+
+    Args:
+        facts: Of the description.
+        joints: Of the study.
+        tip: Of the study.
+        floats: Whether the study says that the base does.
 
     Returns:
         Notes on links without mass.
@@ -91,11 +99,13 @@ def check_robot(facts: RobotFacts, joints: Collection[str], tip: str | None) -> 
             )
         link = facts.joints[joint].link
         for above in facts.chain(link):
-            if above in facts.free:
+            root = facts.parents.get(above, "world") == "world"
+            if above in facts.free and not (floats and root):
                 raise LoadError(
                     f"{facts.path.name}: joint {joint!r} is on link {above!r}, which joint"
-                    f" {facts.free[above]!r} lets float: floating bases are not supported yet; give"
-                    " a description whose base is fixed as it was when it was recorded"
+                    f" {facts.free[above]!r} lets float: say 'base:' in the study and record how it"
+                    " moved (an IMU's gyro and acc, or the base's pose), or give a description"
+                    " whose base is fixed as it was"
                 )
         if not facts.mass_moved_by(joint) > 0:
             notes.append(

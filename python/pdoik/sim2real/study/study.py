@@ -9,6 +9,7 @@ from pathlib import Path
 from ..thresholds import Thresholds
 from .controller import Controller as Controller
 from .controller import ToldController
+from .floating_base import FloatingBase
 from .payload import Payload
 from .recording import FloatArray, Recording
 from .simulator_file import SimulatorFile
@@ -33,6 +34,7 @@ class Setup:
     """Whether the controller's gravity compensation knows this robot and payload; it knows the
     study's robot with nothing held otherwise."""
     session: str = ""  # the day, or whatever else was the same
+    held: bool = False  # its base was, by something whose forces nobody knows
     temperature: FloatArray | None = None  # (n,) of the joints [deg C]
     surface: str = ""  # what it stood on or moved along, in words
 
@@ -53,6 +55,8 @@ class Setup:
             said.append("its controller's gravity compensation knows that")
         if self.controller is not None:
             said.append("has a controller of its own")
+        if self.held:
+            said.append("its base was held")
         if self.temperature is not None:
             degrees = dict.fromkeys(f"{each:g}" for each in self.temperature.tolist())
             said.append(f"at {', '.join(degrees)} deg C")
@@ -66,7 +70,9 @@ class Study:
     """What `diagnose` is given."""
 
     folder: Path
+    source: Path | None = None  # the YAML file it was read from
     robot: Path | None
+    base: FloatingBase | None = None  # None: it is fixed
     tip: str | None = None  # link whose pose the channel `tip` is; the last link otherwise
     joints: tuple[str, ...]
     recordings: tuple[Recording, ...]

@@ -25,6 +25,9 @@ KNOWN: dict[str, dict[str, float]] = {
     "duty": {"1": 1.0, "%": 1e-2, "permille": 1e-3},
     "voltage": {"V": 1.0, "mV": 1e-3},
     "tip": _LENGTH,
+    "base": _LENGTH,
+    "gyro": {"rad/s": 1.0, "deg/s": pi / 180},
+    "acc": {"m/s^2": 1.0, "g": 9.80665},
 }
 """Units of each channel and their factor to SI."""
 

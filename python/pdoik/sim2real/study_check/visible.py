@@ -87,12 +87,14 @@ def _unseen(prepared: Prepared, effect: Effect, place: Place, reason: str) -> Vi
     said = " and ".join(joints[j] for j in place.joints)
     if place.link is not None and body is not None:
         said = body.links[place.link]
+    if place.foot is not None and prepared.study.base is not None:
+        said = prepared.study.base.feet[place.foot].link
     if place.held is not None:
         said = place.held.label
     return Visible(
         effect=effect.id,
         variant="",
-        joint="" if at is None else joints[at],
+        joint="" if at is None or at == len(joints) else joints[at],
         place=said or "base",
         parameter=effect.parameters[0].name,
         unit=effect.parameters[0].unit,

@@ -30,6 +30,15 @@ class BackgroundThresholds(Group):
     large: float = threshold(
         1.0 / 3.0, "share of what the background leaves on held-out rows that is no misfit of it"
     )
+    imu_tilt: float = threshold(
+        0.01, "of an IMU's mounting about each axis", "rad", "surfaces and boards: half a degree"
+    )
+    imu_acc: float = threshold(
+        0.1, "of an accelerometer's zero", "m/s^2", "data sheets of MEMS sensors: 5 to 40 mg"
+    )
+    imu_gyro: float = threshold(
+        0.01, "of a gyro's zero", "rad/s", "data sheets of MEMS sensors: 0.1 to 1 degree/s"
+    )
     bodies: float = threshold(
         0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
     )

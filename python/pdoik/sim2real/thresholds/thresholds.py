@@ -10,10 +10,12 @@ from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
 from .controllers import ControllerThresholds
+from .feet import FeetThresholds
 from .figures import FigureThresholds
 from .gates import GateThresholds
 from .limits import LimitThresholds
 from .noise import NoiseThresholds
+from .propose import ProposeThresholds
 from .search import SearchThresholds
 from .selection import SelectionThresholds
 from .simulation import SimulationThresholds
@@ -48,6 +50,7 @@ class Thresholds:
     support: SupportThresholds = field(default_factory=SupportThresholds)
     gates: GateThresholds = field(default_factory=GateThresholds)
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
+    feet: FeetThresholds = field(default_factory=FeetThresholds)
     unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
     selection: SelectionThresholds = field(default_factory=SelectionThresholds)
     controllers: ControllerThresholds = field(default_factory=ControllerThresholds)
@@ -58,6 +61,7 @@ class Thresholds:
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
     simulators: SimulatorThresholds = field(default_factory=SimulatorThresholds)
     watch: WatchThresholds = field(default_factory=WatchThresholds)
+    propose: ProposeThresholds = field(default_factory=ProposeThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
         """With other values by GROUP.NAME.

@@ -50,9 +50,11 @@ class Watch:
         """Of a model that knows its healthy residuals, see `calibrated`.
 
         Raises:
-            ValueError: the model has no robot, or knows nothing of the healthy machine.
+            ValueError: the model has no robot, or knows nothing of the healthy machine, or its
+                base floats.
         """
         limits = (Thresholds() if thresholds is None else thresholds).watch
+        model = model.of_fixed_base
         if model.robot is None:
             raise ValueError("the study had no robot description, so no torque can be watched")
         if model.healthy is None:

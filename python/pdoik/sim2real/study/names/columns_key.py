@@ -9,7 +9,7 @@ from typing import Any
 
 from pdoik.errors import LoadError
 
-from ..columns import SUPPLY, channel_of, nearest, tip_columns
+from ..columns import CONTACT, SUPPLY, VECTORS, channel_of, nearest, pose_columns
 from ..logs import Column
 from ..recording import CHANNELS
 
@@ -67,8 +67,10 @@ def columns_key(content: Any, source: str) -> ColumnsKey:
 
 
 def _check_target(target: str, source: str) -> None:
-    single = ("time", SUPPLY, *tip_columns())
-    if target not in CHANNELS and target not in single and channel_of(target) is None:
+    imu = tuple(f"{of}.{axis}" for of, axes in VECTORS.items() for axis in axes)
+    single = ("time", SUPPLY, *pose_columns("tip"), *pose_columns("base"), *imu)
+    known = target in CHANNELS or target in single or target.startswith(CONTACT)
+    if not known and channel_of(target) is None:
         channel, dot, _joint = target.partition(".")
         near = nearest(channel if dot else target, (*CHANNELS, *single))
         raise LoadError(

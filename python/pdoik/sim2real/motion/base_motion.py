@@ -1,0 +1,114 @@
+"""How a floating base moved, by its IMU or by its pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..study.floating_base import FloatingBase
+from ..study.recording import FloatArray, Recording
+from .signals import derivative, zero_phase
+
+_UP = np.array([0.0, 0.0, 9.81])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BaseMotion:
+    """Arrays are (T, 3) in the base's axes unless said otherwise."""
+
+    omega: FloatArray  # [rad/s]
+    alpha: FloatArray  # [rad/s^2]
+    felt: FloatArray  # specific force where the IMU sits, g upwards at rest [m/s^2]
+    force: FloatArray  # the same at the base's origin
+    rotation: FloatArray | None  # (T, 3, 3) to the world; None without a pose
+    position: FloatArray | None  # in the world [m]
+    imu_rotation: FloatArray  # (3, 3) IMU's axes to the base's
+    of_imu: bool  # whether an IMU says so, the pose otherwise
+    disagreement: FloatArray | None  # (T, 6) gyro and acc less what the pose says, IMU's axes
+
+    @property
+    def up(self) -> FloatArray:
+        """Direction against gravity, (T, 3); by what is felt, where no pose tells."""
+        if self.rotation is not None:
+            return self.rotation[:, 2]
+        return np.asarray(self.force / np.linalg.norm(self.force, axis=1, keepdims=True))
+
+
+def base_motion_of(recording: Recording, base: FloatingBase, cutoff: float) -> BaseMotion:
+    """The base's motion, smooth.
+
+    Its torques need no orientation: gravity is in the specific force that an accelerometer feels
+    (Featherstone, Rigid Body Dynamics Algorithms, 2008, 5.2).
+
+    Args:
+        recording: with an IMU or a pose; one without was held level.
+        base: where the IMU sits.
+        cutoff: of the smoothing [Hz].
+    """
+    period, count = recording.period, len(recording.time)
+    pose = None if recording.base is None else zero_phase(recording.base, cutoff, period)
+    rotation = position = None
+    by_pose = by_imu = None
+    if pose is not None:
+        turns = Rotation.from_quat(pose[:, [4, 5, 6, 3]])
+        rotation, position = turns.as_matrix(), np.ascontiguousarray(pose[:, :3])
+        by_pose = _of_pose(turns, position, period)
+    if recording.gyro is not None and recording.acc is not None:
+        by_imu = _of_imu(recording, base, cutoff)
+    level = (np.zeros((count, 3)), np.zeros((count, 3)), np.tile(_UP, (count, 1)))
+    omega, alpha, force = by_imu or by_pose or level
+    return BaseMotion(
+        omega=omega,
+        alpha=alpha,
+        felt=force + _at(base.imu_position, omega, alpha),
+        force=force,
+        rotation=rotation,
+        position=position,
+        imu_rotation=base.imu_rotation,
+        of_imu=by_imu is not None,
+        disagreement=_disagreement(recording, base, by_pose),
+    )
+
+
+def _of_imu(
+    recording: Recording, base: FloatingBase, cutoff: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Rates, their derivative, and the specific force at the base's origin."""
+    period = recording.period
+    assert recording.gyro is not None
+    assert recording.acc is not None
+    omega = zero_phase(recording.gyro, cutoff, period) @ base.imu_rotation.T
+    felt = zero_phase(recording.acc, cutoff, period) @ base.imu_rotation.T
+    alpha = derivative(omega, period)
+    return omega, alpha, felt - _at(base.imu_position, omega, alpha)
+
+
+def _of_pose(
+    turns: Rotation, position: FloatArray, period: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    steps = np.zeros_like(position)  # turned from the sample before to the one after
+    steps[1:-1] = (turns[:-2].inv() * turns[2:]).as_rotvec() / (2.0 * period)
+    steps[0], steps[-1] = steps[1], steps[-2]
+    acceleration = derivative(derivative(position, period), period)
+    return steps, derivative(steps, period), turns.inv().apply(acceleration + _UP)
+
+
+def _at(place: FloatArray, omega: FloatArray, alpha: FloatArray) -> FloatArray:
+    """What a point of a turning body feels beyond its origin, (T, 3)."""
+    return np.cross(alpha, place) + np.cross(omega, np.cross(omega, place))
+
+
+def _disagreement(
+    recording: Recording,
+    base: FloatingBase,
+    by_pose: tuple[FloatArray, FloatArray, FloatArray] | None,
+) -> FloatArray | None:
+    """Gyro and accelerometer as logged less what the pose's derivatives say, (T, 6)."""
+    if by_pose is None or recording.gyro is None or recording.acc is None:
+        return None
+    omega, alpha, force = by_pose
+    felt = force + _at(base.imu_position, omega, alpha)
+    turn = base.imu_rotation
+    return np.hstack([recording.gyro - omega @ turn, recording.acc - felt @ turn])

@@ -1,0 +1,122 @@
+"""How high soles stand, what presses them, and when they slip: where the base's pose is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..study.floating_base import Ground
+from ..study.recording import FloatArray
+from ..thresholds.feet import FeetThresholds
+from ..thresholds.noise import NoiseThresholds
+from .feet import FootMotion, force_by_position
+from .free_rows import row_noise, unknown_forces
+from .motion import Motion
+from .signals import derivative, dilated, zero_phase
+
+
+def with_ground(
+    motion: Motion, ground: Ground, noise: NoiseThresholds, limits: FeetThresholds
+) -> Motion:
+    """The motion with all that its feet tell of the ground.
+
+    Args:
+        motion: of a floating base.
+        ground: as the user's simulator has it.
+        noise: of the torques.
+        limits: when a sole slips.
+    """
+    base = motion.base
+    if base is None or not motion.feet:
+        return motion
+    loads = _loads(motion, noise)
+    if loads is not None:
+        motion = _with_loads(motion, loads)
+    if base.position is None or base.rotation is None:
+        return motion
+    feet = []
+    for foot in motion.feet:
+        world = base.position + np.einsum("tij,tj->ti", base.rotation, foot.place)
+        height = world[:, 2] - ground.height
+        moving = np.einsum("tij,tj->ti", foot.jacobian, motion.dq) + np.cross(
+            base.omega, foot.place
+        )
+        velocity = derivative(base.position, motion.period)
+        velocity += np.einsum("tij,tj->ti", base.rotation, moving)
+        velocity = zero_phase(velocity, 0.5 * motion.cutoff, motion.period)
+        speed = np.linalg.norm(velocity[:, :2], axis=1)
+        force = foot.force
+        if force is not None:
+            force = np.einsum("tij,tj->ti", base.rotation, force)
+        pressed = foot.pressed
+        if pressed is None and force is not None:
+            pressed = force[:, 2]
+        grip, slips = _grip(motion, foot, speed, force, ground, limits)
+        feet.append(
+            replace(
+                foot,
+                world=world,
+                speed=speed,
+                height=None if foot.foot.sole is None else height,
+                normal=pressed,
+                grip=grip,
+                slips=slips,
+            )
+        )
+    return replace(motion, feet=tuple(feet))
+
+
+def _with_loads(motion: Motion, loads: list[FloatArray]) -> Motion:
+    """With the torques' change by the joints that constant forces on the feet make."""
+    assert motion.body is not None
+    pairs = list(zip(motion.feet, loads, strict=True))
+    each = [force_by_position(foot, load[:, :3], motion.body.depth) for foot, load in pairs]
+    by_feet = -np.sum(each, axis=0)
+    return replace(
+        motion,
+        feet=tuple(replace(foot, load=load) for foot, load in pairs),
+        dtau_dq=motion.dtau_dq + by_feet,
+        cache={**motion.cache, "dtau_dq by feet": by_feet},
+    )
+
+
+def _grip(
+    motion: Motion,
+    foot: FootMotion,
+    speed: FloatArray,
+    force: FloatArray | None,
+    ground: Ground,
+    limits: FeetThresholds,
+) -> tuple[FloatArray | None, NDArray[np.bool_]]:
+    """Tangential force beyond what the simulator's friction gives, and when the sole slips."""
+    nowhere = np.zeros(len(motion.time), dtype=np.bool_)
+    if force is None or ground.friction is None:
+        return None, nowhere
+    around = int(0.3 / (motion.cutoff * motion.period)) + 1
+    smear = int(1.0 / (motion.cutoff * motion.period)) + 1  # of the speed before it touched
+    slips = ~dilated(~foot.stands, smear) & ~dilated(speed < limits.slipping, around)
+    tangential = np.linalg.norm(force[:, :2], axis=1)
+    return tangential - ground.friction * force[:, 2], slips
+
+
+def _loads(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
+    """What each foot takes, (T, 3 or 6): the likeliest by torques and base."""
+    if motion.torque is None or motion.setup.held:
+        return None
+    left = motion.tau.copy()
+    left[:, : motion.n] -= np.nan_to_num(motion.torque)
+    directions = unknown_forces(motion) / np.sqrt(row_noise(motion, noise))[:, None]
+    white = left / np.sqrt(row_noise(motion, noise))
+    gram = np.einsum("tri,trj->tij", directions, directions, optimize=True)
+    largest = np.maximum(np.einsum("tii->t", gram), 1e-12)
+    gram += (1e-9 * largest)[:, None, None] * np.eye(gram.shape[1])
+    moment = np.einsum("tri,tr->ti", directions, white)
+    sizes = np.linalg.solve(gram, moment[:, :, None])[:, :, 0]
+    found, first = [], 0
+    for foot in motion.feet:
+        last = first + foot.wrench.shape[2]
+        found.append(zero_phase(sizes[:, first:last], motion.cutoff, motion.period))
+        first = last
+    return found

@@ -1,0 +1,123 @@
+"""The search for a motion: many recipes at random, then the best of them changed part by part."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .clear import Clear
+from .excitation import Frame, Recipe, changed, first_recipes, motion_of, random_recipe
+from .expected import Pair, Prospect, hopeless_of
+from .path import Path
+from .weigh import Weigher
+
+_FIRST = 0.4  # of the effort, for recipes at random
+_KEPT = 4  # recipes that are changed
+_CLOSER = 3  # of the best that are looked at with what is costly
+_SHRINKS = 6
+
+Say = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Design:
+    """A motion and what it is expected to settle."""
+
+    path: Path
+    prospects: tuple[Prospect, ...]
+    looked_at: int = 1  # motions
+    hopeless: frozenset[Pair] = frozenset()  # pairs that none of these tells apart
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bounds:
+    """What every motion must hold, and how a motion is made to."""
+
+    weigher: Weigher
+    frame: Frame
+    clear: Clear | None
+
+    def made(self, path: Path, *, costly: bool = False) -> Design | None:
+        """A path within all limits, weighed; None where shrinking does not help."""
+        if self.clear is not None:
+            path = self.clear.fitted(path, self.frame.start)
+        foretold, limits = self.weigher.foretold, self.frame.limits
+        for _ in range(_SHRINKS):
+            balances = foretold.balances(path)
+            excess = limits.excess(path, foretold.torque(balances))
+            if excess <= 1.0:
+                prospects = self.weigher.prospects_of(balances, costly=costly)
+                return Design(path=path, prospects=prospects)
+            path = path.toward(self.frame.start, max(0.5, 0.9 / excess))
+        return None
+
+
+def designed(
+    bounds: Bounds, rng: np.random.Generator, effort: int, seconds: float, say: Say
+) -> Design | None:
+    """The best motion found; None where none holds the limits.
+
+    Args:
+        bounds: of every motion.
+        rng: of the recipes.
+        effort: motions that are looked at, at most.
+        seconds: that the search may take, about.
+        say: called with words and the share of the effort that is done.
+    """
+    planned, ranking = first_recipes(rng), _Ranking(weigher=bounds.weigher)
+    begin, count = time.perf_counter(), 0
+    while count < effort and time.perf_counter() - begin < seconds:
+        share = max(count / effort, (time.perf_counter() - begin) / seconds)
+        first = bool(planned)
+        if first:
+            recipe = planned.pop(0)
+        elif share < _FIRST or not ranking.best:
+            recipe = random_recipe(rng)
+        else:
+            place = min(int(rng.exponential(1.0)), len(ranking.best) - 1)
+            recipe = changed(ranking.best[place][1], rng)
+        made = bounds.made(motion_of(recipe, bounds.frame))
+        count += 1
+        if made is not None and ranking.add(recipe, made, first=first):
+            say(f"{count} motions looked at, clarity {ranking.best[0][0]:.2f}", share)
+    looked = [
+        found
+        for _, _, made in ranking.best[:_CLOSER]
+        if (found := bounds.made(made.path, costly=True))
+    ]
+    if not looked:
+        return None
+    chosen = max(looked, key=lambda each: ranking.score(each))
+    return replace(chosen, looked_at=count, hopeless=ranking.hopeless)
+
+
+@dataclass(kw_only=True, eq=False)
+class _Ranking:
+    """The best motions so far, by what is not hopeless: pairs that no planned recipe tells."""
+
+    weigher: Weigher
+    best: list[tuple[float, Recipe, Design]] = field(default_factory=list)
+    hopeless: frozenset[Pair] = frozenset()
+
+    def score(self, design: Design) -> float:
+        """Of one."""
+        return self.weigher.score(design.prospects, self.hopeless)
+
+    def add(self, recipe: Recipe, design: Design, *, first: bool) -> bool:
+        """Whether a motion is the best so far; `first` for one of the planned recipes."""
+        found = [*self.best, (0.0, recipe, design)]
+        if first:  # as different as can be: what none of them tells apart, no motion does
+            self.hopeless = hopeless_of([each.prospects for _, _, each in found])
+        scored = [(self.score(each), name, each) for _, name, each in found]
+        scored.sort(key=lambda each: -each[0])
+        self.best = scored if first else scored[:_KEPT]
+        return scored[0][2] is design
+
+
+def start_of(recorded: FloatArray) -> FloatArray:
+    """Where the first recording began: a pose that the robot is known to reach."""
+    return np.asarray(recorded[0], dtype=np.float64)

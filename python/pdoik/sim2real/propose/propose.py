@@ -1,0 +1,330 @@
+"""From a report to the next motion: `pdoik propose` in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path as File
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from pdoik.errors import LoadError
+
+from ..diagnose import Tell, made_ready
+from ..evidence.files import DIAGNOSIS
+from ..findings import Diagnosis, Finding
+from ..model.model import FILE_NAME, Model, load_model, robot_text
+from ..motion.prepare import Prepared
+from ..study.read_study import load_study
+from ..study.recording import FloatArray
+from .clear import Clear, Verdict
+from .design import Bounds, Design, designed, start_of
+from .excitation import Frame, random_motion
+from .expected import Pair
+from .limits import Limits, limits_of
+from .path import Path
+from .proposal import Proposal
+from .questions import ENOUGH, Cause, Question, beyond_motion, cause_of, open_findings, questions_of
+from .weigh import Weigher
+
+SHORTEST = 5.0
+"""Of a motion [s]: less leaves no room to go somewhere and back."""
+
+_RANDOM_TRIES = 20
+_EFFORT = 400  # motions that are looked at
+_SEARCH = 60.0  # that the search takes at most [s]
+
+
+class NothingToSettleError(ValueError):
+    """A diagnosis lists no equivalents and is sure of all it found, or no motion would help."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Wishes:
+    """What a user may ask of a motion."""
+
+    seconds: float = 20.0
+    rate: float = 100.0  # of the rows [Hz]
+    speed_share: float = 0.7
+    torque_share: float = 0.8
+    acceleration: float | None = None  # of every joint [rad/s^2]
+    max_speed: float | None = None  # of joints whose description has none [rad/s]
+    max_torque: float | None = None  # [N m]
+    start: FloatArray | None = None  # (n,) None: where the first recording began
+    random: bool = False
+    seed: int = 0
+    effort: int = _EFFORT
+    search: float = _SEARCH  # [s]
+    study: File | None = None  # where it is now, if it was moved
+    clear: Callable[[tuple[str, ...], str, str | None], Clear | None] | None = None
+    """Makes what judges obstacles, of the joints, the robot's text and its tip."""
+
+    def __post_init__(self) -> None:
+        """Raises ValueError where a number is out of range."""
+        if not self.seconds >= SHORTEST:
+            raise ValueError(
+                f"{self.seconds:g} s is too short: a motion that starts and ends at rest needs"
+                f" {SHORTEST:g} s, and 20 s settle most"
+            )
+        if not 20.0 <= self.rate <= 2000.0:
+            raise ValueError(f"rate is {self.rate:g} Hz, expected 20 to 2000")
+
+
+def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None = None) -> Proposal:
+    """The motion that separates best what a diagnosis could not.
+
+    Args:
+        report: folder of `pdoik diagnose`.
+        wishes: the defaults if none are given.
+        tell: called with a stage's name, words, and the share of the work done.
+
+    Raises:
+        NothingToSettleError: no motion is needed, or none would help.
+        LoadError: a file of the report, or the study, is not there or is not what it should be.
+        ValueError: limits are missing, the start breaks them, or the robot's base floats.
+    """
+    wishes, say = wishes or Wishes(), tell or (lambda stage, text, share: None)
+    diagnosis, model = _read(File(report))
+    model = model.of_fixed_base
+    findings = open_findings(diagnosis)
+    unsettled = tuple(said for each in findings if (said := beyond_motion(each)))
+    if not findings:
+        raise NothingToSettleError(
+            "there is nothing to settle: every finding has a confidence of 0.9 or more and no"
+            " equivalents"
+        )
+    if len(unsettled) == len(findings):
+        raise NothingToSettleError(f"no motion would settle what is open: {'; '.join(unsettled)}")
+    study = load_study(_study_file(model, wishes))
+    with threadpool_limits(limits=1, user_api="blas"):
+        ready = made_ready(study, lambda stage, text, share: say(stage, text, 0.5 * share))
+        prepared = ready.prepared
+        questions = questions_of(findings, prepared)
+        say("rivals", f"{len(questions)} questions", 0.1)
+        weigher = Weigher(prepared, questions, _causes(diagnosis, questions, prepared))
+        frame, notes = _frame(prepared, questions, wishes, weigher.foretold.stuck)
+        clear = _clear(prepared, wishes)
+        bounds = Bounds(weigher=weigher, frame=frame, clear=clear)
+        _check_start(bounds)
+        design = _found(bounds, wishes, say)
+        _check_hope(questions, design)
+        verdict = _judged(clear, design.path)
+        return _proposal(bounds, design, verdict, wishes, unsettled, notes)
+
+
+def _read(report: File) -> tuple[Diagnosis, Model]:
+    if not report.is_dir():
+        raise LoadError(f"{report}: no such folder; expected the report of pdoik diagnose")
+    file = report / DIAGNOSIS
+    for path in (file, report / FILE_NAME):
+        if not path.is_file():
+            raise LoadError(f"{path}: no such file; expected the report of pdoik diagnose")
+    try:
+        diagnosis = Diagnosis.from_json(file.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise LoadError(f"{file}: {error}") from None
+    return diagnosis, load_model(report)
+
+
+def _study_file(model: Model, wishes: Wishes) -> File:
+    told = wishes.study or (None if model.study is None else File(model.study))
+    if told is None:
+        raise LoadError("the report does not say of which study it is: tell it with --study")
+    if not told.is_file():
+        raise LoadError(f"the study is not at {told} any more: tell where it is with --study")
+    return told
+
+
+def _causes(
+    diagnosis: Diagnosis, questions: tuple[Question, ...], prepared: Prepared
+) -> list[Cause]:
+    """All that was found and acts along a motion, the questions' own causes among it."""
+    asked = {_name(question.finding) for question in questions}
+    others = [
+        cause_of(each, prepared)
+        for each in diagnosis.findings
+        if not beyond_motion(each) and _name(each) not in asked
+    ]
+    return [*(question.own for question in questions), *others]
+
+
+def _name(finding: Finding) -> tuple[object, ...]:
+    return finding.effect, finding.joints, finding.links, finding.positions, finding.variant
+
+
+def _frame(
+    prepared: Prepared, questions: tuple[Question, ...], wishes: Wishes, stuck: FloatArray
+) -> tuple[Frame, tuple[str, ...]]:
+    study = prepared.study
+    if study.robot is None:
+        raise ValueError("the study has no robot description, so no motion can be designed")
+    if not study.robot.is_file():
+        raise LoadError(f"the robot's description is not at {study.robot} any more")
+    start = start_of(study.recordings[0].q) if wishes.start is None else wishes.start
+    if start.shape != (len(study.joints),):
+        raise ValueError(f"start has {start.size} numbers, expected {len(study.joints)}")
+    whole = limits_of(
+        robot_text(study.robot),
+        study.joints,
+        start,
+        speed=wishes.max_speed,
+        torque=wishes.max_torque,
+    )
+    limits = whole.within(wishes.speed_share, wishes.torque_share, wishes.acceleration)
+    notes = []
+    outside = np.flatnonzero((start < limits.lower) | (start > limits.upper))
+    if len(outside):
+        limits = _reaching(limits, whole, start, outside, study.joints)
+        names = ", ".join(study.joints[j] for j in outside)
+        notes.append(f"{names}: starts nearer to a limit than a motion should come")
+    asked = tuple(sorted({j for q in questions for place in q.own.places for j in place.joints}))
+    frame = Frame(limits=limits, start=start, duration=wishes.seconds, stuck=stuck, asked=asked)
+    return frame, tuple(notes)
+
+
+def _reaching(
+    limits: Limits,
+    whole: Limits,
+    start: FloatArray,
+    outside: NDArray[np.intp],
+    joints: tuple[str, ...],
+) -> Limits:
+    """Limits that a start near their end is within."""
+    for j in outside:
+        if not whole.lower[j] <= start[j] <= whole.upper[j]:
+            raise ValueError(
+                f"the motion would start with {joints[j]} at {start[j]:.3g}, outside of"
+                f" {whole.lower[j]:.3g} to {whole.upper[j]:.3g}: tell another start with --start"
+            )
+    lower, upper = np.minimum(limits.lower, start), np.maximum(limits.upper, start)
+    return Limits(
+        lower=lower,
+        upper=upper,
+        speed=limits.speed,
+        acceleration=limits.acceleration,
+        torque=limits.torque,
+    )
+
+
+def _clear(prepared: Prepared, wishes: Wishes) -> Clear | None:
+    study = prepared.study
+    if wishes.clear is None or study.robot is None:
+        return None
+    return wishes.clear(study.joints, robot_text(study.robot), study.tip)
+
+
+def _check_start(bounds: Bounds) -> None:
+    """The start must be a place to be."""
+    frame, foretold = bounds.frame, bounds.weigher.foretold
+    load = np.abs(foretold.body.gravity(frame.start[None])[0]) / frame.limits.torque
+    j = int(np.argmax(load))
+    if load[j] > 1.0:
+        raise ValueError(
+            f"{foretold.prepared.study.joints[j]} needs more torque to stand at the start than the"
+            " limits allow: tell another start with --start"
+        )
+    if bounds.clear is not None:
+        there = bounds.clear.at(frame.start)
+        if there.short(bounds.clear.options):
+            raise ValueError(
+                f"the start is not clear ({there.worst}): tell another with --start, or take what"
+                " is too near out of the cloud"
+            )
+
+
+def _found(bounds: Bounds, wishes: Wishes, say: Tell) -> Design:
+    rng = np.random.default_rng(wishes.seed)
+    if wishes.random:
+        for _ in range(_RANDOM_TRIES):
+            made = bounds.made(random_motion(bounds.frame, rng), costly=True)
+            if made is not None:
+                return made
+    else:
+        best = designed(
+            bounds,
+            rng,
+            wishes.effort,
+            wishes.search,
+            lambda text, share: say("design", text, 0.15 + 0.8 * share),
+        )
+        if best is not None:
+            return best
+    raise ValueError(
+        "no motion from this start holds all limits: tell another start with --start, or larger"
+        " shares of the limits"
+    )
+
+
+def _hopeless(design: Design) -> frozenset[Pair]:
+    """Findings and what is listed beside them, alike along every motion that was looked at."""
+    listed = {(p.finding, r.rival) for p in design.prospects for r in p.rivalries if r.listed}
+    return design.hopeless & listed
+
+
+def _alike_in_words(pairs: Iterable[Pair]) -> tuple[str, ...]:
+    return tuple(
+        f"whether it is {finding} or {rival}, which are alike along every motion"
+        for finding, rival in sorted(pairs)
+    )
+
+
+def _check_hope(questions: Iterable[Question], design: Design) -> None:
+    """Nobody should run a motion for what no motion tells."""
+    hopeless = _hopeless(design)
+    for question, prospect in zip(questions, design.prospects, strict=False):
+        rivals = {(prospect.finding, each.rival) for each in prospect.rivalries if each.listed}
+        if not rivals or not rivals <= hopeless or question.finding.confidence < ENOUGH:
+            return
+    raise NothingToSettleError(f"no motion tells {'; '.join(_alike_in_words(hopeless))}")
+
+
+def _judged(clear: Clear | None, path: Path) -> Verdict | None:
+    """Of dense samples, once more."""
+    if clear is None:
+        return None
+    verdict = clear.along(path)
+    if verdict.short(clear.options, margin=0.5 * clear.travel(path)):
+        raise ValueError(
+            f"no clear motion was found: {verdict.worst} at {verdict.time:.2f} s; try another"
+            " --seed or --start"
+        )
+    return verdict
+
+
+def _proposal(
+    bounds: Bounds,
+    design: Design,
+    verdict: Verdict | None,
+    wishes: Wishes,
+    unsettled: tuple[str, ...],
+    notes: tuple[str, ...],
+) -> Proposal:
+    path, limits, foretold = design.path, bounds.frame.limits, bounds.weigher.foretold
+    balances = foretold.balances(path)
+    torque = foretold.torque(balances)
+    time = np.arange(round(path.duration * wishes.rate) + 1) / wishes.rate
+    curve = path.curve
+    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
+    used = {
+        "position": float(np.max(np.abs(path.q - middle) / half)),
+        "speed": float(np.max(np.abs(path.dq) / limits.speed)),
+        "acceleration": float(np.max(np.abs(path.ddq) / limits.acceleration)),
+        "torque": float(np.max(np.abs(torque) / limits.torque)),
+    }
+    return Proposal(
+        joints=bounds.weigher.prepared.study.joints,
+        time=time,
+        q=curve(time),
+        dq=curve(time, 1),
+        torque=torque,
+        used=used,
+        prospects=tuple(each for each in design.prospects if each.why),
+        unsettled=(*unsettled, *_alike_in_words(_hopeless(design))),
+        hopeless=_hopeless(design),
+        verdict=verdict,
+        looked_at=design.looked_at,
+        random=wishes.random,
+        notes=notes,
+    )

@@ -1,0 +1,165 @@
+"""Balances of a robot whose base floats, against MuJoCo and finite differences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
+pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.motion.balances import Balances
+from pdoik.sim2real.motion.free_rows import projector
+from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.motion.prepare import prepare
+from pdoik.sim2real.study.study import Setup, Study
+from sim2real_floating import FEET, JOINTS, Hidden, recording, study
+
+QUIET = 1e-6
+
+
+def _left(balances: Balances) -> dict[tuple[str, int], float]:
+    """Residuals in their noise, by balance."""
+    return {
+        key: balances.rms(key) / balances.sigma[key]
+        for key in balances.keys
+        if key[0] in ("torque", "base") and balances.mask[key].any()
+    }
+
+
+def test_what_mujoco_says_of_a_sound_machine_balances_to_its_noise(tmp_path: Path) -> None:
+    balances = prepare(study(tmp_path, Hidden())).fit
+    left = _left(balances)
+    assert {("base", axis) for axis in range(6)} <= set(left)
+    assert max(left.values()) < 1.3
+
+
+def test_without_an_imu_the_pose_tells_of_the_base(tmp_path: Path) -> None:
+    by_pose = prepare(_noiseless(tmp_path, Hidden(), runs=1, imu=False)).fit.motions[0].base
+    by_imu = prepare(_noiseless(tmp_path, Hidden(), runs=1)).fit.motions[0].base
+    assert by_pose is not None
+    assert by_imu is not None
+    assert by_imu.of_imu
+    assert not by_pose.of_imu
+    inner = slice(100, -100)
+    assert np.abs((by_pose.omega - by_imu.omega)[inner]).max() < 0.01  # of up to 2 rad/s
+    assert np.abs((by_pose.force - by_imu.force)[inner]).max() < 0.05  # of up to 15 m/s^2
+
+
+def test_without_sensors_in_the_feet_less_is_judged_and_rightly(tmp_path: Path) -> None:
+    with_ = prepare(study(tmp_path, Hidden(), runs=1)).fit
+    without = prepare(study(tmp_path, Hidden(), runs=1, contact=False)).fit
+    assert max(_left(without).values()) < 1.3
+    judged = [sum(int(b.mask[k].sum()) for k in _left(b)) for b in (with_, without)]
+    assert judged[1] <= judged[0]
+
+
+def test_a_held_base_leaves_the_joints(tmp_path: Path) -> None:
+    made = study(tmp_path, Hidden(), contact=False, runs=1)
+    held = replace(made, setups={name: Setup(held=True) for name in made.setups})
+    balances = prepare(held).fit
+    assert not any(balances.mask["base", axis].any() for axis in range(6))
+    # No sensor in the feet and a stand: they are in the air, so their forces are a mismatch.
+    assert max(_left(balances).values()) > 3.0
+
+
+def test_the_projector_takes_off_unknown_forces_and_nothing_else() -> None:
+    rng = np.random.default_rng(3)
+    directions = rng.standard_normal((20, 9, 4))
+    directions[10:, :, 2:] = 0.0  # two that do not act
+    sigma = rng.uniform(0.1, 3.0, 9)
+    left = projector(directions, sigma)
+    assert np.abs(left @ directions).max() < 1e-6
+    assert np.abs(left @ left - left).max() < 1e-7
+    rank = np.trace(left, axis1=1, axis2=2)
+    assert rank[:10] == pytest.approx(5.0, abs=1e-6)
+    assert rank[10:] == pytest.approx(7.0, abs=1e-6)
+    # What is left, weighted, is what least squares leave that fit the forces at every sample.
+    torque = rng.standard_normal(9)
+    fitted = np.linalg.lstsq(directions[0] / sigma[:, None], torque / sigma, rcond=None)[1][0]
+    assert np.sum((left[0] @ torque / sigma) ** 2) == pytest.approx(fitted, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("effect", "place", "shape", "hidden", "beta"),
+    [
+        ("payload", Place(link=len(JOINTS)), (), Hidden(payload=0.5), None),
+        ("imu_offset", Place(), (), Hidden(acc=(0.05, -0.1, 0.08)), [0.05, -0.1, 0.08, 0, 0, 0]),
+        ("imu_tilt", Place(), (), Hidden(tilt=(0.005, -0.01, 0.003)), [0.005, -0.01, 0.003]),
+        ("joint_offset", Place(joints=(4,)), (0.02,), Hidden(offset={4: 0.02}), [0.02]),
+        ("coulomb_friction", Place(joints=(2,)), (0.01,), Hidden(friction={2: 0.4}), [0.4]),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_columns_are_what_is_hidden_in_a_recording(
+    tmp_path: Path,
+    effect: str,
+    place: Place,
+    shape: tuple[float, ...],
+    hidden: Hidden,
+    beta: object,
+) -> None:
+    balances = prepare(_noiseless(tmp_path, hidden, 1)).fit
+    if beta is None:
+        point = {"mass": 0.5, "com_x": 0.1, "com_y": 0.0, "com_z": 0.1}
+        none = dict.fromkeys(("ixx", "ixy", "iyy", "ixz", "iyz", "izz"), 0.0)
+        beta = CATALOGUE[effect].coefficients(point | none)[1]
+    columns = balances.columns(CATALOGUE[effect], place, shape)
+    assert any(key[0] == "base" for key in columns)
+    sizes = np.sqrt(np.mean(balances.motions[0].tau ** 2, axis=0))
+    for key, column in columns.items():
+        mask = balances.mask[key]
+        if key[0] not in ("torque", "base") or not mask.any():
+            continue
+        there, said = balances.residual[key][mask], (column @ np.asarray(beta))[mask]
+        size = sizes[key[1] + len(JOINTS) * (key[0] == "base")]
+        error, whole = np.sqrt(np.mean((there - said) ** 2)), np.sqrt(np.mean(there**2))
+        assert error < 0.06 * whole + 5e-3 * size, key
+
+
+def test_every_effect_has_columns_of_balances_that_exist(tmp_path: Path) -> None:
+    motions = prepare(study(tmp_path, Hidden(), runs=1)).fit.motions
+    (motion,) = motions
+    known = {("torque", j) for j in range(len(JOINTS))}
+    known |= {(balance, axis) for balance in ("base", "imu") for axis in range(6)}
+    known |= {(balance, k) for balance in ("foot", "grip") for k in range(len(FEET))}
+    seen = set()
+    for effect in CATALOGUE.values():
+        for place in effect.places(motions):
+            for shape in effect.shapes(motions, place)[:1]:
+                columns = effect.columns(motion, place, shape)
+                assert set(columns) <= known, effect.id
+                widths = {column.shape[1] for column in columns.values()}
+                for column in columns.values():
+                    assert column.shape == (len(motion.time), *widths)
+                    assert np.isfinite(column).all(), effect.id
+                if columns:
+                    seen.add(effect.id)
+                    assert effect.prior(*widths).shape == (*widths,)
+    ground = {"ground_height", "ground_slope", "foot_softness", "foot_friction"}
+    assert seen >= {"imu_tilt", "imu_offset", "payload", "coulomb_friction", *ground}
+    assert "gravity_direction" not in seen
+
+
+def test_what_presses_a_foot_is_what_mujoco_says(tmp_path: Path) -> None:
+    (motion,) = prepare(_noiseless(tmp_path, Hidden(), 1)).fit.motions
+    for foot in motion.feet:
+        assert foot.force is not None
+        assert foot.pressed is not None
+        inner = slice(100, -100)
+        size = np.linalg.norm(foot.force, axis=1)[inner]
+        apart = np.abs(size - foot.pressed[inner])  # a stretched leg feels no force along it
+        assert np.quantile(apart, 0.95) < 0.005 * foot.pressed.max()
+
+
+def _noiseless(folder: Path, hidden: Hidden, runs: int, **kept: bool) -> Study:
+    made = study(folder, hidden, runs=runs, **kept)
+    plain = [
+        replace(recording(each.name, k, hidden, noise=QUIET, **kept), role=each.role)
+        for k, each in enumerate(made.recordings)
+    ]
+    return replace(made, recordings=tuple(plain))
