@@ -310,7 +310,7 @@ def test_a_log_has_one_column_per_joint_and_signal(tmp_path: Path) -> None:
     header = (tmp_path / "run.csv").read_text().splitlines()[0]
     assert header.split(",") == log_columns()
     rows = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
-    assert rows.shape == (50, 1 + 4 * 19)
+    assert rows.shape == (50, 1 + 4 * 19 + 7)
     column = log_columns().index("q.left_knee_joint")
     assert rows[:, column] == pytest.approx(run.q[:, JOINT_NAMES.index("left_knee_joint")])
     assert [path.name for path in tmp_path.iterdir()] == ["run.csv"]

@@ -39,7 +39,8 @@ def failed(outcomes: tuple[Outcome, ...]) -> dict[str, Outcome]:
     return {each.check: each for each in outcomes if each.status == "fail"}
 
 
-@pytest.mark.parametrize("effect", CATALOGUE)
+# The arm stands fixed: effects of floating bases are held against MuJoCo elsewhere.
+@pytest.mark.parametrize("effect", [k for k, e in CATALOGUE.items() if not e.of_floating_base])
 def test_every_effect_of_the_catalogue_is_what_it_says(arm: Arm, effect: str) -> None:
     outcomes = {each.check: each for each in check_effect(CATALOGUE[effect], arm=arm)}
     assert not failed(tuple(outcomes.values()))

@@ -91,6 +91,7 @@ class Effect(ABC):
     in_background: ClassVar[bool] = False  # of a joint's torque, as every machine has it
     ordinary: ClassVar[bool] = False  # every machine's joints may have some: weighed as a set
     depends_on: ClassVar[tuple[str, ...]] = ()  # variables by which a joint's torque shows it
+    of_floating_base: ClassVar[bool] = False  # nothing that stands fixed can show it
     together: ClassVar[bool] = False  # its joints are one place, not one each
 
     # What it takes to be believed.

@@ -17,6 +17,7 @@ class _OfGround(Effect):
 
     family = "contact"
     on = "ground"
+    of_floating_base = True
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:

@@ -20,6 +20,7 @@ class _OfImu(Effect):
     family = "sensor"
     on = "base"
     complexity = 2
+    of_floating_base = True
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
