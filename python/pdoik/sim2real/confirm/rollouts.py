@@ -137,7 +137,7 @@ def why_not(study: Study) -> str:
     """Why a study's arm cannot be simulated from its commands, in words; "" where it can."""
     if study.robot is None:
         return "no robot is known"
-    if study.base is not None:
+    if study.floats:
         return "its base is not fixed"
     if study.controller is None:
         return "no controller is known"

@@ -10,7 +10,6 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import level_asymmetry, viscous_asymmetry
 from ..simulation.parts import HardFriction, JointTorque, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
@@ -45,10 +44,6 @@ class AsymmetricFriction(Effect):
         (j,) = place.joints
         moving = np.abs(np.tanh(motion.dq[:, j] / (0.05 * motion.speed_floor[j])))
         return {("torque", j): 0.5 * np.stack([moving, np.abs(motion.dq[:, j])], axis=1)}
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """Differences of level and of viscous coefficient."""
-        return {"level_difference": float(beta[0]), "viscous_difference": float(beta[1])}
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

@@ -48,10 +48,6 @@ class CoulombFriction(Effect):
         (j,) = place.joints
         return {("torque", j): motion.sign(j, shape[0])[:, None]}
 
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The level."""
-        return {"level": float(beta[0])}
-
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:

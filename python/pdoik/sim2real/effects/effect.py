@@ -129,9 +129,9 @@ class Effect(ABC):
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What the effect adds per unit of its coefficients, at the motion's rate."""
 
-    @abstractmethod
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The parameters by name, from shape and coefficients."""
+        """The parameters by name, from shape and coefficients: these themselves, one by one."""
+        return {each.name: float(b) for each, b in zip(self.parameters, beta, strict=True)}
 
     def exactly(self, motion: Motion, place: Place, values: Mapping[str, float]) -> Columns | None:
         """What figures add where `columns` are of first order only, (T, 1); None elsewhere."""

@@ -9,7 +9,6 @@ import numpy as np
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import ExternalForce, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
@@ -64,10 +63,6 @@ class ExternalContact(Effect):
     def variant(self, shape: Shape) -> str:
         """Where the last link is pushed, if not at the tip."""
         return "origin" if shape else ""
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The force on the link, base axes."""
-        return {f"force_{axis}": float(f) for axis, f in zip("xyz", beta, strict=True)}
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

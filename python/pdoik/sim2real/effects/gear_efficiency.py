@@ -10,7 +10,6 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import of_driven_load
 from ..simulation.parts import HardFriction, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
@@ -52,10 +51,6 @@ class GearEfficiency(Effect):
         column = np.abs(load) * motion.sign(j)
         drives = load * motion.dq[:, j] > 0.0
         return {("torque", j): np.stack([column * drives, column * ~drives], axis=1)}
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """Both shares."""
-        return {"driving_loss": float(beta[0]), "driven_loss": float(beta[1])}
 
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether the recordings have both: a load that is moved, and one that moves."""

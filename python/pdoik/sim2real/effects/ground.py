@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..motion.motion import Motion
-from ..motion.place import Columns, Place, Shape
+from ..motion.place import Balance, Columns, Place, Shape
 from ..study.recording import FloatArray
+from ..thresholds.feet import FeetThresholds
 from .effect import Effect, Parameter
 
 
@@ -23,16 +24,6 @@ class _OfGround(Effect):
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """The ground, where feet and the base's pose tell of it."""
         return [Place()] if any(foot.height is not None for foot in motions[0].feet) else []
-
-    def coefficients(
-        self, values: Mapping[str, float], shape: Shape = ()
-    ) -> tuple[Shape, FloatArray]:
-        """The parameters themselves."""
-        return (), np.array([values[each.name] for each in self.parameters])
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The parameters themselves."""
-        return {each.name: float(b) for each, b in zip(self.parameters, beta, strict=True)}
 
     def not_simulated(self, values: Mapping[str, float]) -> str:
         """Simulations here have no ground."""
@@ -54,6 +45,10 @@ class GroundHeight(_OfGround):
     decided_by = "one foot after the other on a measured spot"
     source = "geometry"
     complexity = 1
+
+    def admissible(self, beta: FloatArray) -> bool:
+        """Nearer than soles are known to be, nothing is said: each sinks in a little."""
+        return super().admissible(beta) and abs(float(beta[0])) > FeetThresholds().height
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """One for every sole."""
@@ -109,9 +104,15 @@ class _OfFoot(_OfGround):
             return []
         return [Place(), *(Place(foot=k) for k in range(len(feet)))]
 
-    def _at(self, place: Place, motion: Motion) -> list[int]:
-        feet = range(len(motion.feet))
-        return list(feet) if place.foot is None else [place.foot]
+    def _pressed(self, motion: Motion, place: Place, balance: Balance, size: float) -> Columns:
+        """`size` times what presses each foot of a place, in one of the feet's balances."""
+        feet = range(len(motion.feet)) if place.foot is None else (place.foot,)
+        columns: Columns = {}
+        for k in feet:
+            normal = motion.feet[k].normal
+            if motion.feet[k].of(balance) is not None and normal is not None:
+                columns[balance, k] = size * normal[:, None]
+        return columns
 
 
 class FootSoftness(_OfFoot):
@@ -128,13 +129,8 @@ class FootSoftness(_OfFoot):
     complexity = 1.5
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """The force that presses each."""
-        columns: Columns = {}
-        for k in self._at(place, motion):
-            normal = motion.feet[k].normal
-            if motion.feet[k].height is not None and normal is not None:
-                columns["foot", k] = -normal[:, None]
-        return columns
+        """It sinks by the force that presses it."""
+        return self._pressed(motion, place, "foot", -1.0)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
@@ -156,12 +152,7 @@ class FootFriction(_OfFoot):
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The normal force."""
-        columns: Columns = {}
-        for k in self._at(place, motion):
-            normal = motion.feet[k].normal
-            if motion.feet[k].grip is not None and normal is not None:
-                columns["grip", k] = normal[:, None]
-        return columns
+        return self._pressed(motion, place, "grip", 1.0)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""

@@ -46,16 +46,6 @@ class _OfImu(Effect):
             columns |= {("imu", 3 + axis): forces[:, axis] for axis in range(3)}
         return columns
 
-    def coefficients(
-        self, values: Mapping[str, float], shape: Shape = ()
-    ) -> tuple[Shape, FloatArray]:
-        """The parameters themselves."""
-        return (), np.array([values[each.name] for each in self.parameters])
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The parameters themselves."""
-        return {each.name: float(b) for each, b in zip(self.parameters, beta, strict=True)}
-
     def not_simulated(self, values: Mapping[str, float]) -> str:
         """It acts in a log only."""
         return "an IMU's error is none of the machine's motion"

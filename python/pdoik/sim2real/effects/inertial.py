@@ -69,10 +69,6 @@ class LinkInertials(Effect):
         part = motion.regressor()[:, :, place.link]
         return motion.on_rows(part)
 
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """Mass, first moments and inertias."""
-        return {p.name: float(b) for p, b in zip(self.parameters, beta, strict=True)}
-
     def prior(self, width: int) -> FloatArray:
         """What no motion shows stays near zero."""
         return 1.0 / PRIOR**2

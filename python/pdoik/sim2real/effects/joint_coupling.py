@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Coupling, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from .site import Site
 
@@ -40,10 +39,6 @@ class JointCoupling(Effect):
         change = motion.by_motion(k, q, motion.dq[:, j], motion.ddq[:, j])
         change[:, j] += motion.tau_without_rotor()[:, k]  # rotor k turns with its own motor
         return on_torque_and_tip(motion, change, tip_turned(motion, k, q))
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The ratio."""
-        return {"ratio": float(beta[0])}
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

@@ -58,10 +58,6 @@ class JointOffset(Effect):
                 tip = motion.tip_moved(q) / shape[0]
         return on_torque_and_tip(motion, torque, tip) | motion.soles_by_joint(j)
 
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The offset."""
-        return {"offset": float(beta[0])}
-
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:

@@ -49,10 +49,6 @@ class KinematicError(Effect):
         """Only with tip poses."""
         return [()] if any(m.tip_jacobian is not None for m in motions) else []
 
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """Translation and rotation."""
-        return {p.name: float(b) for p, b in zip(self.parameters, beta, strict=True)}
-
     def exactly(self, motion: Motion, place: Place, values: Mapping[str, float]) -> Columns | None:
         """The tip's pose with the joint placed so."""
         (j,) = place.joints

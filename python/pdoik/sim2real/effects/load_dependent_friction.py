@@ -10,7 +10,6 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import of_load
 from ..simulation.parts import HardFriction, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
@@ -43,10 +42,6 @@ class LoadDependentFriction(Effect):
         (j,) = place.joints
         column = np.abs(motion.tau[:, j] - motion.rotor(j)) * motion.sign(j)
         return {("torque", j): column[:, None]}
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The coefficient."""
-        return {"coefficient": float(beta[0])}
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

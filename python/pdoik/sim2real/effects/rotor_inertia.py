@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import DofChange, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
@@ -34,10 +33,6 @@ class RotorInertia(Effect):
         """The joint's acceleration."""
         (j,) = place.joints
         return {("torque", j): motion.ddq[:, j, None]}
-
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The inertia at the joint."""
-        return {"inertia": float(beta[0])}
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

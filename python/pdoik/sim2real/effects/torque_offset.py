@@ -40,10 +40,6 @@ class TorqueOffset(TorqueChannel):
         """A constant."""
         return np.ones((len(true), 1))
 
-    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """The offset."""
-        return {"offset": float(beta[0])}
-
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..study.floating_base import FloatingBase, Foot
 from ..study.recording import FloatArray, Recording
 from .carried_body import CarriedBody
+from .place import Balance
 from .rigid_body import STANDARD_GRAVITY
 from .signals import dilated, zero_phase
 
@@ -31,12 +32,19 @@ class FootMotion:
     pressed: FloatArray | None  # (T,) its sensor's force [N]; None of a switch, or without one
     # Where the base's pose is known, see `foot_forces`:
     world: FloatArray | None = None  # (T, 3) that spot [m]
-    speed: FloatArray | None = None  # (T,) of the body's point there along the ground [m/s]
     height: FloatArray | None = None  # (T,) of its sole over the simulator's ground [m]
     load: FloatArray | None = None  # (T, 3 or 6) likeliest force on it, and moment, in base axes
     normal: FloatArray | None = None  # (T,) force that presses it [N]
     grip: FloatArray | None = None  # (T,) tangential force beyond the simulator's friction [N]
     slips: NDArray[np.bool_] | None = None  # (T,)
+
+    def of(self, balance: Balance) -> FloatArray | None:
+        """What one of the feet's balances is of, (T,); None where nothing tells of it."""
+        return self.height if balance == "foot" else self.grip
+
+    def judged(self, balance: Balance) -> NDArray[np.bool_]:
+        """Samples at which it tells of the ground, (T,)."""
+        return self.stands if balance == "foot" or self.slips is None else self.slips
 
     @property
     def force(self) -> FloatArray | None:

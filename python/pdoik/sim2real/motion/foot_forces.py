@@ -12,7 +12,7 @@ from ..study.recording import FloatArray
 from ..thresholds.feet import FeetThresholds
 from ..thresholds.noise import NoiseThresholds
 from .feet import FootMotion, force_by_position
-from .free_rows import row_noise, unknown_forces
+from .free_rows import row_noise, unknown_forces, weighted
 from .motion import Motion
 from .signals import derivative, dilated, zero_phase
 
@@ -58,7 +58,6 @@ def with_ground(
             replace(
                 foot,
                 world=world,
-                speed=speed,
                 height=None if foot.foot.sole is None else height,
                 normal=pressed,
                 grip=grip,
@@ -107,12 +106,9 @@ def _loads(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
         return None
     left = motion.tau.copy()
     left[:, : motion.n] -= np.nan_to_num(motion.torque)
-    directions = unknown_forces(motion) / np.sqrt(row_noise(motion, noise))[:, None]
-    white = left / np.sqrt(row_noise(motion, noise))
-    gram = np.einsum("tri,trj->tij", directions, directions, optimize=True)
-    largest = np.maximum(np.einsum("tii->t", gram), 1e-12)
-    gram += (1e-9 * largest)[:, None, None] * np.eye(gram.shape[1])
-    moment = np.einsum("tri,tr->ti", directions, white)
+    sigma = row_noise(motion, noise)
+    white, gram = weighted(unknown_forces(motion), sigma)
+    moment = np.einsum("tri,tr->ti", white, left / sigma)
     sizes = np.linalg.solve(gram, moment[:, :, None])[:, :, 0]
     found, first = [], 0
     for foot in motion.feet:

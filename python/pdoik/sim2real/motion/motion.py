@@ -90,8 +90,7 @@ class Motion:
     def judged(self, key: Key) -> NDArray[np.bool_]:
         """Samples at which a foot tells of the ground, (T,)."""
         balance, k = key
-        slips, stands = self.feet[k].slips, self.feet[k].stands
-        return stands if balance == "foot" or slips is None else slips
+        return self.feet[k].judged(balance)
 
     def on_rows(self, values: FloatArray) -> Columns:
         """Columns of changes of all torques, (T, rows) of one coefficient or (T, rows, k)."""

@@ -30,8 +30,7 @@ def rigid_body(study: Study) -> RigidBody | None:
     """The study's robot; None without one."""
     if study.robot is None:
         return None
-    floats = study.base is not None
-    return RigidBody(study.robot, study.joints, study.rotor_inertia, floats=floats)
+    return RigidBody(study.robot, study.joints, study.rotor_inertia, floats=study.floats)
 
 
 def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = None) -> Prepared:
@@ -119,8 +118,7 @@ def body_in(study: Study, setup: Setup, body: RigidBody | None) -> RigidBody | N
         body: of the study's robot.
     """
     if body is not None and setup.robot is not None:
-        floats = study.base is not None
-        body = RigidBody(setup.robot, study.joints, study.rotor_inertia, floats=floats)
+        body = RigidBody(setup.robot, study.joints, study.rotor_inertia, floats=study.floats)
     return body if body is None or setup.payload is None else body.holding(setup.payload)
 
 

@@ -14,24 +14,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects import CATALOGUE, Effect
 from ..motion.balances import Balances
-from ..motion.place import Key, Place, Shape
+from ..motion.place import Key, Place
 from ..motion.prepare import Prepared
 from ..regression.background import has_its_like
-from ..regression.trusted_bodies import trusted
 from ..select.candidates import same_kind
 from ..study.recording import FloatArray
+from .beside import FOUND, Beside, shapes_of
 from .expected import NOTHING, Pair, Prospect, Rivalry, clarity, expected_confidence
 from .foretold import Foretold
 from .path import Path
 from .questions import Cause, Option, Question, said, standing
-from .rows import Columns, Noise, Sheet, columns_at, contribution, noise_of
+from .rows import columns_at, contribution, noise_of
 
-Name = tuple[object, ...]  # of columns: what kind they are, and whose
-
-_FOUND = "found"
-_SHAPES = 4  # of a rival that are tried
 _OF_THE_MEAN = 0.2  # what the mean clarity counts beside the least
 _KNOWN = 9.0  # decrease of the cost in the recordings from which a rival's figures are known
 
@@ -73,14 +68,13 @@ class Weigher:
 
     def _remember(self) -> None:
         """What the recordings themselves say of each pair: little, but they count afterwards."""
-        sheet = Sheet(balances=self.prepared.fit, noise=self.noise)
-        plain = self._ordinary(sheet, bodies=self._bodies)
+        plain = self._beside(self.prepared.fit, bodies=self._bodies)
         for question, rivals in zip(self.questions, self.rivals, strict=True):
             for rival in rivals:
                 pairs = [(own, rival.cause) for own in self._variants[question.own.key]]
                 pairs += [(rival.cause, question.own)] if rival.known else []
                 for true, other in pairs:
-                    left = self._left(sheet, plain, true, other)
+                    left = self._left(plain, true, other)
                     self._recorded[true.key, other.key] = left
 
     def _unknown(self, option: Option) -> Rival | None:
@@ -102,12 +96,12 @@ class Weigher:
         if own.effect.costly or own.effect.fixed or not own.shape:
             return (own,)
         b = self.prepared.fit
-        sheet = Sheet(balances=b, noise=self.noise)
-        plain = self._ordinary(sheet, bodies=False)
+        plain = self._beside(b, bodies=False)
+        sheet = plain.sheet
         sheet.add("target", _target(b, [each for each in self.causes if each is not own]))
-        beside = self._beside(plain, own, None)
+        beside = plain.names(own, None)
         alone, gains = sheet.left("target", beside), {}
-        for shape in self._shapes(b, own):
+        for shape in shapes_of(b, own):
             sheet.add(("columns", shape), columns_at(b, own, shape))
             gains[shape] = alone - sheet.left("target", [*beside, ("columns", shape)])
         least = (1.0 - self.limits.search.tie) * max(gains.values())
@@ -118,6 +112,10 @@ class Weigher:
                 beta = sheet.fitted(("columns", shape), "target", beside)
                 found.append(replace(own, shape=shape, beta=_bounded(own, beta)))
         return tuple(found)
+
+    def _beside(self, balances: Balances, *, bodies: bool) -> Beside:
+        """What is fitted beside causes on some rows."""
+        return Beside(self.prepared, balances, self.noise, self.causes, bodies=bodies)
 
     @property
     def _bodies(self) -> bool:
@@ -135,12 +133,9 @@ class Weigher:
 
     def prospects_of(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
         """The same of a path's balances; then of what stands, which has no `why`."""
-        sheet = Sheet(balances=balances, noise=self.noise)
-        plain = self._ordinary(sheet, bodies=self._bodies)
+        plain = self._beside(balances, bodies=self._bodies)
         pairs = [*zip(self.questions, self.rivals, strict=True), *self.standing]
-        return tuple(
-            self._prospect(sheet, plain, question, rivals, costly) for question, rivals in pairs
-        )
+        return tuple(self._prospect(plain, question, rivals, costly) for question, rivals in pairs)
 
     def score(
         self, prospects: Sequence[Prospect], hopeless: frozenset[Pair] = frozenset()
@@ -151,54 +146,21 @@ class Weigher:
         mean = np.mean([mean for _, mean in asked] + others)
         return float(min(low for low, _ in asked) + _OF_THE_MEAN * mean)
 
-    def _ordinary(self, sheet: Sheet, *, bodies: bool) -> dict[Name, Cause | None]:
-        """Adds what is ordinary, and what else was found; their names, with causes where any."""
-        balances = sheet.balances
-        names: dict[Name, Cause | None] = {}
-        for j in range(balances.n):
-            place = Place(joints=(j,))
-            for effect in CATALOGUE.values():
-                if not effect.ordinary or effect.complexity > 1:
-                    continue
-                if place not in effect.places(balances.motions):
-                    continue
-                for shape in effect.asked(balances.motions, place)[:1]:
-                    columns = balances.compute(effect, place, shape)
-                    name = ("ordinary", effect.id, place)
-                    if columns:
-                        sheet.add(name, columns)
-                        cause = Cause(
-                            effect=effect, places=(place,), shape=shape, beta=np.ones(1), words=""
-                        )
-                        names[name] = cause
-        for found in self.causes:
-            columns = columns_at(balances, found, found.shape)
-            if columns and not found.is_costly:
-                sheet.add((_FOUND, *found.key), columns)
-                names[_FOUND, *found.key] = found
-        trust = self.prepared.study.trust.rigid_body
-        for term in trusted(balances, trust or (self.limits.background.bodies if bodies else 0.0)):
-            body = ("body", term.place.link)
-            sheet.add(body, term.columns, term.prior)
-            names[body] = None
-        return names
-
     def _prospect(
         self,
-        sheet: Sheet,
-        plain: dict[Name, Cause | None],
+        plain: Beside,
         question: Question,
         rivals: Sequence[Rival],
         costly: bool,
     ) -> Prospect:
         own = question.own
-        truth = self._added(sheet, own)
+        truth, sheet = plain.added(own), plain.sheet
         found = []
         for rival in rivals:
             if not costly and (rival.cause.is_costly or own.is_costly):
                 continue
-            found.append(self._rivalry(sheet, plain, own, rival))
-        beside = self._beside(plain, own, None)
+            found.append(self._rivalry(plain, own, rival))
+        beside = plain.names(own, None)
         energy = sheet.left(truth, beside)
         acting = sheet.acting(truth)
         gain = energy / max(energy + acting, 1e-9)
@@ -212,15 +174,13 @@ class Weigher:
             confidence=expected_confidence(gain, kept, self.limits),
         )
 
-    def _rivalry(
-        self, sheet: Sheet, plain: dict[Name, Cause | None], own: Cause, rival: Rival
-    ) -> Rivalry:
+    def _rivalry(self, plain: Beside, own: Cause, rival: Rival) -> Rivalry:
         other = rival.cause
         variants = self._variants.get(own.key, (own,))
-        weighed = [self._with_recorded(sheet, plain, each, other) for each in variants]
+        weighed = [self._with_recorded(plain, each, other) for each in variants]
         own_left, own_share, own_t = (min(values) for values in zip(*weighed, strict=True))
         if rival.known:
-            other_left, other_share, other_t = self._with_recorded(sheet, plain, other, own)
+            other_left, other_share, other_t = self._with_recorded(plain, other, own)
         else:
             other_left, other_share, other_t = np.inf, 1.0, np.inf
         clear = [
@@ -249,71 +209,33 @@ class Weigher:
         return max(share / search.tie, t / search.tie_error)
 
     def _with_recorded(
-        self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
+        self, plain: Beside, true: Cause, other: Cause
     ) -> tuple[float, float, float]:
         """What the other leaves of the true one, recordings included, its share, and its t.
 
         Figures may differ between the two, which makes what is left less than it will be.
         """
         before, whole = self._recorded.get((true.key, other.key), (np.zeros(0), 0.0))
-        left, alone = self._left(sheet, plain, true, other)
+        left, alone = self._left(plain, true, other)
         blocks = np.concatenate([before, left])
         total = float(blocks.sum())
         error = float(np.std(blocks) * np.sqrt(len(blocks))) if len(blocks) > 1 else np.inf
         t = total / max(error, 1e-300) if 0.5 * total > NOTHING else 0.0
         return total, total / max(alone + whole, 1e-300), t
 
-    def _left(
-        self, sheet: Sheet, plain: dict[Name, Cause | None], true: Cause, other: Cause
-    ) -> tuple[FloatArray, float]:
+    def _left(self, plain: Beside, true: Cause, other: Cause) -> tuple[FloatArray, float]:
         """What the other leaves of the true one by blocks, and what the other findings alone do."""
-        name = self._added(sheet, true)
+        name, sheet = plain.added(true), plain.sheet
         shapes = []
-        for shape in self._shapes(sheet.balances, other):
+        for shape in shapes_of(sheet.balances, other):
             column = ("columns", other.effect.id, other.places, shape)
             if not sheet.knows(column):
                 sheet.add(column, columns_at(sheet.balances, other, shape))
             shapes.append(column)
-        beside = self._beside(plain, true, other)
+        beside = plain.names(true, other)
         best = min(shapes, key=lambda column: sheet.left(name, [*beside, column]))
-        alone = sheet.left(name, [n for n in beside if n[0] == _FOUND])
+        alone = sheet.left(name, [n for n in beside if n[0] == FOUND])
         return sheet.left_by_block(name, [*beside, best]), alone
-
-    def _added(self, sheet: Sheet, cause: Cause) -> Name:
-        """The name of a cause's contribution, which is added where it is new."""
-        name = ("true", *cause.key)
-        if not sheet.knows(name):
-            sheet.add(name, contribution(sheet.balances, cause))
-        return name
-
-    def _beside(
-        self, plain: dict[Name, Cause | None], one: Cause, other: Cause | None
-    ) -> list[Name]:
-        """Names of what is fitted beside two causes: nothing that is either of them."""
-        kept = []
-        for name, cause in plain.items():
-            if cause is not None and any(
-                _is_the_same(cause, each) for each in (one, other) if each is not None
-            ):
-                continue
-            if cause is None and one.effect.is_body and name[1] in _links(one):
-                continue
-            kept.append(name)
-        return kept
-
-    def _shapes(self, balances: Balances, cause: Cause) -> list[Shape]:
-        """The one it was found with, and others."""
-        effect = cause.effect
-        if effect.costly:
-            return [cause.shape]
-        variant = effect.variant(cause.shape)
-        shapes = [
-            shape
-            for shape in effect.shapes(balances.motions, cause.places[0])
-            if effect.variant(shape) == variant
-        ]
-        step = max(1, -(-len(shapes) // _SHAPES))
-        return list(dict.fromkeys([cause.shape, *shapes[::step], *_ends(effect, shapes)]))
 
     def _rivals(self, question: Question) -> tuple[Rival, ...]:
         found = []
@@ -326,8 +248,8 @@ class Weigher:
     def _best(self, question: Question, option: Option) -> Rival | None:
         """The place and shape that fit the recordings best in the place of the question's own."""
         b = self.prepared.fit
-        sheet = Sheet(balances=b, noise=self.noise)
-        plain = self._ordinary(sheet, bodies=False)
+        plain = self._beside(b, bodies=False)
+        sheet = plain.sheet
         target = _target(b, [cause for cause in self.causes if cause is not question.own])
         sheet.add("target", target)
         best: tuple[float, Cause] | None = None
@@ -345,7 +267,7 @@ class Weigher:
                     continue
                 name = ("columns", places, shape)
                 sheet.add(name, columns)
-                beside = self._beside(plain, made, question.own)
+                beside = plain.names(made, question.own)
                 gain = sheet.left("target", beside) - sheet.left("target", [*beside, name])
                 beta = _bounded(made, sheet.fitted(name, "target", beside))
                 if best is None or gain > best[0]:
@@ -367,15 +289,6 @@ class Weigher:
         return said(option.effect, joints, links)
 
 
-def _ends(effect: Effect, shapes: Sequence[Shape]) -> list[Shape]:
-    """The lowest and highest of a single nonlinear parameter: the diagnosis goes as far."""
-    if not shapes or len(shapes[0]) != 1:
-        return []
-    low, high = min(shapes), max(shapes)
-    ends = effect.shape_bounds(low)[0][0], effect.shape_bounds(high)[0][1]
-    return [(end,) for end in ends if np.isfinite(end)]
-
-
 def _target(balances: Balances, causes: Sequence[Cause]) -> dict[Key, FloatArray]:
     """What recordings show beside these causes, a column for each key."""
     target = {key: values[:, None].copy() for key, values in balances.residual.items()}
@@ -395,19 +308,6 @@ def _bounded(cause: Cause, beta: FloatArray) -> FloatArray:
     return np.asarray(np.clip(each, lower[: len(each)], upper[: len(each)]), dtype=np.float64)
 
 
-def _is_the_same(plain: Cause, cause: Cause) -> bool:
-    """Whether what is ordinary at a joint is a cause itself, or a coarser name for it."""
-    alike = plain.effect.id == cause.effect.id or same_kind(plain.effect.id, cause.effect.id)
-    return alike and plain.places[0] in [replace(p, gate=None) for p in cause.places]
-
-
-def _links(cause: Cause) -> set[int | None]:
-    return {place.link for place in cause.places}
-
-
 def _is_ordinary(question: Question) -> bool:
     effect = question.own.effect
     return has_its_like(effect) or effect.costly
-
-
-__all__ = ["Columns", "Noise", "Rival", "Weigher"]

@@ -8,42 +8,38 @@ import mujoco
 import numpy as np
 
 from ..study.recording import FloatArray
-from .property import Property, Scales
+from .property import OfArray, Scales
 from .user_model import UserModel
 
 
-class Mass(Property):
+class Mass(OfArray):
     """Mass of the link that a joint moves, its centre and inertia about it kept."""
 
+    array = "body_mass"
     name, unit, place = "mass", "kg", "link"
     lowest, ends = 1e-6, True
     isaac = "mass of the body"
     gazebo = "<inertial><mass>"
 
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.body_mass[user.body_of(index)])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.body_mass[user.body_of(index)] = value
+    def at(self, user: UserModel, index: int) -> int:
+        return user.body_of(index)
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.03 * scales.mass
 
 
-class CentreOfMass(Property):
+class CentreOfMass(OfArray):
     """One coordinate of the centre of mass of the link that a joint moves."""
 
+    array = "body_ipos"
     unit, place = "m", "link"
     lowest = float("-inf")
     isaac = "centre of mass of the body"
     gazebo = "<inertial><pose>"
     axis: ClassVar[int]
 
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.body_ipos[user.body_of(index), self.axis])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.body_ipos[user.body_of(index), self.axis] = value
+    def at(self, user: UserModel, index: int) -> tuple[int, int]:
+        return user.body_of(index), self.axis
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.003

@@ -5,24 +5,26 @@ from __future__ import annotations
 from typing import Any
 
 from . import drive_words
-from .property import Property, Scales, held
+from .property import OfArray, Property, Scales, held
 from .user_model import UserModel
 
 _SOFTEST = 1e-6  # a spring that gives its torque wherever the joint is [N m/rad]
 
 
-class Damping(Property):
+class OfDof(OfArray):
+    """A number of a joint's degree of freedom."""
+
+    def at(self, user: UserModel, index: int) -> int:
+        return user.dof[index]
+
+
+class Damping(OfDof):
     """Torque against speed."""
 
+    array = "dof_damping"
     name, unit = "damping", "N m s/rad"
     isaac = "damping of the joint (not of its drive)"
     gazebo = "<axis><dynamics><damping>"
-
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.dof_damping[user.dof[index]])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.dof_damping[user.dof[index]] = value
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.05 * scales.torque / scales.speed
@@ -31,35 +33,25 @@ class Damping(Property):
         return drive_words.Kp().read(user, index) * held(user)
 
 
-class FrictionLoss(Property):
+class FrictionLoss(OfDof):
     """Dry friction."""
 
+    array = "dof_frictionloss"
     name, unit = "frictionloss", "N m"
     isaac = "static and dynamic friction effort (joint friction)"
     gazebo = "<axis><dynamics><friction>"
-
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.dof_frictionloss[user.dof[index]])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.dof_frictionloss[user.dof[index]] = value
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.05 * scales.torque
 
 
-class Armature(Property):
+class Armature(OfDof):
     """The rotor's inertia as the joint sees it."""
 
+    array = "dof_armature"
     name, unit = "armature", "kg m^2"
     isaac = "armature"
     gazebo = "none: add it to the link's <inertia> about the axis"
-
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.dof_armature[user.dof[index]])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.dof_armature[user.dof[index]] = value
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.05 * scales.torque / scales.acceleration
@@ -68,18 +60,16 @@ class Armature(Property):
         return drive_words.Kv().read(user, index) * held(user)
 
 
-class Stiffness(Property):
+class Stiffness(OfArray):
     """A spring of the joint about its reference."""
 
+    array = "jnt_stiffness"
     name, unit = "stiffness", "N m/rad"
     isaac = "none: a joint drive of its own, with this stiffness"
     gazebo = "<axis><dynamics><spring_stiffness>"
 
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.jnt_stiffness[user.joint_ids[index]])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.jnt_stiffness[user.joint_ids[index]] = value
+    def at(self, user: UserModel, index: int) -> int:
+        return user.joint_ids[index]
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.05 * scales.torque / scales.travel
@@ -114,19 +104,17 @@ class SpringTorque(Property):
         return 0.05 * scales.torque
 
 
-class Ref(Property):
+class Ref(OfArray):
     """Encoder zero: what the machine's encoder shows where the model's joint is at zero."""
 
+    array = "qpos0"
     name, unit = "ref", "rad"
     lowest = float("-inf")
     isaac = "none: add it to positions and commands of this joint"
     gazebo = "none: turn the joint's <pose> back by it"
 
-    def read(self, user: UserModel, index: int) -> float:
-        return float(user.model.qpos0[user.qpos[index]])
-
-    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
-        model.qpos0[user.qpos[index]] = value
+    def at(self, user: UserModel, index: int) -> int:
+        return user.qpos[index]
 
     def step(self, scales: Scales, value: float) -> float:
         return 0.01

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -23,7 +24,7 @@ class Scales:
     mass: float  # of the link and all after it [kg]
 
 
-class Property:
+class Property(ABC):
     """One word of a simulator. `index` is a place in the study's joints, -1 of the machine."""
 
     name: ClassVar[str]
@@ -35,21 +36,37 @@ class Property:
     isaac: ClassVar[str]  # what Isaac Sim and Isaac Lab call it
     gazebo: ClassVar[str]  # SDF's element
 
+    @abstractmethod
     def read(self, user: UserModel, index: int) -> float:
         """Its value in the user's model."""
-        raise NotImplementedError
 
+    @abstractmethod
     def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
         """Put a value into a copy of the user's model."""
-        raise NotImplementedError
 
+    @abstractmethod
     def step(self, scales: Scales, value: float) -> float:
         """A change that shows, and is still small."""
-        raise NotImplementedError
 
     def feigned(self, user: UserModel, index: int) -> float:
         """What torques that are held for a while look like; 0 where they look like none of it."""
         return 0.0
+
+
+class OfArray(Property):
+    """A number in one of the arrays of MuJoCo's model."""
+
+    array: ClassVar[str]
+
+    @abstractmethod
+    def at(self, user: UserModel, index: int) -> int | tuple[int, int]:
+        """Where in the array."""
+
+    def read(self, user: UserModel, index: int) -> float:
+        return float(getattr(user.model, self.array)[self.at(user, index)])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        getattr(model, self.array)[self.at(user, index)] = value
 
 
 def held(user: UserModel) -> float:

@@ -87,6 +87,11 @@ class Study:
     thresholds: Thresholds = field(default_factory=Thresholds)
     setups: Mapping[str, Setup] = field(default_factory=dict)  # by recording, where they differ
 
+    @property
+    def floats(self) -> bool:
+        """Whether the robot's base does."""
+        return self.base is not None
+
     def setup_of(self, recording: Recording) -> Setup:
         """What is known of a recording, or of the one it is a part of."""
         return self.setups.get(recording.file or recording.name, Setup())
