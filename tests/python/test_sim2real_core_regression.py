@@ -17,6 +17,7 @@ from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
+from pdoik.sim2real.regression.one_more import OneMore
 from pdoik.sim2real.regression.refine import refined
 from sim2real_motions import CUTOFF, moved
 
@@ -146,6 +147,54 @@ def test_an_extended_fit_is_a_fresh_one(order: tuple[int, ...]) -> None:
         for key in KEYS:
             assert other.residual(key) == pytest.approx(fresh.residual(key), abs=1e-8)
     assert np.array_equal(grown.offsets, fresh.offsets)
+
+
+@pytest.mark.parametrize("gone", [(0,), (1,), (2,), (1, 3), (0, 1, 2, 3)])
+def test_a_fit_without_terms_is_a_fresh_one(gone: tuple[int, ...]) -> None:
+    b, all_terms = rows(6), terms()
+    kept = [each for k, each in enumerate(all_terms) if k not in gone]
+    fresh = Fit(b, kept)  # type: ignore[arg-type]
+    fewer = Fit(b, all_terms).without(*(all_terms[k] for k in gone))  # type: ignore[arg-type]
+    assert fewer.terms == fresh.terms
+    np.testing.assert_allclose(fewer.fold_gram, fresh.fold_gram, rtol=1e-9)
+    np.testing.assert_allclose(fewer.fold_moment, fresh.fold_moment, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(fewer.beta, fresh.beta, rtol=1e-9)
+    assert fewer.cost() == pytest.approx(fresh.cost(), rel=1e-12)
+    for key in KEYS:
+        np.testing.assert_allclose(fewer.held_out()[key], fresh.held_out()[key], atol=1e-9)
+        np.testing.assert_array_equal(fewer.index[key], fresh.index[key])
+
+
+@pytest.mark.parametrize("left_out", [(0, 150), (100, 200), (150, 450), (0, 0)])
+def test_a_fit_on_fewer_rows_is_a_fresh_one(left_out: tuple[int, int]) -> None:
+    whole = rows(8)
+    kept = np.ones(COUNT, dtype=bool)
+    kept[slice(*left_out)] = False
+    fewer = replace(whole, mask={key: mask & kept for key, mask in whole.mask.items()})
+    fresh = Fit(fewer, terms())  # type: ignore[arg-type]
+    among = fresh.terms
+    found = Fit(whole, among).on(fewer)  # type: ignore[arg-type]
+    np.testing.assert_allclose(found.fold_gram, fresh.fold_gram, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found.beta, fresh.beta, rtol=1e-7)
+    assert found.cost() == pytest.approx(fresh.cost(), rel=1e-10)
+    longer, again = found.extended(term(5, "free", 1)), fresh.extended(term(5, "free", 1))
+    np.testing.assert_allclose(longer.beta, again.beta, rtol=1e-6)
+    for key in KEYS:
+        np.testing.assert_array_equal(found.rows[key], fresh.rows[key])
+        np.testing.assert_allclose(found.held_out()[key], fresh.held_out()[key], atol=1e-8)
+
+
+@pytest.mark.parametrize("added", range(4))
+def test_the_cost_with_one_term_more_is_that_of_the_extended_fit(added: int) -> None:
+    b, all_terms = rows(7), terms()
+    fit = Fit(b, [each for k, each in enumerate(all_terms) if k != added])  # type: ignore[arg-type]
+    more = OneMore(fit)
+    assert more.cost == pytest.approx(fit.cost(), rel=1e-12)
+    expected = fit.extended(all_terms[added]).cost()
+    assert more.cost_with(all_terms[added]) == pytest.approx(expected, rel=1e-9)
+    assert abs(expected - more.cost) > 1e-3
+    alone = OneMore(Fit(b, ())).cost_with(all_terms[added])  # type: ignore[arg-type]
+    assert alone == pytest.approx(Fit(b, [all_terms[added]]).cost(), rel=1e-9)  # type: ignore[arg-type]
 
 
 def test_held_out_rows_are_predicted_by_a_fit_without_their_fold() -> None:

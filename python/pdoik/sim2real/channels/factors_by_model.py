@@ -56,7 +56,7 @@ def _judged(
     limits = b.thresholds.channels
     key: Key = ("torque", j)
     own = replace(scale, prior=scale.prior / _ANY**2)
-    fit = Fit(b, [*(t for t in base.terms if t is not scale), own])
+    fit = base.without(scale).extended(own)
     factor = 1.0 + float(fit.beta[-1])
     error = float(np.sqrt(fit.robust(own)[0, 0]))
     part = factor * own.columns[key][fit.rows[key]][:, 0]

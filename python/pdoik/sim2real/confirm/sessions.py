@@ -78,7 +78,7 @@ def support_of(state: Search, term: Term) -> Support:
     others = state.without(term).fit
     sessions = [] if term in state.contacts else _usable(others, term)
     if not sessions and term not in state.contacts:
-        others = Fit(b.in_parts(), others.terms)
+        others = others.on(b.in_parts())
         sessions = _usable(others, term)
     if not sessions:
         return event_support(others, term, {key: state.start.residual(key) for key in term.columns})
@@ -132,7 +132,7 @@ def _usable(fit: Fit, term: Term) -> list[int]:
 def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float, int]:
     """Gain of each block of a session, what was left there before, and on how many rows."""
     b = others.balances
-    base = Fit(b.without_session(session), others.terms)
+    base = others.on(b.without_session(session))
     learnt = relearnt(base, term)
     beta = base.extended(learnt).beta
     wider = others.extended(learnt)

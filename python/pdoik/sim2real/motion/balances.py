@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -18,9 +19,9 @@ from .place import Balance, Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
 from .told_sessions import told_sessions
 
+_Name = tuple[str, Place, Shape]  # of a cause, where it acts and its shape
 _NOTHING = 1e-100
-_OF_FEET: dict[Balance, str] = {"foot": "height", "grip": "grip"}
-"""Balances of feet, by the attribute of theirs that each is of."""
+_OF_FEET: tuple[Balance, ...] = ("foot", "grip")
 
 
 class Cause(Protocol):
@@ -36,11 +37,15 @@ class Cause(Protocol):
 
 def columns_of(cause: Cause, motion: Motion, place: Place, shape: Shape) -> Columns:
     """The cause's columns, zero outside its place's gate."""
-    columns, gate = cause.columns(motion, place, shape), place.gate
+    return _gated(cause.columns(motion, place, shape), motion, place)
+
+
+def _gated(columns: Columns, motion: Motion, place: Place) -> Columns:
+    """Columns, zero outside a place's gate."""
+    gate = place.gate
     if gate is None:
         return columns
-    x = axis_of(motion, gate.of, place.joints[0])
-    weight = gate.weight(x)[:, None]
+    weight = gate.weight(axis_of(motion, gate.of, place.joints[0]))[:, None]
     return {key: column * weight for key, column in columns.items()}
 
 
@@ -77,7 +82,8 @@ class Balances:
         self.repeats = 1.0  # rows that say the same as one, by their noise
         self.taken_off: dict[Key, FloatArray] = {}  # of the residuals, see `less`
         self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
-        self._columns: dict[tuple[str, Place, Shape], dict[Key, FloatArray]] = {}
+        self._columns: dict[_Name, dict[Key, FloatArray]] = {}
+        self._last: tuple[_Name | None, list[Columns]] = None, []
         self._free = [free_rows(motion, self.thresholds.noise) for motion in motions]
         for key, values in self._freed(self._raw()).items():
             self._add(key, values)
@@ -117,10 +123,9 @@ class Balances:
     def compute(self, cause: Cause, place: Place, shape: Shape) -> dict[Key, FloatArray]:
         """`columns`, computed anew."""
         parts: dict[Key, dict[int, FloatArray]] = {}
-        for i, motion in enumerate(self.motions):
-            columns = _where_judged(columns_of(cause, motion, place, shape), motion)
-            columns = self.freed(i, columns)
-            for key, values in self._thinned(i, columns).items():
+        for i, columns in enumerate(self._everywhere(cause, replace(place, gate=None), shape)):
+            gated = _gated(columns, self.motions[i], place)
+            for key, values in self._thinned(i, gated).items():
                 parts.setdefault(key, {})[i] = values
         result: dict[Key, FloatArray] = {}
         for key, by_motion in parts.items():
@@ -132,12 +137,25 @@ class Balances:
                 result[key] = column
         return result
 
+    def _everywhere(self, cause: Cause, place: Place, shape: Shape) -> list[Columns]:
+        """Columns of a place without a gate, by motion; the last ones are kept: gates move."""
+        name = (cause.id, place, shape)
+        if self._last[0] != name:
+            self._last = (
+                name,
+                [
+                    self.freed(i, _where_judged(cause.columns(motion, place, shape), motion))
+                    for i, motion in enumerate(self.motions)
+                ],
+            )
+        return self._last[1]
+
     def pulled_by(self, gravity: FloatArray) -> Balances:
         """The same, with unknown bodies under this gravity, (3,) in the base's frame [m/s^2]."""
         other = copy(self)
         other.motions = tuple(motion.pulled_by(gravity) for motion in self.motions)
         kept = {name: each for name, each in self._columns.items() if name[1].link is None}
-        other._columns = kept
+        other._columns, other._last = kept, (None, [])
         return other
 
     def with_noise(self, sigma: Mapping[Key, float], repeats: float = 1.0) -> Balances:
@@ -211,11 +229,12 @@ class Balances:
     def _freed(self, raw: dict[Key, list[FloatArray]]) -> dict[Key, list[FloatArray]]:
         """The same of what is measured less what the model says."""
         found = {key: list(values) for key, values in raw.items()}
-        for i in range(len(self.motions)):
-            columns = {key: values[i][:, None] for key, values in raw.items()}
-            for key, column in self.freed(i, columns).items():
-                if key in found:
-                    found[key][i] = column[:, 0]
+        for i, free in enumerate(self._free):
+            if free is not None:
+                columns = {key: values[i][:, None] for key, values in raw.items()}
+                for key, column in free.of(columns).items():
+                    if key in found:
+                        found[key][i] = column[:, 0]
         return found
 
     def _known(self, name: str, j: int) -> bool:
@@ -330,8 +349,8 @@ class Balances:
 def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
     """What foot k tells of the ground, 0 where it tells nothing."""
     raw: dict[Key, list[FloatArray]] = {}
-    for balance, name in _OF_FEET.items():
-        each = [getattr(m.feet[k], name) for m in motions]
+    for balance in _OF_FEET:
+        each = [m.feet[k].of(balance) for m in motions]
         if any(values is not None for values in each):
             key = (balance, k)
             raw[key] = [

@@ -40,11 +40,10 @@ class FreeRows:
         if not there:
             return columns
         result = {key: values for key, values in columns.items() if key not in self.keys}
+        whole = np.stack([columns[self.keys[j]].T for j in there])  # (there, k, T)
         for i, key in enumerate(self.keys):
-            for j in there:
-                if self.coupled[i, j]:
-                    part = self.left[i, j][:, None] * columns[self.keys[j]]
-                    result[key] = result[key] + part if key in result else part
+            if self.coupled[i, there].any():
+                result[key] = np.einsum("jt,jkt->kt", self.left[i, there], whole).T
         return result
 
     def judged(self, key: Key) -> NDArray[np.bool_]:
@@ -64,7 +63,7 @@ def free_rows(motion: Motion, limits: NoiseThresholds) -> FreeRows | None:
     """Of a motion whose base floats; None of another."""
     if motion.base is None:
         return None
-    left = projector(unknown_forces(motion), np.sqrt(row_noise(motion, limits)))
+    left = projector(unknown_forces(motion), row_noise(motion, limits))
     left = np.ascontiguousarray(np.transpose(left, (1, 2, 0)))
     return FreeRows(
         keys=tuple(motion.row_key(i) for i in range(motion.rows)),
@@ -75,17 +74,21 @@ def free_rows(motion: Motion, limits: NoiseThresholds) -> FreeRows | None:
 
 
 def row_noise(motion: Motion, limits: NoiseThresholds) -> FloatArray:
-    """Variance of each row, (rows,): of channels, and of a model that is never quite right."""
+    """Standard deviation of each row, (rows,): of channels, and of a model never quite right."""
     size = limits.fit_error * np.sqrt(np.mean(motion.tau**2, axis=0))
-    return np.asarray(_white_noise(motion) + size**2 + 1e-18, dtype=np.float64)
+    return np.asarray(np.sqrt(_white_noise(motion) + size**2 + 1e-18))
 
 
 def _white_noise(motion: Motion) -> FloatArray:
-    variance = inertial_noise(motion) + base_noise(motion)
-    if motion.torque is not None:
-        density = noise_density(motion.torque, motion.period, 1.5 * motion.cutoff)
-        variance[: motion.n] += np.nan_to_num(density) * motion.cutoff
-    return variance
+    """Variance that noise of the channels leaves in each row, (rows,), reckoned once a motion."""
+    name = "noise of rows"
+    if name not in motion.cache:
+        variance = inertial_noise(motion) + base_noise(motion)
+        if motion.torque is not None:
+            density = noise_density(motion.torque, motion.period, 1.5 * motion.cutoff)
+            variance[: motion.n] += np.nan_to_num(density) * motion.cutoff
+        motion.cache[name] = variance
+    return motion.cache[name]
 
 
 def unknown_forces(motion: Motion) -> FloatArray:
@@ -115,6 +118,17 @@ def _of_joints(motion: Motion) -> FloatArray:
     return directions
 
 
+def weighted(directions: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Directions by the rows' noise, (T, rows, k), and their Gram matrices, (T, k, k).
+
+    A direction that does not act is zero; a trace of ridge keeps its matrix regular.
+    """
+    white = directions / sigma[:, None]
+    gram = np.einsum("tri,trj->tij", white, white, optimize=True)
+    largest = np.maximum(np.einsum("tii->t", gram), 1e-12)
+    return white, gram + (_RIDGE * largest)[:, None, None] * np.eye(gram.shape[1])
+
+
 def projector(directions: FloatArray, sigma: FloatArray) -> FloatArray:
     """What takes the directions off torques, (T, rows, rows).
 
@@ -122,10 +136,7 @@ def projector(directions: FloatArray, sigma: FloatArray) -> FloatArray:
         directions: (T, rows, k).
         sigma: (rows,) noise of the torques, by which their rows are weighted.
     """
-    white = directions / sigma[:, None]
-    gram = np.einsum("tri,trj->tij", white, white, optimize=True)
-    largest = np.maximum(np.einsum("tii->t", gram), 1e-12)
-    gram += (_RIDGE * largest)[:, None, None] * np.eye(gram.shape[1])
+    white, gram = weighted(directions, sigma)
     taken = white @ np.linalg.solve(gram, np.transpose(white, (0, 2, 1)))
     left = np.eye(len(sigma)) - taken
     return np.asarray(left * sigma[:, None] / sigma)

@@ -190,7 +190,7 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
         size = believed.friction * usual_torque(balances, j)
         causes = ((Friction(), size), (OneWay(), size), (Rest(), size), (Scale(), believed.torque))
         for cause, scale in causes:
-            columns = balances.compute(cause, place, cause.shape)
+            columns = balances.columns(cause, place, cause.shape)
             if columns:
                 width = next(iter(columns.values())).shape[1]
                 prior = np.full(width, 1.0 / max(scale, 1e-9) ** 2)
@@ -213,7 +213,7 @@ def _of_imu(balances: Balances) -> list[Term]:
     found = []
     for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
         for place in effect.places(balances.motions):
-            columns = balances.compute(effect, place, ())
+            columns = balances.columns(effect, place, ())
             if columns:
                 prior = 1.0 / np.square(sizes)
                 found.append(

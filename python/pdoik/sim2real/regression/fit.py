@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,14 @@ def term_of(balances: Balances, effect: Effect, place: Place, shape: Shape) -> T
 
 
 Index = NDArray[np.intp]
+Spans = tuple[tuple[int, slice], ...]  # of neighbouring rows of the same fold
+
+
+def _spans(fold: Index) -> Spans:
+    if not len(fold):
+        return ()
+    ends = [0, *(np.flatnonzero(np.diff(fold)) + 1).tolist(), len(fold)]
+    return tuple((int(fold[a]), slice(a, b)) for a, b in pairwise(ends))
 
 
 class Fit:
@@ -85,68 +94,137 @@ class Fit:
         self.size = int(self.offsets[-1])
         self.prior = np.concatenate([np.zeros(0)] + [t.prior for t in self.terms if not t.fixed])
         self.folds = int(balances.fold.max()) + 1
-        self.index: dict[Key, Index] = {}
-        self.design: dict[Key, FloatArray] = {}  # (rows that count, columns), by sigma
-        self.target: dict[Key, FloatArray] = {}
-        self.rows: dict[Key, Index] = {}
+        # By key, on the rows that count and by sigma; what a base has of other keys is its own.
+        self.rows: dict[Key, Index] = dict(base.rows) if base else {}
+        self.target: dict[Key, FloatArray] = dict(base.target) if base else {}
+        self.design: dict[Key, FloatArray] = dict(base.design) if base else {}  # (rows, columns)
+        self.index: dict[Key, Index] = dict(base.index) if base else {}  # of the columns
+        self.spans: dict[Key, Spans] = base.spans if base else {}
         self.fold_gram = np.zeros((self.folds, self.size, self.size))
         self.fold_moment = np.zeros((self.folds, self.size))
         if base is not None:
             self.fold_gram[:, : base.size, : base.size] = base.fold_gram
             self.fold_moment[:, : base.size] = base.fold_moment
+        else:
+            for key in balances.keys:
+                self._begin(key)
         for key in balances.keys:
-            self._assemble(key, terms, base)
+            if any(key in term.columns for term in terms):
+                self._assemble(key, terms)
         self.gram = self.fold_gram.sum(axis=0)
         self.moment = self.fold_moment.sum(axis=0)
         self.beta = self.solve(self.gram, self.moment)
 
-    def _assemble(self, key: Key, added: Sequence[Term], base: Fit | None) -> None:
+    def _begin(self, key: Key) -> None:
         b = self.balances
-        scale = 1.0 / b.sigma[key]
-        if base is None:
-            rows = np.flatnonzero(b.mask[key])
-            target = b.residual[key][rows] * scale
-            old, old_index = np.zeros((len(rows), 0)), np.zeros(0, dtype=np.intp)
-        else:
-            rows, target = base.rows[key], base.target[key]
-            old, old_index = base.design[key], base.index[key]
+        rows = np.flatnonzero(b.mask[key])
+        self.rows[key], self.spans[key] = rows, _spans(b.fold[rows])
+        self.target[key] = b.residual[key][rows] / b.sigma[key]
+        self.index[key], self.design[key] = np.zeros(0, dtype=np.intp), np.zeros((len(rows), 0))
+
+    def _assemble(self, key: Key, added: Sequence[Term]) -> None:
+        rows, scale = self.rows[key], 1.0 / self.balances.sigma[key]
+        old, old_index, before = self.design[key], self.index[key], self.target[key]
         first = len(self.terms) - len(added)
+        target = before
         parts: list[FloatArray] = []
         index: list[int] = []
-        moved = False
         for term, offset in zip(added, self.offsets[first:], strict=False):
             if key not in term.columns:
                 continue
             column = term.columns[key][rows] * scale
             if term.fixed:
-                target, moved = target - column[:, 0], True
+                target = target - column[:, 0]
             else:
                 parts.append(column)
                 index.extend(range(offset, offset + term.width))
-        new = np.hstack(parts) if parts else np.zeros((len(rows), 0))
-        new_index = np.array(index, dtype=np.intp)
-        self.rows[key], self.target[key] = rows, target
+        self.target[key] = target
+        if target is not before and len(old_index):
+            for f, span in self.spans[key]:
+                self.fold_moment[f, old_index] += old[span].T @ (target[span] - before[span])
+        if not parts:
+            return
+        new, new_index = np.hstack(parts), np.array(index, dtype=np.intp)
         self.index[key] = np.concatenate([old_index, new_index])
-        self.design[key] = np.hstack([old, new]) if parts else old
-        fold = b.fold[rows]
-        for f in range(self.folds):
-            at = fold == f
-            if moved and len(old_index) and base is not None:
-                change = target[at] - base.target[key][at]
-                self.fold_moment[f, old_index] += old[at].T @ change
-            if not len(new_index):
-                continue
-            part = new[at]
+        self.design[key] = np.hstack([old, new])
+        for f, span in self.spans[key]:
+            part = new[span]
             if len(old_index):
-                cross = old[at].T @ part
+                cross = old[span].T @ part
                 self.fold_gram[f][np.ix_(old_index, new_index)] += cross
                 self.fold_gram[f][np.ix_(new_index, old_index)] += cross.T
             self.fold_gram[f][np.ix_(new_index, new_index)] += part.T @ part
-            self.fold_moment[f, new_index] += part.T @ target[at]
+            self.fold_moment[f, new_index] += part.T @ target[span]
 
     def extended(self, *terms: Term) -> Fit:
         """The fit with more terms."""
         return Fit(self.balances, terms, self)
+
+    def without(self, *terms: Term) -> Fit:
+        """The fit without some of its terms, by the same sums."""
+        other = copy(self)
+        gone = [any(t is each for each in terms) for t in self.terms]
+        widths = np.array([0 if t.fixed else t.width for t in self.terms], dtype=np.intp)
+        kept = ~np.repeat(np.array(gone, dtype=np.bool_), widths)
+        other.terms = tuple(t for t, out in zip(self.terms, gone, strict=True) if not out)
+        other.offsets = np.concatenate([[0], np.cumsum(widths[~np.array(gone, bool)])])
+        other.size = int(other.offsets[-1])
+        other.prior = self.prior[kept]
+        place = np.cumsum(kept) - 1
+        other.design, other.target, other.index = {}, dict(self.target), {}
+        for key, index in self.index.items():
+            stays = kept[index]
+            whole = bool(stays.all())
+            other.index[key] = place[index if whole else index[stays]]
+            other.design[key] = self.design[key] if whole else self.design[key][:, stays]
+        other.fold_gram = self.fold_gram[:, kept][:, :, kept]
+        other.fold_moment = self.fold_moment[:, kept]
+        for term in terms:
+            if term.fixed:
+                other._put_back(term)
+        other.gram, other.moment = other.fold_gram.sum(axis=0), other.fold_moment.sum(axis=0)
+        other.beta = other.solve(other.gram, other.moment)
+        return other
+
+    def on(self, balances: Balances) -> Fit:
+        """The terms fitted to some of the rows, those that these balances have of the same.
+
+        Sums of a fold that is there as a whole, or not at all, are not made anew.
+        """
+        other = copy(self)
+        other.balances = balances
+        other.rows, other.target, other.design, other.spans = {}, {}, {}, {}
+        some = np.zeros(self.folds, dtype=np.bool_)
+        every = np.ones(self.folds, dtype=np.bool_)
+        for key, rows in self.rows.items():
+            kept = balances.mask[key][rows]
+            for f, span in self.spans[key]:
+                some[f] |= bool(kept[span].any())
+                every[f] &= bool(kept[span].all())
+            whole = bool(kept.all())
+            other.rows[key] = rows if whole else rows[kept]
+            other.target[key] = self.target[key] if whole else self.target[key][kept]
+            other.design[key] = self.design[key] if whole else self.design[key][kept]
+            other.spans[key] = _spans(balances.fold[other.rows[key]])
+        other.fold_gram = np.where(every[:, None, None], self.fold_gram, 0.0)
+        other.fold_moment = np.where(every[:, None], self.fold_moment, 0.0)
+        for key, index in self.index.items():
+            for f, span in other.spans[key]:
+                if some[f] and not every[f] and len(index):
+                    part = other.design[key][span]
+                    other.fold_gram[f][np.ix_(index, index)] += part.T @ part
+                    other.fold_moment[f, index] += part.T @ other.target[key][span]
+        other.gram, other.moment = other.fold_gram.sum(axis=0), other.fold_moment.sum(axis=0)
+        other.beta = other.solve(other.gram, other.moment)
+        return other
+
+    def _put_back(self, term: Term) -> None:
+        """A fixed term's column into the targets again."""
+        for key in term.columns.keys() & self.design.keys():
+            column = term.columns[key][self.rows[key], 0] / self.balances.sigma[key]
+            self.target[key] = self.target[key] + column
+            for f, span in self.spans[key]:
+                self.fold_moment[f, self.index[key]] += self.design[key][span].T @ column[span]
 
     def solve(self, gram: FloatArray, moment: FloatArray) -> FloatArray:
         """Coefficients from normal equations; nothing is bounded here."""
@@ -211,15 +289,13 @@ class Fit:
 
     def held_out(self) -> dict[Key, FloatArray]:
         """Residuals in sigmas of rows that their fit did not see."""
-        b = self.balances
-        folds = self.fold_betas()
+        betas = self.fold_betas()
         result = {}
         for key, design in self.design.items():
-            fold = b.fold[self.rows[key]]
-            left = np.empty(len(fold))
-            for f, beta in enumerate(folds):
-                at = fold == f
-                left[at] = self.target[key][at] - design[at] @ beta[self.index[key]]
+            left, index = self.target[key].copy(), self.index[key]
+            if len(index):
+                for f, span in self.spans[key]:
+                    left[span] -= design[span] @ betas[f][index]
             result[key] = left
         return result
 
@@ -306,20 +382,20 @@ class Fit:
         term acts in few (Cameron and Miller, J. Human Resources 50(2), 2015).
         """
         clusters, count = clusters_of(self, term)
-        scores = np.zeros((count, self.size))
-        for key, design in self.design.items():
-            if not len(self.index[key]):
-                continue
-            summed = np.zeros((count, design.shape[1]))
-            weighted = design * self.residual(key)[:, None]
-            np.add.at(summed, clusters[self.rows[key]], weighted)
-            scores[:, self.index[key]] += summed
         regular = self.regular(self.gram)
         scale = 1.0 / np.sqrt(np.diag(regular))
         inverse = np.linalg.inv(regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size))
-        inverse = inverse * np.outer(scale, scale)
-        last = inverse[-term.width :] @ scores.T  # (k, clusters)
-        return np.asarray(last @ last.T * count / max(count - self.size, 1))
+        inverse = (inverse * np.outer(scale, scale))[-term.width :]
+        scores = np.zeros((term.width, count))
+        for key, design in self.design.items():
+            index = self.index[key]
+            if not len(index):
+                continue
+            each, of = design @ inverse[:, index].T, clusters[self.rows[key]]
+            left = self.residual(key)
+            for k in range(term.width):
+                scores[k] += np.bincount(of, each[:, k] * left, minlength=count)
+        return np.asarray(scores @ scores.T * count / max(count - self.size, 1))
 
 
 def _freed(term: Term) -> Term:

@@ -8,6 +8,7 @@ from scipy import optimize
 from ..effects import CATALOGUE
 from ..study.recording import FloatArray
 from .fit import Fit, Term
+from .one_more import OneMore
 from .trial import Search
 
 
@@ -17,7 +18,7 @@ def refined(base: Fit, term: Term) -> Term:
     free = [i for i, (low, high) in enumerate(effect.shape_bounds(term.shape)) if high - low > 1e-9]
     if not free:
         return term
-    bounds = effect.shape_bounds(term.shape)
+    bounds, beside = effect.shape_bounds(term.shape), OneMore(base)
 
     def at(values: FloatArray) -> tuple[float, Term]:
         shape = list(term.shape)
@@ -32,8 +33,8 @@ def refined(base: Fit, term: Term) -> Term:
             prior=term.prior,
         )
         if not columns:
-            return 2.0 * base.cost() + 1.0, new  # worse than without it; infinity upsets SciPy
-        return base.extended(new).cost(), new
+            return 2.0 * beside.cost + 1.0, new  # worse than without it; infinity upsets SciPy
+        return beside.cost_with(new), new
 
     if effect.costly:
         here = term.shape[0]
@@ -59,7 +60,7 @@ def refined(base: Fit, term: Term) -> Term:
             options={"maxfev": 60, "xatol": 1e-3, "fatol": 1.0},
         )
         best, cost = result.x, float(result.fun)
-    return at(best)[1] if cost < base.extended(term).cost() else term
+    return at(best)[1] if cost < beside.cost_with(term) else term
 
 
 def polished(state: Search, joints: set[int] | None = None) -> Search:

@@ -88,7 +88,7 @@ class Search:
 
     def without(self, *terms: Term) -> Search:
         """Without some of the accepted terms."""
-        return self.fitted([t for t in self.fit.terms if t not in terms])
+        return replace(self, fit=self.fit.without(*terms))
 
 
 def level(best: Trial, other: Trial) -> bool:

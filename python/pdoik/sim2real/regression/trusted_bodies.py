@@ -32,7 +32,7 @@ def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
     terms = []
     for link in range(len(body.links)):
         scale = trust * body.inertial_scale(link)
-        columns = balances.compute(_BODY, Place(link=link), ())
+        columns = balances.columns(_BODY, Place(link=link), ())
         if columns:
             prior = 1.0 / scale**2
             place = Place(link=link)

@@ -15,6 +15,7 @@ from ..effects import CATALOGUE
 from ..motion.balances import axis_of
 from ..motion.place import Gate, Key, Place
 from ..regression.fit import Fit, Term, term_of
+from ..regression.one_more import OneMore
 from ..regression.refine import refined
 from ..regression.trial import Search, Trial, cross_validated, held_out_squares
 from ..study.recording import FloatArray
@@ -95,16 +96,8 @@ def _gates(base: Fit, term: Term) -> Iterator[tuple[float, Gate]]:
         x = _axis(base, of, j)
         ends = np.quantile(x, np.linspace(0.0, 1.0, _GRID))
         moment, gram = _sums(base, term, x, ends)
-        best, where = 0.0, (0, 0)
-        for first in range(_GRID - 1):
-            for last in range(first + 1, _GRID):
-                if (first, last) == (0, _GRID - 1):
-                    continue
-                gain = _gain(term, moment[last] - moment[first], gram[last] - gram[first])
-                if gain > best:
-                    best, where = gain, (first, last)
+        best, (first, last) = _best_span(term, moment, gram)
         if best > 0.0:
-            first, last = where
             # What begins lasts; where no position was, nothing is known.
             beyond = np.inf if of == "time" else 0.02 * float(np.ptp(x))
             low = float(ends[first] - (beyond if first == 0 else 0.0))
@@ -120,17 +113,31 @@ def _sums(base: Fit, term: Term, x: FloatArray, ends: FloatArray) -> tuple[Float
         rows = base.rows[key]
         part = column[rows] / base.balances.sigma[key]
         cell = np.searchsorted(ends, x[rows], side="right").clip(1, len(ends) - 1)
-        np.add.at(moment, cell, part * base.residual(key)[:, None])
-        np.add.at(gram, cell, part[:, :, None] * part[:, None, :])
+        left = base.residual(key)
+        for a in range(k):
+            moment[:, a] += np.bincount(cell, part[:, a] * left, minlength=len(ends))
+            for c in range(k):
+                gram[:, a, c] += np.bincount(cell, part[:, a] * part[:, c], minlength=len(ends))
     return np.cumsum(moment, axis=0), np.cumsum(gram, axis=0)
 
 
-def _gain(term: Term, moment: FloatArray, gram: FloatArray) -> float:
-    scale = float(np.trace(gram))
-    if scale <= 0.0:
-        return 0.0
-    beta = np.asarray(np.linalg.solve(gram + 1e-9 * scale * np.eye(len(moment)), moment))
-    return float(beta @ moment) if CATALOGUE[term.effect].admissible(beta) else 0.0
+def _best_span(term: Term, moment: FloatArray, gram: FloatArray) -> tuple[float, tuple[int, int]]:
+    """Largest gain of the column between two of the ends, though not all, and which these are."""
+    first, last = np.triu_indices(_GRID, 1)
+    part = (first > 0) | (last < _GRID - 1)
+    first, last = first[part], last[part]
+    moments, grams = moment[last] - moment[first], gram[last] - gram[first]
+    scale = np.trace(grams, axis1=1, axis2=2)
+    ridge = np.maximum(1e-9 * scale, 1e-300)[:, None, None] * np.eye(term.width)
+    betas = np.linalg.solve(grams + ridge, moments[:, :, None])[:, :, 0]
+    gains = np.where(scale > 0.0, np.sum(betas * moments, axis=1), 0.0)
+    effect = CATALOGUE[term.effect]
+    for k in np.argsort(-gains):
+        if gains[k] <= 0.0:
+            break
+        if effect.admissible(betas[k]):
+            return float(gains[k]), (int(first[k]), int(last[k]))
+    return 0.0, (0, 0)
 
 
 def _with_gate(base: Fit, plain: Term, gate: Gate) -> Term:
@@ -146,14 +153,15 @@ def sharpened(base: Fit, term: Term) -> Term:
     gate = term.place.gate
     assert gate is not None
     reach = float(np.ptp(_axis(base, gate.of, term.place.joints[0])))
-    best, cost = term, base.extended(term).cost()
+    beside = OneMore(base)
+    best, cost = term, beside.cost_with(term)
     for step in (reach / _GRID * 0.5**halving for halving in range(6)):
         improved = True
         while improved:
             improved = False
             for moved in _moved(best, step):
                 tried = _with_gate(base, best, moved)
-                there = base.extended(tried).cost() if tried.columns else np.inf
+                there = beside.cost_with(tried) if tried.columns else np.inf
                 if there < cost - 1e-6:
                     best, cost, improved = tried, there, True
     return refined(base, best)

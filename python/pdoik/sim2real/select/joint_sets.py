@@ -18,6 +18,7 @@ from ..effects import CATALOGUE
 from ..motion.place import Key, Place
 from ..regression.background import repeats
 from ..regression.fit import Fit, Term, term_of
+from ..regression.one_more import OneMore
 from ..regression.refine import polished
 from ..regression.trial import Search, without
 from .candidates import same_kind
@@ -91,8 +92,8 @@ def _clearest(base: Fit, terms: list[Term], place: Place) -> list[Term]:
         for each in CATALOGUE.values()
         if each.ordinary and each.complexity <= 1 and each.id != terms[0].effect
     ]
-    beside = base.extended(*(t for t in plain if t is not None))
-    return sorted(terms, key=lambda t: beside.extended(t).cost())[:_SHAPES]
+    beside = OneMore(base.extended(*(t for t in plain if t is not None)))
+    return sorted(terms, key=beside.cost_with)[:_SHAPES]
 
 
 def _sets(pool: Sequence[Term]) -> Iterator[list[int]]:
