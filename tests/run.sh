@@ -38,8 +38,8 @@ stage_cpp() {
 # Under the address and undefined-behaviour sanitizers, with Eigen's assertions on: the tests of what reads files, holds
 # memory and is given bad input, and the fuzzers' corpora. asan_all has every test, which takes long to compile.
 stage_asan() {
-  asan allocation blocked cloud held judge obstacle_set occupancy point_cloud robot robot_errors self_collision \
-    shapes solver_misuse srdf sunk_balls tracker trees urdf -- "$@"
+  asan allocation cloud obstacle_set occupancy point_cloud robot_errors self_collision solver_misuse srdf tracker \
+    urdf -- "$@"
 }
 
 stage_asan_all() { asan "*" -- "$@"; }
@@ -175,8 +175,8 @@ stage_python() {
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
 
-stages=(lint cpp simd asan tsan consumer python)
-others=(asan_all clang native fuzz)  # by name only: they take long
+stages=(lint cpp simd asan consumer python)
+others=(asan_all tsan clang native fuzz)  # by name only: they take long
 if (($#)); then
   [[ " ${stages[*]} ${others[*]} " == *" $1 "* ]] ||
     { echo "run.sh: no stage $1; there are: ${stages[*]} ${others[*]}" >&2; exit 2; }

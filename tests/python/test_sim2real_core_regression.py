@@ -185,16 +185,17 @@ def test_a_fit_on_fewer_rows_is_a_fresh_one(left_out: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("added", range(4))
-def test_the_cost_with_one_term_more_is_that_of_the_extended_fit(added: int) -> None:
+def test_one_term_more_does_what_the_extended_fit_does(added: int) -> None:
     b, all_terms = rows(7), terms()
     fit = Fit(b, [each for k, each in enumerate(all_terms) if k != added])  # type: ignore[arg-type]
-    more = OneMore(fit)
-    assert more.cost == pytest.approx(fit.cost(), rel=1e-12)
-    expected = fit.extended(all_terms[added]).cost()
-    assert more.cost_with(all_terms[added]) == pytest.approx(expected, rel=1e-9)
-    assert abs(expected - more.cost) > 1e-3
-    alone = OneMore(Fit(b, ())).cost_with(all_terms[added])  # type: ignore[arg-type]
-    assert alone == pytest.approx(Fit(b, [all_terms[added]]).cost(), rel=1e-9)  # type: ignore[arg-type]
+    more, longer = OneMore(fit), fit.extended(all_terms[added])
+    expected = fit.cost() - longer.cost()
+    assert more.gain(all_terms[added]) == pytest.approx(expected, rel=1e-7)
+    assert abs(expected) > 1e-3
+    np.testing.assert_allclose(more.beta(all_terms[added]), longer.beta, rtol=1e-6)
+    bare = Fit(b, ())  # type: ignore[arg-type]
+    alone = bare.cost() - Fit(b, [all_terms[added]]).cost()  # type: ignore[arg-type]
+    assert OneMore(bare).gain(all_terms[added]) == pytest.approx(alone, rel=1e-7)
 
 
 def test_held_out_rows_are_predicted_by_a_fit_without_their_fold() -> None:

@@ -312,7 +312,7 @@ def test_a_class_an_instance_and_what_is_registered_are_found_once(
         ("raise SystemExit(3)\n", "does not load, line 1: SystemExit"),
         (
             "from pdoik.sim2real.effects import Effect\nclass Mine(Effect):\n    id = 'mine'\n",
-            "Mine lacks columns, statement, values",
+            "Mine lacks columns, statement",
         ),
         (HEAD.replace('id = "drag"', 'id = "backlash"'), "'backlash' in the catalogue already"),
         (HEAD.replace('id = "drag"', 'id = ""'), "Drag has no id"),

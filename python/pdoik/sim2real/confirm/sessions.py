@@ -9,7 +9,7 @@ cross-validation; Varma and Simon, BMC Bioinformatics 7:91, 2006).
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from ..effects import CATALOGUE
 from ..findings import Support
 from ..motion.place import Key
 from ..regression.fit import Fit, Term
+from ..regression.one_more import OneMore
 from ..regression.refine import refined
 from ..regression.trial import Search
 from ..select.gates import sharpened
@@ -134,41 +135,70 @@ def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float,
     b = others.balances
     base = others.on(b.without_session(session))
     learnt = relearnt(base, term)
-    beta = base.extended(learnt).beta
-    wider = others.extended(learnt)
+    beta = OneMore(base).beta(learnt)
     gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0
-    least = 1.0 - b.thresholds.figures.usual_spread
     for key, column in learnt.columns.items():
         rows = others.rows[key]
         part = column[rows]
         acts = np.sum(part**2, axis=1) if len(part) else np.zeros(0)
         at = (b.session[rows] == session) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
-        before = _left_by(others, key, base.beta, at, least) ** 2
-        after = _left_by(wider, key, beta, at, least) ** 2
+        there = _Rows(fit=others, key=key, at=at)
+        before = there.left(base.beta) ** 2
+        after = there.left(beta, learnt, part[at] / b.sigma[key]) ** 2
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
         began += float(before.sum())
         count += int(at.sum())
     return gained, began, count
 
 
-def _left_by(
-    fit: Fit, key: Key, beta: FloatArray, at: NDArray[np.bool_], least: float
-) -> FloatArray:
-    """What coefficients that were learnt elsewhere leave at some rows of a session, in sigmas.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Rows:
+    """Some rows of a session at a balance, and what a fit has there."""
 
-    Its friction as a whole is whatever it was that day, `least` of what was learnt or more.
-    """
-    left = fit.residual(key, beta)[at]
-    rubbing = np.zeros_like(beta)
+    fit: Fit
+    key: Key
+    at: NDArray[np.bool_]
+
+    def left(
+        self, beta: FloatArray, more: Term | None = None, column: FloatArray | None = None
+    ) -> FloatArray:
+        """What coefficients that were learnt elsewhere leave, in sigmas.
+
+        Friction as a whole is whatever it was that day, a usual share of what was learnt or more.
+
+        Args:
+            beta: of the fit's terms, then of one term more.
+            more: that term.
+            column: its column on the rows, (N, k) in sigmas.
+        """
+        fit, index = self.fit, self.fit.index[self.key]
+        design = fit.design[self.key].at(self.at)
+        left = fit.target[self.key][self.at] - design @ beta[index]
+        friction = design @ _rubbing(fit, beta)[index]
+        if more is not None and column is not None:
+            part = column[:, 0] if more.fixed else column @ beta[fit.size :]
+            left = left - part
+            if _rubs(more):
+                friction = friction + part
+        power = float(friction @ friction)
+        if power <= 0.0:
+            return left
+        least = 1.0 - fit.balances.thresholds.figures.usual_spread
+        share = 1.0 + float(left @ friction) / power
+        return np.asarray(left - (float(np.clip(share, least, 1.0 / least)) - 1.0) * friction)
+
+
+def _rubs(term: Term) -> bool:
+    return term.effect in CATALOGUE and CATALOGUE[term.effect].family == "friction"
+
+
+def _rubbing(fit: Fit, beta: FloatArray) -> FloatArray:
+    """The coefficients of friction alone."""
+    rubbing = np.zeros(fit.size)
     for term, offset in zip(fit.terms, fit.offsets, strict=False):
-        if term.effect in CATALOGUE and CATALOGUE[term.effect].family == "friction":
+        if _rubs(term) and not term.fixed:
             rubbing[offset : offset + term.width] = beta[offset : offset + term.width]
-    friction = fit.design[key][at] @ rubbing[fit.index[key]]
-    power = float(friction @ friction)
-    if power <= 0.0:
-        return left
-    share = 1.0 + float(left @ friction) / power
-    return np.asarray(left - (float(np.clip(share, least, 1.0 / least)) - 1.0) * friction)
+    return rubbing
 
 
 def relearnt(base: Fit, term: Term) -> Term:
@@ -177,7 +207,7 @@ def relearnt(base: Fit, term: Term) -> Term:
         return term
     if term.place.gate is not None:
         return sharpened(base, term)
-    return refined(base, term)
+    return refined(base, term, closely=False)
 
 
 def _stands(state: Search, term: Term) -> bool:

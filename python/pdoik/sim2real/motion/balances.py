@@ -21,6 +21,7 @@ from .told_sessions import told_sessions
 
 _Name = tuple[str, Place, Shape]  # of a cause, where it acts and its shape
 _NOTHING = 1e-100
+_RECENT = 150  # columns that are kept for a while
 _OF_FEET: tuple[Balance, ...] = ("foot", "grip")
 
 
@@ -83,6 +84,7 @@ class Balances:
         self.taken_off: dict[Key, FloatArray] = {}  # of the residuals, see `less`
         self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[_Name, dict[Key, FloatArray]] = {}
+        self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
         self._last: tuple[_Name | None, list[Columns]] = None, []
         self._free = [free_rows(motion, self.thresholds.noise) for motion in motions]
         for key, values in self._freed(self._raw()).items():
@@ -120,6 +122,15 @@ class Balances:
             self._columns[name] = self.compute(cause, place, shape)
         return self._columns[name]
 
+    def recent(self, cause: Cause, place: Place, shape: Shape) -> dict[Key, FloatArray]:
+        """`columns`, kept for a while only: those of shapes that are tried time and again."""
+        name = (cause.id, place, shape)
+        found = self._recent.pop(name, None)
+        self._recent[name] = self.compute(cause, place, shape) if found is None else found
+        if len(self._recent) > _RECENT:
+            del self._recent[next(iter(self._recent))]
+        return self._recent[name]
+
     def compute(self, cause: Cause, place: Place, shape: Shape) -> dict[Key, FloatArray]:
         """`columns`, computed anew."""
         parts: dict[Key, dict[int, FloatArray]] = {}
@@ -155,7 +166,7 @@ class Balances:
         other = copy(self)
         other.motions = tuple(motion.pulled_by(gravity) for motion in self.motions)
         kept = {name: each for name, each in self._columns.items() if name[1].link is None}
-        other._columns, other._last = kept, (None, [])
+        other._columns, other._recent, other._last = kept, {}, (None, [])
         return other
 
     def with_noise(self, sigma: Mapping[Key, float], repeats: float = 1.0) -> Balances:

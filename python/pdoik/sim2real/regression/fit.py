@@ -15,6 +15,7 @@ from ..effects import CATALOGUE, Effect
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
 from ..study.recording import FloatArray
+from .design import Design
 from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry
@@ -97,7 +98,7 @@ class Fit:
         # By key, on the rows that count and by sigma; what a base has of other keys is its own.
         self.rows: dict[Key, Index] = dict(base.rows) if base else {}
         self.target: dict[Key, FloatArray] = dict(base.target) if base else {}
-        self.design: dict[Key, FloatArray] = dict(base.design) if base else {}  # (rows, columns)
+        self.design: dict[Key, Design] = dict(base.design) if base else {}
         self.index: dict[Key, Index] = dict(base.index) if base else {}  # of the columns
         self.spans: dict[Key, Spans] = base.spans if base else {}
         self.fold_gram = np.zeros((self.folds, self.size, self.size))
@@ -120,7 +121,7 @@ class Fit:
         rows = np.flatnonzero(b.mask[key])
         self.rows[key], self.spans[key] = rows, _spans(b.fold[rows])
         self.target[key] = b.residual[key][rows] / b.sigma[key]
-        self.index[key], self.design[key] = np.zeros(0, dtype=np.intp), np.zeros((len(rows), 0))
+        self.index[key], self.design[key] = np.zeros(0, dtype=np.intp), Design(len(rows))
 
     def _assemble(self, key: Key, added: Sequence[Term]) -> None:
         rows, scale = self.rows[key], 1.0 / self.balances.sigma[key]
@@ -141,16 +142,16 @@ class Fit:
         self.target[key] = target
         if target is not before and len(old_index):
             for f, span in self.spans[key]:
-                self.fold_moment[f, old_index] += old[span].T @ (target[span] - before[span])
+                self.fold_moment[f, old_index] += old.at(span).against(target[span] - before[span])
         if not parts:
             return
         new, new_index = np.hstack(parts), np.array(index, dtype=np.intp)
         self.index[key] = np.concatenate([old_index, new_index])
-        self.design[key] = np.hstack([old, new])
+        self.design[key] = old.beside(new)
         for f, span in self.spans[key]:
             part = new[span]
             if len(old_index):
-                cross = old[span].T @ part
+                cross = old.at(span).against(part)
                 self.fold_gram[f][np.ix_(old_index, new_index)] += cross
                 self.fold_gram[f][np.ix_(new_index, old_index)] += cross.T
             self.fold_gram[f][np.ix_(new_index, new_index)] += part.T @ part
@@ -176,7 +177,7 @@ class Fit:
             stays = kept[index]
             whole = bool(stays.all())
             other.index[key] = place[index if whole else index[stays]]
-            other.design[key] = self.design[key] if whole else self.design[key][:, stays]
+            other.design[key] = self.design[key] if whole else self.design[key].kept(stays)
         other.fold_gram = self.fold_gram[:, kept][:, :, kept]
         other.fold_moment = self.fold_moment[:, kept]
         for term in terms:
@@ -204,16 +205,16 @@ class Fit:
             whole = bool(kept.all())
             other.rows[key] = rows if whole else rows[kept]
             other.target[key] = self.target[key] if whole else self.target[key][kept]
-            other.design[key] = self.design[key] if whole else self.design[key][kept]
+            other.design[key] = self.design[key] if whole else self.design[key].at(kept)
             other.spans[key] = _spans(balances.fold[other.rows[key]])
         other.fold_gram = np.where(every[:, None, None], self.fold_gram, 0.0)
         other.fold_moment = np.where(every[:, None], self.fold_moment, 0.0)
         for key, index in self.index.items():
             for f, span in other.spans[key]:
                 if some[f] and not every[f] and len(index):
-                    part = other.design[key][span]
-                    other.fold_gram[f][np.ix_(index, index)] += part.T @ part
-                    other.fold_moment[f, index] += part.T @ other.target[key][span]
+                    part = other.design[key].at(span)
+                    other.fold_gram[f][np.ix_(index, index)] += part.gram()
+                    other.fold_moment[f, index] += part.against(other.target[key][span])
         other.gram, other.moment = other.fold_gram.sum(axis=0), other.fold_moment.sum(axis=0)
         other.beta = other.solve(other.gram, other.moment)
         return other
@@ -224,7 +225,8 @@ class Fit:
             column = term.columns[key][self.rows[key], 0] / self.balances.sigma[key]
             self.target[key] = self.target[key] + column
             for f, span in self.spans[key]:
-                self.fold_moment[f, self.index[key]] += self.design[key][span].T @ column[span]
+                part = self.design[key].at(span)
+                self.fold_moment[f, self.index[key]] += part.against(column[span])
 
     def solve(self, gram: FloatArray, moment: FloatArray) -> FloatArray:
         """Coefficients from normal equations; nothing is bounded here."""
@@ -295,7 +297,7 @@ class Fit:
             left, index = self.target[key].copy(), self.index[key]
             if len(index):
                 for f, span in self.spans[key]:
-                    left[span] -= design[span] @ betas[f][index]
+                    left[span] -= design.at(span) @ betas[f][index]
             result[key] = left
         return result
 
@@ -332,9 +334,9 @@ class Fit:
             block = b.block[self.rows[key]]
             for number in np.unique(block):
                 at = block == number
-                part = design[at]
-                grams[number][np.ix_(index, index)] += part.T @ part
-                moments[number][index] += part.T @ target[at]
+                part = design.at(at)
+                grams[number][np.ix_(index, index)] += part.gram()
+                moments[number][index] += part.against(target[at])
         return grams, moments
 
     def bootstrap(self, rng: np.random.Generator, draws: int) -> FloatArray:

@@ -13,22 +13,48 @@ _TRACE = 1e-11  # of ridge, where columns are scaled to one
 
 
 class OneMore:
-    """A fit's residuals and factor, made once for all terms that are tried beside its own."""
+    """A fit's residuals and factor, made once for all terms that are tried beside its own.
+
+    By the Schur complement: only the balances where a term acts are looked at.
+    """
 
     def __init__(self, fit: Fit) -> None:
         self._fit = fit
-        self.cost = fit.cost()
         regular = fit.regular(fit.gram)
         self._scale = 1.0 / np.sqrt(np.diag(regular))
         even = regular * np.outer(self._scale, self._scale) + _TRACE * np.eye(fit.size)
-        self._factor = linalg.cho_factor(even, check_finite=False) if fit.size else None
+        try:
+            whole = linalg.cho_solve(linalg.cho_factor(even), np.eye(fit.size))
+            inverse = np.asarray(whole, dtype=np.float64)
+        except linalg.LinAlgError:
+            inverse = np.asarray(
+                np.linalg.pinv(even, rcond=_TRACE, hermitian=True), dtype=np.float64
+            )
+        self._inverse: FloatArray = inverse
         self._left: dict[Key, FloatArray] = {}
 
-    def cost_with(self, term: Term) -> float:
-        """Training cost with the term and everything else refitted: `fit.extended(term).cost()`.
+    def gain(self, term: Term) -> float:
+        """By how much the training cost falls with the term and everything else refitted.
 
-        By the Schur complement: only the balances where the term acts are looked at.
+        That of `fit.cost() - fit.extended(term).cost()`.
         """
+        moment, gram, cross = self._sums(term)
+        reduced = gram - cross.T @ self._taken(cross)
+        if term.fixed:
+            return float(2.0 * moment[0] - reduced[0, 0])
+        return float(moment @ _solved(term, gram, reduced, moment))
+
+    def beta(self, term: Term) -> FloatArray:
+        """Coefficients of `fit.extended(term)`."""
+        moment, gram, cross = self._sums(term)
+        taken = self._taken(cross)
+        if term.fixed:
+            return np.asarray(self._fit.beta - taken[:, 0])
+        own = _solved(term, gram, gram - cross.T @ taken, moment)
+        return np.concatenate([self._fit.beta - taken @ own, own])
+
+    def _sums(self, term: Term) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The term's column times residuals (k,), itself (k, k) and the fit's columns (w, k)."""
         fit, k = self._fit, 1 if term.fixed else term.width
         moment, gram, cross = np.zeros(k), np.zeros((k, k)), np.zeros((fit.size, k))
         for key, column in term.columns.items():
@@ -38,21 +64,24 @@ class OneMore:
             moment += part.T @ self._residual(key)
             gram += part.T @ part
             if len(fit.index[key]):
-                cross[fit.index[key]] += fit.design[key].T @ part
-        if self._factor is not None:
-            even = self._scale[:, None] * cross
-            gram_left = gram - even.T @ linalg.cho_solve(self._factor, even, check_finite=False)
-        else:
-            gram_left = gram
-        if term.fixed:
-            return self.cost - float(2.0 * moment[0] - gram_left[0, 0])
-        whole = np.diag(gram) + term.prior
-        scale = 1.0 / np.sqrt(np.maximum(whole, 1e-300))
-        left = (gram_left + np.diag(term.prior)) * np.outer(scale, scale) + 1e-9 * np.eye(k)
-        along = scale * moment
-        return self.cost - float(along @ np.linalg.lstsq(left, along, rcond=_TRACE)[0])
+                cross[fit.index[key]] += fit.design[key].against(part)
+        return moment, gram, cross
+
+    def _taken(self, cross: FloatArray) -> FloatArray:
+        """What the fit's coefficients change by, (w, k)."""
+        return np.asarray(
+            self._scale[:, None] * (self._inverse @ (self._scale[:, None] * cross)),
+            dtype=np.float64,
+        )
 
     def _residual(self, key: Key) -> FloatArray:
         if key not in self._left:
             self._left[key] = self._fit.residual(key)
         return self._left[key]
+
+
+def _solved(term: Term, gram: FloatArray, reduced: FloatArray, moment: FloatArray) -> FloatArray:
+    """The term's own coefficients, by columns of even size."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram) + term.prior, 1e-300))
+    even = (reduced + np.diag(term.prior)) * np.outer(scale, scale) + 1e-9 * np.eye(len(moment))
+    return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=_TRACE)[0])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Protocol
+
 import numpy as np
 from scipy import optimize
 
@@ -11,56 +14,89 @@ from .fit import Fit, Term
 from .one_more import OneMore
 from .trial import Search
 
+Values = FloatArray | float
+_GRID = 7  # values of one parameter that are looked at first
 
-def refined(base: Fit, term: Term) -> Term:
-    """The term with its nonlinear parameters moved to where the training cost is lowest."""
-    effect = CATALOGUE[term.effect]
-    free = [i for i, (low, high) in enumerate(effect.shape_bounds(term.shape)) if high - low > 1e-9]
+
+def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
+    """The term with its nonlinear parameters moved to where the training cost is lowest.
+
+    Args:
+        base: the fit beside which it is tried.
+        term: with the parameters to begin with.
+        closely: to some thousandths of a single parameter's range; else to some hundredths.
+    """
+    effect, beside = CATALOGUE[term.effect], OneMore(base)
+    bounds = effect.shape_bounds(term.shape)
+    free = [i for i, (low, high) in enumerate(bounds) if high - low > 1e-9]
     if not free:
         return term
-    bounds, beside = effect.shape_bounds(term.shape), OneMore(base)
 
-    def at(values: FloatArray) -> tuple[float, Term]:
+    def with_shape(values: FloatArray, *, again: bool = False) -> Term:
         shape = list(term.shape)
         for i, value in zip(free, values, strict=True):
             shape[i] = float(np.clip(value, *bounds[i]))
-        columns = base.balances.compute(effect, term.place, tuple(shape))
-        new = Term(
-            effect=term.effect,
-            place=term.place,
+        make = base.balances.recent if again else base.balances.compute
+        return replace(
+            term,
             shape=tuple(shape),
-            columns=columns,
-            prior=term.prior,
+            columns=make(effect, term.place, tuple(shape)),
+            beneath=None,
         )
-        if not columns:
-            return 2.0 * beside.cost + 1.0, new  # worse than without it; infinity upsets SciPy
-        return beside.cost_with(new), new
+
+    def cost(x: Values, *, again: bool = False) -> float:
+        new = with_shape(np.atleast_1d(x), again=again)
+        return -beside.gain(new) if new.columns else 1.0  # worse than without it
 
     if effect.costly:
         here = term.shape[0]
         tries = [here * 1.06**power for power in range(-6, 7)]  # simulated along with one another
-        costs = [at(np.array([value]))[0] for value in tries]
-        best, cost = np.array([tries[int(np.argmin(costs))]]), float(min(costs))
+        costs = [cost(value) for value in tries]
+        best, lowest = np.array([tries[int(np.argmin(costs))]]), min(costs)
     elif len(free) == 1:
-        low, high = bounds[free[0]]
-        found = optimize.minimize_scalar(
-            lambda x: at(np.array([x]))[0],
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": 2e-3 * (high - low), "maxiter": 18},
-        )
-        best, cost = np.array([found.x]), float(found.fun)
+        best, lowest = _lowest(cost, *bounds[free[0]], closely=closely)
     else:
         start = np.array([term.shape[i] for i in free])
-        result = optimize.minimize(  # type: ignore[call-overload]  # its stubs know no fatol
-            lambda x: at(x)[0],
+        result = optimize.minimize(
+            cost,
             start,
             method="Nelder-Mead",
             bounds=[bounds[i] for i in free],
             options={"maxfev": 60, "xatol": 1e-3, "fatol": 1.0},
         )
-        best, cost = result.x, float(result.fun)
-    return at(best)[1] if cost < beside.cost_with(term) else term
+        best, lowest = result.x, float(result.fun)
+    return with_shape(best) if lowest < -beside.gain(term) else term
+
+
+class _Cost(Protocol):
+    def __call__(self, x: Values, *, again: bool = False) -> float: ...
+
+
+def _lowest(cost: _Cost, low: float, high: float, *, closely: bool) -> tuple[FloatArray, float]:
+    """Of one parameter: on a grid, which other fits of the term look at too, then near its best."""
+    grid = np.linspace(low, high, _GRID)
+    costs = [cost(x, again=True) for x in grid]
+    k = int(np.argmin(costs))
+    best, lowest = float(grid[k]), costs[k]
+    if closely:
+        found = optimize.minimize_scalar(
+            cost,
+            bounds=(grid[max(k - 1, 0)], grid[min(k + 1, _GRID - 1)]),
+            method="bounded",
+            options={"xatol": 2e-3 * (high - low), "maxiter": 10},
+        )
+        near, there = float(found.x), float(found.fun)
+    else:
+        near = _vertex(grid, costs, min(max(k, 1), _GRID - 2))
+        there = cost(near)
+    return (np.array([near]), there) if there < lowest else (np.array([best]), lowest)
+
+
+def _vertex(x: FloatArray, y: list[float], k: int) -> float:
+    """Where the parabola through three neighbours is lowest, within them."""
+    bend = y[k - 1] - 2.0 * y[k] + y[k + 1]
+    aside = 0.5 * (y[k - 1] - y[k + 1]) / bend if bend > 0.0 else 0.0
+    return float(x[k] + np.clip(aside, -1.0, 1.0) * (x[1] - x[0]))
 
 
 def polished(state: Search, joints: set[int] | None = None) -> Search:

@@ -35,7 +35,7 @@ def to_second_order(fit: Fit, term: Term, estimates: dict[str, Estimate]) -> dic
         for key, contribution in exact.items():
             rows = fit.rows[key]
             beyond = (contribution - term.columns[key] @ beta)[rows] / fit.balances.sigma[key]
-            moment[fit.index[key]] -= fit.design[key].T @ beyond
+            moment[fit.index[key]] -= fit.design[key].against(beyond)
         moved = effect.coefficients(start, term.shape)[1] + fit.solve(fit.gram, moment)[span]
         values = effect.values(term.shape, moved)
     return {name: _shifted(each, values[name]) for name, each in estimates.items()}

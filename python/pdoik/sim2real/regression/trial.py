@@ -160,7 +160,7 @@ def _training_gains(
         at = np.concatenate([np.arange(spans[i].start, spans[i].stop) for i in there])
         moment[at] += stacked.T @ left[key]
         if len(fit.index[key]):
-            cross[np.ix_(fit.index[key], at)] += design.T @ stacked
+            cross[np.ix_(fit.index[key], at)] += design.against(stacked)
     taken = cross if factor is None else linalg.cho_solve(factor, cross)
     return [
         _training_gain(term, moment[span], gram, cross[:, span].T @ taken[:, span])

@@ -154,16 +154,16 @@ def sharpened(base: Fit, term: Term) -> Term:
     assert gate is not None
     reach = float(np.ptp(_axis(base, gate.of, term.place.joints[0])))
     beside = OneMore(base)
-    best, cost = term, beside.cost_with(term)
+    best, gain = term, beside.gain(term)
     for step in (reach / _GRID * 0.5**halving for halving in range(6)):
         improved = True
         while improved:
             improved = False
             for moved in _moved(best, step):
                 tried = _with_gate(base, best, moved)
-                there = beside.cost_with(tried) if tried.columns else np.inf
-                if there < cost - 1e-6:
-                    best, cost, improved = tried, there, True
+                there = beside.gain(tried) if tried.columns else -np.inf
+                if there > gain + 1e-6:
+                    best, gain, improved = tried, there, True
     return refined(base, best)
 
 

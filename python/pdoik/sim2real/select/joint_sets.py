@@ -93,7 +93,7 @@ def _clearest(base: Fit, terms: list[Term], place: Place) -> list[Term]:
         if each.ordinary and each.complexity <= 1 and each.id != terms[0].effect
     ]
     beside = OneMore(base.extended(*(t for t in plain if t is not None)))
-    return sorted(terms, key=beside.cost_with)[:_SHAPES]
+    return sorted(terms, key=beside.gain, reverse=True)[:_SHAPES]
 
 
 def _sets(pool: Sequence[Term]) -> Iterator[list[int]]:
@@ -135,7 +135,7 @@ class _Weights:
         index = base.index[key]
         if len(index):
             cross = np.zeros((base.size, C.shape[1]))
-            cross[index] = base.design[key].T @ C
+            cross[index] = base.design[key].against(C)
             factor = linalg.cho_factor(base.regular(base.gram))
             taken = linalg.cho_solve(factor, cross)  # by what was there, fitted anew
             gram = gram - cross.T @ taken
