@@ -10,6 +10,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
@@ -21,6 +22,7 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from command_line import misuse, run
 from pdoik.errors import LoadError
 from pdoik.sim2real import Recording, Thresholds, load_study
+from pdoik.sim2real.simulators.base_at_rest import check_base_at_rest
 from pdoik.sim2real.simulators.candidates import Knob
 from pdoik.sim2real.simulators.differences import differences_of, in_bands
 from pdoik.sim2real.simulators.experiment import Experiment
@@ -226,6 +228,33 @@ def test_studies_that_cannot_be_compared_are_named(tmp_path: Path) -> None:
     misuse(said(simulator={"mjcf": "arm.xml", "urdf": "arm.xml"}), "mjcf and urdf")
     actuators = {"elbow": "servo9"}
     misuse(said(simulator={"mjcf": "arm.xml", "actuators": actuators}), "servo9", "servo1")
+
+
+@pytest.mark.parametrize(("speed", "refused"), [(0.0, False), (0.4, True)])
+def test_a_base_that_moves_is_refused(speed: float, refused: bool, tmp_path: Path) -> None:
+    one = log(4.0, 1)
+    rng, turn = np.random.default_rng(0), speed * np.sin(5.0 * one.time)
+    gyro = 0.01 * rng.standard_normal((len(one.time), 3)) + [0.2, 0.0, 0.0]  # its zero is off
+    gyro[:, 1] += turn
+    base = np.zeros((len(one.time), 7))
+    base[:, 0], base[:, 3] = speed * one.time, 1.0
+    for moved in (replace(one, gyro=gyro), replace(one, base=base)):
+        if refused:
+            with pytest.raises(ValueError, match=r"the base moves.*record it hung up or clamped"):
+                check_base_at_rest(moved)
+        else:
+            check_base_at_rest(moved)
+    if refused:
+        write_csv(tmp_path / "run.csv", one)
+        table = pd.read_csv(tmp_path / "run.csv")
+        for axis, values in zip("xyz", gyro.T, strict=True):
+            table[f"gyro.{axis}"] = values
+        table.to_csv(tmp_path / "run.csv", index=False)
+        (tmp_path / "arm.xml").write_text(MJCF)
+        content = {"simulator": {"mjcf": "arm.xml"}, "recordings": ["run.csv"]}
+        (tmp_path / "study.yaml").write_text(yaml.safe_dump(content))
+        done = run("compare", tmp_path / "study.yaml", "--out", tmp_path / "out")
+        misuse(done, "run.csv: the base moves", "pdoik diagnose")
 
 
 def test_of_a_real_quadruped_the_patch_halves_what_the_makers_own_figures_leave(

@@ -164,11 +164,11 @@ class Fit:
     def without(self, *terms: Term) -> Fit:
         """The fit without some of its terms, by the same sums."""
         other = copy(self)
-        gone = [any(t is each for each in terms) for t in self.terms]
+        gone = np.array([any(t is each for each in terms) for t in self.terms], dtype=np.bool_)
         widths = np.array([0 if t.fixed else t.width for t in self.terms], dtype=np.intp)
-        kept = ~np.repeat(np.array(gone, dtype=np.bool_), widths)
+        kept = ~np.repeat(gone, widths)
         other.terms = tuple(t for t, out in zip(self.terms, gone, strict=True) if not out)
-        other.offsets = np.concatenate([[0], np.cumsum(widths[~np.array(gone, bool)])])
+        other.offsets = np.concatenate([[0], np.cumsum(widths[~gone])]).astype(np.intp)
         other.size = int(other.offsets[-1])
         other.prior = self.prior[kept]
         place = np.cumsum(kept) - 1
@@ -180,8 +180,8 @@ class Fit:
             other.design[key] = self.design[key] if whole else self.design[key].kept(stays)
         other.fold_gram = self.fold_gram[:, kept][:, :, kept]
         other.fold_moment = self.fold_moment[:, kept]
-        for term in terms:
-            if term.fixed:
+        for term, out in zip(self.terms, gone, strict=True):
+            if out and term.fixed:
                 other._put_back(term)
         other.gram, other.moment = other.fold_gram.sum(axis=0), other.fold_moment.sum(axis=0)
         other.beta = other.solve(other.gram, other.moment)

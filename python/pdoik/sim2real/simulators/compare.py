@@ -16,6 +16,7 @@ from ..study.read_study import load_study
 from ..study.recording import FloatArray, Recording
 from ..study.split import split
 from ..study.study import Study
+from .base_at_rest import check_base_at_rest
 from .commands import check_commands
 from .differences import Difference, differences_of
 from .experiment import simulated
@@ -75,6 +76,8 @@ def _compare(study: Study, say: Tell) -> Comparison:
             "study: expected 'simulator: {mjcf: model.xml}' (your simulator's model) or"
             " 'simulation:' (a log of it under the recorded commands)"
         )
+    for each in study.recordings:
+        check_base_at_rest(each)
     user = simulator_of(study)
     pairs: tuple[Pair, ...] = ()
     shown: dict[str, Shown] = {}

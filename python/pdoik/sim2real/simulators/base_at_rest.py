@@ -1,0 +1,34 @@
+"""Recordings of a base that moves, which simulators of a fixed base cannot be held against."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..study.recording import Recording
+
+_SHIFT = 0.02  # of a base's position that a stand lets happen [m]
+_SPIN = 0.1  # root mean square of its angular velocity that it lets happen [rad/s]
+
+
+def check_base_at_rest(recording: Recording) -> None:
+    """That the base was held, by its pose and its gyroscope where these were logged.
+
+    Raises:
+        ValueError: it was not.
+    """
+    said = []
+    if recording.base is not None:
+        shift = float(np.max(np.ptp(recording.base[:, :3], axis=0)))
+        if shift > _SHIFT:
+            said.append(f"base.x, .y, .z change by {shift:.2g} m")
+    if recording.gyro is not None:
+        spin = recording.gyro - np.median(recording.gyro, axis=0)  # less what it is off by
+        rms = float(np.sqrt(np.mean(np.sum(spin**2, axis=1))))
+        if rms > _SPIN:
+            said.append(f"its gyroscope turns at {rms:.2g} rad/s")
+    if said:
+        raise ValueError(
+            f"{recording.name}: the base moves ({', '.join(said)}); pdoik compare runs simulators"
+            " with the base fixed: record it hung up or clamped and leave this one out, or let"
+            " pdoik diagnose judge it with the study's key 'base:'"
+        )
