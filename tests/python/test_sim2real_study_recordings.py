@@ -21,7 +21,7 @@ BESIDE = Path(__file__).resolve().parents[3] / "shared"
 RECORDINGS = Path(os.environ.get("PDOIK_SHARED", BESIDE)) / "recordings"
 ROBOTS = Path(pdoik.__file__).parent / "robots"
 SO101 = ("rotation", "pitch", "elbow", "wrist_pitch", "wrist_roll", "jaw")
-MOST_LOGS = 3  # of a folder that are checked
+MOST_LOGS = 2  # of a folder that are checked
 LINK = """<link name="{0}"><inertial><origin xyz="0 0 -0.1"/><mass value="0.4"/>
 <inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
 

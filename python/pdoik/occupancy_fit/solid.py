@@ -18,6 +18,9 @@ _NEAREST = 3
 _MOST_VOXELS = 300_000
 _FINEST_VOXEL = 3e-3  # edge [m]
 _FINEST_PATCH = 1e-4  # edge [m]
+_ASIDE = np.array([0.3819, 0.2361, 0.1459])
+"""Of a voxel's edge, by which the grid is aside: faces of boxes at round figures would lie between
+two layers of voxels, and rounding would decide."""
 _REACH = 0.03  # how far beyond the surface the grid extends [m]
 
 
@@ -82,6 +85,7 @@ class Solid:
         corners = triangles.reshape(-1, 3)
         low, high = corners.min(axis=0) - _REACH, corners.max(axis=0) + _REACH
         edge = max(_FINEST_VOXEL, float(np.cbrt(np.prod(high - low) / _MOST_VOXELS)))
+        low = low - edge * _ASIDE
         shape = np.ceil((high - low) / edge).astype(int) + 1
         # The path between neighboring voxels' centers crosses the surface less than half an edge
         # from one of these points, hence one of the two voxels holds it.
