@@ -29,7 +29,10 @@ def user() -> UserModel:
 def step_with(change: Callable[[Any], None] | None, delay: float = 0.0) -> Step:
     fit = log(12.0, 1, change, delay=delay)
     judge = log(7.0, 2, change, name="judge.csv", role="validate", delay=delay)
-    return step_of(explain(user(), [fit], [judge], LIMITS), "machine", LIMITS)
+    found = explain(user(), [fit], [judge], LIMITS)
+    told = {knob for term in found.kept for knob in term.knobs}
+    assert set(found.patch) <= told, "the patch changes what nothing is said of"
+    return step_of(found, "machine", LIMITS)
 
 
 def more_damping(spec: Any) -> None:
