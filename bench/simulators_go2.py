@@ -19,11 +19,11 @@ import typer
 import yaml
 from matplotlib.figure import Figure
 
-from markdown import markdown_table
 from pdoik.sim2real.report.style import AFTER, BEFORE, MEASURED, house_style, png_of
 from pdoik.sim2real.simulators.candidates import Knob
 from pdoik.sim2real.simulators.compare import Comparison, compare
 from simulators import robots
+from simulators_real import errors_by_joint, found_in
 from whole_files import write_whole
 
 MAKERS = {"damping": 0.6, "frictionloss": 0.2, "armature": 0.01}
@@ -48,12 +48,12 @@ def table(comparison: Comparison) -> str:
     explained = comparison.machine.explained
     held, joints = explained.held_out, comparison.study.joints
     makers = {Knob(name, k): value for name, value in MAKERS.items() for k in range(len(joints))}
-    sides = (explained.before, held.run(makers, as_it_is=True), explained.after)
-    errors = [1e3 * np.sqrt(np.mean((held.measured - side) ** 2, axis=0)) for side in sides]
-    rows = [(joint, *(f"{e[k]:.1f}" for e in errors)) for k, joint in enumerate(joints)]
-    rows.append(("all", *(f"{np.sqrt(np.mean(e**2)):.1f}" for e in errors)))
-    header = ("joint", "as it is [mrad]", "with the authors' figures", "patched")
-    return markdown_table(header, rows)
+    sides = {
+        "as it is [mrad]": explained.before,
+        "with the authors' figures": held.run(makers, as_it_is=True),
+        "patched": explained.after,
+    }
+    return errors_by_joint(comparison, sides)
 
 
 def picture(comparison: Comparison) -> bytes:
@@ -92,12 +92,7 @@ def main(
     with TemporaryDirectory() as home:
         comparison = compare(study(folder, Path(home)))
     typer.echo(table(comparison))
-    assert comparison.machine is not None
-    for finding in comparison.machine.findings:
-        low, high = next(iter(finding.parameters.values())).interval95
-        typer.echo(f"{finding.statement} ({low:.3g} to {high:.3g}) {finding.confidence:.2f}")
-    for finding in comparison.machine.suspected:
-        typer.echo(f"suspected: {finding.statement} {finding.confidence:.2f}")
+    typer.echo(found_in(comparison))
     if image is not None:
         png = picture(comparison)
         write_whole(image, lambda temporary: temporary.write_bytes(png))

@@ -29,7 +29,10 @@ def user() -> UserModel:
 def step_with(change: Callable[[Any], None] | None, delay: float = 0.0) -> Step:
     fit = log(12.0, 1, change, delay=delay)
     judge = log(7.0, 2, change, name="judge.csv", role="validate", delay=delay)
-    return step_of(explain(user(), [fit], [judge], LIMITS), "machine", LIMITS)
+    found = explain(user(), [fit], [judge], LIMITS)
+    told = {knob for term in found.kept for knob in term.knobs}
+    assert set(found.patch) <= told, "the patch changes what nothing is said of"
+    return step_of(found, "machine", LIMITS)
 
 
 def more_damping(spec: Any) -> None:
@@ -91,20 +94,45 @@ def test_a_delay_of_all_commands_is_one_finding() -> None:
     assert finding.parameters["delay"].value == pytest.approx(0.012, abs=5e-4)
 
 
-def test_gains_that_are_all_off_alike_are_one_finding() -> None:
-    def weak(spec: Any) -> None:
+def gains_times(kp: float, kv: float, joints: tuple[str, ...] = JOINTS) -> Callable[[Any], None]:
+    def change(spec: Any) -> None:
         for servo in spec.actuators:
-            gain, bias = servo.gainprm, servo.biasprm
-            gain[0] *= 0.8
-            bias[1] *= 0.8
-            servo.gainprm, servo.biasprm = gain, bias
+            if servo.target in joints:
+                gain, bias = servo.gainprm, servo.biasprm
+                gain[0] *= kp
+                bias[1] *= kp
+                bias[2] *= kv
+                servo.gainprm, servo.biasprm = gain, bias
 
-    step = step_with(weak)
+    return change
+
+
+def test_gains_that_are_all_off_alike_are_one_finding() -> None:
+    step = step_with(gains_times(0.8, 1.0))
     (finding,) = step.findings
     assert (finding.effect, finding.joints) == ("kp", JOINTS)
     assert finding.parameters["kp_factor"].value == pytest.approx(0.8, abs=0.01)
     changed = {each.knob.index: each.after for each in step.changed}
     assert changed == pytest.approx({0: 96.0, 1: 64.0, 2: 12.0}, rel=0.02)
+
+
+def test_drives_four_times_weaker_than_told_are_one_finding() -> None:
+    """A torque constant takes kp and kv along; a line in the gain itself would end below zero."""
+    step = step_with(gains_times(0.25, 0.25))
+    (finding,) = step.findings
+    assert (finding.effect, finding.joints) == ("gains", JOINTS)
+    assert finding.parameters["gain_factor"].value == pytest.approx(0.25, abs=0.01)
+    changed = {(c.knob.property, c.knob.index): c.after for c in step.changed}
+    kp = {("kp", k): 0.25 * gain for k, gain in enumerate((120.0, 80.0, 15.0))}
+    kv = {("kv", k): 0.25 * gain for k, gain in enumerate((4.0, 3.0, 0.3))}
+    assert changed == pytest.approx(kp | kv, rel=0.04)
+
+
+def test_one_weak_drive_among_others_is_found() -> None:
+    (finding,) = step_with(gains_times(0.3, 0.3, ("elbow",))).findings
+    assert (finding.effect, finding.joints) == ("gains", ("elbow",))
+    estimate = finding.parameters["gain_factor"]
+    assert estimate.value == pytest.approx(0.3, abs=4.0 * estimate.std + 3e-3)
 
 
 def test_a_spring_is_found_with_its_rest() -> None:

@@ -38,6 +38,14 @@ class Term:
         """Places in the study's joints."""
         return frozenset(knob.index for knob in self.knobs)
 
+    def is_made_of(self, other: Term) -> bool:
+        """Whether it turns what another term turns, as a factor of two gains does."""
+        return any(
+            mine.index == its.index and its.property in PROPERTIES[mine.property].turns
+            for mine in self.knobs
+            for its in other.knobs
+        )
+
 
 Values = Mapping[Knob, float]
 
@@ -48,8 +56,9 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
     simple = ("damping", "frictionloss", "armature", "kp", "kv", "stiffness", "ref", "delay")
     found = [Term(name, (Knob(name, k),)) for name in simple for k in range(n)]
     found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
+    found += [Term("gains", (Knob("gain_factor", k),)) for k in range(n)]
     if n > 1:
-        shared = (("delay", "delay"), ("kp", "kp_factor"))
+        shared = (("delay", "delay"), ("kp", "kp_factor"), ("gains", "gain_factor"))
         found += [Term(name, (Knob(knob, EVERY),)) for name, knob in shared]
     heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
     found += [Term("mass", (Knob("mass", k),)) for k in heavy]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from .property import Property, Scales, held
+from .property import EVERY, Gain, Property, Scales, held
 from .user_model import UserModel
 
 
-class Kp(Property):
+class Kp(Gain):
     """Proportional gain of the position actuator."""
 
-    name, unit, ends = "kp", "N m/rad", True
+    name, unit = "kp", "N m/rad"
     isaac = "stiffness of the joint's drive"
     gazebo = "<p_gain> of the position controller"
 
@@ -25,7 +25,7 @@ class Kp(Property):
         model.actuator_gainprm[k, 0] = user.model.actuator_gainprm[k, 0] * share
 
     def step(self, scales: Scales, value: float) -> float:
-        return 0.03 * value
+        return -0.03 * value
 
 
 class Kv(Property):
@@ -49,10 +49,10 @@ class Kv(Property):
         return Kp().read(user, index) * held(user)
 
 
-class KpFactor(Property):
-    """By how much all proportional gains differ alike: a torque constant, or a unit."""
+class KpFactor(Gain):
+    """By how much all proportional gains differ alike: a unit, or firmware."""
 
-    name, unit, place, ends = "kp_factor", "", "machine", True
+    name, unit, place = "kp_factor", "", "machine"
     isaac = "stiffness of all joint drives, times this"
     gazebo = "<p_gain> of all position controllers, times this"
 
@@ -65,7 +65,27 @@ class KpFactor(Property):
             model.actuator_gainprm[k, 0] *= value
 
     def step(self, scales: Scales, value: float) -> float:
-        return 0.03
+        return -0.03
+
+
+class GainFactor(Gain):
+    """By how much a drive's gains differ alike, of all drives or one: a torque constant."""
+
+    name, unit, turns = "gain_factor", "", ("kp", "kv")
+    mujoco = "kp and kv, times this"
+    isaac = "stiffness and damping of the joint's drive, times this"
+    gazebo = "<p_gain> and <d_gain> of the position controller, times this"
+
+    def read(self, user: UserModel, index: int) -> float:
+        return 1.0
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        for k in user.actuators if index == EVERY else (user.actuators[index],):
+            model.actuator_biasprm[k, 1:3] *= value
+            model.actuator_gainprm[k, 0] *= value
+
+    def step(self, scales: Scales, value: float) -> float:
+        return -0.03
 
 
 class Delay(Property):

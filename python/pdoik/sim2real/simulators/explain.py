@@ -15,8 +15,8 @@ from ..thresholds.simulators import SimulatorThresholds
 from .blocks import Blocks, t_of
 from .candidates import Knob, Term, Values, baseline, terms_of
 from .experiment import Experiment
+from .fits import cost, fitted, noise_of, rough_gains, sigma_of
 from .follows import check_follows
-from .property import Scales
 from .selection import Rival, Selection
 from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
 from .user_model import UserModel
@@ -25,11 +25,6 @@ from .vocabulary import PROPERTIES
 Tell = Callable[[str], None]
 
 _ROUNDS = 4  # of choosing and simulating
-_STEPS = 3  # of Gauss-Newton within a round
-_HALVINGS = 4
-_FINEST = {"q": 1e-5, "tau": 1e-3}
-"""What no sensor shows [rad], [N m]: noise of logs that have none, those of simulators."""
-_STILL = 0.02  # of a standard error: a smaller move is none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -107,13 +102,14 @@ def explain(
     noise = noise_of(experiment)
     scales, all_terms = scales_of(experiment), terms_of(user)
     knobs = knobs_of(all_terms)
-    values: dict[Knob, float] = {}
     chosen: tuple[Term, ...] = ()
-    for k in range(_ROUNDS):
+    if not same_step:
+        experiment.allow_for_step({})
+    check_follows(experiment, limits)
+    values = rough_gains(experiment)
+    for k in range(1, _ROUNDS + 1):
         if not same_step:
             experiment.allow_for_step(values)
-        if k == 0:
-            check_follows(experiment, limits)
         about = sensitivities(experiment, values, knobs, scales)
         sigma = sigma_of(experiment, about.shown, noise)
         blocks = Blocks.of(experiment, about, sigma)
@@ -125,7 +121,7 @@ def explain(
             all_terms = tuple(term for term in all_terms if term not in unreal)
             chosen = tuple(term for term in chosen if term not in unreal)
             values = fitted(experiment, about, selection, chosen, sigma, scales)
-        say(f"round {k + 1}: {len(chosen)} properties differ")
+        say(f"round {k}: {len(chosen)} properties differ")
         if set(before) == set(chosen):
             break
     if not same_step:
@@ -135,8 +131,10 @@ def explain(
     sigma = sigma_of(experiment, about.shown, noise)
     blocks = Blocks.of(experiment, about, sigma)
     selection = Selection(blocks, knobs, all_terms, limits)
-    chosen = tuple(term for term in chosen if term in selection.terms)
-    judged = _judged(selection, about, chosen, values, sigma, noise, held_out)
+    seen = tuple(term for term in chosen if term in selection.terms)
+    if seen != chosen:  # beside the others it shows nothing any more, so it is in no patch
+        chosen, values = seen, fitted(experiment, about, selection, seen, sigma, scales)
+    judged = _judged(selection, about, chosen, values, sigma, noise, experiment, held_out)
     kept = tuple(t for t in chosen if judged.holds(t, limits) and not is_unreal(t, values))
     if len(kept) == len(chosen):
         return judged
@@ -146,73 +144,11 @@ def explain(
 
 
 def is_unreal(term: Term, values: Values) -> bool:
-    """Whether it was pushed to a value that nothing real has: a link without mass."""
+    """Whether it was pushed to a value that nothing real has: no mass, an endless gain."""
+    words = ((PROPERTIES[knob.property], values[knob]) for knob in term.knobs if knob in values)
     return any(
-        PROPERTIES[knob.property].ends
-        and values.get(knob, np.inf) <= PROPERTIES[knob.property].lowest * (1.0 + 1e-6)
-        for knob in term.knobs
+        word.ends and word.coordinate(value) <= word.lowest * (1.0 + 1e-6) for word, value in words
     )
-
-
-def noise_of(experiment: Experiment) -> FloatArray:
-    """White noise of each channel, from third differences of neighbouring samples, (C,)."""
-    found = []
-    for channel, k in experiment.channels:
-        squares = []
-        for each in experiment.recordings:
-            values = getattr(each, channel)[:, k]
-            squares.append(float(np.median(np.diff(values, 3) ** 2)) / 0.455 / 20.0)
-        found.append(max(np.sqrt(np.mean(squares)), _FINEST[channel]))
-    return np.array(found)
-
-
-def sigma_of(experiment: Experiment, shown: FloatArray, noise: FloatArray) -> FloatArray:
-    """What each channel leaves now, (C,): by that its errors count."""
-    left = np.sqrt(np.mean((experiment.measured - shown) ** 2, axis=0))
-    return np.maximum(np.maximum(left, noise), 1e-9)
-
-
-def fitted(
-    experiment: Experiment,
-    about: Sensitivities,
-    selection: Selection,
-    chosen: Sequence[Term],
-    sigma: FloatArray,
-    scales: Sequence[Scales],
-) -> dict[Knob, float]:
-    """Gauss-Newton with halved steps; the first derivatives are there already."""
-    mine = knobs_of(chosen)
-    where = [about.knobs.index(knob) for knob in mine]
-    start = np.zeros(len(about.knobs))
-    start[where] = about.at[where]
-    goal = selection.blocks.solve(where)
-
-    def cost(x: FloatArray, s: Sensitivities) -> float:
-        try:
-            shown = experiment.run(s.values(x))
-        except SimulationError:
-            return np.inf
-        return float((((experiment.measured - shown) / sigma) ** 2).sum())
-
-    values = about.values(start)
-    best = cost(start, about)
-    for step in range(_STEPS):
-        move, share = goal - start, 1.0
-        for _ in range(_HALVINGS):
-            now = cost(start + share * move, about)
-            if now < best:
-                break
-            share *= 0.5
-        else:
-            break
-        gained = best - now
-        best, values = now, about.values(start + share * move)
-        if not mine or gained < 1e-4 * best or step == _STEPS - 1:
-            break
-        about = sensitivities(experiment, values, mine, scales)
-        start = about.at.copy()
-        goal = Blocks.of(experiment, about, sigma).solve(range(len(mine)))
-    return values
 
 
 def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:
@@ -263,16 +199,21 @@ def _judged(
     values: Values,
     sigma: FloatArray,
     noise: FloatArray,
+    experiment: Experiment,
     held_out: Experiment,
 ) -> Explained:
-    """Errors, rivals, and each term left out in turn on data that nothing was learnt from."""
+    """Errors, rivals, and each term left out in turn on data that nothing was learnt from.
+
+    Without it the others are as straight lines have them, or as they were with it: whatever does
+    better on what was learnt from, for a poor fit of the others is no merit of the term.
+    """
     blocks = selection.blocks
     places = selection.places(chosen)
     x = np.zeros(len(about.knobs))
     x[places] = about.at[places]
     covariance = blocks.covariance(places, x)
     std = {
-        about.knobs[p]: float(np.sqrt(covariance[i, i]) * about.step[p])
+        about.knobs[p]: about.std_of(p, float(np.sqrt(covariance[i, i])))
         for i, p in enumerate(places)
     }
     before = held_out.run({}, as_it_is=True)
@@ -290,8 +231,11 @@ def _judged(
     gains, share, shows = {}, {}, {}
     for term in chosen:
         others = [each for each in chosen if each != term]
+        lines = about.values(blocks.solve(selection.places(others)))
+        fewer = {k: v for k, v in values.items() if any(k in each.knobs for each in others)}
+        without = min(lines, fewer, key=lambda each: cost(experiment, each, sigma))
         try:
-            shown = held_out.run(about.values(blocks.solve(selection.places(others))))
+            shown = held_out.run(without)
         except SimulationError:
             shown = np.full_like(with_values, np.inf)
         left = loss(shown)

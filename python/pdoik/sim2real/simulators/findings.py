@@ -67,16 +67,18 @@ def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step
     )
 
 
+_GAINS = {"kp": ("kp",), "kv": ("kv",), "kp_factor": ("kp",), "gain_factor": ("kp", "kv")}
+"""What a file calls them, by property."""
+
+
 def _changed(explained: Explained) -> tuple[Changed, ...]:
     """What the patch changes, in words that a file has: shared gains are each joint's own."""
     user, model = explained.user, model_with(explained.user, explained.patch)
     found = {}
     for knob, value in sorted(explained.patch.items(), key=lambda pair: pair[0]):
-        if knob.property in ("kp", "kv", "kp_factor"):
-            name = knob.property[:2]
+        if knob.property in _GAINS:
             own = range(len(user.joints)) if knob.index == EVERY else (knob.index,)
-            for k in own:
-                mine = Knob(name, k)
+            for mine in (Knob(name, k) for name in _GAINS[knob.property] for k in own):
                 after = baseline(replace(user, model=model), mine)
                 found[mine] = Changed(knob=mine, before=baseline(user, mine), after=after)
         else:
@@ -153,7 +155,7 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
 
 
 _SPEED = {"damping", "kv"}
-_LOAD = {"mass", "payload", "ref", "stiffness", "kp"}
+_LOAD = {"mass", "payload", "ref", "stiffness", "kp", "gains"}
 
 
 def _decided_by(explained: Explained, term: Term) -> str:

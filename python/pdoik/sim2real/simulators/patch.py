@@ -85,7 +85,7 @@ class _Editor:
         for k in range(len(self.user.joints)):
             mine = {knob.property for knob in self.values if knob.index == k}
             self._joint_figures(k, mine)
-            if mine & {"kp", "kv"} or "kp_factor" in every:
+            if mine & {"kp", "kv", "gain_factor"} or every & {"kp_factor", "gain_factor"}:
                 self._gains(k)
             if mine & set(_OF_BODY):
                 self._body(self.user.body_of(k))

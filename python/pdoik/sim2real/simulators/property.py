@@ -30,9 +30,10 @@ class Property(ABC):
     name: ClassVar[str]
     unit: ClassVar[str]
     place: ClassVar[Place] = "joint"
-    lowest: ClassVar[float] = 0.0
-    ends: ClassVar[bool] = False  # whether nothing real has its lowest value
+    lowest: ClassVar[float] = 0.0  # of its coordinate
+    ends: ClassVar[bool] = False  # whether nothing real has its lowest coordinate
     mujoco: ClassVar[str] = ""  # what an MJCF calls it, if it is not the name
+    turns: ClassVar[tuple[str, ...]] = ()  # other words of the same place that it is made of
     isaac: ClassVar[str]  # what Isaac Sim and Isaac Lab call it
     gazebo: ClassVar[str]  # SDF's element
 
@@ -48,9 +49,32 @@ class Property(ABC):
     def step(self, scales: Scales, value: float) -> float:
         """A change that shows, and is still small."""
 
+    def coordinate(self, value: float) -> float:
+        """In which positions change nearest to a line: fits take their steps in it."""
+        return value
+
+    def value_at(self, coordinate: float) -> float:
+        """Inverse of `coordinate`."""
+        return coordinate
+
     def feigned(self, user: UserModel, index: int) -> float:
         """What torques that are held for a while look like; 0 where they look like none of it."""
         return 0.0
+
+
+class Gain(Property):
+    """A gain, by its inverse: what a torque moves a drive away by, and so what positions show.
+
+    From gains four times too high a line in the gain itself leads below zero.
+    """
+
+    lowest, ends = 1e-9, True
+
+    def coordinate(self, value: float) -> float:
+        return 1.0 / value
+
+    def value_at(self, coordinate: float) -> float:
+        return 1.0 / coordinate
 
 
 class OfArray(Property):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy.stats import norm
@@ -99,6 +100,8 @@ class Selection:
         for term in self.terms:
             if term in chosen or set(self._of[term]) <= set(self.places(chosen)):
                 continue
+            if _is_redundant([*chosen, term]):
+                continue
             if not self._is_shared(chosen, term):
                 continue
             gains = before - self._loss([*chosen, term])
@@ -131,6 +134,36 @@ class Selection:
         most = without - float(self._loss([*others, *apart]).sum())
         return together >= self.limits.alike_in_all * most
 
+    def _one_for_all(self, chosen: list[Term]) -> list[Term] | None:
+        """One figure of all joints in the place of several joints' own, unless clearly worse."""
+        now = self._loss(chosen)
+        for term in self.terms:
+            own = [each for each in chosen if each.name == term.name]
+            if term.indices != {EVERY} or term in own or len(own) < 2:
+                continue
+            fewer = [*(each for each in chosen if each not in own), term]
+            worse = t_of(self._loss(fewer) - now)
+            if worse < self.limits.apart_t and self._is_shared(fewer, term):
+                return fewer
+        return None
+
+    def _one_for_two(self, chosen: list[Term]) -> list[Term] | None:
+        """A factor of gains, or one of the gains, in the place of two terms, unless clearly worse.
+
+        kp and damping of one drive may stand for the factor, the factor and damping for kp.
+        """
+        now = self._loss(chosen)
+        for a, b in combinations(chosen, 2):
+            others = [each for each in chosen if each not in (a, b)]
+            for one in self.terms:
+                if one in chosen or not _is_of_one_drive(one, a, b):
+                    continue
+                if min(self._likeness(one, a), self._likeness(one, b)) < _UNLIKE:
+                    continue
+                if t_of(self._loss([*others, one]) - now) < self.limits.apart_t:
+                    return [*others, one]
+        return None
+
     @property
     def _least_t(self) -> float:
         """As many hypotheses are tried, the best of them must be better than chance's best."""
@@ -141,13 +174,15 @@ class Selection:
         shared = [term for term in chosen if self._is_shared(chosen, term)]
         if len(shared) < len(chosen):
             return shared
+        if (fewer := self._one_for_all(chosen) or self._one_for_two(chosen)) is not None:
+            return fewer
         now = self._loss(chosen)
         for term in chosen:
             others = [each for each in chosen if each != term]
             for rival in self.terms:
                 if rival in chosen or self._likeness(rival, term) < _UNLIKE:
                     continue
-                if len(rival.knobs) > len(term.knobs):
+                if len(rival.knobs) > len(term.knobs) or _is_redundant([*others, rival]):
                     continue
                 loss = self._loss([*others, rival])
                 gained = float((now - loss).sum()) / float(now.sum())
@@ -168,3 +203,15 @@ class Selection:
                 break
             chosen = [each for each in chosen if each != weakest]
         return chosen
+
+
+def _is_redundant(terms: Sequence[Term]) -> bool:
+    """Whether a factor is among them with a gain that it turns: kp and kv say the same alone."""
+    return any(one.is_made_of(other) for one in terms for other in terms)
+
+
+def _is_of_one_drive(*terms: Term) -> bool:
+    """Whether one of them is a factor of another's gain, all at one joint."""
+    if len({term.indices for term in terms}) > 1:
+        return False
+    return any(one.is_made_of(other) for one in terms for other in terms)

@@ -20,12 +20,14 @@ from .vocabulary import PROPERTIES
 class Sensitivities:
     """A candidate and its surroundings. x of a knob is its change from the user's model in steps.
 
+    Steps are of the properties' coordinates.
+
     shown(x) = shown + J (x - at), with J (P, R, C).
     """
 
     knobs: tuple[Knob, ...]
-    step: FloatArray  # (P,) of each knob, in its unit
-    base: FloatArray  # (P,) values of the user's model
+    step: FloatArray  # (P,) of each knob's coordinate
+    base: FloatArray  # (P,) coordinates of the user's model
     at: FloatArray  # (P,) of the candidate, in steps
     shown: FloatArray  # (R, C)
     J: FloatArray
@@ -40,10 +42,16 @@ class Sensitivities:
         """Of the knobs that are not as in the user's model."""
         moved = self.base + x * self.step
         return {
-            knob: float(value)
+            knob: PROPERTIES[knob.property].value_at(float(value))
             for knob, value, change in zip(self.knobs, moved, x, strict=True)
             if change != 0.0
         }
+
+    def std_of(self, p: int, std: float) -> float:
+        """Standard error of a knob's value, in its unit, from that of its x."""
+        to_value, h = PROPERTIES[self.knobs[p].property].value_at, 1e-3 * self.step[p]
+        at = float(self.base[p] + self.at[p] * self.step[p])
+        return float(std * abs(to_value(at + h) - to_value(at - h)) / 2e-3)
 
 
 def scales_of(experiment: Experiment) -> tuple[Scales, ...]:
@@ -91,16 +99,20 @@ def sensitivities(
         SimulationError: the candidate itself is unstable; a neighbour that is has no column.
     """
     user = experiment.user
-    base = np.array([baseline(user, knob) for knob in knobs])
-    step = np.array([_step(knob, scales, value) for knob, value in zip(knobs, base, strict=True)])
-    now = np.array([values.get(knob, value) for knob, value in zip(knobs, base, strict=True)])
+    told = [baseline(user, knob) for knob in knobs]
+    both = list(zip(knobs, told, strict=True))
+    base = np.array([_coordinate(knob, value) for knob, value in both])
+    changed = [_coordinate(knob, value + _step(knob, scales, value)) for knob, value in both]
+    step = np.array(changed) - base
+    now = np.array([_coordinate(knob, values.get(knob, value)) for knob, value in both])
     shown = experiment.run(values)
     J = np.zeros((len(knobs), *shown.shape))
     columns = np.array([user.trees()[k] for _, k in experiment.channels])
     for group in _together(user, knobs):
         moved = dict(values)
         for p in group:
-            moved[knobs[p]] = float(now[p] + step[p])
+            to_value = PROPERTIES[knobs[p].property].value_at
+            moved[knobs[p]] = to_value(float(now[p] + step[p]))
         try:
             difference = experiment.run(moved) - shown
         except SimulationError:
@@ -125,6 +137,10 @@ def _together(user: UserModel, knobs: Sequence[Knob]) -> list[list[int]]:
             queues.setdefault(trees[knob.index], []).append(p)
     rounds = max((len(queue) for queue in queues.values()), default=0)
     return alone + [[q[k] for q in queues.values() if k < len(q)] for k in range(rounds)]
+
+
+def _coordinate(knob: Knob, value: float) -> float:
+    return PROPERTIES[knob.property].coordinate(value)
 
 
 def _step(knob: Knob, scales: Sequence[Scales], value: float) -> float:

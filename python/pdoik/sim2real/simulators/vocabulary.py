@@ -17,6 +17,7 @@ PROPERTIES: dict[str, Property] = {
         drive_words.Kp(),
         drive_words.Kv(),
         drive_words.KpFactor(),
+        drive_words.GainFactor(),
         joint_words.Stiffness(),
         joint_words.SpringTorque(),
         joint_words.Ref(),
