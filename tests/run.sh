@@ -38,17 +38,15 @@ stage_cpp() {
 # Under the address and undefined-behaviour sanitizers, with Eigen's assertions on: the tests of what reads files, holds
 # memory and is given bad input, and the fuzzers' corpora. asan_all has every test, which takes long to compile.
 stage_asan() {
-  asan allocation cloud obstacle_set occupancy point_cloud robot_errors self_collision solver_misuse srdf tracker \
-    urdf -- "$@"
+  asan "allocation;cloud;obstacle_set;occupancy;point_cloud;robot_errors;self_collision;solver_misuse;srdf;tracker;urdf" "$@"
 }
 
-stage_asan_all() { asan "*" -- "$@"; }
+stage_asan_all() { asan "*" "$@"; }
 
-asan() {  # TEST... -- CTEST_ARGUMENT...
-  local tests=()
-  while [[ $1 != -- ]]; do tests+=("$1"); shift; done
+asan() {  # PDOIK_TESTS CTEST_ARGUMENT...
+  local tests=$1
   shift
-  configure_and_build build/asan -D PDOIK_SANITIZE=address,undefined -D "PDOIK_TESTS=$(IFS=";"; echo "${tests[*]}")" \
+  configure_and_build build/asan -D PDOIK_SANITIZE=address,undefined -D "PDOIK_TESTS=$tests" \
     -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG="-Og -g1"
   UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 \
     run_ctest build/asan "$@"

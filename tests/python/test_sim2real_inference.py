@@ -28,6 +28,7 @@ from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
 from pdoik.sim2real.regression.trial import Search
+from pdoik.sim2real.regression.wald import wald
 from pdoik.sim2real.select.rivals import swapped
 from pdoik.sim2real.study.recording import FloatArray, Recording
 from pdoik.sim2real.study.study import Trust
@@ -181,7 +182,7 @@ def test_what_a_mass_that_is_a_tenth_off_explains_is_not_peculiar(tmp_path: Path
         world = Balances(motions)
         term = joint_term(world, "position_dependent_spring", spring.shape)
         state = searched(world, term)
-        assert state.fit.wald(term)[0] > 4.0, pull  # alone, it seems to be there
+        assert wald(state.fit, term)[0] > 4.0, pull  # alone, it seems to be there
         found.append([each for each, _ in Ordinary(of=world).without_need(state)] == [term])
     assert found == [True, False]
 

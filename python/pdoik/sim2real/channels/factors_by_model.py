@@ -17,6 +17,7 @@ from ..motion.place import Key
 from ..regression.background import background, friction_at, is_scale
 from ..regression.fit import Fit, Term
 from ..regression.trusted_bodies import TRUST
+from ..regression.wald import robust
 from ..study.recording import FloatArray
 
 _ANY = 1e4  # times the usual error: a scale may have any value
@@ -58,7 +59,7 @@ def _judged(
     own = replace(scale, prior=scale.prior / _ANY**2)
     fit = base.without(scale).extended(own)
     factor = 1.0 + float(fit.beta[-1])
-    error = float(np.sqrt(fit.robust(own)[0, 0]))
+    error = float(np.sqrt(robust(fit, own)[0, 0]))
     part = factor * own.columns[key][fit.rows[key]][:, 0]
     left = fit.residual(key) * b.sigma[key]
     explained = float(np.std(part)) / max(float(np.std(part + left)), 1e-12)

@@ -14,6 +14,7 @@ import numpy as np
 from ..findings import Support
 from ..motion.place import Key
 from ..regression.fit import Fit, Index, Term
+from ..regression.wald import wald
 from ..study.recording import FloatArray
 
 _SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
@@ -47,7 +48,7 @@ def event_support(others: Fit, term: Term, first: Mapping[Key, FloatArray]) -> S
     return Support(
         weight=float(np.clip(total / max(began, 1e-12), 0.0, 1.0)),
         gain=size / (size + usual) if size > 0.0 else size / usual,
-        t=others.extended(term).wald(term)[0],
+        t=wald(others.extended(term), term)[0],
         size=float(np.sign(size) * np.sqrt(abs(size))),
         agree=sum(gain > 0.0 for gain in halves),
         sessions=2,

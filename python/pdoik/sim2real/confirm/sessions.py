@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
 from ..findings import Support
-from ..motion.place import Key
+from ..regression.design import Design
 from ..regression.fit import Fit, Term
 from ..regression.one_more import OneMore
 from ..regression.refine import refined
@@ -142,7 +142,12 @@ def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float,
         part = column[rows]
         acts = np.sum(part**2, axis=1) if len(part) else np.zeros(0)
         at = (b.session[rows] == session) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
-        there = _Rows(fit=others, key=key, at=at)
+        there = _Rows(
+            fit=others,
+            index=others.index[key],
+            design=others.design[key].at(at),
+            target=others.target[key][at],
+        )
         before = there.left(base.beta) ** 2
         after = there.left(beta, learnt, part[at] / b.sigma[key]) ** 2
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
@@ -156,8 +161,9 @@ class _Rows:
     """Some rows of a session at a balance, and what a fit has there."""
 
     fit: Fit
-    key: Key
-    at: NDArray[np.bool_]
+    index: NDArray[np.intp]  # of the design's columns among the coefficients
+    design: Design
+    target: FloatArray
 
     def left(
         self, beta: FloatArray, more: Term | None = None, column: FloatArray | None = None
@@ -171,10 +177,9 @@ class _Rows:
             more: that term.
             column: its column on the rows, (N, k) in sigmas.
         """
-        fit, index = self.fit, self.fit.index[self.key]
-        design = fit.design[self.key].at(self.at)
-        left = fit.target[self.key][self.at] - design @ beta[index]
-        friction = design @ _rubbing(fit, beta)[index]
+        fit, index = self.fit, self.index
+        left = self.target - self.design @ beta[index]
+        friction = self.design @ _rubbing(fit, beta)[index]
         if more is not None and column is not None:
             part = column[:, 0] if more.fixed else column @ beta[fit.size :]
             left = left - part

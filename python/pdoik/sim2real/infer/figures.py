@@ -19,6 +19,7 @@ from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..regression.second_order import to_second_order
 from ..regression.trial import Search
+from ..regression.wald import wald
 from .bodies import by_moments
 from .changing_friction import spreads_of, with_days
 from .sampling import widened, without_sampling
@@ -115,7 +116,7 @@ def _is_lost_in_its_error(state: Search, term: Term, values: dict[str, Estimate]
         return False
     if not body:
         return True
-    return state.without(term).fit.extended(term).wald(term)[0] < least.together_t
+    return wald(state.without(term).fit.extended(term), term)[0] < least.together_t
 
 
 def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:

@@ -22,6 +22,7 @@ from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..regression.trusted_bodies import effect_of
+from ..regression.wald import robust
 from ..study.recording import FloatArray
 
 _SMALL = 0.2  # of a period: the step of a derivative by the delay
@@ -105,7 +106,7 @@ def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:
         return 0.0, np.inf
     middle = {key: (late[key] + early[key]) / 2 for key in slope}
     wider = fit.extended(_term(effect.id, place, middle), _term("slope", place, slope))
-    error = float(np.sqrt(wider.robust(wider.terms[-1])[0, 0]))
+    error = float(np.sqrt(robust(wider, wider.terms[-1])[0, 0]))
     return float(wider.beta[-1]) * step, error * step
 
 

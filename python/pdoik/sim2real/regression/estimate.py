@@ -20,6 +20,7 @@ from ..thresholds.figures import FigureThresholds
 from .by_session import BySession, by_session, figure_by_session
 from .fit import Fit, Term
 from .random_effects import Spread, spread_between
+from .wald import robust
 
 DRAWS = 200
 
@@ -112,7 +113,7 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
     Errors are cluster-robust, of clusters within its window.
     """
     effect = CATALOGUE[term.effect]
-    std = np.sqrt(np.diag(fit.robust(term)))
+    std = np.sqrt(np.diag(robust(fit, term)))
     units = {p.name: p.unit for p in effect.parameters}
     values = effect.values(term.shape, fit.beta[-term.width :])
     return {

@@ -112,6 +112,10 @@ class Fit:
         for key in balances.keys:
             if any(key in term.columns for term in terms):
                 self._assemble(key, terms)
+        self._finish()
+
+    def _finish(self) -> None:
+        """The sums of all folds, and their coefficients."""
         self.gram = self.fold_gram.sum(axis=0)
         self.moment = self.fold_moment.sum(axis=0)
         self.beta = self.solve(self.gram, self.moment)
@@ -183,8 +187,7 @@ class Fit:
         for term, out in zip(self.terms, gone, strict=True):
             if out and term.fixed:
                 other._put_back(term)
-        other.gram, other.moment = other.fold_gram.sum(axis=0), other.fold_moment.sum(axis=0)
-        other.beta = other.solve(other.gram, other.moment)
+        other._finish()
         return other
 
     def on(self, balances: Balances) -> Fit:
@@ -215,8 +218,7 @@ class Fit:
                     part = other.design[key].at(span)
                     other.fold_gram[f][np.ix_(index, index)] += part.gram()
                     other.fold_moment[f, index] += part.against(other.target[key][span])
-        other.gram, other.moment = other.fold_gram.sum(axis=0), other.fold_moment.sum(axis=0)
-        other.beta = other.solve(other.gram, other.moment)
+        other._finish()
         return other
 
     def _put_back(self, term: Term) -> None:
@@ -360,73 +362,3 @@ class Fit:
             kept = np.setdiff1d(np.arange(len(grams)), b.block[span])
             samples[i] = self.solve(grams[kept].sum(axis=0), moments[kept].sum(axis=0))
         return samples
-
-    def wald(self, term: Term) -> tuple[float, float]:
-        """How clearly the last term's coefficients differ from zero, and a fixed one's free value.
-
-        The square root of beta' V^-1 beta / k, with V of `robust`. For a fixed term the coefficient
-        is fitted beside the others, around its 1.
-        """
-        free = self if not term.fixed else Fit(self.balances, (_freed(term),), self)
-        beta = free.beta[-term.width :].copy()
-        if term.fixed:
-            beta += 1.0
-        values, vectors = np.linalg.eigh(free.robust(term))
-        keep = values > 1e-10 * values.max()
-        along = vectors[:, keep].T @ beta
-        rank = max(int(keep.sum()), 1)
-        return float(np.sqrt(np.sum(along**2 / values[keep]) / rank)), float(beta[0])
-
-    def robust(self, term: Term) -> FloatArray:
-        """Cluster-robust covariance of the last term's coefficients, (k, k).
-
-        Residuals count by clusters of neighbouring rows: the blocks, or parts of them where the
-        term acts in few (Cameron and Miller, J. Human Resources 50(2), 2015).
-        """
-        clusters, count = clusters_of(self, term)
-        regular = self.regular(self.gram)
-        scale = 1.0 / np.sqrt(np.diag(regular))
-        inverse = np.linalg.inv(regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size))
-        inverse = (inverse * np.outer(scale, scale))[-term.width :]
-        scores = np.zeros((term.width, count))
-        for key, design in self.design.items():
-            index = self.index[key]
-            if not len(index):
-                continue
-            each, of = design @ inverse[:, index].T, clusters[self.rows[key]]
-            left = self.residual(key)
-            for k in range(term.width):
-                scores[k] += np.bincount(of, each[:, k] * left, minlength=count)
-        return np.asarray(scores @ scores.T * count / max(count - self.size, 1))
-
-
-def _freed(term: Term) -> Term:
-    """A fixed term's column with a free coefficient."""
-    return Term(
-        effect="free",
-        place=term.place,
-        shape=term.shape,
-        columns=term.columns,
-        prior=np.zeros(1),
-    )
-
-
-def clusters_of(fit: Fit, term: Term) -> tuple[Index, int]:
-    """Cluster of every row: the blocks, or parts of them where the term acts in few."""
-    b, least = fit.balances, fit.balances.thresholds.figures
-    parts = 1
-    while True:
-        length = max(1, int(np.median(np.bincount(b.block)) / parts))
-        order = np.arange(b.count)
-        within = order - np.concatenate([[0], np.flatnonzero(np.diff(b.block)) + 1])[b.block]
-        number = b.block * (parts + 1) + np.minimum(within // length, parts)
-        active = set()
-        for key, column in term.columns.items():
-            rows = fit.rows[key]
-            energy = np.sum(column[rows] ** 2, axis=1)
-            if len(energy):
-                active |= set(number[rows[energy > 0.02 * energy.max()]].tolist())
-        step = 1.0 / (3.0 * b.motions[0].cutoff)
-        if len(active) >= least.least_clusters or length * step <= least.shortest_cluster:
-            return number.astype(np.intp), int(number.max()) + 1
-        parts *= 2

@@ -26,11 +26,12 @@ def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
         term: with the parameters to begin with.
         closely: to some thousandths of a single parameter's range; else to some hundredths.
     """
-    effect, beside = CATALOGUE[term.effect], OneMore(base)
+    effect = CATALOGUE[term.effect]
     bounds = effect.shape_bounds(term.shape)
     free = [i for i, (low, high) in enumerate(bounds) if high - low > 1e-9]
     if not free:
         return term
+    beside = OneMore(base)
 
     def with_shape(values: FloatArray, *, again: bool = False) -> Term:
         shape = list(term.shape)

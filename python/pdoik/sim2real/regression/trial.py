@@ -17,6 +17,7 @@ from ..motion.place import Key
 from ..study.recording import FloatArray
 from ..thresholds.search import SearchThresholds
 from .fit import Fit, Term, TermKey
+from .wald import wald
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -204,7 +205,7 @@ def cross_validated(
     blocks = base.by_block({key: held[key] - squares[key] for key in squares})
     relief = base.penalty() - (wider.penalty() - _own_penalty(wider, term))
     active_rows, acting = activity(base, term)
-    t, coefficient = wider.wald(term)
+    t, coefficient = wald(wider, term)
     gain = float(blocks.sum())
     if not _may_be(base, wider, term, coefficient):
         t = 0.0

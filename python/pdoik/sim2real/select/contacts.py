@@ -12,6 +12,7 @@ from ..effects import CATALOGUE
 from ..effects.external_contact import ORIGIN, ExternalContact
 from ..motion.place import Place, Shape
 from ..regression.fit import Fit, Term, term_of
+from ..regression.wald import wald
 from ..study.recording import FloatArray
 from ..thresholds.contacts import ContactThresholds
 
@@ -85,7 +86,7 @@ def stands(fit: Fit, term: Term) -> bool:
     if gain < least.above_usual * usual * rows:
         return False  # no larger than what is left at other times
     large = gain > least.least_gain and gain > least.least_size**2 * rows
-    return large and fit.wald(term)[0] > least.least_t
+    return large and wald(fit, term)[0] > least.least_t
 
 
 def _new(fit: Fit, window: Window) -> bool:

@@ -9,6 +9,7 @@ from ..motion.balances import Balances
 from ..regression.background import background
 from ..regression.fit import Term
 from ..regression.trial import Search, cross_validated, held_out_squares
+from ..regression.wald import wald
 from .search import search
 
 
@@ -40,4 +41,4 @@ def _stands(state: Search, term: Term) -> bool:
     trial = cross_validated(state, term, held, others)
     rest = sum(float(np.sum(held[key])) for key in term.columns)
     gained = float(trial.blocks.sum()) > least.peculiar * rest
-    return gained and others.extended(term).wald(term)[0] > least.peculiar_t
+    return gained and wald(others.extended(term), term)[0] > least.peculiar_t

@@ -11,7 +11,8 @@ from scipy import linalg
 
 from ..motion.balances import Balances
 from ..motion.place import Key, Place
-from ..regression.fit import Fit, Term, clusters_of
+from ..regression.fit import Fit, Term
+from ..regression.wald import clusters_of
 from ..study.recording import FloatArray
 
 _NONE = 1e-9  # share of a contribution that is left of it where nothing is
@@ -86,7 +87,7 @@ def energy_of(beside: Beside, one: Contribution, other: Contribution) -> float:
 
 
 def inflation_of(fit: Fit, own: Contribution, figures: int) -> float:
-    """By how much clusters make an error larger beside so many figures, see `Fit.robust`."""
+    """By how much clusters make an error larger beside so many figures, see `robust`."""
     count = clusters_of(fit, as_term(own))[1]
     return float(np.sqrt(count / max(count - figures - 1, 1)))
 

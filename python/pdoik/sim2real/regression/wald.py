@@ -1,0 +1,80 @@
+"""How clearly a fit's last term differs from nothing, by clusters of rows that err alike."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .fit import Fit, Index, Term
+
+
+def wald(fit: Fit, term: Term) -> tuple[float, float]:
+    """How clearly the last term's coefficients differ from zero, and a fixed one's free value.
+
+    The square root of beta' V^-1 beta / k, with V of `robust`. For a fixed term the coefficient
+    is fitted beside the others, around its 1.
+    """
+    free = fit if not term.fixed else fit.extended(_freed(term))
+    beta = free.beta[-term.width :].copy()
+    if term.fixed:
+        beta += 1.0
+    values, vectors = np.linalg.eigh(robust(free, term))
+    keep = values > 1e-10 * values.max()
+    along = vectors[:, keep].T @ beta
+    rank = max(int(keep.sum()), 1)
+    return float(np.sqrt(np.sum(along**2 / values[keep]) / rank)), float(beta[0])
+
+
+def robust(fit: Fit, term: Term) -> FloatArray:
+    """Cluster-robust covariance of the last term's coefficients, (k, k).
+
+    Residuals count by clusters of neighbouring rows: the blocks, or parts of them where the
+    term acts in few (Cameron and Miller, J. Human Resources 50(2), 2015).
+    """
+    clusters, count = clusters_of(fit, term)
+    regular = fit.regular(fit.gram)
+    scale = 1.0 / np.sqrt(np.diag(regular))
+    inverse = np.linalg.inv(regular * np.outer(scale, scale) + 1e-11 * np.eye(fit.size))
+    inverse = (inverse * np.outer(scale, scale))[-term.width :]
+    scores = np.zeros((term.width, count))
+    for key, design in fit.design.items():
+        index = fit.index[key]
+        if not len(index):
+            continue
+        each, of = design @ inverse[:, index].T, clusters[fit.rows[key]]
+        left = fit.residual(key)
+        for k in range(term.width):
+            scores[k] += np.bincount(of, each[:, k] * left, minlength=count)
+    return np.asarray(scores @ scores.T * count / max(count - fit.size, 1))
+
+
+def _freed(term: Term) -> Term:
+    """A fixed term's column with a free coefficient."""
+    return Term(
+        effect="free",
+        place=term.place,
+        shape=term.shape,
+        columns=term.columns,
+        prior=np.zeros(1),
+    )
+
+
+def clusters_of(fit: Fit, term: Term) -> tuple[Index, int]:
+    """Cluster of every row: the blocks, or parts of them where the term acts in few."""
+    b, least = fit.balances, fit.balances.thresholds.figures
+    parts = 1
+    while True:
+        length = max(1, int(np.median(np.bincount(b.block)) / parts))
+        order = np.arange(b.count)
+        within = order - np.concatenate([[0], np.flatnonzero(np.diff(b.block)) + 1])[b.block]
+        number = b.block * (parts + 1) + np.minimum(within // length, parts)
+        active = set()
+        for key, column in term.columns.items():
+            rows = fit.rows[key]
+            energy = np.sum(column[rows] ** 2, axis=1)
+            if len(energy):
+                active |= set(number[rows[energy > 0.02 * energy.max()]].tolist())
+        step = 1.0 / (3.0 * b.motions[0].cutoff)
+        if len(active) >= least.least_clusters or length * step <= least.shortest_cluster:
+            return number.astype(np.intp), int(number.max()) + 1
+        parts *= 2
