@@ -193,6 +193,11 @@ def test_one_term_more_does_what_the_extended_fit_does(added: int) -> None:
     assert more.gain(all_terms[added]) == pytest.approx(expected, rel=1e-7)
     assert abs(expected) > 1e-3
     np.testing.assert_allclose(more.beta(all_terms[added]), longer.beta, rtol=1e-6)
+    width = 0 if all_terms[added].fixed else all_terms[added].width
+    half = np.random.default_rng(added).standard_normal((30, max(width, 1)))
+    covariance = np.linalg.inv(longer.regular(longer.gram))[longer.size - width :, -width:]
+    leverage = np.trace(half.T @ half @ covariance) / width if width else 0.0
+    assert more.leverage(all_terms[added], half.T @ half) == pytest.approx(leverage, rel=1e-6)
     bare = Fit(b, ())  # type: ignore[arg-type]
     alone = bare.cost() - Fit(b, [all_terms[added]]).cost()  # type: ignore[arg-type]
     assert OneMore(bare).gain(all_terms[added]) == pytest.approx(alone, rel=1e-7)

@@ -22,19 +22,21 @@ from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
 from pdoik.sim2real.infer.torque_scale import with_torque_scale
 from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.motion import Motion
+from pdoik.sim2real.motion.motion import Motion, motion_of
 from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.motion.rigid_body import RigidBody
 from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
 from pdoik.sim2real.regression.trial import Search
 from pdoik.sim2real.regression.wald import wald
+from pdoik.sim2real.select.joint_sets import with_joint_sets
 from pdoik.sim2real.select.rivals import swapped
 from pdoik.sim2real.study.recording import FloatArray, Recording
 from pdoik.sim2real.study.study import Trust
 from pdoik.sim2real.thresholds import Thresholds
 from sim2real_channels import study as small_study
-from sim2real_motions import moved
+from sim2real_motions import PERIOD, moved, recording, wave, write_arm
 
 NONE = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
 
@@ -165,6 +167,43 @@ def test_the_shape_of_friction_is_borne_out_though_its_size_is_another_each_day(
             support = support_of(state, term)
             assert support.agree == support.sessions == 2
             assert support.gain > 0.5, term.effect
+
+
+def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path) -> None:
+    """Where it hardly moves only its weight is learnt; what swings is then any number at all."""
+    body = RigidBody(write_arm(tmp_path, 2), ("j1", "j2"), None)
+    heavier = np.zeros(20)
+    heavier[10:14] = 0.6, 0.1, -0.03, 0.05
+    motions = []
+    for k, part in enumerate((1.0, 0.005, 0.005)):
+        time = PERIOD * np.arange(5000)
+        q, dq, ddq = (part * wave(time, 2, order) for order in range(3))
+        added = body.regressor(q, dq, ddq).reshape(len(q), 2, 20) @ heavier
+        noise = 0.03 * np.random.default_rng(k).standard_normal(q.shape)
+        tau = body.dynamics(q, dq, ddq).tau + added + noise
+        alone = {"tau_cmd": None, "q_des": None, "dq_des": None}
+        run = replace(recording(body, 2, 20.0, q=q, dq=dq, tau=tau, **alone), name=f"day{k}")
+        motions.append(motion_of(run, body, None, 10.0, np.full(2, 1e-14), None))
+    b = Balances(motions)
+    term = term_of(b, CATALOGUE["link_inertial_error"], Place(joints=(), link=1), ())
+    assert term is not None
+    support = support_of(searched(b, term), term)
+    assert support.sessions == support.agree == 2
+    assert support.gain > 0.8
+
+
+def test_an_offset_is_not_taken_for_friction_of_one_way(tmp_path: Path) -> None:
+    """While a joint moves both say the same; the plainer is the name."""
+    b = balances(tmp_path, noise=0.05)
+    motions = []
+    for motion in b.motions:
+        torque = motion.torque.copy()
+        torque[:, 1] += 0.8 * motion.sign(1) + 0.5 * motion.dq[:, 1] - 0.3
+        motions.append(replace(motion, torque=torque, cache={}))
+    world = Balances(motions)
+    dry = joint_term(world, "coulomb_friction", (0.02,))
+    found = {term.effect for term in with_joint_sets(searched(world, dry)).accepted}
+    assert found == {"coulomb_friction", "viscous_friction", "torque_offset"}
 
 
 def test_what_a_mass_that_is_a_tenth_off_explains_is_not_peculiar(tmp_path: Path) -> None:

@@ -76,21 +76,16 @@ def support_of(state: Search, term: Term) -> Support:
     Of what acts in one session only, in parts of it; of an event, on quarters of its own rows.
     """
     b = state.balances
-    others = state.without(term).fit
-    sessions = [] if term in state.contacts else _usable(others, term)
-    if not sessions and term not in state.contacts:
-        others = others.on(b.in_parts())
-        sessions = _usable(others, term)
-    if not sessions:
+    others, judged = state.without(term).fit, []
+    if term not in state.contacts:
+        judged = _judged(others, term)
+        if not judged:
+            others = others.on(b.in_parts())
+            judged = _judged(others, term)
+    if not judged:
         return event_support(others, term, {key: state.start.residual(key) for key in term.columns})
-    gained, began = np.zeros(int(b.block.max()) + 1), 0.0
-    agree = rows = 0
-    for session in sessions:
-        gain, left, count = _left_out(others, term, session)
-        agree += bool(gain.sum() > 0.0)
-        gained += gain
-        began += left
-        rows += count
+    gained = np.sum([each.gain for each in judged], axis=0)
+    began, rows = sum(each.before for each in judged), sum(each.rows for each in judged)
     acting = gained[gained != 0.0]
     error = float(np.std(acting) * np.sqrt(len(acting))) if len(acting) > 1 else np.inf
     total = float(gained.sum())
@@ -103,8 +98,8 @@ def support_of(state: Search, term: Term) -> Support:
         gain=total / max(began, 1e-12),
         t=total / max(error, 1e-12),
         size=float(np.sign(total) * np.sqrt(abs(total) / max(rows, 1))),
-        agree=agree,
-        sessions=len(sessions),
+        agree=sum(bool(each.gain.sum() > 0.0) for each in judged),
+        sessions=len(judged),
         blocks=len(acting),
         left=_left(state.fit, term),
         rivals=len(state.level.get(term.key, ())),
@@ -130,12 +125,33 @@ def _usable(fit: Fit, term: Term) -> list[int]:
     return [k for k in range(count) if share[k] >= least and 1.0 - share[k] >= least]
 
 
-def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float, int]:
-    """Gain of each block of a session, what was left there before, and on how many rows."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Judged:
+    """How a term that was learnt elsewhere does in a session."""
+
+    gain: FloatArray  # of each block
+    before: float  # sum of squares without it
+    rows: int
+
+
+def _judged(others: Fit, term: Term) -> list[_Judged]:
+    """Sessions that can judge a term beside others: what they show can be learnt without them."""
+    found = [_left_out(others, term, session) for session in _usable(others, term)]
+    return [each for each in found if each is not None]
+
+
+def _left_out(others: Fit, term: Term, session: int) -> _Judged | None:
+    """A session's judgement; None where the others say too little of what it shows.
+
+    A body that only swings in one session may move there as it never does in others: what these
+    make of it is their noise, many times enlarged, and judges nothing.
+    """
     b = others.balances
     base = others.on(b.without_session(session))
     learnt = relearnt(base, term)
-    beta = OneMore(base).beta(learnt)
+    beside = OneMore(base)
+    beta = beside.beta(learnt)
+    own = np.zeros((learnt.width, learnt.width))
     gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0
     for key, column in learnt.columns.items():
         rows = others.rows[key]
@@ -149,11 +165,16 @@ def _left_out(others: Fit, term: Term, session: int) -> tuple[FloatArray, float,
             target=others.target[key][at],
         )
         before = there.left(base.beta) ** 2
-        after = there.left(beta, learnt, part[at] / b.sigma[key]) ** 2
+        shown = part[at] / b.sigma[key]
+        after = there.left(beta, learnt, shown) ** 2
+        own += shown.T @ shown
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
         began += float(before.sum())
         count += int(at.sum())
-    return gained, began, count
+    least = b.thresholds.support.least_elsewhere
+    if beside.leverage(learnt, own) > (1.0 - least) / least:
+        return None
+    return _Judged(gain=gained, before=began, rows=count)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

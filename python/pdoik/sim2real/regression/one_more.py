@@ -12,6 +12,10 @@ from .fit import Fit, Term
 _TRACE = 1e-11  # of ridge, where columns are scaled to one
 
 
+_Sums = tuple[FloatArray, FloatArray, FloatArray]
+"""A term's column times residuals (k,), itself (k, k) and the fit's columns (w, k)."""
+
+
 class OneMore:
     """A fit's residuals and factor, made once for all terms that are tried beside its own.
 
@@ -32,6 +36,7 @@ class OneMore:
             )
         self._inverse: FloatArray = inverse
         self._left: dict[Key, FloatArray] = {}
+        self._last: tuple[Term, _Sums] | None = None
 
     def gain(self, term: Term) -> float:
         """By how much the training cost falls with the term and everything else refitted.
@@ -53,8 +58,28 @@ class OneMore:
         own = _solved(term, gram, gram - cross.T @ taken, moment)
         return np.concatenate([self._fit.beta - taken @ own, own])
 
-    def _sums(self, term: Term) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The term's column times residuals (k,), itself (k, k) and the fit's columns (w, k)."""
+    def leverage(self, term: Term, there: FloatArray) -> float:
+        """Of other rows, whose squared columns are `there` (k, k), a coefficient's on average.
+
+        1 where they say as much of it as the fit's own rows do, with its prior: how much of these
+        rows' noise comes back in those.
+        """
+        if term.fixed:
+            return 0.0
+        _, gram, cross = self._sums(term)
+        known = gram - cross.T @ self._taken(cross) + np.diag(term.prior)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(known), 1e-300))
+        even = known * np.outer(scale, scale) + _TRACE * np.eye(len(known))
+        shown = there * np.outer(scale, scale)
+        return float(np.trace(np.linalg.lstsq(even, shown, rcond=None)[0])) / len(known)
+
+    def _sums(self, term: Term) -> _Sums:
+        """A term's sums; the last ones are kept."""
+        if self._last is None or self._last[0] is not term:
+            self._last = term, self._summed(term)
+        return self._last[1]
+
+    def _summed(self, term: Term) -> _Sums:
         fit, k = self._fit, 1 if term.fixed else term.width
         moment, gram, cross = np.zeros(k), np.zeros((k, k)), np.zeros((fit.size, k))
         for key, column in term.columns.items():

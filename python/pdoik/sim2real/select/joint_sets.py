@@ -43,17 +43,31 @@ def _at_joint(state: Search, j: int) -> Search:
     base = state.without(*now).fit
     pool = _pool(base, now, place)
     weights = _Weights(base, pool, key)
-    limit = weights.cost(pool, [pool.index(t) for t in now]) - b.thresholds.search.better_set
+    here, least = {t.key for t in now}, b.thresholds.search.better_set
+    limit = weights.cost(pool, [pool.index(t) for t in now]) - least
     costs = [(weights.cost(pool, chosen), chosen) for chosen in _sets(pool)]
     better = sorted((each for each in costs if each[0] < limit), key=lambda each: each[0])
-    here = {t.key for t in now}
-    for _, chosen in better[:_TRIES]:
+    for chosen in _plain_first(pool, better, least)[:_TRIES]:
         changed = state.fitted([*base.terms, *(pool[i] for i in chosen)])
         changed = polished(changed, {j})
         added = [t for t in changed.accepted if _is_ordinary(t, place) and t.key not in here]
         if all(_is_clear(changed, term) for term in added):
             return changed
     return state
+
+
+def _plain_first(
+    pool: Sequence[Term], better: Sequence[tuple[float, list[int]]], least: float
+) -> list[list[int]]:
+    """Sets from the best on; of those that nothing tells from the best, the plainest is first."""
+
+    def order(each: tuple[float, list[int]]) -> tuple[float, float]:
+        cost, chosen = each
+        if cost >= better[0][0] + least:
+            return np.inf, cost
+        return sum(CATALOGUE[pool[i].effect].complexity for i in chosen), cost
+
+    return [chosen for _, chosen in sorted(better, key=order)]
 
 
 def _is_clear(state: Search, term: Term) -> bool:
@@ -122,6 +136,12 @@ def _has_company(name: str, names: set[str]) -> bool:
     return not beside or bool(names & set(beside))
 
 
+def _figures(term: Term) -> int:
+    """Of a term's shape, those that may be moved: others only say where it acts."""
+    bounds = CATALOGUE[term.effect].shape_bounds(term.shape)
+    return sum(high > low for low, high in bounds)
+
+
 class _Weights:
     """Costs of sets beside a fit whose coefficients stay free."""
 
@@ -158,6 +178,6 @@ class _Weights:
             width = len(self.spans[i])
             if not CATALOGUE[pool[i].effect].admissible(beta[first : first + width]):
                 return np.inf
-            figures += width + len(pool[i].shape)
+            figures += width + _figures(pool[i])
             first += width
         return float(-beta @ self.moment[index]) / self.noise + self.price * figures
