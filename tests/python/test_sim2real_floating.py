@@ -13,7 +13,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.free_rows import projector
+from pdoik.sim2real.motion.free_rows import directions_of
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.study.study import Setup, Study
@@ -67,21 +67,43 @@ def test_a_held_base_leaves_the_joints(tmp_path: Path) -> None:
     assert max(_left(balances).values()) > 3.0
 
 
-def test_the_projector_takes_off_unknown_forces_and_nothing_else() -> None:
+def test_unknown_forces_are_taken_off_and_nothing_else() -> None:
     rng = np.random.default_rng(3)
-    directions = rng.standard_normal((20, 9, 4))
-    directions[10:, :, 2:] = 0.0  # two that do not act
-    sigma = rng.uniform(0.1, 3.0, 9)
-    left = projector(directions, sigma)
-    assert np.abs(left @ directions).max() < 1e-6
-    assert np.abs(left @ left - left).max() < 1e-7
-    rank = np.trace(left, axis1=1, axis2=2)
-    assert rank[:10] == pytest.approx(5.0, abs=1e-6)
-    assert rank[10:] == pytest.approx(7.0, abs=1e-6)
-    # What is left, weighted, is what least squares leave that fit the forces at every sample.
-    torque = rng.standard_normal(9)
-    fitted = np.linalg.lstsq(directions[0] / sigma[:, None], torque / sigma, rcond=None)[1][0]
-    assert np.sum((left[0] @ torque / sigma) ** 2) == pytest.approx(fitted, rel=1e-9)
+    forces = rng.standard_normal((20, 9, 4))
+    forces[10:, :, 2:] = 0.0  # two that do not act
+    known = np.ones((20, 9), dtype=bool)
+    known[5:, 3] = False
+    for sigma in (rng.uniform(0.1, 3.0, 9), 10.0 ** np.linspace(-5.0, 1.0, 9)):
+        found = directions_of(forces, known, sigma)
+        left = found.left() / sigma[:, None] * sigma
+        white = np.where(known[:, :, None], forces / sigma[:, None], 0.0)
+        assert np.abs(left @ white).max() < 1e-9 * np.abs(white).max()
+        assert np.abs(left @ left - left).max() < 1e-10
+        rank = np.trace(left, axis1=1, axis2=2)
+        assert rank[:5] == pytest.approx(5.0, abs=1e-9)
+        assert rank[5:10] == pytest.approx(4.0, abs=1e-9)
+        assert rank[10:] == pytest.approx(6.0, abs=1e-9)
+        # What is left, weighted, is what least squares leave that fit the forces at every sample.
+        torque = rng.standard_normal(9)
+        sizes, rest, *_ = np.linalg.lstsq(white[0], torque / sigma, rcond=None)
+        assert np.sum((found.left()[0] @ torque / sigma) ** 2) == pytest.approx(rest[0], rel=1e-6)
+        every = np.tile(torque, (20, 1))
+        assert found.sizes(every)[0] == pytest.approx(sizes, rel=1e-6)
+        sizes = np.linalg.lstsq(white[15, :, :2], np.where(known[15], torque / sigma, 0.0))[0]
+        assert found.sizes(every)[15] == pytest.approx([*sizes, 0.0, 0.0], rel=1e-6)
+
+
+def test_rows_of_very_different_noise_hide_no_force(tmp_path: Path) -> None:
+    """A log without noise, of a robot whose joints rest: its feet carry what they carry."""
+    made = _noiseless(tmp_path, Hidden(), runs=1, contact=False)
+    motion = prepare(made).fit.motions[0]
+    sigma = 10.0 ** np.linspace(-5.0, 1.0, motion.rows)
+    forces = np.concatenate([foot.wrench for foot in motion.feet], axis=2)
+    known = np.ones((len(motion.time), motion.rows), dtype=bool)
+    known[:, : motion.n - 2] = False
+    carried = np.einsum("trk,k->tr", forces, np.linspace(-80.0, 120.0, forces.shape[2]))
+    left = directions_of(forces, known, sigma).left()
+    assert np.abs(np.einsum("trs,ts->tr", left, carried)).max() < 1e-3  # [N]
 
 
 @pytest.mark.parametrize(

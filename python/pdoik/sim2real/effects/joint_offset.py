@@ -8,6 +8,7 @@ import numpy as np
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
+from ..motion.turned import torque_turned
 from ..simulation.parts import Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter, on_torque_and_tip
@@ -48,13 +49,13 @@ class JointOffset(Effect):
         torque = motion.dtau_dq[:, :, j]
         tip = None if motion.tip_jacobian is None else motion.tip_jacobian[:, :, j]
         if abs(shape[0]) > _SMALL:
-            q = motion.q.copy()
-            q[:, j] += shape[0]
-            here = motion.tau_without_rotor()
-            torque = (motion.body.torque(q, motion.dq, motion.ddq) - here) / shape[0]
+            moved = torque_turned(motion, j, shape[0])
+            torque = (moved - motion.tau_without_rotor()) / shape[0]
             if "dtau_dq by feet" in motion.cache:
                 torque += motion.cache["dtau_dq by feet"][:, :, j]
             if tip is not None:
+                q = motion.q.copy()
+                q[:, j] += shape[0]
                 tip = motion.tip_moved(q) / shape[0]
         return on_torque_and_tip(motion, torque, tip) | motion.soles_by_joint(j)
 

@@ -12,7 +12,7 @@ from ..study.recording import FloatArray
 from ..thresholds.feet import FeetThresholds
 from ..thresholds.noise import NoiseThresholds
 from .feet import FootMotion, force_by_position
-from .free_rows import row_noise, unknown_forces, weighted
+from .free_rows import foot_directions
 from .motion import Motion
 from .signals import derivative, dilated, zero_phase
 
@@ -106,10 +106,7 @@ def _loads(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
         return None
     left = motion.tau.copy()
     left[:, : motion.n] -= np.nan_to_num(motion.torque)
-    sigma = row_noise(motion, noise)
-    white, gram = weighted(unknown_forces(motion), sigma)
-    moment = np.einsum("tri,tr->ti", white, left / sigma)
-    sizes = np.linalg.solve(gram, moment[:, :, None])[:, :, 0]
+    sizes = foot_directions(motion, noise).sizes(left)
     found, first = [], 0
     for foot in motion.feet:
         last = first + foot.wrench.shape[2]

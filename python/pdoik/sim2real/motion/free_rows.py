@@ -20,7 +20,7 @@ from .motion_noise import base_noise, inertial_noise
 from .place import Columns, Key
 from .signals import dilated, noise_density
 
-_RIDGE = 1e-10  # of the largest direction's square
+_NOTHING = 1e-8  # of the largest direction, each by its length: what is less is none of its own
 _COUPLED = 1e-9  # of a torque, that it must leave in another row to be seen there
 _LEAST_LEFT = 0.01  # of a row's own variance that must be left for it to be judged
 
@@ -63,7 +63,7 @@ def free_rows(motion: Motion, limits: NoiseThresholds) -> FreeRows | None:
     """Of a motion whose base floats; None of another."""
     if motion.base is None:
         return None
-    left = projector(unknown_forces(motion), row_noise(motion, limits))
+    left = foot_directions(motion, limits).left()
     left = np.ascontiguousarray(np.transpose(left, (1, 2, 0)))
     return FreeRows(
         keys=tuple(motion.row_key(i) for i in range(motion.rows)),
@@ -91,52 +91,71 @@ def _white_noise(motion: Motion) -> FloatArray:
     return motion.cache[name]
 
 
-def unknown_forces(motion: Motion) -> FloatArray:
-    """Directions of forces of unknown size, (T, rows, k), zero where they do not act."""
-    count, rows, n = len(motion.time), motion.rows, motion.n
-    hung_up = motion.setup.held and motion.recording.contact is None
-    feet = () if hung_up else motion.feet
-    found = [np.where(foot.may_touch[:, None, None], foot.wrench, 0.0) for foot in feet]
-    if motion.setup.held:
-        held = np.zeros((count, rows, 6))
-        held[:, n:] = np.eye(6)
-        found.append(held)
-    return np.concatenate([*found, _of_joints(motion)], axis=2)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Directions:
+    """Along which forces of unknown size act on rows of which some are unknown anyway.
 
-
-def _of_joints(motion: Motion) -> FloatArray:
-    """Of joints at rest, or whose torque nobody knows, (T, rows, n)."""
-    count, rows, n = len(motion.time), motion.rows, motion.n
-    around = int(0.3 / (motion.cutoff * motion.period))
-    unknown = dilated(motion.still, around)
-    if motion.torque is None:
-        unknown = np.ones((count, n), dtype=np.bool_)
-    else:
-        unknown = unknown | ~np.isfinite(motion.torque).all(axis=0)
-    directions = np.zeros((count, rows, n))
-    directions[:, range(n), range(n)] = unknown
-    return directions
-
-
-def weighted(directions: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Directions by the rows' noise, (T, rows, k), and their Gram matrices, (T, k, k).
-
-    A direction that does not act is zero; a trace of ridge keeps its matrix regular.
+    By singular values, not by normal equations: rows may be a million times as sure as others.
     """
-    white = directions / sigma[:, None]
-    gram = np.einsum("tri,trj->tij", white, white, optimize=True)
-    largest = np.maximum(np.einsum("tii->t", gram), 1e-12)
-    return white, gram + (_RIDGE * largest)[:, None, None] * np.eye(gram.shape[1])
+
+    sigma: FloatArray  # (rows,) noise by which rows are weighted
+    known: NDArray[np.bool_]  # (T, rows), False where anything may stand there
+    size: FloatArray  # (T, k) of the weighted directions; 1 where one does not act
+    across: FloatArray  # (T, rows, k) U
+    value: FloatArray  # (T, k), 0 where a direction is none of its own
+    along: FloatArray  # (T, k, k) V'
+
+    def left(self) -> FloatArray:
+        """What takes the directions off torques, (T, rows, rows)."""
+        taken = self.across * (self.value > 0.0)[:, None, :]
+        left = self.known[:, :, None] * np.eye(len(self.sigma))
+        left -= taken @ np.transpose(taken, (0, 2, 1))
+        return np.asarray(left * self.sigma[:, None] / self.sigma)
+
+    def sizes(self, torques: FloatArray) -> FloatArray:
+        """Of the forces, by torques (T, rows): the likeliest, the least of those; (T, k)."""
+        white = np.where(self.known, torques / self.sigma, 0.0)
+        each = np.einsum("trk,tr->tk", self.across, white)
+        whole = np.divide(each, self.value, out=np.zeros_like(each), where=self.value > 0.0)
+        return np.asarray(np.einsum("tkj,tk->tj", self.along, whole) / self.size)
 
 
-def projector(directions: FloatArray, sigma: FloatArray) -> FloatArray:
-    """What takes the directions off torques, (T, rows, rows).
+def directions_of(forces: FloatArray, known: NDArray[np.bool_], sigma: FloatArray) -> Directions:
+    """Of forces, (T, rows, k), zero where one does not act.
 
     Args:
-        directions: (T, rows, k).
-        sigma: (rows,) noise of the torques, by which their rows are weighted.
+        forces: torques per unit of each.
+        known: (T, rows), False of rows of which nothing is known.
+        sigma: (rows,) noise of the torques.
     """
-    white, gram = weighted(directions, sigma)
-    taken = white @ np.linalg.solve(gram, np.transpose(white, (0, 2, 1)))
-    left = np.eye(len(sigma)) - taken
-    return np.asarray(left * sigma[:, None] / sigma)
+    white = np.where(known[:, :, None], forces / sigma[:, None], 0.0)
+    size = np.linalg.norm(white, axis=1)
+    size = np.where(size > 0.0, size, 1.0)
+    across, value, along = np.linalg.svd(white / size[:, None, :], full_matrices=False)
+    value = np.where(value > _NOTHING * np.maximum(value[:, :1], 1e-300), value, 0.0)
+    return Directions(sigma=sigma, known=known, size=size, across=across, value=value, along=along)
+
+
+def foot_directions(motion: Motion, limits: NoiseThresholds) -> Directions:
+    """Of what may press on the feet; joints that say nothing and a base that is held apart."""
+    hung_up = motion.setup.held and motion.recording.contact is None
+    none = np.zeros((len(motion.time), motion.rows, 1))
+    feet = () if hung_up else motion.feet
+    forces = [np.where(foot.may_touch[:, None, None], foot.wrench, 0.0) for foot in feet]
+    return directions_of(
+        np.concatenate([*forces, none], axis=2), _known(motion), row_noise(motion, limits)
+    )
+
+
+def _known(motion: Motion) -> NDArray[np.bool_]:
+    """Rows that are not those of joints at rest, of unknown torques or of a base that is held."""
+    around = int(0.3 / (motion.cutoff * motion.period))
+    known = np.ones((len(motion.time), motion.rows), dtype=np.bool_)
+    known[:, : motion.n] = ~dilated(motion.still, around)
+    if motion.torque is None:
+        known[:, : motion.n] = False
+    else:
+        known[:, : motion.n] &= np.isfinite(motion.torque).all(axis=0)
+    if motion.setup.held:
+        known[:, motion.n :] = False
+    return known

@@ -20,7 +20,7 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     """The term's own trial, and those of others that take its place as well or better.
 
     A coarser law of the same kind does if it explains nearly all of it: dry friction where it has
-    presliding besides.
+    presliding besides. More is asked of no rival than the term itself shows.
     """
     others = state.without(term).fit
     held = held_out_squares(others)
@@ -40,7 +40,8 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
             continue
         better = refined(others, rival)
         trial = cross_validated(state, better, held, others)
-        if trial.significant and _is_listed(max(own, trial, key=lambda t: t.gain), trial):
+        clear = trial.significant or (trial.needed and not own.significant)
+        if clear and _is_listed(max(own, trial, key=lambda t: t.gain), trial):
             rivals.append(trial)
     rivals.sort(key=lambda trial: -trial.gain)
     return own, rivals

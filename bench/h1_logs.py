@@ -1,0 +1,256 @@
+"""The logs that `pdoik h1` writes, diagnosed: something is concealed in the H1 that dodges.
+
+python bench/h1_logs.py --out build/bench/h1_logs
+
+The robot stands free on its soles and dodges what is thrown at it, as `pdoik h1 --mode predict
+--setup balanced` has it; its logs are that command's own. The study's robot is the H1 as it is
+believed to be, with the joints' damping and rotors; nothing is known but its logs: joints, torques
+and the pelvis' pose. Worlds that are there are not made again, nor diagnosed.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pandas as pd
+import typer
+import yaml
+
+from campaign_cli import show, write_report
+from pdoik.h1.dodge import DodgeSearch, Plan, Planner
+from pdoik.h1.draw_throws import draw_throws
+from pdoik.h1.log import write_log
+from pdoik.h1.model import ARMATURE, BALANCED, DAMPING, World, build_world
+from pdoik.h1.objects import OBJECT_NAMES, load_object
+from pdoik.h1.predict import follow_plan
+from pdoik.h1.robot import FEET, JOINT_NAMES, URDF
+from pdoik.h1.shapes import SOLE_HEIGHT
+from pdoik.h1.throws import Throw
+from pdoik.sim2real import diagnose
+from whole_files import write_text
+
+RUNS = 5  # the last two are held out
+AFTER = 3.0  # how long a run goes on behind the dodge [s]
+SEARCH = 2.0  # for a plan [s]
+THROWS = 12  # of which the first that are dodged are taken
+CLAIMED = 0.75
+
+Change = Callable[[mujoco.MjModel], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cause:
+    """What is concealed, and how it should be said."""
+
+    change: Change
+    effect: str = ""
+    place: str = ""
+    figure: str = ""  # the parameter that is compared
+    value: float = 0.0
+
+
+def rubbing(joint: str, level: float) -> Change:
+    """Dry friction [N m]."""
+
+    def change(model: mujoco.MjModel) -> None:
+        model.dof_frictionloss[model.joint(joint).dofadr[0]] = level
+
+    return change
+
+
+def damped(joint: str, more: float) -> Change:
+    """Viscous friction beyond what is believed [N m s/rad]."""
+
+    def change(model: mujoco.MjModel) -> None:
+        model.dof_damping[model.joint(joint).dofadr[0]] += more
+
+    return change
+
+
+def loaded(body: str, mass: float, at: tuple[float, float, float]) -> Change:
+    """A point of mass [kg] at a place in the body's frame [m]."""
+
+    def change(model: mujoco.MjModel) -> None:
+        i = model.body(body).id
+        own, center = float(model.body_mass[i]), model.body_ipos[i].copy()
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, model.body_iquat[i])
+        R = turn.reshape(3, 3)
+        inertia = R @ np.diag(model.body_inertia[i]) @ R.T
+        middle = (own * center + mass * np.array(at)) / (own + mass)
+        for m, place in ((own, center), (mass, np.array(at))):
+            d = place - middle
+            inertia = inertia + m * (d @ d * np.eye(3) - np.outer(d, d))
+        values, axes = np.linalg.eigh(inertia)
+        axes[:, 2] *= np.linalg.det(axes)
+        mujoco.mju_mat2Quat(model.body_iquat[i], axes.ravel())
+        model.body_mass[i], model.body_ipos[i] = own + mass, middle
+        model.body_inertia[i] = values
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+
+    return change
+
+
+def weak(joint: str, share: float) -> Change:
+    """A motor that gives less than is asked and logged."""
+
+    def change(model: mujoco.MjModel) -> None:
+        (motor,) = np.flatnonzero(model.actuator_trnid[:, 0] == model.joint(joint).id)
+        model.actuator_gear[motor, 0] *= share
+
+    return change
+
+
+CAUSES: dict[str, Cause] = {
+    "nothing": Cause(change=lambda model: None),
+    "a load of 3 kg on the torso": Cause(
+        change=loaded("torso_link", 3.0, (0.0, 0.1, 0.3)),
+        effect="payload",
+        place="torso_link",
+        figure="mass",
+        value=3.0,
+    ),
+    "a forearm that is 0.8 kg heavier": Cause(
+        change=loaded("left_elbow_link", 0.8, (0.2, 0.0, 0.0)),
+        effect="link_inertial_error",
+        place="left_elbow_link",
+        figure="d_mass",
+        value=0.8,
+    ),
+    "dry friction of 6 N m in a knee": Cause(
+        change=rubbing("right_knee_joint", 6.0),
+        effect="coulomb_friction",
+        place="right_knee_joint",
+        figure="level",
+        value=6.0,
+    ),
+    "viscous friction of 8 N m s/rad in a hip": Cause(
+        change=damped("left_hip_roll_joint", 8.0),
+        effect="viscous_friction",
+        place="left_hip_roll_joint",
+        figure="coefficient",
+        value=8.0,
+    ),
+    "a knee's motor that gives 0.85 of what is logged": Cause(
+        change=weak("left_knee_joint", 0.85),
+        effect="torque_gain",
+        place="left_knee_joint",
+        figure="gain",
+        value=1.0 / 0.85,
+    ),
+}
+
+
+def dodges(ycb: Path | None) -> list[tuple[Throw, Plan]]:
+    """Throws and plans that a sound robot dodges."""
+    things = {name: load_object(name, ycb) for name in OBJECT_NAMES}
+    hits, _ = draw_throws(things, BALANCED, THROWS, 0)
+    planner, found = Planner(BALANCED), []
+    for k, hit in enumerate(hits):
+        thing = things[hit.throw.object_name]
+        search = DodgeSearch(BALANCED, thing, hit.throw, k)
+        search.search(SEARCH)
+        plans = planner.plans(search, hit.throw, thing, hit.contact.time)
+        if plans:
+            trial = follow_plan(build_world(BALANCED, thing), plans[0], hit.throw, AFTER)
+            if trial.run.dodged:
+                found.append((hit.throw, plans[0]))
+        if len(found) == RUNS:
+            return found
+    raise RuntimeError(f"{len(found)} of {THROWS} throws were dodged, expected {RUNS}")
+
+
+def changed_world(cause: Cause, throw: Throw, ycb: Path | None) -> World:
+    """The set-up with what is concealed."""
+    world = build_world(BALANCED, load_object(throw.object_name, ycb))
+    cause.change(world.model)
+    return world
+
+
+def write_study(folder: Path) -> None:
+    """What a user would write; the description has the damping of `pdoik h1`."""
+    tree = ElementTree.parse(URDF)
+    for joint in tree.getroot().findall("joint"):
+        if joint.attrib["name"] in JOINT_NAMES:
+            ElementTree.SubElement(joint, "dynamics", damping=f"{DAMPING:g}", friction="0")
+    write_text(folder / "robot.urdf", ElementTree.tostring(tree.getroot(), encoding="unicode"))
+    roles = ["fit"] * (RUNS - 2) + ["validate"] * 2
+    study = {
+        "robot": "robot.urdf",
+        "joints": list(JOINT_NAMES),
+        "recordings": [{"file": f"dodge{k}.csv", "role": role} for k, role in enumerate(roles)],
+        "rotor_inertia": [ARMATURE] * len(JOINT_NAMES),
+        "base": {
+            "feet": {foot: {"sole": SOLE_HEIGHT} for foot in FEET},
+            "ground": {"height": BALANCED.floor_z},
+        },
+    }
+    write_text(folder / "study.yaml", yaml.safe_dump(study, sort_keys=False, width=100))
+
+
+def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dict[str, Any]:
+    """What is hidden beside what was said."""
+    claimed = [f for f in said["findings"] if f["confidence"] >= CLAIMED]
+    right = [
+        f
+        for f in claimed
+        if f["effect"] == cause.effect and cause.place in (*f["joints"], *f["links"])
+    ]
+    figure = right[0]["parameters"].get(cause.figure) if right else None
+    others = [f"{f['effect']} {' '.join((*f['joints'], *f['links']))}" for f in claimed]
+    return {
+        "concealed": name,
+        "named at its place": "-" if not cause.effect else "yes" if right else "no",
+        "figure": ""
+        if figure is None
+        else f"{figure['value']:.3g} [{figure['interval95'][0]:.3g},"
+        f" {figure['interval95'][1]:.3g}]; truly {cause.value:.3g}",
+        "said besides": "; ".join(
+            o for f, o in zip(claimed, others, strict=True) if f not in right
+        ),
+        "recorded [s]": f"{seconds:.0f}",
+    }
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="Folder of worlds and answers.")],
+    ycb: Annotated[Path | None, typer.Option(help="YCB objects; primitives otherwise.")] = None,
+    only: Annotated[str, typer.Option(help="Causes that contain this.")] = "",
+) -> None:
+    """Conceal, dodge, diagnose."""
+    out.mkdir(parents=True, exist_ok=True)
+    plans: list[tuple[Throw, Plan]] = []
+    rows = []
+    for name, cause in CAUSES.items():
+        if only not in name:
+            continue
+        folder = out / name.replace(" ", "_")
+        answer = folder / "said.json"
+        if not answer.is_file():
+            plans = plans or dodges(ycb)
+            folder.mkdir(exist_ok=True)
+            write_study(folder)
+            for k, (throw, plan) in enumerate(plans):
+                trial = follow_plan(changed_world(cause, throw, ycb), plan, throw, AFTER)
+                write_log(trial.run, folder / f"dodge{k}.csv")
+            write_text(answer, diagnose(folder / "study.yaml").to_json())
+        seconds = sum(
+            float(pd.read_csv(folder / f"dodge{k}.csv", usecols=["time"]).time.iloc[-1])
+            for k in range(RUNS)
+        )
+        rows.append(row_of(name, cause, json.loads(answer.read_text()), seconds))
+        print(rows[-1], flush=True)
+    text = pd.DataFrame(rows).to_markdown(index=False)
+    show(text)
+    write_report(out / "h1_logs.md", text)
+
+
+if __name__ == "__main__":
+    typer.run(main)
