@@ -38,7 +38,10 @@ def generator_digest() -> str:
 def run(
     out: Path, specs: dict[str, Spec], scheduler: str | None, workers: int | None
 ) -> pd.DataFrame:
-    """All rows of a plan; worlds that are there are taken, each tool has its own results."""
+    """All rows of a plan; worlds that are there are taken, each tool has its own results.
+
+    Scores are of what was said, whenever that was.
+    """
     tool, generator = tool_digest(), generator_digest()
     worlds = out / f"worlds-{generator[:12]}"
     said = out / f"said-{tool[:12]}-{generator[:12]}"
@@ -56,11 +59,22 @@ def run(
     }
     with dask_client(scheduler, workers) as client:
         campaign = Campaign(said, settings)
-        return campaign.run(by_value(one_world), jobs, client, console)
+        made = campaign.run(by_value(one_world), jobs, client, console)
+    return pd.DataFrame([_scored(row, worlds, said) for row in made.to_dict("records")])
+
+
+def _scored(row: dict[str, Any], worlds: Path, said: Path) -> dict[str, Any]:
+    """A world's truth beside its answer; the row as it is of a world that could not be made."""
+    if row["not_made"]:
+        return row
+    spec = Spec(**{key: row[key] for key in ("seed", "robot", "background", "kind")})
+    truth = json.loads((worlds / "truth" / f"{spec.name}.json").read_text())
+    answer = json.loads((said / "answers" / f"{spec.name}.json").read_text())
+    return {**score(row["name"], truth, answer), "not_made": ""}
 
 
 def one_world(job: Job) -> list[Row]:
-    """Makes a world where it is not yet, diagnoses it, scores what was said.
+    """Makes a world where it is not yet, diagnoses it, keeps what was said.
 
     Raises:
         RuntimeError: pdoik or the generator is not the one of the campaign.
@@ -79,8 +93,7 @@ def one_world(job: Job) -> list[Row]:
     answer = Path(job["said"]) / "answers" / f"{spec.name}.json"
     answer.parent.mkdir(parents=True, exist_ok=True)
     write_text(answer, json.dumps(said, indent=1))
-    row = score(str(job["name"]), json.loads(truth.read_text()), said)
-    return [{**row, "not_made": ""}]
+    return [{"name": job["name"], **job["spec"], "not_made": ""}]
 
 
 def _make(worlds: Path, study: Path, truth: Path, spec: Spec) -> None:

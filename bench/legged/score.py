@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
+from bench.legged.machine import FRICTION
 from bench.legged.spec import GROUND_KINDS, HEALTHY, IMU_KINDS
 
 Content = Mapping[str, Any]  # of JSON
@@ -81,7 +83,7 @@ def is_sized(finding: Content, hidden: Content | None) -> bool:
     """Whether the figures that both have agree: the largest is as true as its interval says."""
     both = {
         key: value
-        for key, value in (hidden or {"parameters": {}})["parameters"].items()
+        for key, value in ({} if hidden is None else figures_of(hidden)).items()
         if key in finding["parameters"]
     }
     if not both:
@@ -90,6 +92,18 @@ def is_sized(finding: Content, hidden: Content | None) -> bool:
     said, true = finding["parameters"][largest], both[largest]
     low, high = said["interval95"]
     return bool(low <= true <= high or abs(said["value"] - true) <= SIZED * abs(true))
+
+
+def figures_of(hidden: Content) -> dict[str, float]:
+    """What is hidden in the words of findings: slopes, compliance, a change of friction."""
+    told = dict(hidden["parameters"])
+    if hidden["effect"] == "ground_slope":  # turned about x and y
+        return {"slope_x": -math.tan(told["tilt_y"]), "slope_y": math.tan(told["tilt_x"])}
+    if hidden["effect"] == "foot_softness":
+        return {"compliance": 1.0 / told["stiffness"]}
+    if hidden["effect"] == "foot_friction":
+        return {"change": told["friction"] - FRICTION}
+    return told
 
 
 def in_background(finding: Content, truth: Content) -> bool:

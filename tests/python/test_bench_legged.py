@@ -21,7 +21,7 @@ from bench.legged.machine import Machine  # noqa: E402
 from bench.legged.plan import plan  # noqa: E402
 from bench.legged.robots import has_go2, robot  # noqa: E402
 from bench.legged.run import Rows  # noqa: E402
-from bench.legged.score import score  # noqa: E402
+from bench.legged.score import is_sized, score  # noqa: E402
 from bench.legged.spec import HEALTHY, KINDS, Spec, draw  # noqa: E402
 
 go2 = pytest.param("go2", marks=pytest.mark.skipif(not has_go2(), reason="no example-robot-data"))
@@ -211,3 +211,22 @@ def test_scores_tell_right_from_false() -> None:
     assert (row(unsure)["named"], row(unsure)["suspected"]) == (False, True)
     assert not row(finding("coulomb_friction", 2.0, joints=["a"]))["sized"]
     assert row(finding("payload", 3.0, links=["x"]), background="dense")["false"] == 1
+
+
+@pytest.mark.parametrize(
+    ("effect", "hidden", "said"),
+    [
+        ("ground_slope", {"tilt_x": -0.06, "tilt_y": -0.02}, {"slope_x": 0.02, "slope_y": -0.06}),
+        ("foot_softness", {"stiffness": 8000.0}, {"compliance": 1.25e-4}),
+        ("foot_friction", {"friction": 0.3}, {"change": -0.5}),
+    ],
+)
+def test_figures_are_compared_in_the_words_of_findings(
+    effect: str, hidden: dict[str, float], said: dict[str, float]
+) -> None:
+    truth = {"effect": effect, "parameters": hidden}
+    near = {"value": 0.0, "interval95": [0.0, 0.0]}
+    right = {key: {"value": 1.1 * v, "interval95": [v, v]} for key, v in said.items()}
+    wrong = {key: {**near, "value": -v} for key, v in said.items()}
+    assert is_sized({"parameters": right}, truth)
+    assert not is_sized({"parameters": wrong}, truth)
