@@ -73,8 +73,9 @@ def test_unknown_forces_are_taken_off_and_nothing_else() -> None:
     forces[10:, :, 2:] = 0.0  # two that do not act
     known = np.ones((20, 9), dtype=bool)
     known[5:, 3] = False
+    usual = np.array([1e3, 1e3, 1e2, 1e2])
     for sigma in (rng.uniform(0.1, 3.0, 9), 10.0 ** np.linspace(-5.0, 1.0, 9)):
-        found = directions_of(forces, known, sigma)
+        found = directions_of(forces, usual, known, sigma)
         left = found.left() / sigma[:, None] * sigma
         white = np.where(known[:, :, None], forces / sigma[:, None], 0.0)
         assert np.abs(left @ white).max() < 1e-9 * np.abs(white).max()
@@ -88,9 +89,17 @@ def test_unknown_forces_are_taken_off_and_nothing_else() -> None:
         sizes, rest, *_ = np.linalg.lstsq(white[0], torque / sigma, rcond=None)
         assert np.sum((found.left()[0] @ torque / sigma) ** 2) == pytest.approx(rest[0], rel=1e-6)
         every = np.tile(torque, (20, 1))
-        assert found.sizes(every)[0] == pytest.approx(sizes, rel=1e-6)
-        sizes = np.linalg.lstsq(white[15, :, :2], np.where(known[15], torque / sigma, 0.0))[0]
-        assert found.sizes(every)[15] == pytest.approx([*sizes, 0.0, 0.0], rel=1e-6)
+        assert found.sizes(every)[0] == pytest.approx(sizes, rel=1e-3)
+        likely = np.vstack([white[15], np.diag(1.0 / usual)])
+        told = np.concatenate([np.where(known[15], torque / sigma, 0.0), np.zeros(4)])
+        assert found.sizes(every)[15] == pytest.approx(np.linalg.lstsq(likely, told)[0], rel=1e-6)
+
+
+def test_a_force_that_nothing_tells_is_none() -> None:
+    """Two feet press against one another; no row feels it but by rounding."""
+    forces = np.array([[[1.0, -1.0 + 1e-12], [2.0, -2.0], [0.5, -0.5]]])
+    found = directions_of(forces, np.full(2, 100.0), np.ones((1, 3), dtype=bool), np.ones(3))
+    assert np.abs(found.sizes(np.array([[1.0, 2.0, 0.7]]))).max() < 1.0
 
 
 def test_rows_of_very_different_noise_hide_no_force(tmp_path: Path) -> None:
@@ -102,8 +111,9 @@ def test_rows_of_very_different_noise_hide_no_force(tmp_path: Path) -> None:
     known = np.ones((len(motion.time), motion.rows), dtype=bool)
     known[:, : motion.n - 2] = False
     carried = np.einsum("trk,k->tr", forces, np.linspace(-80.0, 120.0, forces.shape[2]))
-    left = directions_of(forces, known, sigma).left()
-    assert np.abs(np.einsum("trs,ts->tr", left, carried)).max() < 1e-3  # [N]
+    left = directions_of(forces, np.full(forces.shape[2], 100.0), known, sigma).left()
+    assert np.abs(np.einsum("trs,ts->tr", left, carried) / sigma).max() < 3e-3
+    assert np.abs(carried / sigma).max() > 1e6
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,8 @@ from .motion_noise import base_noise, inertial_noise
 from .place import Columns, Key
 from .signals import dilated, noise_density
 
-_NOTHING = 1e-8  # of the largest direction, each by its length: what is less is none of its own
+_FELT = 1e-3  # [sigma] by which a row must feel a usual force for that to be taken off
+_ARM = 0.1  # [m] at which a usual force acts in a sole, as a moment
 _COUPLED = 1e-9  # of a torque, that it must leave in another row to be seen there
 _LEAST_LEFT = 0.01  # of a row's own variance that must be left for it to be judged
 
@@ -100,50 +101,55 @@ class Directions:
 
     sigma: FloatArray  # (rows,) noise by which rows are weighted
     known: NDArray[np.bool_]  # (T, rows), False where anything may stand there
-    size: FloatArray  # (T, k) of the weighted directions; 1 where one does not act
-    across: FloatArray  # (T, rows, k) U
-    value: FloatArray  # (T, k), 0 where a direction is none of its own
-    along: FloatArray  # (T, k, k) V'
+    usual: FloatArray  # (k,) sizes of the forces
+    across: FloatArray  # (T, rows, m) U of the weighted directions of usual forces
+    value: FloatArray  # (T, m)
+    along: FloatArray  # (T, m, k) V'
 
     def left(self) -> FloatArray:
         """What takes the directions off torques, (T, rows, rows)."""
-        taken = self.across * (self.value > 0.0)[:, None, :]
+        taken = self.across * (self.value > _FELT)[:, None, :]
         left = self.known[:, :, None] * np.eye(len(self.sigma))
         left -= taken @ np.transpose(taken, (0, 2, 1))
         return np.asarray(left * self.sigma[:, None] / self.sigma)
 
     def sizes(self, torques: FloatArray) -> FloatArray:
-        """Of the forces, by torques (T, rows): the likeliest, the least of those; (T, k)."""
+        """Of the forces, by torques (T, rows): the likeliest, usual ones being likely; (T, k)."""
         white = np.where(self.known, torques / self.sigma, 0.0)
-        each = np.einsum("trk,tr->tk", self.across, white)
-        whole = np.divide(each, self.value, out=np.zeros_like(each), where=self.value > 0.0)
-        return np.asarray(np.einsum("tkj,tk->tj", self.along, whole) / self.size)
+        each = np.einsum("trm,tr->tm", self.across, white)
+        each *= self.value / (self.value**2 + 1.0)
+        return np.asarray(np.einsum("tmk,tm->tk", self.along, each) * self.usual)
 
 
-def directions_of(forces: FloatArray, known: NDArray[np.bool_], sigma: FloatArray) -> Directions:
+def directions_of(
+    forces: FloatArray, usual: FloatArray, known: NDArray[np.bool_], sigma: FloatArray
+) -> Directions:
     """Of forces, (T, rows, k), zero where one does not act.
 
     Args:
         forces: torques per unit of each.
+        usual: (k,) standard deviations of their sizes.
         known: (T, rows), False of rows of which nothing is known.
         sigma: (rows,) noise of the torques.
     """
-    white = np.where(known[:, :, None], forces / sigma[:, None], 0.0)
-    size = np.linalg.norm(white, axis=1)
-    size = np.where(size > 0.0, size, 1.0)
-    across, value, along = np.linalg.svd(white / size[:, None, :], full_matrices=False)
-    value = np.where(value > _NOTHING * np.maximum(value[:, :1], 1e-300), value, 0.0)
-    return Directions(sigma=sigma, known=known, size=size, across=across, value=value, along=along)
+    white = np.where(known[:, :, None], forces * usual / sigma[:, None], 0.0)
+    across, value, along = np.linalg.svd(white, full_matrices=False)
+    return Directions(
+        sigma=sigma, known=known, usual=usual, across=across, value=value, along=along
+    )
 
 
 def foot_directions(motion: Motion, limits: NoiseThresholds) -> Directions:
     """Of what may press on the feet; joints that say nothing and a base that is held apart."""
     hung_up = motion.setup.held and motion.recording.contact is None
-    none = np.zeros((len(motion.time), motion.rows, 1))
     feet = () if hung_up else motion.feet
+    none = np.zeros((len(motion.time), motion.rows, 1))
     forces = [np.where(foot.may_touch[:, None, None], foot.wrench, 0.0) for foot in feet]
+    weight = float(np.sqrt(np.mean(np.sum(motion.tau[:, motion.n : motion.n + 3] ** 2, axis=1))))
+    each = weight * np.array([1.0, 1.0, 1.0, _ARM, _ARM, _ARM])
+    usual = np.concatenate([*(each[: foot.wrench.shape[2]] for foot in feet), [1.0]])
     return directions_of(
-        np.concatenate([*forces, none], axis=2), _known(motion), row_noise(motion, limits)
+        np.concatenate([*forces, none], axis=2), usual, _known(motion), row_noise(motion, limits)
     )
 
 
