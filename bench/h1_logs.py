@@ -214,15 +214,22 @@ def write_study(folder: Path) -> None:
     write_text(folder / "study.yaml", yaml.safe_dump(study, sort_keys=False, width=100))
 
 
+def one_body(effect: str) -> tuple[str, ...]:
+    """Names of the same: what a link carries is an error of the link."""
+    bodies = ("link_inertial_error", "payload")
+    return bodies if effect in bodies else (effect,)
+
+
 def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dict[str, Any]:
     """What is hidden beside what was said."""
     claimed = [f for f in said["findings"] if f["confidence"] >= CLAIMED]
     right = [
         f
         for f in claimed
-        if f["effect"] == cause.effect and cause.place in (*f["joints"], *f["links"])
+        if f["effect"] in one_body(cause.effect) and cause.place in (*f["joints"], *f["links"])
     ]
-    figure = right[0]["parameters"].get(cause.figure) if right else None
+    told = right[0]["parameters"] if right else {}
+    figure = told.get(cause.figure, told.get(cause.figure.removeprefix("d_")))
     others = [f"{f['effect']} {' '.join((*f['joints'], *f['links']))}" for f in claimed]
     return {
         "concealed": name,

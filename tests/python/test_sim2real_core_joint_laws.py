@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from scipy.integrate import solve_ivp
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
+from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.presliding_hysteresis import bristle
 from pdoik.sim2real.motion.motion import Motion
 from pdoik.sim2real.motion.place import Place
 from sim2real_columns import added, torque
-from sim2real_motions import wave
+from sim2real_motions import moved, wave
 
 
 def _fade(m: Motion, j: int, speed: float) -> np.ndarray:
@@ -126,3 +128,12 @@ def test_saturation_is_what_is_missing_beyond_the_level(motion: Motion) -> None:
         sign = 1.0 if balance == "torque" else -1.0
         assert part[balance, 1] == pytest.approx(sign * (asked[:, 1] - given), abs=1e-12)
         assert np.mean(part[balance, 1] != 0.0) == pytest.approx(0.2, abs=0.01)
+
+
+def test_a_rotor_within_half_a_percent_of_what_turns_anyway_is_a_trifle(tmp_path: Path) -> None:
+    """A simulation's step alone makes so much: half of it times the damping."""
+    motion, place = moved(tmp_path, 2, rotor=0.1), Place(joints=(1,))
+    carried = 0.1 + float(np.mean(motion.mass_matrix[:, 1, 1]))
+    rotor = CATALOGUE["rotor_inertia"]
+    assert rotor.trifling({"inertia": 0.004 * carried}, motion, place)
+    assert not rotor.trifling({"inertia": 0.006 * carried}, motion, place)

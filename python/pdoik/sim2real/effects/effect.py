@@ -224,7 +224,7 @@ class Effect(ABC):
         """Whether it is too small for the recordings' sampling to tell."""
         return False
 
-    def trifling(self, values: Mapping[str, float]) -> bool:
+    def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
         """Whether its figures are within what differentiation and rounding may take."""
         return False
 

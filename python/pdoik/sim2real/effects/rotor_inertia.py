@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import DofChange, Part
@@ -33,6 +35,14 @@ class RotorInertia(Effect):
         """The joint's acceleration."""
         (j,) = place.joints
         return {("torque", j): motion.ddq[:, j, None]}
+
+    def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
+        """Less than half a percent of what the joint accelerates anyway."""
+        (j,) = place.joints
+        if motion.body is None:
+            return False
+        carried = motion.body.rotor[j] + float(np.mean(motion.mass_matrix[:, j, j]))
+        return bool(values["inertia"] < 5e-3 * carried)
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

@@ -95,7 +95,7 @@ class SensorGain(Effect):
         what = "position" if _of_position(shape) else "speed"
         return what if shape[0] in (OF_SPEED, OF_POSITION) else f"{_LOGGED}{what}"
 
-    def trifling(self, values: Mapping[str, float]) -> bool:
+    def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
         """Less than half a percent."""
         return abs(values["gain"] - 1.0) < 5e-3
 

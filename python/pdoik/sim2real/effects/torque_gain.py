@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..motion.motion import Motion
-from ..motion.place import Shape
+from ..motion.place import Place, Shape
 from ..simulation.parts import DriveChange, Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Example, Parameter
@@ -54,7 +54,7 @@ class TorqueGain(TorqueChannel):
         """By one less."""
         return shape or (OF_BOTH,), np.array([values["gain"] - 1.0])
 
-    def trifling(self, values: Mapping[str, float]) -> bool:
+    def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
         """Less than half a percent."""
         return abs(values["gain"] - 1.0) < 5e-3
 

@@ -63,7 +63,7 @@ def figures_of(
     for number, term in enumerate(accepted):
         figures = widened(prepared.fit, term, values[number])
         plain = {name: each.value for name, each in figures.items()}
-        if CATALOGUE[term.effect].trifling(plain):
+        if CATALOGUE[term.effect].trifling(plain, motions[0], term.place):
             continue
         said = ""
         if term not in state.contacts and _is_lost_in_its_error(state, term, figures):

@@ -248,7 +248,8 @@ class Sizes:
             if not np.isfinite(amount) or _of_share(effect):
                 break
             at, beta, _ = self._at(effect, place, shape, amount)
-            if not (effect.negligible(motions, at) or effect.trifling(effect.values(at, beta))):
+            values = effect.values(at, beta)
+            if not (effect.negligible(motions, at) or effect.trifling(values, motions[0], place)):
                 break
             amount *= 1.1
         return amount
