@@ -20,11 +20,13 @@ from pdoik.sim2real.confirm.ordinary_looks import Ordinary
 from pdoik.sim2real.confirm.sessions import borne_out, support_of
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
+from pdoik.sim2real.infer.changing_friction import spreads_of
 from pdoik.sim2real.infer.torque_scale import with_torque_scale
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.motion import Motion, motion_of
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.regression.background import background
 from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
@@ -264,6 +266,24 @@ def test_a_coarser_law_that_explains_nearly_the_same_is_listed(tmp_path: Path) -
     (kept,) = state.accepted
     assert kept.effect == "presliding_hysteresis"
     assert "coulomb_friction" in {each.term.effect for each in state.level[kept.key]}
+
+
+def test_a_recording_that_moves_one_way_says_nothing_of_frictions_change(tmp_path: Path) -> None:
+    """There the torque's zero is as good: another one that day is no other friction."""
+    body = RigidBody(write_arm(tmp_path, 2), ("j1", "j2"), None)
+    time, motions = PERIOD * np.arange(5000), []
+    for k in range(4):
+        q, dq, ddq = (wave(time, 2, order) for order in range(3))
+        if k == 3:
+            q[:, 1], dq[:, 1], ddq[:, 1] = 0.05 * time, 0.05, 0.0
+        noise = 0.02 * np.random.default_rng(k).standard_normal(q.shape)
+        tau = body.dynamics(q, dq, ddq).tau + noise
+        tau += 0.8 * np.tanh(dq / 0.01) + (0.4 if k == 3 else 0.0)
+        alone = {"tau_cmd": None, "q_des": None, "dq_des": None}
+        run = replace(recording(body, 2, 20.0, q=q, dq=dq, tau=tau, **alone), name=f"day{k}")
+        motions.append(motion_of(run, body, None, 10.0, np.full(2, 1e-14), None))
+    noisy, terms = background(Balances(motions))
+    assert spreads_of(Fit(noisy, terms))[1] < 0.05
 
 
 def test_days_that_differ_widen_the_interval(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from ..motion.place import Key
 from ..regression.background import friction_at
 from ..regression.clusters import clustered
 from ..regression.fit import Fit, Term
+from ..regression.random_effects import spread_between
 from ..study.recording import FloatArray
 from ..thresholds.verdict import VerdictThresholds
 from .torque_scale import OF_TORQUE, wider
@@ -26,6 +27,7 @@ from .torque_scale import OF_TORQUE, wider
 _MOST = 3  # equivalents of a finding
 _LIKE_OTHERS = 4  # degrees of freedom that the other joints' spread counts for
 _LEAST_BLOCKS = 4  # in which a recording must show a joint's friction
+_LEAST_CHANGE = 0.1  # of friction's power, that must be about its mean: a joint must turn back
 
 
 def spreads_of(fit: Fit) -> dict[int, float]:
@@ -48,8 +50,8 @@ def spreads_of(fit: Fit) -> dict[int, float]:
         ]
         known = np.array([pair for pair in each if pair is not None])
         if len(known) >= 2:
-            beyond = float(np.var(known[:, 0], ddof=1) - np.mean(known[:, 1] ** 2))
-            found[j] = float(np.sqrt(max(beyond, 0.0)))
+            blocks = len(np.unique(b.block[rows]))
+            found[j] = spread_between(known[:, 0], known[:, 1] ** 2, blocks - len(known)).std
     return found
 
 
@@ -109,12 +111,15 @@ def with_changes(
 def _scale(
     left: FloatArray, friction: FloatArray, block: NDArray[np.intp]
 ) -> tuple[float, float] | None:
-    """By which share friction is larger in one recording, and its error; None where unseen."""
-    blocks = np.unique(block)
-    if len(blocks) < _LEAST_BLOCKS:
+    """By which share friction is larger in one recording, and its error; None where unseen.
+
+    What is constant may as well be the torque's zero: a joint that moves one way shows nothing.
+    """
+    varying = friction - friction.mean() if len(friction) else friction
+    power, blocks = float(varying @ varying), np.unique(block)
+    if len(blocks) < _LEAST_BLOCKS or power <= _LEAST_CHANGE * float(friction @ friction):
         return None
-    A = np.stack([friction, np.ones_like(friction)], axis=1)
-    inverse = np.linalg.pinv(A.T @ A)
-    x = inverse @ (A.T @ left)
-    covariance, _ = clustered(inverse, A, left - A @ x, block)
-    return float(x[0]), float(np.sqrt(covariance[0, 0]))
+    share = float(varying @ left) / power
+    rest = left - left.mean() - share * varying
+    covariance, _ = clustered(np.array([[1.0 / power]]), varying[:, None], rest, block)
+    return share, float(np.sqrt(covariance[0, 0]))

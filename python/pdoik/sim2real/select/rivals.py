@@ -20,7 +20,7 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
     """The term's own trial, and those of others that take its place as well or better.
 
     A coarser law of the same kind does if it explains nearly all of it: dry friction where it has
-    presliding besides. More is asked of no rival than the term itself shows.
+    presliding besides. More is asked of no plainer rival than the term itself shows.
     """
     others = state.without(term).fit
     held = held_out_squares(others)
@@ -40,7 +40,8 @@ def level_trials(state: Search, term: Term) -> tuple[Trial, list[Trial]]:
             continue
         better = refined(others, rival)
         trial = cross_validated(state, better, held, others)
-        clear = trial.significant or (trial.needed and not own.significant)
+        plainer = _complexity(trial.term) <= _complexity(term)
+        clear = trial.significant or (plainer and trial.needed and not own.significant)
         if clear and _is_listed(max(own, trial, key=lambda t: t.gain), trial):
             rivals.append(trial)
     rivals.sort(key=lambda trial: -trial.gain)
@@ -61,6 +62,11 @@ def _complexity(term: Term) -> float:
     return CATALOGUE[term.effect].complexity
 
 
+def _is_finer(one: Term, other: Term) -> bool:
+    """Whether it is the other law and more: level with it where the more is nothing."""
+    return _alike(one, other) and _complexity(one) > _complexity(other)
+
+
 def _alike(one: Term, other: Term) -> bool:
     return one.place == other.place and same_kind(one.effect, other.effect)
 
@@ -78,14 +84,16 @@ def swapped(state: Search) -> Search:
             state = state.fitted(terms)
             rivals = [r for r in rivals if r is not best] + ([own] if _is_listed(best, own) else [])
             term = best.term
-        state = replace(state, level={**state.level, term.key: tuple(rivals)})
+        others = tuple(each for each in rivals if not _is_finer(each.term, term))
+        state = replace(state, level={**state.level, term.key: others})
     return state
 
 
 def _wins(state: Search, rival: Trial, own: Trial) -> bool:
     if _alike(rival.term, own.term):
         coarse, fine = sorted((rival, own), key=lambda t: CATALOGUE[t.term.effect].complexity)
-        return (rival is coarse) == (coarse.gain > own.thresholds.no_finer * fine.gain)
+        little = coarse.gain > own.thresholds.no_finer * fine.gain or level(fine, coarse)
+        return (rival is coarse) == little
     if not level(rival, own):
         return rival.gain > own.gain
     others = state.without(own.term).fit
