@@ -62,9 +62,11 @@ def _complexity(term: Term) -> float:
     return CATALOGUE[term.effect].complexity
 
 
-def _is_finer(one: Term, other: Term) -> bool:
-    """Whether it is the other law and more: level with it where the more is nothing."""
-    return _alike(one, other) and _complexity(one) > _complexity(other)
+def _is_no_more(one: Trial, other: Trial) -> bool:
+    """Whether it is the other law and more of which the data show nothing."""
+    if not _alike(one.term, other.term) or _complexity(one.term) <= _complexity(other.term):
+        return False
+    return one.gain <= other.gain or level(one, other)
 
 
 def _alike(one: Term, other: Term) -> bool:
@@ -83,8 +85,8 @@ def swapped(state: Search) -> Search:
             terms = [best.term if t is term else t for t in state.fit.terms]
             state = state.fitted(terms)
             rivals = [r for r in rivals if r is not best] + ([own] if _is_listed(best, own) else [])
-            term = best.term
-        others = tuple(each for each in rivals if not _is_finer(each.term, term))
+            term, own = best.term, best
+        others = tuple(each for each in rivals if not _is_no_more(each, own))
         state = replace(state, level={**state.level, term.key: others})
     return state
 
