@@ -10,6 +10,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import prepare
 from pdoik.sim2real.channels.check_channels import check_channels
+from pdoik.sim2real.channels.factors_by_model import factors_by_model
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.infer.figures import at_bound
 from pdoik.sim2real.motion.place import Place
@@ -34,6 +35,13 @@ def test_a_wrong_sign_or_unit_is_found_beside_rotors_that_nobody_told_of(
     # A load that nobody told of could take a part of it: sign and order of size are what is sure.
     assert 0.6 < finding.values["gain"] / factor < 1.6
     assert check.mended
+
+
+def test_a_joint_of_which_no_row_counts_has_no_factor(tmp_path: Path) -> None:
+    balances = prepare(study(tmp_path, (0.6, 0.4, 0.2), (1.0, 9.81, 1.0))).fit
+    assert set(factors_by_model(balances)) == {1}
+    balances.mask["torque", 1][:] = False  # it rests wherever anything could be told
+    assert 1 not in factors_by_model(balances)
 
 
 def test_a_figure_on_its_bound_is_said_and_explains_nothing(tmp_path: Path) -> None:

@@ -56,6 +56,8 @@ def _judged(
     b, j = base.balances, scale.place.joints[0]
     limits = b.thresholds.channels
     key: Key = ("torque", j)
+    if not len(base.rows[key]):  # it rests wherever anything could be told
+        return None
     own = replace(scale, prior=scale.prior / _ANY**2)
     fit = base.without(scale).extended(own)
     factor = 1.0 + float(fit.beta[-1])
