@@ -24,6 +24,7 @@ import typer
 import yaml
 
 from campaign_cli import show, write_report
+from markdown import markdown_table
 from pdoik.h1.dodge import DodgeSearch, Plan, Planner
 from pdoik.h1.draw_throws import draw_throws
 from pdoik.h1.log import write_log
@@ -272,7 +273,7 @@ def main(
         )
         rows.append(row_of(name, cause, json.loads(answer.read_text()), seconds))
         print(rows[-1], flush=True)
-    text = pd.DataFrame(rows).to_markdown(index=False)
+    text = markdown_table(tuple(rows[0]), [tuple(row.values()) for row in rows])
     show(text)
     write_report(out / "h1_logs.md", text)
 
