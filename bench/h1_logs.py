@@ -20,6 +20,7 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pandas as pd
+import pinocchio as pin
 import typer
 import yaml
 
@@ -34,7 +35,7 @@ from pdoik.h1.predict import follow_plan
 from pdoik.h1.robot import FEET, JOINT_NAMES, URDF
 from pdoik.h1.shapes import SOLE_HEIGHT
 from pdoik.h1.throws import Throw
-from pdoik.sim2real import diagnose
+from pdoik.sim2real import CATALOGUE, diagnose
 from whole_files import write_text
 
 RUNS = 4  # the last is held out
@@ -45,109 +46,78 @@ SPARE = 3  # plans, for a machine that is not sound is hit or falls now and then
 SHORTEST = 2.5  # [s]
 CLAIMED = 0.75
 
-Change = Callable[[mujoco.MjModel], None]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cause:
     """What is concealed, and how it should be said."""
 
-    change: Change
+    change: Callable[[mujoco.MjModel], None] = lambda model: None
     effect: str = ""
     place: str = ""
     figure: str = ""  # the parameter that is compared
     value: float = 0.0
 
 
-def rubbing(joint: str, level: float) -> Change:
+def rubbing(joint: str, level: float) -> Cause:
     """Dry friction [N m]."""
 
     def change(model: mujoco.MjModel) -> None:
         model.dof_frictionloss[model.joint(joint).dofadr[0]] = level
 
-    return change
+    return Cause(change=change, effect="coulomb_friction", place=joint, figure="level", value=level)
 
 
-def damped(joint: str, more: float) -> Change:
+def damped(joint: str, more: float) -> Cause:
     """Viscous friction beyond what is believed [N m s/rad]."""
 
     def change(model: mujoco.MjModel) -> None:
         model.dof_damping[model.joint(joint).dofadr[0]] += more
 
-    return change
+    return Cause(
+        change=change, effect="viscous_friction", place=joint, figure="coefficient", value=more
+    )
 
 
-def loaded(body: str, mass: float, at: tuple[float, float, float]) -> Change:
+def loaded(body: str, mass: float, at: tuple[float, float, float]) -> Cause:
     """A point of mass [kg] at a place in the body's frame [m]."""
 
     def change(model: mujoco.MjModel) -> None:
-        i = model.body(body).id
-        own, center = float(model.body_mass[i]), model.body_ipos[i].copy()
-        turn = np.zeros(9)
+        i, turn = model.body(body).id, np.zeros(9)
         mujoco.mju_quat2Mat(turn, model.body_iquat[i])
         R = turn.reshape(3, 3)
-        inertia = R @ np.diag(model.body_inertia[i]) @ R.T
-        middle = (own * center + mass * np.array(at)) / (own + mass)
-        for m, place in ((own, center), (mass, np.array(at))):
-            d = place - middle
-            inertia = inertia + m * (d @ d * np.eye(3) - np.outer(d, d))
-        values, axes = np.linalg.eigh(inertia)
+        own = R @ np.diag(model.body_inertia[i]) @ R.T
+        both = pin.Inertia(float(model.body_mass[i]), model.body_ipos[i].copy(), own)
+        both += pin.Inertia(mass, np.array(at), np.zeros((3, 3)))
+        values, axes = np.linalg.eigh(both.inertia)
         axes[:, 2] *= np.linalg.det(axes)
         mujoco.mju_mat2Quat(model.body_iquat[i], axes.ravel())
-        model.body_mass[i], model.body_ipos[i] = own + mass, middle
-        model.body_inertia[i] = values
+        model.body_mass[i], model.body_ipos[i], model.body_inertia[i] = (
+            both.mass,
+            both.lever,
+            values,
+        )
         mujoco.mj_setConst(model, mujoco.MjData(model))
 
-    return change
+    return Cause(change=change, effect="payload", place=body, figure="mass", value=mass)
 
 
-def weak(joint: str, share: float) -> Change:
+def weak(joint: str, share: float) -> Cause:
     """A motor that gives less than is asked and logged."""
 
     def change(model: mujoco.MjModel) -> None:
         (motor,) = np.flatnonzero(model.actuator_trnid[:, 0] == model.joint(joint).id)
         model.actuator_gear[motor, 0] *= share
 
-    return change
+    return Cause(change=change, effect="torque_gain", place=joint, figure="gain", value=1.0 / share)
 
 
 CAUSES: dict[str, Cause] = {
-    "nothing": Cause(change=lambda model: None),
-    "a load of 3 kg on the torso": Cause(
-        change=loaded("torso_link", 3.0, (0.0, 0.1, 0.3)),
-        effect="payload",
-        place="torso_link",
-        figure="mass",
-        value=3.0,
-    ),
-    "a forearm that is 0.8 kg heavier": Cause(
-        change=loaded("left_elbow_link", 0.8, (0.2, 0.0, 0.0)),
-        effect="link_inertial_error",
-        place="left_elbow_link",
-        figure="d_mass",
-        value=0.8,
-    ),
-    "dry friction of 6 N m in a knee": Cause(
-        change=rubbing("right_knee_joint", 6.0),
-        effect="coulomb_friction",
-        place="right_knee_joint",
-        figure="level",
-        value=6.0,
-    ),
-    "viscous friction of 8 N m s/rad in a hip": Cause(
-        change=damped("left_hip_roll_joint", 8.0),
-        effect="viscous_friction",
-        place="left_hip_roll_joint",
-        figure="coefficient",
-        value=8.0,
-    ),
-    "a knee's motor that gives 0.85 of what is logged": Cause(
-        change=weak("left_knee_joint", 0.85),
-        effect="torque_gain",
-        place="left_knee_joint",
-        figure="gain",
-        value=1.0 / 0.85,
-    ),
+    "nothing": Cause(),
+    "a load of 3 kg on the torso": loaded("torso_link", 3.0, (0.0, 0.1, 0.3)),
+    "a forearm that is 0.8 kg heavier": loaded("left_elbow_link", 0.8, (0.2, 0.0, 0.0)),
+    "dry friction of 6 N m in a knee": rubbing("right_knee_joint", 6.0),
+    "viscous friction of 8 N m s/rad in a hip": damped("left_hip_roll_joint", 8.0),
+    "a knee's motor that gives 0.85 of what is logged": weak("left_knee_joint", 0.85),
 }
 
 
@@ -216,23 +186,23 @@ def write_study(folder: Path) -> None:
     write_text(folder / "study.yaml", yaml.safe_dump(study, sort_keys=False, width=100))
 
 
-def one_body(effect: str) -> tuple[str, ...]:
-    """Names of the same: what a link carries is an error of the link."""
-    bodies = ("link_inertial_error", "payload")
-    return bodies if effect in bodies else (effect,)
+def is_same(one: str, other: str) -> bool:
+    """Whether two names say the same: what a link carries is an error of the link."""
+    return one == other or (CATALOGUE[one].is_body and CATALOGUE[other].is_body)
 
 
 def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dict[str, Any]:
     """What is hidden beside what was said."""
-    claimed = [f for f in said["findings"] if f["confidence"] >= CLAIMED]
-    right = [
-        f
-        for f in claimed
-        if f["effect"] in one_body(cause.effect) and cause.place in (*f["joints"], *f["links"])
-    ]
-    told = right[0]["parameters"] if right else {}
-    figure = told.get(cause.figure, told.get(cause.figure.removeprefix("d_")))
-    others = [f"{f['effect']} {' '.join((*f['joints'], *f['links']))}" for f in claimed]
+    right, besides, figure = False, [], None
+    for finding in said["findings"]:
+        at, told = (*finding["joints"], *finding["links"]), finding["parameters"]
+        if finding["confidence"] < CLAIMED:
+            continue
+        if cause.place in at and is_same(cause.effect, finding["effect"]):
+            right = True
+            figure = figure or told.get(cause.figure, told.get(f"d_{cause.figure}"))
+        else:
+            besides.append(f"{finding['effect']} {' '.join(at)}")
     return {
         "concealed": name,
         "named at its place": "-" if not cause.effect else "yes" if right else "no",
@@ -240,9 +210,7 @@ def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dic
         if figure is None
         else f"{figure['value']:.3g} [{figure['interval95'][0]:.3g},"
         f" {figure['interval95'][1]:.3g}]; truly {cause.value:.3g}",
-        "said besides": "; ".join(
-            o for f, o in zip(claimed, others, strict=True) if f not in right
-        ),
+        "said besides": "; ".join(besides),
         "recorded [s]": f"{seconds:.0f}",
     }
 

@@ -12,6 +12,7 @@ where it was stopped. One process; needs the extras bench and sim2real.
 from __future__ import annotations
 
 import json
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -22,9 +23,6 @@ from typing import Annotated, Any
 import numpy as np
 import pandas as pd
 import typer
-from bench.concealed.motion import STEP, Motion
-from bench.concealed.spec import FIRST_PROOF_SEED, WorldSpec
-from bench.concealed.study_files import joint_names
 
 from campaign import Campaign, Row
 from campaign_cli import BUILD, OutFolder, Quick, Seed, console, plain_errors, show, write_report
@@ -38,7 +36,14 @@ from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
 from pdoik.sim2real.propose.propose import Wishes
 from pdoik.sim2real.propose.questions import open_findings
 from pdoik.sim2real.propose.questions import said as in_words
+from peer_library import ROOT
 from propose_worlds import WAYS, PoorWorld, Way, motion_of, poor_world
+
+sys.path.append(str(ROOT))  # the worlds are a package of the repository, not installed
+
+from bench.concealed.motion import STEP, Motion
+from bench.concealed.spec import FIRST_PROOF_SEED, WorldSpec
+from bench.concealed.study_files import joint_names
 
 SECONDS = 20.0
 SURE = 0.9

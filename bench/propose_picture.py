@@ -9,6 +9,7 @@ beside the log, with the friction of either name along both.
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,6 @@ from typing import Annotated
 import matplotlib.pyplot as plt
 import numpy as np
 import typer
-from bench.concealed.spec import WorldSpec
 
 from pdoik._files import renamed_when_whole
 from pdoik.sim2real import Diagnosis, Equivalent, examine, load_study, model_of
@@ -26,7 +26,12 @@ from pdoik.sim2real.effects.presliding_hysteresis import bristle
 from pdoik.sim2real.propose import Proposal, propose
 from pdoik.sim2real.propose.propose import Wishes
 from pdoik.sim2real.report.style import house_style
+from peer_library import ROOT
 from propose_worlds import poor_world
+
+sys.path.append(str(ROOT))  # the worlds are a package of the repository, not installed
+
+from bench.concealed.spec import WorldSpec
 
 SPEC = WorldSpec(seed=8000, effect="coulomb_friction", robot="random3")
 JOINT = "joint2"

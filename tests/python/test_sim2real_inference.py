@@ -171,6 +171,18 @@ def test_the_shape_of_friction_is_borne_out_though_its_size_is_another_each_day(
             assert support.gain > 0.5, term.effect
 
 
+def logged(
+    body: RigidBody, day: int, path: tuple[FloatArray, ...], added: FloatArray, *, noise: float
+) -> Motion:
+    """Twenty seconds along positions and their derivatives, with torques beyond the body's own."""
+    q, dq, ddq = path
+    tau = body.dynamics(q, dq, ddq).tau + added
+    tau = tau + noise * np.random.default_rng(day).standard_normal(q.shape)
+    alone = {"tau_cmd": None, "q_des": None, "dq_des": None}
+    run = replace(recording(body, 2, 20.0, q=q, dq=dq, tau=tau, **alone), name=f"day{day}")
+    return motion_of(run, body, None, 10.0, np.full(2, 1e-14), None)
+
+
 def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path) -> None:
     """Where it hardly moves only its weight is learnt; what swings is then any number at all."""
     body = RigidBody(write_arm(tmp_path, 2), ("j1", "j2"), None)
@@ -181,11 +193,7 @@ def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path
         time = PERIOD * np.arange(5000)
         q, dq, ddq = (part * wave(time, 2, order) for order in range(3))
         added = body.regressor(q, dq, ddq).reshape(len(q), 2, 20) @ heavier
-        noise = 0.03 * np.random.default_rng(k).standard_normal(q.shape)
-        tau = body.dynamics(q, dq, ddq).tau + added + noise
-        alone = {"tau_cmd": None, "q_des": None, "dq_des": None}
-        run = replace(recording(body, 2, 20.0, q=q, dq=dq, tau=tau, **alone), name=f"day{k}")
-        motions.append(motion_of(run, body, None, 10.0, np.full(2, 1e-14), None))
+        motions.append(logged(body, k, (q, dq, ddq), added, noise=0.03))
     b = Balances(motions)
     term = term_of(b, CATALOGUE["link_inertial_error"], Place(joints=(), link=1), ())
     assert term is not None
@@ -276,12 +284,8 @@ def test_a_recording_that_moves_one_way_says_nothing_of_frictions_change(tmp_pat
         q, dq, ddq = (wave(time, 2, order) for order in range(3))
         if k == 3:
             q[:, 1], dq[:, 1], ddq[:, 1] = 0.05 * time, 0.05, 0.0
-        noise = 0.02 * np.random.default_rng(k).standard_normal(q.shape)
-        tau = body.dynamics(q, dq, ddq).tau + noise
-        tau += 0.8 * np.tanh(dq / 0.01) + (0.4 if k == 3 else 0.0)
-        alone = {"tau_cmd": None, "q_des": None, "dq_des": None}
-        run = replace(recording(body, 2, 20.0, q=q, dq=dq, tau=tau, **alone), name=f"day{k}")
-        motions.append(motion_of(run, body, None, 10.0, np.full(2, 1e-14), None))
+        added = 0.8 * np.tanh(dq / 0.01) + (0.4 if k == 3 else 0.0)
+        motions.append(logged(body, k, (q, dq, ddq), added, noise=0.02))
     noisy, terms = background(Balances(motions))
     assert spreads_of(Fit(noisy, terms))[1] < 0.05
 

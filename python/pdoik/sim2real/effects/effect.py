@@ -199,6 +199,11 @@ class Effect(ABC):
         """Where to look for better nonlinear parameters."""
         return [(0.4 * value, 2.5 * value) for value in shape]
 
+    def free(self, shape: Shape) -> list[int]:
+        """Which nonlinear parameters may be moved; others only say where it acts."""
+        bounds = self.shape_bounds(shape)
+        return [i for i, (low, high) in enumerate(bounds) if high - low > 1e-9]
+
     def admissible(self, beta: FloatArray) -> bool:
         """Whether coefficients make physical sense."""
         lower, upper = self.bounds

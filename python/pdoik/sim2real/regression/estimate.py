@@ -32,7 +32,7 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     it is the parameter's. Intervals hold for the mean over sessions like those recorded.
     """
     rng = np.random.default_rng(seed)
-    moving = [(term, i) for term in wanted for i in _free(term)]
+    moving = [(term, i) for term in wanted for i in CATALOGUE[term.effect].free(term.shape)]
     extra = [_sensitivity(fit, term, i) for term, i in moving]
     wider = fit.extended(*extra) if extra else fit
     draws = wider.bootstrap(rng, DRAWS)
@@ -177,11 +177,6 @@ def _between_sessions(by_recordings: FloatArray, std: float) -> tuple[float, int
     count = len(by_recordings)
     squares = (count - 1) / count * float(np.sum((by_recordings - by_recordings.mean()) ** 2))
     return float(np.sqrt(max(squares - std**2, 0.0))), count - 1
-
-
-def _free(term: Term) -> list[int]:
-    bounds = CATALOGUE[term.effect].shape_bounds(term.shape)
-    return [i for i, (low, high) in enumerate(bounds) if high - low > 1e-9]
 
 
 def _step(term: Term, i: int) -> float:

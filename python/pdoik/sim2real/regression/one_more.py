@@ -67,11 +67,8 @@ class OneMore:
         if term.fixed:
             return 0.0
         _, gram, cross = self._sums(term)
-        known = gram - cross.T @ self._taken(cross) + np.diag(term.prior)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(known), 1e-300))
-        even = known * np.outer(scale, scale) + _TRACE * np.eye(len(known))
-        shown = there * np.outer(scale, scale)
-        return float(np.trace(np.linalg.lstsq(even, shown, rcond=None)[0])) / len(known)
+        reduced = gram - cross.T @ self._taken(cross)
+        return float(np.trace(_solved(term, gram, reduced, there))) / len(gram)
 
     def _sums(self, term: Term) -> _Sums:
         """A term's sums; the last ones are kept."""
@@ -106,7 +103,8 @@ class OneMore:
 
 
 def _solved(term: Term, gram: FloatArray, reduced: FloatArray, moment: FloatArray) -> FloatArray:
-    """The term's own coefficients, by columns of even size."""
+    """The term's own coefficients, by columns of even size, for (k,) or (k, m) moments."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram) + term.prior, 1e-300))
     even = (reduced + np.diag(term.prior)) * np.outer(scale, scale) + 1e-9 * np.eye(len(moment))
-    return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=_TRACE)[0])
+    found = np.linalg.lstsq(even, (scale * moment.T).T, rcond=_TRACE)[0]
+    return np.asarray((scale * found.T).T)

@@ -28,7 +28,7 @@ def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
     """
     effect = CATALOGUE[term.effect]
     bounds = effect.shape_bounds(term.shape)
-    free = [i for i, (low, high) in enumerate(bounds) if high - low > 1e-9]
+    free = effect.free(term.shape)
     if not free:
         return term
     beside = OneMore(base)

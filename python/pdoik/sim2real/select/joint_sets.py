@@ -136,12 +136,6 @@ def _has_company(name: str, names: set[str]) -> bool:
     return not beside or bool(names & set(beside))
 
 
-def _figures(term: Term) -> int:
-    """Of a term's shape, those that may be moved: others only say where it acts."""
-    bounds = CATALOGUE[term.effect].shape_bounds(term.shape)
-    return sum(high > low for low, high in bounds)
-
-
 class _Weights:
     """Costs of sets beside a fit whose coefficients stay free."""
 
@@ -175,9 +169,9 @@ class _Weights:
         beta = np.linalg.solve(self.gram[np.ix_(index, index)], self.moment[index])
         first, figures = 0, 0
         for i in chosen:
-            width = len(self.spans[i])
-            if not CATALOGUE[pool[i].effect].admissible(beta[first : first + width]):
+            effect, width = CATALOGUE[pool[i].effect], len(self.spans[i])
+            if not effect.admissible(beta[first : first + width]):
                 return np.inf
-            figures += width + _figures(pool[i])
+            figures += width + len(effect.free(pool[i].shape))
             first += width
         return float(-beta @ self.moment[index]) / self.noise + self.price * figures

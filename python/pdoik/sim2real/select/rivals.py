@@ -93,7 +93,7 @@ def swapped(state: Search) -> Search:
 
 def _wins(state: Search, rival: Trial, own: Trial) -> bool:
     if _alike(rival.term, own.term):
-        coarse, fine = sorted((rival, own), key=lambda t: CATALOGUE[t.term.effect].complexity)
+        coarse, fine = sorted((rival, own), key=lambda t: _complexity(t.term))
         little = coarse.gain > own.thresholds.no_finer * fine.gain or level(fine, coarse)
         return (rival is coarse) == little
     if not level(rival, own):
