@@ -78,6 +78,8 @@ class Hidden:
     """What the machine has that its description has not."""
 
     friction: dict[int, float] = field(default_factory=dict)  # dry, by joint [N m]
+    rotor: dict[int, float] = field(default_factory=dict)  # by joint [kg m^2]
+    gain: dict[int, float] = field(default_factory=dict)  # of what torques read, by joint
     payload: float = 0.0  # at (0.1, 0, 0.1) of the trunk [kg]
     offset: dict[int, float] = field(default_factory=dict)  # of encoders: q_true - q [rad]
     acc: tuple[float, float, float] = (0.0, 0.0, 0.0)  # the accelerometer's zero [m/s^2]
@@ -166,6 +168,10 @@ def recording(
         pushed[t] = np.linalg.norm(forces.reshape(3, 3), axis=1)
     for j, level in hidden.friction.items():
         tau[:, j] += level * np.tanh(dq[:, j] / 0.01)
+    for j, inertia in hidden.rotor.items():
+        tau[:, j] += inertia * ddq[:, j]
+    for j, gain in hidden.gain.items():
+        tau[:, j] *= gain
     felt = turn.inv().apply(acceleration + np.array([0.0, 0.0, 9.81]))
     felt += np.cross(alpha, IMU_PLACE) + np.cross(omega, np.cross(omega, IMU_PLACE))
     imu = IMU_TURN * Rotation.from_rotvec(hidden.tilt)

@@ -124,6 +124,8 @@ def test_rows_of_very_different_noise_hide_no_force(tmp_path: Path) -> None:
         ("imu_tilt", Place(), (), Hidden(tilt=(0.005, -0.01, 0.003)), [0.005, -0.01, 0.003]),
         ("joint_offset", Place(joints=(4,)), (0.02,), Hidden(offset={4: 0.02}), [0.02]),
         ("coulomb_friction", Place(joints=(2,)), (0.01,), Hidden(friction={2: 0.4}), [0.4]),
+        ("rotor_inertia", Place(joints=(2,)), (), Hidden(rotor={2: 0.02}), [0.02]),
+        ("torque_gain", Place(joints=(2,)), (0.0,), Hidden(gain={2: 1.02}), [0.02]),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -24,6 +24,7 @@ from .regression.trial import Search
 from .select.answerable import why_unanswerable
 from .select.base_tilt import first_search
 from .select.contacts import contact_term
+from .select.feet_again import with_feet_again
 from .select.gates import gated_term
 from .select.joint_sets import with_joint_sets
 from .select.level_sessions import with_level_sessions
@@ -33,6 +34,7 @@ from .select.rivals import swapped
 from .select.search import search
 from .select.shared_causes import with_shared_causes
 from .select.unnamed import with_unknown
+from .select.unspecific import without_unspecific
 from .study.read_study import load_study
 from .study.study import Study
 from .thresholds import Thresholds
@@ -135,7 +137,7 @@ def _examined(ready: Ready, seed: int, say: Tell) -> Examination:
         say("sessions", "once more, with friction as it is on average over sessions", 0.65)
         prepared, state = run_search(level, say)
     say("name", "every joint's friction, offset and rotor, weighed as a set", 0.72)
-    state = with_joint_sets(with_onsets(with_joint_sets(state)))
+    state = without_unspecific(with_joint_sets(with_onsets(with_joint_sets(state))))
     state = with_unknown(state)
     say("name", "looking for what else would explain the same", 0.75)
     state = with_shared_causes(without_needless_contacts(swapped(state)))
@@ -154,7 +156,7 @@ def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
     first = () if beside is None else beside.accepted
     for each in first:
         say("name", described(prepared, each), 0.15)
-    prepared, state = first_search(prepared, say, first)
+    prepared, state = with_feet_again(*first_search(prepared, say, first), say)
     nuisance = state.nuisance
     known = {term.key for term in first}
     contacts: tuple[Term, ...] = ()

@@ -166,7 +166,7 @@ def _commanded(m: Motion, j: int) -> FloatArray:
 
 def _own(m: Motion, j: int) -> FloatArray:
     """The model's torque, friction's columns, a constant; (T, 4)."""
-    return np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
+    return np.stack([m.borne[:, j], m.sign(j), m.dq[:, j], np.ones(len(m.time))], axis=1)
 
 
 def _with_rotor(m: Motion, j: int) -> FloatArray:
@@ -188,7 +188,7 @@ def _copies_model(b: Balances, body: RigidBody) -> bool:
                 continue
             torque = zero_phase(m.torque[:, j], m.cutoff, m.period)[good]
             by_plan = np.std(torque - zero_phase(planned[:, j], m.cutoff, m.period)[good])
-            by_motion = np.std(torque - zero_phase(m.tau[:, j], m.cutoff, m.period)[good])
+            by_motion = np.std(torque - zero_phase(m.borne[:, j], m.cutoff, m.period)[good])
             judged += 1
             floor = b.floor["torque", j]
             near = by_plan < limits.copy_floor * floor

@@ -17,7 +17,7 @@ from ..regression.clusters import clustered
 from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
 from .law import solved
-from .open_law import Saved, Strip, explicit
+from .open_law import Saved, Strip, explicit, followed_by_others
 
 _LEVELS = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98)  # of the highest effort
 _FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the fastest seen
@@ -105,6 +105,8 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
     clear = saved.t >= limits.late_t or bic >= limits.least_bic
     if saved.gain < limits.late_gain or not clear or explained < limits.followed:
         return None
+    if followed_by_others(_below(strips, rows, level, fall)) < limits.followed_elsewhere:
+        return None
     level, level_std, no_load, no_load_std = _figures(rows, asked, level, fall)
     return CutOff(
         joint=j,
@@ -126,6 +128,17 @@ def saved_by(cut: CutOff, strips: Sequence[Strip]) -> Saved:
     if rows is None or tried is None:
         return Saved(by=np.zeros(0), of=np.zeros(0))
     return _saved(rows, tried[0])
+
+
+def _below(strips: Sequence[Strip], rows: _Rows, level: float, fall: float) -> list[Strip]:
+    """The strips where nothing cuts them off."""
+    kept = []
+    for strip in strips:
+        most = level * np.maximum(1.0 - np.sign(strip.effort) * strip.speed * fall, _LEAST)
+        kept.append(
+            replace(strip, use=strip.use & (np.abs(strip.effort) <= most - rows.near(level)))
+        )
+    return kept
 
 
 def _rows(strips: Sequence[Strip]) -> _Rows | None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
-from .open_law import Left, Saved, Strip, left_by
+from .open_law import Left, Saved, Strip, followed_by_others, left_by
 
 _TIMES = np.array([0, 4, 8, 12, 16, 24, 32, 40, 50, 65, 80, 100, 125, 150, 180, 220]) * 1e-3
 _SKEWS = np.array([-60, -40, -20, -10, 0, 5, 10, 15, 20, 30, 40, 60, 80, 110, 150]) * 1e-3
@@ -128,6 +128,9 @@ def _late(
     period = max(strip.period for strip in strips)
     clear = saved.gain >= limits.late_gain and saved.t >= limits.late_t
     if best - usual < max(limits.later, period) or not clear:
+        return None
+    times = (best, 0.0) if curve.of == "delay" else (0.0, best)
+    if followed_by_others(strips, *times) < limits.followed_elsewhere:
         return None
     return Late(
         joint=j,

@@ -171,15 +171,41 @@ def left_by(strips: Sequence[Strip], delay: float, lag: float) -> Left:
 
 def followed(strips: Sequence[Strip], judges: Sequence[Strip]) -> float:
     """Share of the effort of other recordings that the law of these explains; below 0: none."""
-    parts = [_beside_slow(strip, 0.0, 0.0) for strip in strips]
+    left, whole = _missed(strips, judges)
+    return 1.0 - left / max(whole, 1e-300)
+
+
+def followed_by_others(strips: Sequence[Strip], delay: float = 0.0, lag: float = 0.0) -> float:
+    """Share of each recording's effort that the law of the others explains.
+
+    Of halves where there is only one; of commands so late and an effort that so lags [s].
+    """
+    parts = strips if len(strips) > 1 else _halves(strips[0])
+    pairs = [
+        _missed([*parts[:k], *parts[k + 1 :]], [part], delay, lag) for k, part in enumerate(parts)
+    ]
+    left, whole = np.sum(pairs, axis=0)
+    return 1.0 - float(left) / max(float(whole), 1e-300)
+
+
+def _halves(strip: Strip) -> list[Strip]:
+    first = np.arange(len(strip.q)) < len(strip.q) // 2
+    return [replace(strip, use=strip.use & half) for half in (first, ~first)]
+
+
+def _missed(
+    strips: Sequence[Strip], judges: Sequence[Strip], delay: float = 0.0, lag: float = 0.0
+) -> tuple[float, float]:
+    """Squares of other recordings' effort that the law of these leaves, and all of them."""
+    parts = [_beside_slow(strip, delay, lag) for strip in strips]
     A = _with_own_rates([columns for columns, _, _ in parts])
     beta = solved(A, np.concatenate([effort for _, effort, _ in parts]))
     law = np.append(beta[:COMMON], beta[COMMON:].mean())
     left = whole = 0.0
-    for columns, effort, _ in (_beside_slow(strip, 0.0, 0.0) for strip in judges):
+    for columns, effort, _ in (_beside_slow(strip, delay, lag) for strip in judges):
         left += float(np.sum((effort - columns @ law) ** 2))
         whole += float(np.sum(effort**2))
-    return 1.0 - left / max(whole, 1e-300)
+    return left, whole
 
 
 def _beside_slow(

@@ -237,7 +237,7 @@ def _columns(m: Motion, j: int, told: ToldController | None) -> FloatArray:
     on = ~let_go(r, j)
     given = r.duty[:, j] * supply(r, j, told) * on
     gravity = m.body.gravity(m.q)[:, j]
-    rigid = m.tau[:, j] - m.rotor(j)
+    rigid = m.load(j)
     lost = given * np.abs(r.duty[:, j])
     speed, sign = m.dq[:, j], m.sign(j)
     made_of = [gravity, rigid - gravity, m.ddq[:, j], sign, np.abs(rigid) * sign]

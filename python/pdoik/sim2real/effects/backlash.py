@@ -133,7 +133,7 @@ def _lag(motion: Motion, j: int, gap: float) -> FloatArray:
         joints = range(motion.n) if first else [j]
         gaps = np.array(_GAPS) if first else gap * 1.06 ** np.arange(-6.0, 7.0)
         pairs = [(i, float(g)) for i in joints for g in gaps]
-        load = np.stack([motion.tau[:, i] - motion.rotor(i) for i, _ in pairs], axis=1)
+        load = np.stack([motion.load(i) for i, _ in pairs], axis=1)
         inertia = np.stack([motion.mass_matrix[:, i, i] for i, _ in pairs], axis=1)
         inertia = np.maximum(inertia, 1e-6)
         lags = swing(load, inertia, motion.period, np.array([g for _, g in pairs]))

@@ -47,7 +47,7 @@ class GearEfficiency(Effect):
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Transmitted torque times direction, apart by the way power goes."""
         (j,) = place.joints
-        load = motion.tau[:, j] - motion.rotor(j)
+        load = motion.load(j)
         column = np.abs(load) * motion.sign(j)
         drives = load * motion.dq[:, j] > 0.0
         return {("torque", j): np.stack([column * drives, column * ~drives], axis=1)}

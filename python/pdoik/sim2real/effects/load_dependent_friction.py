@@ -40,7 +40,7 @@ class LoadDependentFriction(Effect):
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Transmitted torque times direction."""
         (j,) = place.joints
-        column = np.abs(motion.tau[:, j] - motion.rotor(j)) * motion.sign(j)
+        column = np.abs(motion.load(j)) * motion.sign(j)
         return {("torque", j): column[:, None]}
 
     def parts(self, site: Site) -> tuple[Part, ...]:

@@ -115,5 +115,5 @@ def _moved(
     acceleration = slope * ddq - harmonic**2 * value * dq**2
     torque = motion.by_motion(j, value, slope * dq, acceleration)
     # The rotor stays with the motor; what the link needs comes by the slope of its place.
-    torque[:, j] += slope * (motion.tau[:, j] - motion.rotor(j))
+    torque[:, j] += slope * motion.load(j)
     return on_torque_and_tip(motion, torque, tip_turned(motion, j, value))

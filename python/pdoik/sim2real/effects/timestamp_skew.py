@@ -59,7 +59,7 @@ class TimestampSkew(Effect):
             speed = motion.dq[:, j]
             late = shifted(speed, skew, motion.period) - speed
             return {("velocity", j): late[:, None], **through_law(motion, j, late)}
-        tau = motion.tau[:, j]
+        tau = motion.borne[:, j]
         columns: dict[Key, FloatArray] = {
             ("torque", j): (shifted(tau, skew, motion.period) - tau)[:, None]
         }

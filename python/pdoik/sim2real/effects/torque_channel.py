@@ -37,7 +37,7 @@ class TorqueChannel(Effect):
         (j,) = place.joints
         columns: Columns = {}
         if shape[0] != OF_DRIVE:
-            columns["torque", j] = self.error(motion, motion.tau[:, j])
+            columns["torque", j] = self.error(motion, motion.borne[:, j])
         if shape[0] != OF_BOTH:
             if motion.has_command(j) and motion.command is not None:
                 columns["drive", j] = self.error(motion, motion.command[:, j])

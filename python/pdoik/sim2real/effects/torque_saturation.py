@@ -170,7 +170,7 @@ def _needed(motions: Sequence[Motion], j: int, asked: FloatArray, level: float) 
     Fitted where less than the level was asked, noise apart.
     """
     parts = [
-        np.stack([m.tau[:, j], m.sign(j), m.dq[:, j], m.ddq[:, j], np.ones(len(m.time))], axis=1)
+        np.stack([m.borne[:, j], m.sign(j), m.dq[:, j], m.ddq[:, j], np.ones(len(m.time))], axis=1)
         for m in motions
     ]
     A = _smooth(motions, parts)
@@ -205,6 +205,6 @@ def _smooth(motions: Sequence[Motion], parts: Sequence[FloatArray]) -> FloatArra
 
 
 def _highest(motion: Motion, j: int) -> float:
-    """The highest torque of the rigid bodies alone, noise apart [N m]."""
-    smooth = np.abs(zero_phase(motion.tau[:, j], motion.cutoff, motion.period))
+    """The highest torque by the model alone, noise apart [N m]."""
+    smooth = np.abs(zero_phase(motion.borne[:, j], motion.cutoff, motion.period))
     return float(np.quantile(smooth, 0.9995))

@@ -186,9 +186,9 @@ def variable(motion: Motion, place: Place, code: int) -> FloatArray:
     elif name == "speed":
         values = motion.dq[:, j]
     elif name == "load":
-        values = motion.tau[:, j]
+        values = motion.borne[:, j]
     elif name == "other load":
-        values = motion.tau[:, place.joints[1]]
+        values = motion.borne[:, place.joints[1]]
     elif name.startswith("other position"):
         values = motion.q[:, place.joints[1]]
     elif name == "other speed":

@@ -10,7 +10,7 @@ from ..motion.balances import Balances, columns_of
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..motion.signals import zero_phase
-from ..regression.fit import Fit, Term
+from ..regression.fit import Weighted
 from ..regression.trusted_bodies import effect_of
 from ..report.data import Traces
 from ..study.recording import FloatArray
@@ -18,7 +18,6 @@ from ..study.recording import FloatArray
 if TYPE_CHECKING:
     from ..infer.conclude import Examination
 
-Weighted = list[tuple[Term, FloatArray]]
 
 _AXES: tuple[Key, ...] = (("tip", 0), ("tip", 1), ("tip", 2))
 
@@ -26,7 +25,7 @@ _AXES: tuple[Key, ...] = (("tip", 0), ("tip", 1), ("tip", 2))
 def traces_of(examination: Examination) -> tuple[Traces, ...]:
     """All recordings, in the study's order."""
     prepared = examination.prepared
-    every = weighted_terms(examination.state.fit) + examination.prediction.events
+    every = examination.state.fit.weighted + examination.prediction.events
     by_finding = [
         [pair for pair in every if any(pair[0] is term for term in terms)]
         for terms in examination.terms
@@ -37,14 +36,6 @@ def traces_of(examination: Examination) -> tuple[Traces, ...]:
         for i, motion in enumerate(balances.motions)
     }
     return tuple(parts[recording.name] for recording in prepared.study.recordings)
-
-
-def weighted_terms(fit: Fit) -> Weighted:
-    """Terms of a fit with their coefficients."""
-    return [
-        (term, np.ones(1) if term.fixed else fit.beta[offset : offset + term.width])
-        for term, offset in zip(fit.terms, fit.offsets, strict=False)
-    ]
 
 
 def shown_key(balances: Balances, j: int) -> Key | None:
@@ -96,7 +87,7 @@ def channel_notes(examination: Examination) -> tuple[str, ...]:
 
 def _halves(examination: Examination) -> list[tuple[Balances, Weighted]]:
     prepared = examination.prepared
-    weighted = weighted_terms(examination.state.fit)
+    weighted = examination.state.fit.weighted
     halves = [(prepared.fit, weighted)]
     if prepared.validate is not None:
         halves.append((prepared.validate, weighted + examination.prediction.events))
@@ -140,7 +131,7 @@ def _traces(
         clock=motion.recording.start + motion.time,
         q=motion.q,
         dq=motion.dq,
-        load=motion.tau[:, : motion.n] if prepared.body is not None else np.full(shape, np.nan),
+        load=motion.borne if prepared.body is not None else np.full(shape, np.nan),
         before=before,
         after=after,
         measured=measured,

@@ -59,7 +59,7 @@ def _shares(prepared: Prepared, state: Search, fit: Fit) -> dict[int, float]:
         if key not in state.fit.design or not b.excited[j] or not len(state.fit.rows[key]):
             continue
         left = float(np.sqrt(np.mean(state.fit.residual(key) ** 2))) * b.sigma[key]
-        tau = np.concatenate([m.tau[:, j] for m in b.motions])
+        tau = np.concatenate([m.borne[:, j] for m in b.motions])
         model = verdict.of_the_model * float(np.sqrt(np.mean(tau**2)))
         friction = float(np.sqrt(np.mean(friction_at(fit, j) ** 2)))
         usual = np.linalg.norm([friction, verdict.quiet * b.floor[key], model])

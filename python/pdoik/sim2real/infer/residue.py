@@ -28,7 +28,7 @@ def residue_of(b: Balances, key: Key, left: FloatArray) -> Residue:
     variables = {
         "speed": b.sampled([m.dq[:, j] for m in b.motions]),
         "position": b.sampled([m.q[:, j] for m in b.motions]),
-        "load": b.sampled([m.tau[:, j] for m in b.motions]),
+        "load": b.sampled([m.borne[:, j] for m in b.motions]),
         "time": b.time,
     }
     shares = {name: _between(x[rows], left[rows]) for name, x in variables.items()}

@@ -195,7 +195,7 @@ def simulation_notes(prepared: Prepared) -> list[str]:
     for j, name in enumerate(prepared.study.joints):
         key: Key = ("torque", j)
         if key in b.residual and b.mask[key].any():
-            left, size = b.rms(key), _rms(np.concatenate([m.tau[:, j] for m in b.motions]))
+            left, size = b.rms(key), _rms(np.concatenate([m.borne[:, j] for m in b.motions]))
             rest = limits.of_the_rest * prepared.fit.rms(key)
             if left > limits.of_the_model * size and left > rest:
                 apart.append(f"{name} by {left:.3g} N m")

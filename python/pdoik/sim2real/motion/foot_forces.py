@@ -18,7 +18,11 @@ from .signals import derivative, dilated, zero_phase
 
 
 def with_ground(
-    motion: Motion, ground: Ground, noise: NoiseThresholds, limits: FeetThresholds
+    motion: Motion,
+    ground: Ground,
+    noise: NoiseThresholds,
+    limits: FeetThresholds,
+    found: FloatArray | None = None,
 ) -> Motion:
     """The motion with all that its feet tell of the ground.
 
@@ -27,11 +31,12 @@ def with_ground(
         ground: as the user's simulator has it.
         noise: of the torques.
         limits: when a sole slips.
+        found: (T, rows) torques that were found beyond the model's; none if None.
     """
     base = motion.base
     if base is None or not motion.feet:
         return motion
-    loads = _loads(motion, noise)
+    loads = _loads(motion, noise, found)
     if loads is not None:
         motion = _with_loads(motion, loads)
     if base.position is None or base.rotation is None:
@@ -68,16 +73,22 @@ def with_ground(
 
 
 def _with_loads(motion: Motion, loads: list[FloatArray]) -> Motion:
-    """With the torques' change by the joints that constant forces on the feet make."""
+    """With what likeliest forces on the feet do to the torques, and how that changes by joints."""
     assert motion.body is not None
     pairs = list(zip(motion.feet, loads, strict=True))
     each = [force_by_position(foot, load[:, :3], motion.body.depth) for foot, load in pairs]
     by_feet = -np.sum(each, axis=0)
+    before = motion.cache.get("dtau_dq by feet", 0.0)
+    torques = [np.einsum("trk,tk->tr", foot.wrench, load) for foot, load in pairs]
     return replace(
         motion,
         feet=tuple(replace(foot, load=load) for foot, load in pairs),
-        dtau_dq=motion.dtau_dq + by_feet,
-        cache={**motion.cache, "dtau_dq by feet": by_feet},
+        dtau_dq=motion.dtau_dq - before + by_feet,
+        cache={
+            **{name: each for name, each in motion.cache.items() if not name.startswith("play ")},
+            "dtau_dq by feet": by_feet,
+            "tau by feet": -np.sum(torques, axis=0),
+        },
     )
 
 
@@ -100,16 +111,19 @@ def _grip(
     return tangential - ground.friction * force[:, 2], slips
 
 
-def _loads(motion: Motion, noise: NoiseThresholds) -> list[FloatArray] | None:
+def _loads(
+    motion: Motion, noise: NoiseThresholds, found: FloatArray | None
+) -> list[FloatArray] | None:
     """What each foot takes, (T, 3 or 6): the likeliest by torques and base."""
     if motion.torque is None or motion.setup.held:
         return None
-    left = motion.tau.copy()
+    left = motion.tau if found is None else motion.tau + found
+    left = left.copy()
     left[:, : motion.n] -= np.nan_to_num(motion.torque)
     sizes = foot_directions(motion, noise).sizes(left)
-    found, first = [], 0
+    loads, first = [], 0
     for foot in motion.feet:
         last = first + foot.wrench.shape[2]
-        found.append(zero_phase(sizes[:, first:last], motion.cutoff, motion.period))
+        loads.append(zero_phase(sizes[:, first:last], motion.cutoff, motion.period))
         first = last
-    return found
+    return loads

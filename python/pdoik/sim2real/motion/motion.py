@@ -80,6 +80,17 @@ class Motion:
         """The balance that row i of the torques belongs to."""
         return ("torque", i) if i < self.n else ("base", i - self.n)
 
+    @property
+    def borne(self) -> FloatArray:
+        """What the joints bear by the model, of the likeliest forces on feet too, (T, n)."""
+        own = self.tau[:, : self.n]
+        by_feet = self.cache.get("tau by feet")
+        return own if by_feet is None else own + by_feet[:, : self.n]
+
+    def load(self, j: int) -> FloatArray:
+        """Torque through joint j's gear by the model: all but that of its known rotor, (T,)."""
+        return np.asarray(self.borne[:, j] - self.rotor(j), dtype=np.float64)
+
     def dtau_dturn(self) -> FloatArray:
         """Torques per angular acceleration of a floating base, (T, rows, 3)."""
         if "dtau_dturn" not in self.cache:

@@ -80,7 +80,7 @@ class Scale:
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The model's torque."""
         (j,) = place.joints
-        return {("torque", j): motion.tau[:, j : j + 1]}
+        return {("torque", j): motion.borne[:, j : j + 1]}
 
 
 def has_its_like(effect: Effect) -> bool:
@@ -224,5 +224,5 @@ def _of_imu(balances: Balances) -> list[Term]:
 
 def usual_torque(balances: Balances, j: int) -> float:
     """What joint j's torque usually is, the model's and what differs from it [N m]."""
-    tau = np.concatenate([m.tau[:, j] for m in balances.motions])
+    tau = np.concatenate([m.borne[:, j] for m in balances.motions])
     return float(np.hypot(np.sqrt(np.mean(tau**2)), balances.rms(("torque", j))))

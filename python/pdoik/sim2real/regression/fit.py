@@ -22,6 +22,8 @@ _RIDGE = 1e-9  # relative to the largest diagonal entry
 
 
 TermKey = tuple[str, Place]
+Weighted = list[tuple["Term", FloatArray]]
+"""Terms with their coefficients, 1 of a fixed one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -275,6 +277,14 @@ class Fit:
         other = copy(self)
         other.beta = self.bounded()
         return other
+
+    @property
+    def weighted(self) -> Weighted:
+        """Its terms with their coefficients."""
+        return [
+            (term, np.ones(1) if term.fixed else self.beta[offset : offset + term.width])
+            for term, offset in zip(self.terms, self.offsets, strict=False)
+        ]
 
     def residual(self, key: Key, beta: FloatArray | None = None) -> FloatArray:
         """What is left on the rows that count, in sigmas."""

@@ -38,7 +38,7 @@ def first_search(
     """
     assumed = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
-    state = _searched(prepared, say, begin)
+    state = searched(prepared, say, begin)
     for turn in range(_LEANINGS):
         gravity = tilted_gravity(state)
         if gravity is None or np.linalg.norm(gravity - assumed) < matters:
@@ -47,15 +47,16 @@ def first_search(
         if turn > 0:  # too heavy a body goes with too small a tilt: half way
             gravity = (gravity + assumed) / 2.0
         tilted = _pulled_by(prepared, gravity)
-        same = [_anew(tilted.fit, term) for term in state.accepted]
-        again = _searched(tilted, say, tuple(term for term in same if term is not None))
+        same = [anew(tilted.fit, term) for term in state.accepted]
+        again = searched(tilted, say, tuple(term for term in same if term is not None))
         if _missed(again) > _missed(state):
             break
         prepared, state, assumed = tilted, again, gravity
     return prepared, state
 
 
-def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
+def searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
+    """The search beside the model's inertias within the user's trust."""
     return search(
         prepared.fit,
         trusted(prepared.fit, prepared.study.trust.rigid_body),
@@ -73,7 +74,8 @@ def _pulled_by(prepared: Prepared, gravity: FloatArray) -> Prepared:
     )
 
 
-def _anew(balances: Balances, term: Term) -> Term | None:
+def anew(balances: Balances, term: Term) -> Term | None:
+    """A term on other balances; None where it changes nothing there."""
     return term_of(balances, CATALOGUE[term.effect], term.place, term.shape)
 
 

@@ -52,6 +52,11 @@ class ControllerThresholds(Group):
     followed_itself: float = threshold(
         0.9, "the same of a joint that may be late, where the other joints reach it"
     )
+    followed_elsewhere: float = threshold(
+        0.5,
+        "share of other recordings' effort that a law must explain for what it misses, or asks for"
+        " beyond a limit, to mean anything: most of it",
+    )
     late_gain: float = threshold(
         0.1, "share of what a law leaves that coming late, or a limit, must save"
     )

@@ -1,0 +1,66 @@
+"""Causes that hide one another: feet's forces from a wrong torque, a rotor in a wrong link."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
+pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+
+from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.motion.place import Place, Shape
+from pdoik.sim2real.motion.prepare import Prepared, prepare
+from pdoik.sim2real.regression.fit import Fit, term_of
+from pdoik.sim2real.regression.trial import Search
+from pdoik.sim2real.select.feet_again import with_feet_again
+from pdoik.sim2real.select.unspecific import without_unspecific
+from sim2real_floating import Hidden, study
+
+KNEE = 2
+
+
+def found(prepared: Prepared, effect: str, place: Place, shape: Shape = ()) -> Search:
+    """A search that has accepted this alone."""
+    term = term_of(prepared.fit, CATALOGUE[effect], place, shape)
+    assert term is not None
+    start = Fit(prepared.fit, ())
+    return Search(balances=prepared.fit, nuisance=(), fit=start.extended(term), start=start)
+
+
+@pytest.mark.parametrize("gain", [0.75, 1.3])
+def test_feet_press_by_what_a_motor_truly_gives(tmp_path: Path, gain: float) -> None:
+    """Forces that follow from a reading that is wrong are wrong, and so is what goes by them."""
+    prepared = prepare(study(tmp_path, Hidden(gain={KNEE: gain}), contact=False))
+    first = found(prepared, "torque_gain", Place(joints=(KNEE,)), (0.0,))
+    said: list[str] = []
+    _, again = with_feet_again(prepared, first, lambda stage, text, share: said.append(text))
+    assert any("feet" in text for text in said)
+    assert [term.key for term in again.accepted] == [first.accepted[0].key]
+    errors = [abs(1.0 + state.fit.beta[-1] - gain) for state in (first, again)]
+    assert errors[1] < 0.005
+    assert errors[0] > 3.0 * errors[1]
+
+
+def test_forces_stay_where_nothing_goes_by_them(tmp_path: Path) -> None:
+    prepared = prepare(study(tmp_path, Hidden(rotor={KNEE: 0.02})))
+    first = found(prepared, "rotor_inertia", Place(joints=(KNEE,)))
+    same, state = with_feet_again(prepared, first, lambda *said: pytest.fail(str(said)))
+    assert same is prepared
+    assert state is first
+
+
+def test_a_rotor_and_a_heavy_trunk_are_no_wrong_thigh(tmp_path: Path) -> None:
+    prepared = prepare(study(tmp_path, Hidden(rotor={KNEE - 1: 0.05}, payload=0.05)))
+    (thigh,) = (k for k, name in enumerate(prepared.fit.motions[0].body.links) if name == "a_thigh")
+    state = without_unspecific(found(prepared, "link_inertial_error", Place(link=thigh)))
+    assert ("rotor_inertia", Place(joints=(KNEE - 1,))) in {term.key for term in state.accepted}
+    assert all(term.place.link != thigh for term in state.accepted)
+
+
+def test_a_wrong_body_stays(tmp_path: Path) -> None:
+    prepared = prepare(study(tmp_path, Hidden(payload=0.5)))
+    trunk = len(prepared.study.joints)
+    state = found(prepared, "payload", Place(link=trunk))
+    assert without_unspecific(state) is state
