@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +19,15 @@ from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.one_more import OneMore
 from pdoik.sim2real.regression.refine import refined
+from pdoik.sim2real.regression.screen import screen
+from pdoik.sim2real.thresholds import Thresholds
 from sim2real_motions import CUTOFF, moved
 
 KEYS = (("torque", 0), ("torque", 1), ("drive", 1))
 COUNT = 600
 
 
-@dataclass
+@dataclass(eq=False)
 class Rows:
     """Balances of made-up numbers: what a fit asks of them."""
 
@@ -34,6 +36,7 @@ class Rows:
     sigma: dict[Any, float]
     fold: np.ndarray
     block: np.ndarray
+    thresholds: Thresholds = field(default_factory=Thresholds)
 
     @property
     def keys(self) -> tuple[Any, ...]:
@@ -201,6 +204,22 @@ def test_one_term_more_does_what_the_extended_fit_does(added: int) -> None:
     bare = Fit(b, ())  # type: ignore[arg-type]
     alone = bare.cost() - Fit(b, [all_terms[added]]).cost()  # type: ignore[arg-type]
     assert OneMore(bare).gain(all_terms[added]) == pytest.approx(alone, rel=1e-7)
+
+
+def test_candidates_are_screened_by_what_a_fit_with_them_saves() -> None:
+    b = rows(12)
+    offsets = [term(20 + k, "torque_offset", 1, KEYS[k % 2 :]) for k in range(4)]
+    for each in offsets:  # so that all of them are worth a look
+        for key, column in each.columns.items():
+            b.residual[key] = b.residual[key] + column[:, 0] / np.std(column) * b.sigma[key]
+    whole = Fit(b, [*terms(), term(9, "torque_gain", 1)])  # type: ignore[arg-type]
+    fits = [whole, whole.without(whole.terms[2]), whole.extended(offsets[0]), Fit(b, ())]  # type: ignore[arg-type]
+    for fit in fits:  # sums of earlier ones are there by then
+        found = screen(fit, [each for each in offsets if each not in fit.terms])
+        assert len(found) >= 3
+        for each, gain in found:
+            assert gain == pytest.approx(fit.cost() - fit.extended(each).cost(), rel=1e-6)
+    assert screen(whole, []) == []
 
 
 def test_held_out_rows_are_predicted_by_a_fit_without_their_fold() -> None:

@@ -17,7 +17,7 @@ from pdoik.sim2real import load_study
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.regression.estimate import estimates
 from pdoik.sim2real.regression.fit import Fit
-from pdoik.sim2real.regression.trial import screen
+from pdoik.sim2real.regression.screen import screen
 from pdoik.sim2real.select.candidates import candidates
 
 MOST = 40  # terms

@@ -16,7 +16,8 @@ from ..regression.estimate import estimates, values_and_errors
 from ..regression.fit import Term, TermKey
 from ..regression.naming import described
 from ..regression.refine import refined
-from ..regression.trial import Search, Trial, cross_validated, held_out_squares, screen
+from ..regression.screen import screen
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares
 from ..select.candidates import candidates
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, huber, why_not

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
 from ..effects import CATALOGUE
 from ..findings import Support
@@ -104,89 +102,6 @@ def level(best: Trial, other: Trial) -> bool:
     used = difference[(best.blocks != 0.0) | (other.blocks != 0.0)]
     error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf
     return total < least.tie * best.gain and total < least.tie_error * error
-
-
-_TOGETHER = 400  # coefficients of candidates that are screened at once
-
-
-def screen(fit: Fit, terms: list[Term]) -> list[tuple[Term, float]]:
-    """Admissible candidates by training gain, the best shape of each effect and place."""
-    best: dict[TermKey, tuple[Term, float]] = {}
-    factor = linalg.cho_factor(fit.regular(fit.gram)) if fit.size else None  # of the training fit
-    left = {key: fit.residual(key) for key in fit.design}
-    least = fit.balances.thresholds.search.least_training_gain
-    for some in _chunks(terms):
-        for term, gain in zip(some, _training_gains(fit, some, factor, left), strict=True):
-            name = term.key
-            if gain > least and (name not in best or gain > best[name][1]):
-                best[name] = (term, gain)
-    return sorted(best.values(), key=lambda each: -each[1])
-
-
-def _chunks(terms: Sequence[Term]) -> Iterator[list[Term]]:
-    """Of some hundred coefficients each."""
-    some: list[Term] = []
-    for term in terms:
-        some.append(term)
-        if sum(each.width for each in some) >= _TOGETHER:
-            yield some
-            some = []
-    if some:
-        yield some
-
-
-def _training_gains(
-    fit: Fit,
-    terms: Sequence[Term],
-    factor: tuple[FloatArray, bool] | None,
-    left: dict[Key, FloatArray],
-) -> list[float]:
-    """Decrease of the cost where each term is added and all else refitted; -1 if inadmissible.
-
-    The design is read once for all of them.
-    """
-    ends = np.cumsum([0, *(term.width for term in terms)])
-    spans = [slice(a, b) for a, b in pairwise(ends.tolist())]
-    moment, cross = np.zeros(ends[-1]), np.zeros((fit.size, ends[-1]))
-    grams = [np.zeros((term.width, term.width)) for term in terms]
-    for key, design in fit.design.items():
-        there = [i for i, term in enumerate(terms) if key in term.columns]
-        if not there:
-            continue
-        rows, scale = fit.rows[key], 1.0 / fit.balances.sigma[key]
-        parts = [terms[i].columns[key][rows] * scale for i in there]
-        for i, part in zip(there, parts, strict=True):
-            grams[i] += part.T @ part
-        stacked = np.hstack(parts)
-        at = np.concatenate([np.arange(spans[i].start, spans[i].stop) for i in there])
-        moment[at] += stacked.T @ left[key]
-        if len(fit.index[key]):
-            cross[np.ix_(fit.index[key], at)] += design.against(stacked)
-    taken = cross if factor is None else linalg.cho_solve(factor, cross)
-    return [
-        _training_gain(term, moment[span], gram, cross[:, span].T @ taken[:, span])
-        for term, gram, span in zip(terms, grams, spans, strict=True)
-    ]
-
-
-def _training_gain(term: Term, moment: FloatArray, gram: FloatArray, taken: FloatArray) -> float:
-    """By a term's moment and Gram matrix, and what of this the fit's own terms take."""
-    if not np.diag(gram).max() > 0.0:
-        return -1.0
-    reduced = gram + np.diag(term.prior + 1e-9 * np.diag(gram).max()) - taken
-    if term.fixed:
-        return float(2 * moment[0] - reduced[0, 0])
-    values, vectors = np.linalg.eigh(reduced)
-    keep = values > 1e-8 * np.diag(gram).max()
-    along = vectors[:, keep].T @ moment
-    beta = vectors[:, keep] @ (along / values[keep])
-    effect = CATALOGUE[term.effect]
-    if not effect.admissible(beta):
-        beta = np.clip(beta, *[bound[: len(beta)] for bound in effect.bounds])
-        if not effect.admissible(beta):
-            return -1.0
-        return float(2 * beta @ moment - beta @ reduced @ beta)
-    return float(along @ (along / values[keep]))
 
 
 def held_out_squares(fit: Fit) -> dict[Key, FloatArray]:

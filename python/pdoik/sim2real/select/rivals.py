@@ -9,7 +9,8 @@ from ..findings import Equivalent
 from ..motion.rigid_body import RigidBody
 from ..regression.fit import Fit, Term
 from ..regression.refine import refined
-from ..regression.trial import Search, Trial, cross_validated, held_out_squares, level, screen
+from ..regression.screen import screen
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares, level
 from .candidates import candidates, has_company, implausibility, same_kind
 
 _TRIED = 8

@@ -11,13 +11,13 @@ from ..effects import CATALOGUE
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term
 from ..regression.refine import polished, refined
+from ..regression.screen import screen
 from ..regression.trial import (
     Search,
     Trial,
     cross_validated,
     held_out_squares,
     level,
-    screen,
     without,
 )
 from .candidates import blurred, candidates, has_company, implausibility

@@ -10,7 +10,8 @@ from ..effects import CATALOGUE
 from ..effects.unknown import VARIABLES, Unknown
 from ..motion.place import Key, Place
 from ..regression.fit import Fit, Term, term_of
-from ..regression.trial import Search, Trial, cross_validated, held_out_squares, screen
+from ..regression.screen import screen
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares
 
 _NAMELESS = CATALOGUE[Unknown.id]
 

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 
 from ..regression.fit import Term
 from ..regression.refine import refined
-from ..regression.trial import Search, Trial, cross_validated, held_out_squares, screen, without
+from ..regression.screen import screen
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares, without
 from .candidates import candidates, has_company
 
 _TRIED = 8  # narrower ones, and other places for what they leave
