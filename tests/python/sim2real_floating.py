@@ -83,6 +83,7 @@ class Hidden:
     payload: float = 0.0  # at (0.1, 0, 0.1) of the trunk [kg]
     offset: dict[int, float] = field(default_factory=dict)  # of encoders: q_true - q [rad]
     acc: tuple[float, float, float] = (0.0, 0.0, 0.0)  # the accelerometer's zero [m/s^2]
+    gyro: tuple[float, float, float] = (0.0, 0.0, 0.0)  # its rates' [rad/s]
     tilt: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the IMU, in its axes [rad]
 
 
@@ -189,7 +190,7 @@ def recording(
         q=seen(q, 2e-5),
         tau=seen(tau, 0.05),
         base=pose if has["pose"] else None,
-        gyro=seen(imu.inv().apply(omega), 4e-3) if has["imu"] else None,
+        gyro=seen(imu.inv().apply(omega) + hidden.gyro, 4e-3) if has["imu"] else None,
         acc=seen(imu.inv().apply(felt) + hidden.acc, 0.05) if has["imu"] else None,
         contact=seen(pushed, 0.5) if has["contact"] else None,
         valid=np.ones(len(time), dtype=np.bool_),

@@ -20,6 +20,7 @@ from pdoik.sim2real.confirm.ordinary_looks import Ordinary
 from pdoik.sim2real.confirm.sessions import borne_out, support_of
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
+from pdoik.sim2real.effects.torque_channel import OF_BOTH, OF_DRIVE, OF_REPORT
 from pdoik.sim2real.infer.changing_friction import spreads_of
 from pdoik.sim2real.infer.torque_scale import with_torque_scale
 from pdoik.sim2real.motion.balances import Balances
@@ -183,9 +184,9 @@ def logged(
     return motion_of(run, body, None, 10.0, np.full(2, 1e-14), None)
 
 
-def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path) -> None:
-    """Where it hardly moves only its weight is learnt; what swings is then any number at all."""
-    body = RigidBody(write_arm(tmp_path, 2), ("j1", "j2"), None)
+def swinging_once(folder: Path, friction: float = 0.0) -> tuple[Balances, Term]:
+    """An arm whose last link is heavier and swings in the first of three recordings only."""
+    body = RigidBody(write_arm(folder, 2), ("j1", "j2"), None)
     heavier = np.zeros(20)
     heavier[10:14] = 0.6, 0.1, -0.03, 0.05
     motions = []
@@ -193,13 +194,34 @@ def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path
         time = PERIOD * np.arange(5000)
         q, dq, ddq = (part * wave(time, 2, order) for order in range(3))
         added = body.regressor(q, dq, ddq).reshape(len(q), 2, 20) @ heavier
+        added[:, 0] += friction * np.tanh(dq[:, 0] / 2e-4)
         motions.append(logged(body, k, (q, dq, ddq), added, noise=0.03))
     b = Balances(motions)
     term = term_of(b, CATALOGUE["link_inertial_error"], Place(joints=(), link=1), ())
     assert term is not None
-    support = support_of(searched(b, term), term)
+    return b, term
+
+
+def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path) -> None:
+    """Where it hardly moves only its weight is learnt; what swings is then any number at all."""
+    b, heavier = swinging_once(tmp_path)
+    support = support_of(searched(b, heavier), heavier)
     assert support.sessions == support.agree == 2
     assert support.gain > 0.8
+
+
+def test_what_others_make_of_a_session_in_which_alone_a_body_swings_judges_nothing(
+    tmp_path: Path,
+) -> None:
+    """The swinging link is beside what is judged: its noise there must not count for that."""
+    b, heavier = swinging_once(tmp_path, friction=0.05)
+    dry = term_of(b, CATALOGUE["coulomb_friction"], Place(joints=(0,)), (0.0,))
+    assert dry is not None
+    state = searched(b, heavier, dry)
+    support, key = support_of(state, dry), ("torque", 0)
+    shown = dry.columns[key][state.fit.rows[key]] * state.fit.beta[-1] / b.sigma[key]
+    assert support.agree == support.sessions == 3
+    assert support.size == pytest.approx(float(np.sqrt(np.mean(shown**2))), rel=0.4)
 
 
 def test_an_offset_is_not_taken_for_friction_of_one_way(tmp_path: Path) -> None:
@@ -214,6 +236,21 @@ def test_an_offset_is_not_taken_for_friction_of_one_way(tmp_path: Path) -> None:
     dry = joint_term(world, "coulomb_friction", (0.02,))
     found = {term.effect for term in with_joint_sets(searched(world, dry)).accepted}
     assert found == {"coulomb_friction", "viscous_friction", "torque_offset"}
+
+
+def test_a_reports_zero_is_told_from_a_drives_whatever_was_taken_first(tmp_path: Path) -> None:
+    b = balances(tmp_path, noise=0.05)
+    for true, (report, drive) in ((OF_REPORT, (0.3, 0.0)), (OF_DRIVE, (0.0, -0.3))):
+        motions = []
+        for motion in b.motions:
+            torque, command = motion.torque.copy(), motion.torque.copy()
+            torque[:, 1] += report
+            command[:, 1] += drive
+            motions.append(replace(motion, torque=torque, command=command, cache={}))
+        world = Balances(motions)
+        for first in (OF_BOTH, OF_REPORT, OF_DRIVE):
+            term = joint_term(world, "torque_offset", (first,))
+            assert refined(Fit(world, ()), term).shape == (true,)
 
 
 def test_what_a_mass_that_is_a_tenth_off_explains_is_not_peculiar(tmp_path: Path) -> None:

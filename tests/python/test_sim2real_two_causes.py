@@ -13,7 +13,7 @@ from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.motion.place import Place, Shape
 from pdoik.sim2real.motion.prepare import Prepared, prepare
 from pdoik.sim2real.regression.fit import Fit, term_of
-from pdoik.sim2real.regression.trial import Search
+from pdoik.sim2real.regression.trial import Search, without
 from pdoik.sim2real.select.feet_again import with_feet_again
 from pdoik.sim2real.select.unspecific import without_unspecific
 from sim2real_floating import Hidden, study
@@ -64,3 +64,23 @@ def test_a_wrong_body_stays(tmp_path: Path) -> None:
     trunk = len(prepared.study.joints)
     state = found(prepared, "payload", Place(link=trunk))
     assert without_unspecific(state) is state
+
+
+def test_an_imus_zeros_are_plain_beside_friction_that_nothing_explains_yet(tmp_path: Path) -> None:
+    """They hardly show in the torques, which are most of what the search looks at."""
+    zeros = (0.03, -0.02, 0.025)
+    hidden = Hidden(gyro=zeros, friction=dict.fromkeys(range(9), 1.0))
+    state = found(prepare(study(tmp_path, hidden)), "imu_offset", Place())
+    trial = without(state, state.accepted[0])
+    assert trial.significant
+    assert state.fit.beta[-3:] == pytest.approx(zeros, abs=0.002)
+
+
+def test_what_soles_sink_in_by_anyway_is_a_trifle(tmp_path: Path) -> None:
+    (motion,) = prepare(study(tmp_path, Hidden(), runs=1)).fit.motions
+    softness, highest = CATALOGUE["foot_softness"], 0.0
+    for foot in motion.feet:
+        assert foot.normal is not None
+        highest = max(highest, float(foot.normal.max()))
+    for sinks, trifling in ((0.5e-3, True), (3e-3, False)):
+        assert softness.trifling({"compliance": sinks / highest}, motion, Place()) == trifling

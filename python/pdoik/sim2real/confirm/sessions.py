@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
 from ..findings import Support
-from ..regression.design import Design
 from ..regression.fit import Fit, Term
 from ..regression.one_more import OneMore
 from ..regression.refine import refined
@@ -131,7 +130,7 @@ class _Judged:
 
     gain: FloatArray  # of each block
     before: float  # sum of squares without it
-    rows: int
+    rows: float
 
 
 def _judged(others: Fit, term: Term) -> list[_Judged]:
@@ -144,7 +143,8 @@ def _left_out(others: Fit, term: Term, session: int) -> _Judged | None:
     """A session's judgement; None where the others say too little of what it shows.
 
     A body that only swings in one session may move there as it never does in others: what these
-    make of it is their noise, many times enlarged, and judges nothing.
+    make of it is their noise, many times enlarged, and judges nothing. Rows count the less, the
+    less the others say of what else is there.
     """
     b = others.balances
     base = others.on(b.without_session(session))
@@ -152,25 +152,28 @@ def _left_out(others: Fit, term: Term, session: int) -> _Judged | None:
     beside = OneMore(base)
     beta = beside.beta(learnt)
     own = np.zeros((learnt.width, learnt.width))
-    gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0
+    gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0.0
     for key, column in learnt.columns.items():
         rows = others.rows[key]
         part = column[rows]
         acts = np.sum(part**2, axis=1) if len(part) else np.zeros(0)
         at = (b.session[rows] == session) & (acts > 0.05 * (acts.mean() if len(acts) else 0.0))
+        index, design = others.index[key], others.design[key].at(at)
+        beneath = design @ np.eye(len(index))
+        sure = 1.0 / np.sqrt(1.0 + beside.doubt(index, beneath))
         there = _Rows(
             fit=others,
-            index=others.index[key],
-            design=others.design[key].at(at),
-            target=others.target[key][at],
+            index=index,
+            design=beneath * sure[:, None],
+            target=others.target[key][at] * sure,
         )
         before = there.left(base.beta) ** 2
-        shown = part[at] / b.sigma[key]
+        shown = part[at] / b.sigma[key] * sure[:, None]
         after = there.left(beta, learnt, shown) ** 2
         own += shown.T @ shown
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
         began += float(before.sum())
-        count += int(at.sum())
+        count += float(np.sum(sure**2))
     least = b.thresholds.support.least_elsewhere
     if beside.leverage(learnt, own) > (1.0 - least) / least:
         return None
@@ -183,7 +186,7 @@ class _Rows:
 
     fit: Fit
     index: NDArray[np.intp]  # of the design's columns among the coefficients
-    design: Design
+    design: FloatArray  # (N, w)
     target: FloatArray
 
     def left(

@@ -132,6 +132,12 @@ class FootSoftness(_OfFoot):
         """It sinks by the force that presses it."""
         return self._pressed(motion, place, "foot", -1.0)
 
+    def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
+        """Less than a sole's height is known to, whatever presses it."""
+        pressed = self._pressed(motion, place, "foot", values["compliance"])
+        least = motion.thresholds.feet.height
+        return bool(pressed) and all(float(each.max()) < least for each in pressed.values())
+
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return f"{where} sinks in by {1e5 * values['compliance']:.2g} mm for every 100 N."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
 from ..motion.place import Key
@@ -69,6 +70,17 @@ class OneMore:
         _, gram, cross = self._sums(term)
         reduced = gram - cross.T @ self._taken(cross)
         return float(np.trace(_solved(term, gram, reduced, there))) / len(gram)
+
+    def doubt(self, index: NDArray[np.intp], rows: FloatArray) -> FloatArray:
+        """Variance of what the fit says of other rows, (N,), in their noise's.
+
+        Args:
+            index: of the coefficients that act there, (w,).
+            rows: their columns there, (N, w) in sigmas.
+        """
+        scale = self._scale[index]
+        covariance = self._inverse[np.ix_(index, index)] * np.outer(scale, scale)
+        return np.asarray(np.maximum(np.sum((rows @ covariance) * rows, axis=1), 0.0))
 
     def _sums(self, term: Term) -> _Sums:
         """A term's sums; the last ones are kept."""

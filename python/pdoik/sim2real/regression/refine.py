@@ -10,7 +10,7 @@ from scipy import optimize
 
 from ..effects import CATALOGUE
 from ..study.recording import FloatArray
-from .fit import Fit, Term
+from .fit import Fit, Term, term_of
 from .one_more import OneMore
 from .trial import Search
 
@@ -21,6 +21,8 @@ _GRID = 7  # values of one parameter that are looked at first
 def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
     """The term with its nonlinear parameters moved to where the training cost is lowest.
 
+    One without any is the likeliest of the effect's variants.
+
     Args:
         base: the fit beside which it is tried.
         term: with the parameters to begin with.
@@ -30,7 +32,7 @@ def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
     bounds = effect.shape_bounds(term.shape)
     free = effect.free(term.shape)
     if not free:
-        return term
+        return _likeliest(base, term)
     beside = OneMore(base)
 
     def with_shape(values: FloatArray, *, again: bool = False) -> Term:
@@ -67,6 +69,16 @@ def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
         )
         best, lowest = result.x, float(result.fun)
     return with_shape(best) if lowest < -beside.gain(term) else term
+
+
+def _likeliest(base: Fit, term: Term) -> Term:
+    """Of the effect's variants there (a report is wrong, or a drive) the one that fits best."""
+    b, effect = base.balances, CATALOGUE[term.effect]
+    shapes = effect.shapes(b.motions, term.place)
+    others = [s for s in shapes if effect.variant(s) != effect.variant(term.shape)]
+    made = [term_of(b, effect, term.place, shape) for shape in others]
+    found = [term, *(each for each in made if each is not None and each.width == term.width)]
+    return max(found, key=OneMore(base).gain) if len(found) > 1 else term
 
 
 class _Cost(Protocol):

@@ -25,9 +25,9 @@ class Trial:
     term: Term
     gain: float  # sum over held-out rows, in squared sigmas, the prior's relief included
     t: float  # its mean over blocks by the standard error
-    size: float  # root mean square in sigmas on the rows where it acts
-    share: float  # of the mean square that its channels began with
-    of_rest: float  # of the mean square that was left where it acts
+    size: float  # root mean square in sigmas on the rows where it acts, see `_of_balances`
+    share: float  # of the mean square that its channels began with, likewise
+    of_rest: float  # of the mean square that was left where it acts, likewise
     rows: int  # on which it acts
     blocks: FloatArray  # gain of each block
     thresholds: SearchThresholds
@@ -126,19 +126,33 @@ def cross_validated(
         t = 0.0
     elif relief > least.least_relief * base.balances.repeats and gain > -0.2 * relief:
         gain, t = gain + relief, max(t, least.least_t)  # the prior asks for it
-    began = sum(float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in term.columns)
-    rest = sum(float(np.sum(held[key][acting[key]])) for key in term.columns)
+    own = {key: float(np.sum(held[key] - squares[key])) for key in term.columns}
+    rows = {key: float(np.sum(each)) for key, each in acting.items()}
+    began = {key: float(np.sum(state.start.target[key][acting[key]] ** 2)) for key in own}
+    rest = {key: float(np.sum(held[key][acting[key]])) for key in own}
     return Trial(
         term=term,
         gain=gain,
         t=t,
-        size=float(np.sqrt(max(gain, 0.0) / max(active_rows, 1))),
-        share=gain / max(began, 1e-12),
-        of_rest=gain / max(rest, 1e-12),
+        size=float(np.sqrt(max(_of_balances(gain, own, rows), 0.0))),
+        share=_of_balances(gain, own, began),
+        of_rest=_of_balances(gain, own, rest),
         rows=active_rows,
         blocks=blocks,
         thresholds=least,
     )
+
+
+def _of_balances(gain: float, gains: dict[Key, float], of: dict[Key, float]) -> float:
+    """A gain over what there is of something, each balance by what is gained there.
+
+    An IMU's zero is plain in its gyro, whatever friction is left in torques where it hardly shows.
+    """
+    better = {key: each for key, each in gains.items() if each > 0.0}
+    whole = sum(better.values())
+    if whole <= 0.0:
+        return gain / max(sum(of.values()), 1e-12)
+    return gain * sum(each**2 / max(of[key], 1e-12) for key, each in better.items()) / whole**2
 
 
 def _own_penalty(fit: Fit, term: Term) -> float:

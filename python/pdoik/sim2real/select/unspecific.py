@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from ..regression.fit import Term
 from ..regression.refine import refined
 from ..regression.screen import screen
-from ..regression.trial import Search, Trial, cross_validated, held_out_squares, without
+from ..regression.trial import Search, Trial, cross_validated, held_out_squares, level, without
 from .candidates import candidates, has_company
 
 _TRIED = 8  # narrower ones, and other places for what they leave
@@ -38,7 +38,8 @@ def _mostly(state: Search, term: Term) -> Search | None:
         rest = _trial(beside, term)
         for other in _elsewhere(beside, term):
             tried = _trial(beside, other)
-            if tried.gain >= rest.gain and _trial(base, other).gain < least * whole.gain:
+            as_well = tried.gain >= rest.gain or level(rest, tried)
+            if as_well and _trial(base, other).gain < least * whole.gain:
                 more = [other] if tried.significant else []
                 return beside.fitted([*beside.fit.terms, *more])
     return None
