@@ -61,7 +61,7 @@ class _Rows:
 
     def most(self, sign: FloatArray, level: float, fall: float) -> FloatArray:
         """What is given at most along `sign`; `fall` is one over the no-load speed, (N,)."""
-        return np.asarray(level * np.maximum(1.0 - sign * self.speed * fall, _LEAST))
+        return _most(sign * self.speed, level, fall)
 
     def at(self, level: float, fall: float) -> NDArray[np.bool_]:
         """Rows at the limit, or over it."""
@@ -130,11 +130,16 @@ def saved_by(cut: CutOff, strips: Sequence[Strip]) -> Saved:
     return _saved(rows, tried[0])
 
 
+def _most(along: FloatArray, level: float, fall: float) -> FloatArray:
+    """What is given at most at speeds along the effort, (N,)."""
+    return np.asarray(level * np.maximum(1.0 - along * fall, _LEAST))
+
+
 def _below(strips: Sequence[Strip], rows: _Rows, level: float, fall: float) -> list[Strip]:
     """The strips where nothing cuts them off."""
     kept = []
     for strip in strips:
-        most = level * np.maximum(1.0 - np.sign(strip.effort) * strip.speed * fall, _LEAST)
+        most = _most(np.sign(strip.effort) * strip.speed, level, fall)
         kept.append(
             replace(strip, use=strip.use & (np.abs(strip.effort) <= most - rows.near(level)))
         )

@@ -38,7 +38,7 @@ def first_search(
     """
     assumed = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     matters = prepared.study.thresholds.selection.tilt * STANDARD_GRAVITY
-    state = searched(prepared, say, begin)
+    state = _searched(prepared, say, begin)
     for turn in range(_LEANINGS):
         gravity = tilted_gravity(state)
         if gravity is None or np.linalg.norm(gravity - assumed) < matters:
@@ -47,15 +47,20 @@ def first_search(
         if turn > 0:  # too heavy a body goes with too small a tilt: half way
             gravity = (gravity + assumed) / 2.0
         tilted = _pulled_by(prepared, gravity)
-        same = [anew(tilted.fit, term) for term in state.accepted]
-        again = searched(tilted, say, tuple(term for term in same if term is not None))
+        again = searched_again(tilted, state, say)
         if _missed(again) > _missed(state):
             break
         prepared, state, assumed = tilted, again, gravity
     return prepared, state
 
 
-def searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
+def searched_again(prepared: Prepared, state: Search, say: Tell) -> Search:
+    """The search of a study that has changed, begun with what was accepted before."""
+    same = [anew(prepared.fit, term) for term in state.accepted]
+    return _searched(prepared, say, tuple(term for term in same if term is not None))
+
+
+def _searched(prepared: Prepared, say: Tell, begin: tuple[Term, ...] = ()) -> Search:
     """The search beside the model's inertias within the user's trust."""
     return search(
         prepared.fit,

@@ -19,7 +19,7 @@ from ..regression.fit import Weighted
 from ..regression.trial import Search
 from ..regression.trusted_bodies import effect_of
 from ..study.recording import FloatArray
-from .base_tilt import Tell, anew, searched
+from .base_tilt import Tell, anew, searched_again
 
 _ROUNDS = 3
 
@@ -31,9 +31,7 @@ def with_feet_again(prepared: Prepared, state: Search, say: Tell) -> tuple[Prepa
         if again is None or not _matters(state, again.fit):
             break
         say("name", "once more, with the feet's forces by what was found", 0.6)
-        prepared = again
-        same = [anew(again.fit, term) for term in state.accepted]
-        state = searched(again, say, tuple(term for term in same if term is not None))
+        prepared, state = again, searched_again(again, state, say)
     return prepared, state
 
 
