@@ -238,6 +238,23 @@ def test_an_offset_is_not_taken_for_friction_of_one_way(tmp_path: Path) -> None:
     assert found == {"coulomb_friction", "viscous_friction", "torque_offset"}
 
 
+def test_a_reports_zero_takes_the_place_of_friction_of_one_way_and_a_drives(tmp_path: Path) -> None:
+    """One figure in both balances for three that say the same of each alone."""
+    b = balances(tmp_path, noise=0.05)
+    motions = []
+    for motion in b.motions:
+        torque, command = motion.torque.copy(), motion.torque.copy()
+        torque[:, 1] += 0.3
+        motions.append(replace(motion, torque=torque, command=command, cache={}))
+    world = Balances(motions)
+    one_way = joint_term(world, "asymmetric_friction", ())
+    drive = joint_term(world, "torque_offset", (OF_DRIVE,))
+    begun = searched(world, one_way)
+    begun = begun.fitted([*begun.fit.terms, drive])
+    (found,) = with_joint_sets(begun).accepted
+    assert (found.effect, found.shape) == ("torque_offset", (OF_REPORT,))
+
+
 def test_a_reports_zero_is_told_from_a_drives_whatever_was_taken_first(tmp_path: Path) -> None:
     b = balances(tmp_path, noise=0.05)
     for true, (report, drive) in ((OF_REPORT, (0.3, 0.0)), (OF_DRIVE, (0.0, -0.3))):

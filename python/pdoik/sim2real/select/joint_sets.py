@@ -3,15 +3,18 @@
 Dry and viscous friction, Stribeck's, one that grows with the load, an offset and a rotor look alike
 one by one: which is taken first decides what is left for the others. Here all sets of them are
 weighed for each joint, beside everything else that was found, by the Bayesian information
-criterion with as many rows as say something new (Schwarz, Annals of Statistics 6(2), 1978).
+criterion with as many rows as say something new (Schwarz, Annals of Statistics 6(2), 1978). The
+zero of a report stands in the balance of its drive too: both balances are weighed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
 from ..effects import CATALOGUE
@@ -21,6 +24,7 @@ from ..regression.fit import Fit, Term, term_of
 from ..regression.one_more import OneMore
 from ..regression.refine import polished
 from ..regression.trial import Search, without
+from ..study.recording import FloatArray
 from .candidates import same_kind
 
 _SHAPES = 2  # of an effect that are weighed, those that explain most beside the plain ones
@@ -38,11 +42,10 @@ def with_joint_sets(state: Search) -> Search:
 
 def _at_joint(state: Search, j: int) -> Search:
     b, place = state.balances, Place(joints=(j,))
-    key: Key = ("torque", j)
     now = [t for t in state.accepted if _is_ordinary(t, place)]
     base = state.without(*now).fit
     pool = _pool(base, now, place)
-    weights = _Weights(base, pool, key)
+    weights = _Weights(base, pool, j)
     here, least = {t.key for t in now}, b.thresholds.search.better_set
     limit = weights.cost(pool, [pool.index(t) for t in now]) - least
     costs = [(weights.cost(pool, chosen), chosen) for chosen in _sets(pool)]
@@ -77,10 +80,16 @@ def _is_clear(state: Search, term: Term) -> bool:
 
 
 def _is_ordinary(term: Term, place: Place) -> bool:
-    """Whether it is of the joint's torque alone, and of every machine."""
-    key: Key = ("torque", place.joints[0])
-    of_torque = key in term.columns and {each[0] for each in term.columns} <= {"torque", "base"}
-    return of_torque and term.place == place and CATALOGUE[term.effect].ordinary
+    """Whether it is of the joint's torque alone, or of what gives it, and of every machine."""
+    own = term.columns.keys() & _own(place.joints[0])
+    elsewhere = {key[0] for key in term.columns.keys() - own}
+    ordinary = CATALOGUE[term.effect].ordinary
+    return bool(own) and elsewhere <= {"torque", "base"} and term.place == place and ordinary
+
+
+def _own(j: int) -> set[Key]:
+    """A joint's balances in which its torque stands."""
+    return {("torque", j), ("drive", j), ("law", j)}
 
 
 def _pool(base: Fit, now: Sequence[Term], place: Place) -> list[Term]:
@@ -139,27 +148,41 @@ def _has_company(name: str, names: set[str]) -> bool:
 class _Weights:
     """Costs of sets beside a fit whose coefficients stay free."""
 
-    def __init__(self, base: Fit, pool: Sequence[Term], key: Key) -> None:
-        rows, sigma = base.rows[key], base.balances.sigma[key]
-        columns = [t.columns[key][rows] / sigma for t in pool]
-        ends = np.cumsum([0, *(column.shape[1] for column in columns)])
+    def __init__(self, base: Fit, pool: Sequence[Term], j: int) -> None:
+        ends = np.cumsum([0, *(term.width for term in pool)])
         self.spans = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
-        C, left = np.hstack(columns), base.residual(key)
-        gram, self.moment = C.T @ C, C.T @ left
-        index = base.index[key]
-        if len(index):
-            cross = np.zeros((base.size, C.shape[1]))
-            cross[index] = base.design[key].against(C)
-            factor = linalg.cho_factor(base.regular(base.gram))
-            taken = linalg.cho_solve(factor, cross)  # by what was there, fitted anew
-            gram = gram - cross.T @ taken
-            C = C - base.design[key] @ taken[index]
+        keys = sorted(key for key in _own(j) & base.design.keys() if len(base.rows[key]))
+        columns = {key: _columns(base, pool, key) for key in keys}
+        cross = np.zeros((base.size, ends[-1]))
+        for key, C in columns.items():
+            if len(base.index[key]):
+                cross[base.index[key]] += base.design[key].against(C)
+        taken = np.zeros_like(cross)  # by what was there, fitted anew
+        if base.size:
+            taken = linalg.cho_solve(linalg.cho_factor(base.regular(base.gram)), cross)
+        left = {key: base.residual(key) for key in keys}
+        gram = np.sum([C.T @ C for C in columns.values()], axis=0) - cross.T @ taken
+        self.moment = np.sum([C.T @ left[key] for key, C in columns.items()], axis=0)
         prior = np.concatenate([t.prior for t in pool])
         self.gram = gram + np.diag(prior + 1e-6 * np.diag(gram) + 1e-12)
-        rest = left - C @ np.linalg.solve(self.gram, self.moment)
-        same = repeats(base.balances, key, rows, rest)
-        self.noise = max(float(np.mean(rest**2)), 1.0) * same
-        self.price = float(np.log(max(len(rows) / same, 8.0)))
+        whole = np.linalg.solve(self.gram, self.moment)
+        self.balances: dict[Key, _Balance] = {}
+        for key, C in columns.items():
+            if len(base.index[key]):
+                C = C - base.design[key] @ taken[base.index[key]]
+            rest = left[key] - C @ whole
+            same = repeats(base.balances, key, base.rows[key], rest)
+            self.balances[key] = _Balance(
+                moment=C.T @ left[key],
+                gram=C.T @ C,
+                noise=max(float(np.mean(rest**2)), 1.0) * same,
+                new=len(rest) / same,
+            )
+        self.prices = [float(np.log(max(self._new(term), 8.0))) for term in pool]
+
+    def _new(self, term: Term) -> float:
+        """Rows that say something new, of all balances where a term stands."""
+        return sum(each.new for key, each in self.balances.items() if key in term.columns)
 
     def cost(self, pool: Sequence[Term], chosen: Sequence[int]) -> float:
         """What a set leaves, by the noise, and its price; infinite where it cannot be."""
@@ -167,11 +190,41 @@ class _Weights:
             return 0.0
         index = np.concatenate([self.spans[i] for i in chosen])
         beta = np.linalg.solve(self.gram[np.ix_(index, index)], self.moment[index])
-        first, figures = 0, 0
+        first, price = 0, 0.0
         for i in chosen:
             effect, width = CATALOGUE[pool[i].effect], len(self.spans[i])
             if not effect.admissible(beta[first : first + width]):
                 return np.inf
-            figures += width + len(effect.free(pool[i].shape))
+            price += self.prices[i] * (width + len(effect.free(pool[i].shape)))
             first += width
-        return float(-beta @ self.moment[index]) / self.noise + self.price * figures
+        here = [each.gain(index, beta) for each in self.balances.values()]
+        noise = [each.noise for each in self.balances.values()]
+        elsewhere = float(beta @ self.moment[index]) - sum(here)
+        return price - float(np.sum(np.divide(here, noise))) - elsewhere / max(noise)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Balance:
+    """A joint's own balance, beside what else was found, fitted anew."""
+
+    moment: FloatArray  # (w,) of the pool's columns with what is left
+    gram: FloatArray  # (w, w)
+    noise: float  # of a row that says something new, squared, in sigmas
+    new: float  # rows that do
+
+    def gain(self, index: NDArray[np.intp], beta: FloatArray) -> float:
+        """By how much the sum of squares falls with some of the columns."""
+        gram = self.gram[np.ix_(index, index)]
+        return float(2.0 * beta @ self.moment[index] - beta @ gram @ beta)
+
+
+def _columns(base: Fit, pool: Sequence[Term], key: Key) -> FloatArray:
+    """A pool's columns at a balance, in sigmas, (N, w); zero where a term does not stand."""
+    rows, sigma = base.rows[key], base.balances.sigma[key]
+    parts = [
+        term.columns[key][rows] / sigma
+        if key in term.columns
+        else np.zeros((len(rows), term.width))
+        for term in pool
+    ]
+    return np.hstack(parts)
