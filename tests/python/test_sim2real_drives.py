@@ -132,6 +132,25 @@ def test_a_line_that_falls_with_speed_is_found() -> None:
     assert found.no_load == pytest.approx(1.9, rel=0.15)
 
 
+def test_a_level_of_a_law_that_no_other_recording_bears_out_is_none() -> None:
+    """One shows the law's part of the error, one that of speed: each alone is only a fit."""
+    first, second = strips(lambda: Pid(kp=40.0, kd=3.0, limit=1.6))
+    none = np.zeros_like(first.q)
+
+    def cut(strip: Strip) -> Strip:
+        asked = 40.0 * (strip.aim - strip.q) + 3.0 * (strip.pace - strip.speed)
+        return replace(strip, effort=np.clip(asked, -1.6, 1.6))
+
+    apart = (
+        cut(replace(first, speed=none, pace=none, rate=none)),
+        cut(replace(second, q=second.aim)),
+    )
+    unasked = replace(LIMITS, followed_elsewhere=-1e9)
+    for own, borne_out in (((cut(first), cut(second)), True), (apart, False)):
+        assert isinstance(cut_off(0, own, unasked), CutOff)
+        assert isinstance(cut_off(0, own, LIMITS), CutOff) == borne_out
+
+
 def test_a_torque_that_merely_peaks_has_no_limit() -> None:
     for own in machine().values():
         assert cut_off(0, own, LIMITS) is None

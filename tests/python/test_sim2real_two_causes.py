@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.motion.place import Place, Shape
+from pdoik.sim2real.motion.motion_noise import ImuNoise
+from pdoik.sim2real.motion.place import Key, Place, Shape
 from pdoik.sim2real.motion.prepare import Prepared, prepare
+from pdoik.sim2real.motion.signals import derivative, zero_phase
 from pdoik.sim2real.regression.fit import Fit, term_of
 from pdoik.sim2real.regression.trial import Search, without
 from pdoik.sim2real.select.feet_again import with_feet_again
@@ -74,6 +77,37 @@ def test_an_imus_zeros_are_plain_beside_friction_that_nothing_explains_yet(tmp_p
     trial = without(state, state.accepted[0])
     assert trial.significant
     assert state.fit.beta[-3:] == pytest.approx(zeros, abs=0.002)
+
+
+def test_beside_a_pose_an_accelerometer_says_its_zero_by_itself(tmp_path: Path) -> None:
+    """Slowly, where a pose's second derivative has next to no noise: no body is needed for it."""
+    zeros = (0.1, -0.15, 0.3)
+    b = prepare(study(tmp_path, Hidden(acc=zeros))).fit
+    for axis, zero in enumerate(zeros):
+        key: Key = ("imu", 3 + axis)
+        rows = b.residual[key][b.mask[key]]
+        assert len(rows) > 20
+        assert rows.mean() == pytest.approx(zero, abs=0.01)
+        assert b.sigma[key] < 0.02
+
+
+@pytest.mark.parametrize("cutoff", [1.0, 8.0])
+def test_a_poses_noise_is_what_its_derivatives_have_of_it(cutoff: float) -> None:
+    rng, period = np.random.default_rng(3), 4e-3
+    turns, moves, gyro, acc = (1e-3, 5e-4, 4e-3, 0.05)
+    noise = ImuNoise(
+        pose=np.repeat([turns, moves], 3) ** 2 * 2.0 * period,
+        imu=np.repeat([gyro, acc], 3) ** 2 * 2.0 * period,
+    )
+    white = rng.standard_normal((200_000, 4)) * [turns, moves, gyro, acc]
+    rates = derivative(white[:, :1], period) + white[:, 2:3]
+    felt = derivative(derivative(white[:, 1:2], period), period) + white[:, 3:4]
+    left = zero_phase(np.hstack([rates, felt]), cutoff, period, noisy=True)[500:-500].std(axis=0)
+    expected = np.sqrt(noise.variance(cutoff)[[0, 3]])
+    assert left == pytest.approx(expected, rel=0.2)
+    at = noise.band()[[0, 3]]
+    assert turns * 2 * np.pi * at[0] == pytest.approx(gyro)
+    assert moves * (2 * np.pi * at[1]) ** 2 == pytest.approx(acc)
 
 
 def test_what_soles_sink_in_by_anyway_is_a_trifle(tmp_path: Path) -> None:

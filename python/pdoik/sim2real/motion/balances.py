@@ -14,7 +14,7 @@ from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from .free_rows import free_rows
 from .motion import Motion
-from .motion_noise import inertial_noise, pose_noise, position_noise
+from .motion_noise import imu_noise, inertial_noise, position_noise
 from .place import Balance, Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
 from .told_sessions import told_sessions
@@ -22,6 +22,7 @@ from .told_sessions import told_sessions
 _Name = tuple[str, Place, Shape]  # of a cause, where it acts and its shape
 _NOTHING = 1e-100
 _RECENT = 150  # columns that are kept for a while
+_PERIODS = 10.0  # of the lowest cut-off that fit into a recording
 _OF_FEET: tuple[Balance, ...] = ("foot", "grip")
 
 
@@ -34,6 +35,11 @@ class Cause(Protocol):
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What it adds per unit of its coefficients, at the motion's rate."""
+
+
+def _end(motion: Motion, cutoff: float) -> int:
+    """Samples at either end that a filter makes too much of."""
+    return int(1.0 / (cutoff * motion.period)) + 1
 
 
 def columns_of(cause: Cause, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -87,6 +93,7 @@ class Balances:
         self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
         self._last: tuple[_Name | None, list[Columns]] = None, []
         self._free = [free_rows(motion, self.thresholds.noise) for motion in motions]
+        self._cutoffs = self._lower_cutoffs()
         for key, values in self._freed(self._raw()).items():
             self._add(key, values)
 
@@ -95,21 +102,31 @@ class Balances:
         """Balances and channels that these motions have."""
         return tuple(self.residual)
 
-    def thin(self, motion: int, values: FloatArray) -> FloatArray:
+    def thin(self, motion: int, values: FloatArray, cutoff: float | None = None) -> FloatArray:
         """Filter and leave out samples, as every balance is; (T, ...) to (N of the motion, ...)."""
         m = self.motions[motion]
-        thin = zero_phase(values, m.cutoff, m.period)[:: self._steps[motion]]
+        if cutoff is None:
+            smooth = zero_phase(values, m.cutoff, m.period)
+        else:  # what was smoothed before is wrong at its ends, and would be spread
+            inner = slice(_end(m, m.cutoff), len(values) - _end(m, m.cutoff))
+            smooth = np.zeros_like(values)
+            smooth[inner] = zero_phase(values[inner], cutoff, m.period, noisy=True)
+        thin = smooth[:: self._steps[motion]]
         # What a filter leaves long after is no number to reckon with, and slow to reckon with.
         return np.where(np.abs(thin) < _NOTHING, 0.0, thin)
 
     def _thinned(self, motion: int, columns: Columns) -> Columns:
         """Columns of the balances that there are, thinned: all at once, which is quicker."""
-        kept = {key: values for key, values in columns.items() if key in self.residual}
-        if not kept:
-            return {}
-        thin = self.thin(motion, np.hstack(list(kept.values())))
-        ends = np.cumsum([values.shape[1] for values in kept.values()])[:-1]
-        return dict(zip(kept, np.split(thin, ends, axis=1), strict=True))
+        result: dict[Key, FloatArray] = {}
+        by_cutoff: dict[float | None, dict[Key, FloatArray]] = {}
+        for key, values in columns.items():
+            if key in self.residual:
+                by_cutoff.setdefault(self._cutoffs.get(key), {})[key] = values
+        for cutoff, kept in by_cutoff.items():
+            thin = self.thin(motion, np.hstack(list(kept.values())), cutoff)
+            ends = np.cumsum([values.shape[1] for values in kept.values()])[:-1]
+            result |= zip(kept, np.split(thin, ends, axis=1), strict=True)
+        return result
 
     def sampled(self, values: Sequence[FloatArray]) -> FloatArray:
         """Unfiltered values of every motion at the rows, (N, ...)."""
@@ -222,7 +239,7 @@ class Balances:
                 raw["servo", j] = [m.q[:, j] - _column(m.q_des, j) for m in self.motions]
         for axis in range(first.rows - self.n):
             raw["base", axis] = [-m.tau[:, self.n + axis] for m in self.motions]
-        if all(m.base is not None and m.base.disagreement is not None for m in self.motions):
+        if self._has_imu_beside_pose():
             for axis in range(6):
                 raw["imu", axis] = [_column(m.base.disagreement, axis) for m in self.motions]  # type: ignore[union-attr]
         for k in range(len(first.feet)):
@@ -231,6 +248,18 @@ class Balances:
             for axis in range(6):
                 raw["tip", axis] = [_column(m.tip_error, axis) for m in self.motions]
         return raw
+
+    def _has_imu_beside_pose(self) -> bool:
+        return all(m.base is not None and m.base.disagreement is not None for m in self.motions)
+
+    def _lower_cutoffs(self) -> dict[Key, float]:
+        """Of balances that have nothing to say up to the motions' own [Hz]."""
+        if not self._has_imu_beside_pose():
+            return {}
+        least = max(_PERIODS / (len(m.time) * m.period) for m in self.motions)
+        band = np.median([imu_noise(m).band() for m in self.motions], axis=0)
+        most = self.motions[0].cutoff
+        return {("imu", k): float(min(max(each, least), most)) for k, each in enumerate(band)}
 
     def freed(self, motion: int, columns: Columns) -> Columns:
         """Columns at a motion's rate without what forces of unknown size may do."""
@@ -254,11 +283,13 @@ class Balances:
 
     def _add(self, key: Key, values: list[FloatArray]) -> None:
         balance, channel = key
-        self.residual[key] = np.concatenate([self.thin(i, v) for i, v in enumerate(values)])
+        lower = self._cutoffs.get(key)
+        self.residual[key] = np.concatenate([self.thin(i, v, lower) for i, v in enumerate(values)])
         masks = []
         for i, m in enumerate(self.motions):
             good = m.valid.copy()
-            edge = int(1.0 / (m.cutoff * m.period)) + 1
+            cutoff = lower or m.cutoff
+            edge = _end(m, cutoff) + (0 if lower is None else _end(m, m.cutoff))
             good[:edge] = good[-edge:] = False
             free = self._free[i]
             if free is not None and balance in ("torque", "base"):
@@ -269,7 +300,9 @@ class Balances:
                 # At rest dry friction takes whatever value holds the joint: nothing to learn.
                 around = int(0.3 / (m.cutoff * m.period))
                 good &= ~dilated(m.still[:, channel], around)
-            masks.append(good[:: self._steps[i]])
+            rows = good[:: self._steps[i]]
+            rows[np.arange(len(rows)) % max(1, int(m.cutoff / cutoff)) > 0] = False
+            masks.append(rows)
         mask = np.concatenate(masks)
         if balance in ("torque", "velocity", "servo") and not self.excited[channel]:
             mask = np.zeros_like(mask)
@@ -298,12 +331,13 @@ class Balances:
             if free is not None and balance in ("torque", "base"):
                 variances.append(free.noise(key))
                 continue
+            if balance == "imu":
+                variances.append(float(imu_noise(m).variance(self._cutoffs[key])[channel]))
+                continue
             density = float(noise_density(each[:, None], m.period, 1.5 * m.cutoff)[0])
             variance = density * m.cutoff
             if balance == "torque":
                 variance += float(inertial_noise(m)[channel])
-            elif balance == "imu":
-                variance += float(pose_noise(m)[channel])
             elif balance == "velocity":
                 q_noise = position_noise(m.recording.q, m.period)[channel]
                 variance += q_noise * (2 * np.pi) ** 2 * m.cutoff**3 / 3

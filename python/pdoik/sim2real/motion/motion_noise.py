@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..study.recording import FloatArray
@@ -31,15 +33,45 @@ def inertial_noise(motion: Motion) -> FloatArray:
     return np.asarray(squared @ acceleration, dtype=np.float64)
 
 
-def pose_noise(motion: Motion) -> FloatArray:
-    """Variance that noise of a base's pose leaves in its rates and accelerations, (6,)."""
-    pose = motion.recording.base
-    if pose is None:
-        return np.zeros(6)
-    density = noise_density(pose, motion.period, 0.25 / motion.period)
-    turns = 4.0 * np.mean(density[3:]) * (2 * np.pi) ** 2 * motion.cutoff**3 / 3
-    moves = density[:3] * (2 * np.pi) ** 4 * motion.cutoff**5 / 5
-    return np.concatenate([np.full(3, turns), np.full(3, np.mean(moves))])
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ImuNoise:
+    """Densities of white noise beside which an IMU and a base's pose disagree, (6,) as these do."""
+
+    pose: FloatArray  # [rad^2/Hz] of turns, [m^2/Hz] of places
+    imu: FloatArray  # [(rad/s)^2/Hz], [(m/s^2)^2/Hz]
+
+    def band(self) -> FloatArray:
+        """Frequency up to which there is something to learn [Hz], (6,).
+
+        The pose's noise grows with frequency, once or twice differentiated: beyond where it passes
+        the IMU's own, its derivatives only hide what the IMU says.
+        """
+        ratio = np.divide(self.imu, self.pose, out=np.full(6, np.inf), where=self.pose > 0.0)
+        return np.asarray(ratio ** (0.5 / _ORDERS) / (2 * np.pi), dtype=np.float64)
+
+    def variance(self, cutoff: float) -> FloatArray:
+        """Of both below a cut-off [Hz], (6,)."""
+        power = 2.0 * _ORDERS + 1.0
+        moved = self.pose * (2 * np.pi) ** (2.0 * _ORDERS) * cutoff**power / power
+        return np.asarray(moved + self.imu * cutoff, dtype=np.float64)
+
+
+_ORDERS = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # derivatives of the pose
+
+
+def imu_noise(motion: Motion) -> ImuNoise:
+    """Of a motion with a pose and an IMU."""
+    recording = motion.recording
+    assert recording.base is not None
+    assert recording.gyro is not None
+    assert recording.acc is not None
+    pose = noise_density(recording.base, motion.period, 0.25 / motion.period)
+    felt = np.hstack([recording.gyro, recording.acc])
+    turns, moves = 4.0 * np.mean(pose[3:]), np.mean(pose[:3])
+    return ImuNoise(
+        pose=np.repeat([turns, moves], 3),
+        imu=noise_density(felt, motion.period, 0.25 / motion.period),
+    )
 
 
 def base_noise(motion: Motion) -> FloatArray:

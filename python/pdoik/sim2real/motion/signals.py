@@ -14,21 +14,27 @@ from ..study.recording import FloatArray
 _ORDER = 4  # of the Butterworth filter, run forwards and backwards
 
 
-def zero_phase(values: FloatArray, cutoff: float, period: float) -> FloatArray:
+def zero_phase(
+    values: FloatArray, cutoff: float, period: float, *, noisy: bool = False
+) -> FloatArray:
     """Low-pass along axis 0 without delay (Butterworth, forwards and backwards).
 
     Args:
         values: (T, ...), NaN columns stay NaN.
         cutoff: [Hz]; at or above 0.9 of Nyquist nothing is filtered.
         period: [s].
+        noisy: beyond its ends it goes on as in a mirror. Without, it turns about its first and last
+            value, as what is smooth does; where these are mostly noise they are not to be followed.
     """
     nyquist = 0.5 / period
     if cutoff >= 0.9 * nyquist or len(values) < 3:
         return np.asarray(values, dtype=np.float64)
     sections, rest = _sections(cutoff / nyquist)
     pad = min(len(values) - 1, int(3 / (cutoff * period)))
-    ends = (2.0 * values[:1] - values[pad:0:-1], 2.0 * values[-1:] - values[-2 : -pad - 2 : -1])
-    there = np.concatenate([ends[0], values, ends[1]])
+    before, after = values[pad:0:-1], values[-2 : -pad - 2 : -1]
+    if not noisy:
+        before, after = 2.0 * values[:1] - before, 2.0 * values[-1:] - after
+    there = np.concatenate([before, values, after])
     rest = rest.reshape(rest.shape + (1,) * (values.ndim - 1))
     for _ in range(2):  # forwards, and backwards; each begins at rest at the first value
         there, _state = signal.sosfilt(sections, there, axis=0, zi=rest * there[:1])
