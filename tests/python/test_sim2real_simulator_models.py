@@ -47,7 +47,7 @@ def test_runs_are_those_of_mujoco_itself() -> None:
 def test_sensitivities_are_differences_of_models() -> None:
     experiment = Experiment(user(), [log(4.0, 3)])
     knobs = (Knob("damping", 1), Knob("kp", 0))
-    about = sensitivities(experiment, {}, knobs, scales_of(experiment))
+    about = sensitivities(experiment, {}, knobs, scales_of(experiment, {}))
     for p in range(len(knobs)):
         half = experiment.run(about.values(0.5 * np.eye(len(knobs))[p])) - experiment.run({})
         error = np.abs(half - 0.5 * about.J[p]).max()

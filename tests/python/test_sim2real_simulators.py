@@ -26,10 +26,12 @@ def user() -> UserModel:
     return user_model(MJCF, JOINTS, name="arm.xml")
 
 
-def step_with(change: Callable[[Any], None] | None, delay: float = 0.0) -> Step:
+def step_with(
+    change: Callable[[Any], None] | None, delay: float = 0.0, of: UserModel | None = None
+) -> Step:
     fit = log(12.0, 1, change, delay=delay)
     judge = log(7.0, 2, change, name="judge.csv", role="validate", delay=delay)
-    found = explain(user(), [fit], [judge], LIMITS)
+    found = explain(of or user(), [fit], [judge], LIMITS)
     told = {knob for term in found.kept for knob in term.knobs}
     assert set(found.patch) <= told, "the patch changes what nothing is said of"
     return step_of(found, "machine", LIMITS)
@@ -126,6 +128,25 @@ def test_drives_four_times_weaker_than_told_are_one_finding() -> None:
     kp = {("kp", k): 0.25 * gain for k, gain in enumerate((120.0, 80.0, 15.0))}
     kv = {("kv", k): 0.25 * gain for k, gain in enumerate((4.0, 3.0, 0.3))}
     assert changed == pytest.approx(kp | kv, rel=0.04)
+
+
+def test_gains_that_nobody_looked_up_are_found_from_far_away() -> None:
+    """Fifty times too stiff and five times too damped: positions hardly change with anything."""
+    stiff = MJCF
+    for told, mistaken in (
+        ('kp="120" kv="4"', 'kp="6000" kv="20"'),
+        ('kp="80" kv="3"', 'kp="4000" kv="15"'),
+        (
+            'gainprm="15" biastype="affine" biasprm="0 -15 -0.3"',
+            'gainprm="750" biastype="affine" biasprm="0 -750 -1.5"',
+        ),
+    ):
+        stiff = stiff.replace(told, mistaken)
+    step = step_with(None, of=user_model(stiff, JOINTS, name="stiff.xml"))
+    changed = {(c.knob.property, c.knob.index): c.after for c in step.changed}
+    for k, (kp, kv) in enumerate(((120.0, 4.0), (80.0, 3.0), (15.0, 0.3))):
+        assert changed["kp", k] == pytest.approx(kp, rel=0.05)
+        assert changed["kv", k] == pytest.approx(kv, rel=0.25)
 
 
 def test_one_weak_drive_among_others_is_found() -> None:

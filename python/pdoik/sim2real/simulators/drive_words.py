@@ -65,7 +65,7 @@ class KpFactor(Gain):
             model.actuator_gainprm[k, 0] *= value
 
     def step(self, scales: Scales, value: float) -> float:
-        return -0.03
+        return -0.03 * value
 
 
 class GainFactor(Gain):
@@ -85,7 +85,7 @@ class GainFactor(Gain):
             model.actuator_gainprm[k, 0] *= value
 
     def step(self, scales: Scales, value: float) -> float:
-        return -0.03
+        return -0.03 * value
 
 
 class Delay(Property):

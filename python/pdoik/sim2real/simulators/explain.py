@@ -15,16 +15,15 @@ from ..thresholds.simulators import SimulatorThresholds
 from .blocks import Blocks, t_of
 from .candidates import Knob, Term, Values, baseline, terms_of
 from .experiment import Experiment
-from .fits import cost, fitted, noise_of, rough_gains, sigma_of
+from .fits import cost, fitted, noise_of, sigma_of
 from .follows import check_follows
+from .rounds import is_unreal, searched
 from .selection import Rival, Selection
-from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
+from .sensitivities import Sensitivities, knobs_of, sensitivities
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
 Tell = Callable[[str], None]
-
-_ROUNDS = 4  # of choosing and simulating
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -100,55 +99,29 @@ def explain(
     say = tell or (lambda text: None)
     experiment, held_out = Experiment(user, fit), Experiment(user, validate)
     noise = noise_of(experiment)
-    scales, all_terms = scales_of(experiment), terms_of(user)
-    knobs = knobs_of(all_terms)
-    chosen: tuple[Term, ...] = ()
     if not same_step:
         experiment.allow_for_step({})
     check_follows(experiment, limits)
-    values = rough_gains(experiment)
-    for k in range(1, _ROUNDS + 1):
-        if not same_step:
-            experiment.allow_for_step(values)
-        about = sensitivities(experiment, values, knobs, scales)
-        sigma = sigma_of(experiment, about.shown, noise)
-        blocks = Blocks.of(experiment, about, sigma)
-        selection = Selection(blocks, knobs, all_terms, limits)
-        before, chosen = chosen, selection.choose(chosen)
-        values = fitted(experiment, about, selection, chosen, sigma, scales)
-        unreal = {term for term in chosen if is_unreal(term, values)}
-        if unreal:
-            all_terms = tuple(term for term in all_terms if term not in unreal)
-            chosen = tuple(term for term in chosen if term not in unreal)
-            values = fitted(experiment, about, selection, chosen, sigma, scales)
-        say(f"round {k}: {len(chosen)} properties differ")
-        if set(before) == set(chosen):
-            break
+    found = searched(experiment, noise, limits, say, same_step=same_step)
+    chosen, values, scales = found.chosen, found.values, found.scales
+    knobs = knobs_of(terms_of(user))
     if not same_step:
         experiment.allow_for_step(values)
         held_out.allow_for_step(values)
     about = sensitivities(experiment, values, knobs, scales)
     sigma = sigma_of(experiment, about.shown, noise)
     blocks = Blocks.of(experiment, about, sigma)
-    selection = Selection(blocks, knobs, all_terms, limits)
+    selection = Selection(blocks, knobs, found.terms, limits)
     seen = tuple(term for term in chosen if term in selection.terms)
     if seen != chosen:  # beside the others it shows nothing any more, so it is in no patch
-        chosen, values = seen, fitted(experiment, about, selection, seen, sigma, scales)
+        chosen, values = seen, fitted(experiment, about, blocks, seen, sigma, scales)
     judged = _judged(selection, about, chosen, values, sigma, noise, experiment, held_out)
     kept = tuple(t for t in chosen if judged.holds(t, limits) and not is_unreal(t, values))
     if len(kept) == len(chosen):
         return judged
     say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
-    values = fitted(experiment, about, selection, kept, sigma, scales)
+    values = fitted(experiment, about, blocks, kept, sigma, scales)
     return replace(judged, kept=kept, patch=values, after=held_out.run(values, as_it_is=True))
-
-
-def is_unreal(term: Term, values: Values) -> bool:
-    """Whether it was pushed to a value that nothing real has: no mass, an endless gain."""
-    words = ((PROPERTIES[knob.property], values[knob]) for knob in term.knobs if knob in values)
-    return any(
-        word.ends and word.coordinate(value) <= word.lowest * (1.0 + 1e-6) for word, value in words
-    )
 
 
 def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:

@@ -12,12 +12,13 @@ from .blocks import Blocks
 from .candidates import Knob, Term, Values
 from .experiment import Experiment
 from .property import EVERY, Scales
-from .selection import Selection
-from .sensitivities import Sensitivities, knobs_of, sensitivities
+from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
 
 _STEPS = 3  # of Gauss-Newton within a round
 _HALVINGS = 4
 _OCTAVES = 6  # that gains may be off by, up or down, for the first lines to be laid well
+_SHARED = (("gains", "gain_factor"), ("kp", "kp_factor"))
+_SCANS = 3  # of both, at most
 _FINEST = {"q": 1e-5, "tau": 1e-3}
 """What no sensor shows [rad], [N m]: noise of logs that have none, those of simulators."""
 
@@ -43,7 +44,7 @@ def sigma_of(experiment: Experiment, shown: FloatArray, noise: FloatArray) -> Fl
 def fitted(
     experiment: Experiment,
     about: Sensitivities,
-    selection: Selection,
+    blocks: Blocks,
     chosen: Sequence[Term],
     sigma: FloatArray,
     scales: Sequence[Scales],
@@ -53,7 +54,7 @@ def fitted(
     where = [about.knobs.index(knob) for knob in mine]
     start = np.zeros(len(about.knobs))
     start[where] = about.at[where]
-    goal = selection.blocks.solve(where)
+    goal = blocks.solve(where)
 
     values = about.values(start)
     best = cost(experiment, values, sigma)
@@ -76,17 +77,35 @@ def fitted(
     return values
 
 
-def rough_gains(experiment: Experiment) -> dict[Knob, float]:
-    """All drives' gains to a factor of two: where the first lines are laid.
+def far_gains(experiment: Experiment) -> list[dict[Knob, float]]:
+    """Gains of all drives about which to lay lines, where those that they were given are far off.
 
-    About gains that are many times too high, positions hardly change with anything.
+    About gains that are many times too high, positions hardly change with anything. A drive's
+    stiffness and its damping are looked for by factors of two, together and apart; then both are
+    fitted, which may come nearer, or to a place where they stand for friction.
     """
-    every = Knob("gain_factor", EVERY)
     sigma = sigma_of(experiment, experiment.run({}), noise_of(experiment))
-    factors = [1.0, *(2.0**k for k in range(-_OCTAVES, _OCTAVES + 1) if k)]
-    costs = [cost(experiment, {every: factor}, sigma) for factor in factors]
-    best = factors[int(np.argmin(costs))]
-    return {} if best == 1.0 else {every: best}
+    factors = [2.0**k for k in range(-_OCTAVES, _OCTAVES + 1) if k]
+    shared = [Term(name, (Knob(knob, EVERY),)) for name, knob in _SHARED]
+    values: dict[Knob, float] = {}
+    best = cost(experiment, values, sigma)
+    for _ in range(_SCANS):
+        before = best
+        for knob in knobs_of(shared):
+            tried = [{**values, knob: values.get(knob, 1.0) * factor} for factor in factors]
+            costs = [cost(experiment, each, sigma) for each in tried]
+            k = int(np.argmin(costs))
+            if costs[k] < best:
+                best, values = costs[k], tried[k]
+        if best == before:
+            break
+    if not values:
+        return []
+    scales = scales_of(experiment, values)
+    about = sensitivities(experiment, values, knobs_of(shared), scales)
+    sigma = sigma_of(experiment, about.shown, noise_of(experiment))
+    blocks = Blocks.of(experiment, about, sigma)
+    return [values, fitted(experiment, about, blocks, shared, sigma, scales)]
 
 
 def cost(experiment: Experiment, values: Values, sigma: FloatArray) -> float:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..simulation.stepper import SimulationError
 from ..study.recording import FloatArray
-from .candidates import Knob, Term, Values, baseline
+from .candidates import Knob, Term, Values, baseline, model_with
 from .experiment import Experiment
 from .property import EVERY, Scales
 from .user_model import UserModel
@@ -54,9 +54,10 @@ class Sensitivities:
         return float(std * abs(to_value(at + h) - to_value(at - h)) / 2e-3)
 
 
-def scales_of(experiment: Experiment) -> tuple[Scales, ...]:
-    """Typical sizes at each joint, of the recordings' motion and the user's gains."""
-    user, model = experiment.user, experiment.user.model
+def scales_of(experiment: Experiment, values: Values) -> tuple[Scales, ...]:
+    """Typical sizes at each joint, of the recordings' motion and a candidate's gains."""
+    model = model_with(experiment.user, values)
+    user = replace(experiment.user, model=model)
     found = []
     for k in range(len(user.joints)):
         errors, speeds, accelerations, travels = [], [], [], []
@@ -102,9 +103,10 @@ def sensitivities(
     told = [baseline(user, knob) for knob in knobs]
     both = list(zip(knobs, told, strict=True))
     base = np.array([_coordinate(knob, value) for knob, value in both])
-    changed = [_coordinate(knob, value + _step(knob, scales, value)) for knob, value in both]
-    step = np.array(changed) - base
-    now = np.array([_coordinate(knob, values.get(knob, value)) for knob, value in both])
+    mine = [(knob, values.get(knob, value)) for knob, value in both]
+    now = np.array([_coordinate(knob, value) for knob, value in mine])
+    changed = [_coordinate(knob, value + _step(knob, scales, value)) for knob, value in mine]
+    step = np.array(changed) - now
     shown = experiment.run(values)
     J = np.zeros((len(knobs), *shown.shape))
     columns = np.array([user.trees()[k] for _, k in experiment.channels])
@@ -118,10 +120,10 @@ def sensitivities(
         except SimulationError:
             continue
         for p in group:
-            mine = np.ones(len(columns), dtype=bool)
+            moves = np.ones(len(columns), dtype=bool)
             if knobs[p].index != EVERY:
-                mine = columns == user.trees()[knobs[p].index]
-            J[p][:, mine] = difference[:, mine]
+                moves = columns == user.trees()[knobs[p].index]
+            J[p][:, moves] = difference[:, moves]
     return Sensitivities(
         knobs=tuple(knobs), step=step, base=base, at=(now - base) / step, shown=shown, J=J
     )
