@@ -168,13 +168,15 @@ stage_native() {
 # A look by every fuzzer; tests/fuzz.sh by itself takes an hour for each.
 stage_fuzz() { bash tests/fuzz.sh "${1:-15}"; }
 
-# One worker per core, and one thread each: the files are many and the numerics small.
-stage_python() {
+# One worker per core, and one thread each: the files are many and the numerics small. python_all has the long ones too.
+stage_python() { stage_python_all -m "not long" "$@"; }
+
+stage_python_all() {
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
 
 stages=(lint cpp simd asan consumer python)
-others=(asan_all tsan clang native fuzz)  # by name only: they take long
+others=(python_all asan_all tsan clang native fuzz)  # by name only: they take long
 if (($#)); then
   [[ " ${stages[*]} ${others[*]} " == *" $1 "* ]] ||
     { echo "run.sh: no stage $1; there are: ${stages[*]} ${others[*]}" >&2; exit 2; }

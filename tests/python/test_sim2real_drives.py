@@ -168,6 +168,7 @@ def of(diagnosis: Diagnosis, effect: str) -> Finding:
     return found
 
 
+@pytest.mark.long
 def test_a_supply_with_too_little_voltage_is_named(tmp_path: Path) -> None:
     """12.7 N m at rest and nothing at 1.1 rad/s, a computed-torque law that nobody told."""
     diagnosis = diagnose(world(tmp_path, 9004, "torque_speed_limit"))

@@ -50,6 +50,8 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "sensor_gain": ("gain",),
     "sensor_noise": ("std",),
 }
+USUAL = ("coulomb_friction", "payload", "torque_gain", "torque_offset", "command_delay", "backlash")
+"""One of each kind; the others are long, taken together."""
 NEAR = 0.15  # of a figure's own size
 AS_GOOD = ({"command_delay", "actuator_lag"}, {"payload", "link_inertial_error"})
 
@@ -78,7 +80,10 @@ def size(values: dict[str, Any], figure: str) -> np.ndarray:
     return np.array([float(values[name]) for name in figure.split()])
 
 
-@pytest.mark.parametrize("effect", EFFECTS)
+@pytest.mark.parametrize(
+    "effect",
+    [pytest.param(e, marks=() if e in USUAL else pytest.mark.long) for e in EFFECTS],
+)
 def test_what_was_hidden_is_named_placed_and_measured(tmp_path: Path, effect: str) -> None:
     truth, diagnosis = world(tmp_path, effect, SEEDS[effect])
     hidden = truth.effects[0]

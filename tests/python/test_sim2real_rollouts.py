@@ -94,6 +94,7 @@ def test_play_is_named_measured_and_confirmed_by_simulation(tmp_path: Path) -> N
     assert any("refined by simulating" in note for note in found.notes)
 
 
+@pytest.mark.long
 def test_play_that_was_taken_for_a_spring_is_named_by_simulation(tmp_path: Path) -> None:
     _, file = hidden(tmp_path, "backlash", 5950, "h1_arm")
     prepared = prepare(load_study(file))
