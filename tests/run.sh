@@ -105,6 +105,9 @@ run_core() {  # NAME
   done
 }
 
+without_io=()
+for package in urdfdom yaml-cpp PCL; do without_io+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+
 # A parent's build type stays unset and its installation holds its own program only.
 is_parents_own() {  # NAME
   grep -qx 'CMAKE_BUILD_TYPE:STRING=' "build/consumer/$1/CMakeCache.txt"
@@ -112,16 +115,31 @@ is_parents_own() {  # NAME
   [[ $(cd "build/consumer/$1_install" && find . -type f) == ./bin/core ]]
 }
 
-# A project of its own, which finds the installed library or has its sources within; plain, and compiled for this processor.
+# A project of its own, which finds the installed library.
 stage_consumer() {
   configure_and_build build/dev
   rm -rf build/install build/consumer
   cmake --install build/dev --prefix build/install --component cpp >/dev/null
   mkdir build/consumer
-  local installed="-D CMAKE_PREFIX_PATH=$PWD/build/install" native="-D CMAKE_CXX_FLAGS=-march=native"
+  local installed="-D CMAKE_PREFIX_PATH=$PWD/build/install"
 
   build_consumer plain "$installed"
   run_consumer plain
+
+  # pdoik::core alone, as on a computer without the libraries of pdoik::io.
+  build_consumer core "$installed" "${without_io[@]}" -D PDOIK_IO=OFF
+  run_core core
+  if build_consumer hidden "$installed" "${without_io[@]}" &>build/consumer/hidden.log; then
+    echo "find_package(pdoik) found io without its libraries" >&2
+    return 1
+  fi
+  grep -F "its component io needs" build/consumer/hidden.log
+}
+
+# It compiled for this processor, and with the library's sources within, which compiles all of them once more.
+stage_consumer_all() {
+  stage_consumer
+  local installed="-D CMAKE_PREFIX_PATH=$PWD/build/install" native="-D CMAKE_CXX_FLAGS=-march=native"
 
   if grep -qw avx /proc/cpuinfo; then  # Eigen aligns otherwise with it, and the linker must say so
     if build_consumer native_alone "$installed" "$native" &>build/consumer/native_alone.log; then
@@ -138,20 +156,10 @@ stage_consumer() {
   run_consumer inside
   is_parents_own inside
 
-  # pdoik::core alone, as on a computer without the libraries of pdoik::io.
-  local hidden=() package
-  for package in urdfdom yaml-cpp PCL; do hidden+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
-  build_consumer core "$installed" "${hidden[@]}" -D PDOIK_IO=OFF
-  run_core core
   # Compiled as `inside` was, command for command: ccache has core's objects from there.
-  build_consumer core_inside -D PDOIK_SOURCE="$PWD" "$native" -D EIGEN_ABI=ON "${hidden[@]}" -D PDOIK_IO=OFF
+  build_consumer core_inside -D PDOIK_SOURCE="$PWD" "$native" -D EIGEN_ABI=ON "${without_io[@]}" -D PDOIK_IO=OFF
   run_core core_inside
   is_parents_own core_inside
-  if build_consumer hidden "$installed" "${hidden[@]}" &>build/consumer/hidden.log; then
-    echo "find_package(pdoik) found io without its libraries" >&2
-    return 1
-  fi
-  grep -F "its component io needs" build/consumer/hidden.log
 }
 
 # The library compiled for this processor: its own tests, and a plain program that finds it installed.
@@ -176,7 +184,7 @@ stage_python_all() {
 }
 
 stages=(lint cpp simd asan consumer python)
-others=(python_all asan_all tsan clang native fuzz)  # by name only: they take long
+others=(python_all consumer_all asan_all tsan clang native fuzz)  # by name only: they take long
 if (($#)); then
   [[ " ${stages[*]} ${others[*]} " == *" $1 "* ]] ||
     { echo "run.sh: no stage $1; there are: ${stages[*]} ${others[*]}" >&2; exit 2; }
