@@ -93,6 +93,8 @@ class Balances:
         self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
         self._last: tuple[_Name | None, list[Columns]] = None, []
         self._free = [free_rows(motion, self.thresholds.noise) for motion in motions]
+        beside_pose = all(m.base is not None and m.base.disagreement is not None for m in motions)
+        self._imu_noise = [imu_noise(m) for m in motions] if beside_pose else []
         self._cutoffs = self._lower_cutoffs()
         for key, values in self._freed(self._raw()).items():
             self._add(key, values)
@@ -239,9 +241,8 @@ class Balances:
                 raw["servo", j] = [m.q[:, j] - _column(m.q_des, j) for m in self.motions]
         for axis in range(first.rows - self.n):
             raw["base", axis] = [-m.tau[:, self.n + axis] for m in self.motions]
-        if self._has_imu_beside_pose():
-            for axis in range(6):
-                raw["imu", axis] = [_column(m.base.disagreement, axis) for m in self.motions]  # type: ignore[union-attr]
+        for axis in range(6 if self._imu_noise else 0):
+            raw["imu", axis] = [_column(m.base.disagreement, axis) for m in self.motions]  # type: ignore[union-attr]
         for k in range(len(first.feet)):
             raw |= _of_foot(self.motions, k)
         if all(m.tip_error is not None for m in self.motions):
@@ -249,15 +250,12 @@ class Balances:
                 raw["tip", axis] = [_column(m.tip_error, axis) for m in self.motions]
         return raw
 
-    def _has_imu_beside_pose(self) -> bool:
-        return all(m.base is not None and m.base.disagreement is not None for m in self.motions)
-
     def _lower_cutoffs(self) -> dict[Key, float]:
         """Of balances that have nothing to say up to the motions' own [Hz]."""
-        if not self._has_imu_beside_pose():
+        if not self._imu_noise:
             return {}
         least = max(_PERIODS / (len(m.time) * m.period) for m in self.motions)
-        band = np.median([imu_noise(m).band() for m in self.motions], axis=0)
+        band = np.median([each.band() for each in self._imu_noise], axis=0)
         most = self.motions[0].cutoff
         return {("imu", k): float(min(max(each, least), most)) for k, each in enumerate(band)}
 
@@ -326,13 +324,13 @@ class Balances:
     def _noise(self, key: Key, values: list[FloatArray]) -> float:
         """Standard deviation that white noise of the channels leaves after filtering."""
         balance, channel = key
+        if balance == "imu":
+            of_each = [each.variance(self._cutoffs[key])[channel] for each in self._imu_noise]
+            return float(np.sqrt(np.mean(of_each)))
         variances = []
         for m, each, free in zip(self.motions, values, self._free, strict=True):
             if free is not None and balance in ("torque", "base"):
                 variances.append(free.noise(key))
-                continue
-            if balance == "imu":
-                variances.append(float(imu_noise(m).variance(self._cutoffs[key])[channel]))
                 continue
             density = float(noise_density(each[:, None], m.period, 1.5 * m.cutoff)[0])
             variance = density * m.cutoff

@@ -12,14 +12,14 @@ from scipy.stats import t as student
 from ..simulation.stepper import SimulationError
 from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
-from .blocks import Blocks, t_of
+from .blocks import t_of
 from .candidates import Knob, Term, Values, baseline, terms_of
 from .experiment import Experiment
-from .fits import cost, fitted, noise_of, sigma_of
+from .fits import cost, fitted, lines, noise_of
 from .follows import check_follows
 from .rounds import is_unreal, searched
 from .selection import Rival, Selection
-from .sensitivities import Sensitivities, knobs_of, sensitivities
+from .sensitivities import Sensitivities, knobs_of
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
@@ -108,9 +108,7 @@ def explain(
     if not same_step:
         experiment.allow_for_step(values)
         held_out.allow_for_step(values)
-    about = sensitivities(experiment, values, knobs, scales)
-    sigma = sigma_of(experiment, about.shown, noise)
-    blocks = Blocks.of(experiment, about, sigma)
+    about, sigma, blocks = lines(experiment, values, knobs, scales, noise)
     selection = Selection(blocks, knobs, found.terms, limits)
     seen = tuple(term for term in chosen if term in selection.terms)
     if seen != chosen:  # beside the others it shows nothing any more, so it is in no patch

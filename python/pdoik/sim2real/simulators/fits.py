@@ -41,6 +41,19 @@ def sigma_of(experiment: Experiment, shown: FloatArray, noise: FloatArray) -> Fl
     return np.maximum(np.maximum(left, noise), 1e-9)
 
 
+def lines(
+    experiment: Experiment,
+    values: Values,
+    knobs: Sequence[Knob],
+    scales: Sequence[Scales],
+    noise: FloatArray,
+) -> tuple[Sensitivities, FloatArray, Blocks]:
+    """About a candidate: how what it shows changes, what it leaves (C,), its normal equations."""
+    about = sensitivities(experiment, values, knobs, scales)
+    sigma = sigma_of(experiment, about.shown, noise)
+    return about, sigma, Blocks.of(experiment, about, sigma)
+
+
 def fitted(
     experiment: Experiment,
     about: Sensitivities,
@@ -77,14 +90,14 @@ def fitted(
     return values
 
 
-def far_gains(experiment: Experiment) -> list[dict[Knob, float]]:
+def far_gains(experiment: Experiment, noise: FloatArray) -> list[dict[Knob, float]]:
     """Gains of all drives about which to lay lines, where those that they were given are far off.
 
     About gains that are many times too high, positions hardly change with anything. A drive's
     stiffness and its damping are looked for by factors of two, together and apart; then both are
     fitted, which may come nearer, or to a place where they stand for friction.
     """
-    sigma = sigma_of(experiment, experiment.run({}), noise_of(experiment))
+    sigma = sigma_of(experiment, experiment.run({}), noise)
     factors = [2.0**k for k in range(-_OCTAVES, _OCTAVES + 1) if k]
     shared = [Term(name, (Knob(knob, EVERY),)) for name, knob in _SHARED]
     values: dict[Knob, float] = {}
@@ -102,9 +115,7 @@ def far_gains(experiment: Experiment) -> list[dict[Knob, float]]:
     if not values:
         return []
     scales = scales_of(experiment, values)
-    about = sensitivities(experiment, values, knobs_of(shared), scales)
-    sigma = sigma_of(experiment, about.shown, noise_of(experiment))
-    blocks = Blocks.of(experiment, about, sigma)
+    about, sigma, blocks = lines(experiment, values, knobs_of(shared), scales, noise)
     return [values, fitted(experiment, about, blocks, shared, sigma, scales)]
 
 

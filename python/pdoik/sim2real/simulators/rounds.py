@@ -9,13 +9,12 @@ import numpy as np
 
 from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
-from .blocks import Blocks
 from .candidates import Knob, Term, Values, terms_of
 from .experiment import Experiment
-from .fits import cost, far_gains, fitted, sigma_of
+from .fits import cost, far_gains, fitted, lines, sigma_of
 from .property import Scales
 from .selection import Selection
-from .sensitivities import knobs_of, scales_of, sensitivities
+from .sensitivities import knobs_of, scales_of
 from .vocabulary import PROPERTIES
 
 _ROUNDS = 4
@@ -46,7 +45,7 @@ def searched(
     """
     found = [
         _rounds(experiment, begin, noise, limits, say, same_step=same_step)
-        for begin in far_gains(experiment) or [{}]
+        for begin in far_gains(experiment, noise) or [{}]
     ]
     if len(found) == 1:
         return found[0]
@@ -78,9 +77,7 @@ def _rounds(
     for k in range(1, _ROUNDS + 1):
         if not same_step:
             experiment.allow_for_step(values)
-        about = sensitivities(experiment, values, knobs, scales)
-        sigma = sigma_of(experiment, about.shown, noise)
-        blocks = Blocks.of(experiment, about, sigma)
+        about, sigma, blocks = lines(experiment, values, knobs, scales, noise)
         selection = Selection(blocks, knobs, terms, limits)
         before, chosen = chosen, selection.choose(chosen)
         values = fitted(experiment, about, blocks, chosen, sigma, scales)
