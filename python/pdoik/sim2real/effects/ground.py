@@ -22,7 +22,7 @@ class _OfGround(Effect):
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The ground, where feet and the base's pose tell of it."""
+        """The ground, where heights of feet and the base's pose tell of it."""
         return [Place()] if any(foot.height is not None for foot in motions[0].feet) else []
 
     def not_simulated(self, values: Mapping[str, float]) -> str:
@@ -61,7 +61,7 @@ class GroundHeight(_OfGround):
 
 
 class GroundSlope(_OfGround):
-    """The floor is inclined."""
+    """The floor is inclined: shown by where soles stand and, of flat ones, how."""
 
     id = "ground_slope"
     name = "slope of the ground"
@@ -76,12 +76,25 @@ class GroundSlope(_OfGround):
     source = "geometry"
     complexity = 2
 
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """The ground, where a sole's tilt tells of it, or heights of soles do."""
+        tilted = any(foot.tilt is not None for foot in motions[0].feet)
+        return [Place()] if tilted else super().places(motions)
+
+    def admissible(self, beta: FloatArray) -> bool:
+        """Less than soles' tilts are known to be, nothing is said."""
+        steep = float(np.hypot(beta[0], beta[1])) > FeetThresholds().tilt
+        return super().admissible(beta) and steep
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Where each sole is."""
         columns: Columns = {}
         for k, foot in enumerate(motion.feet):
             if foot.height is not None and foot.world is not None:
                 columns["foot", k] = np.column_stack([foot.world[:, :2], np.ones(len(motion.time))])
+            if foot.tilt is not None:
+                for axis in range(2):
+                    columns["tilt", 2 * k + axis] = np.tile(np.eye(3)[axis], (len(motion.time), 1))
         return columns
 
     def prior(self, width: int) -> FloatArray:

@@ -23,7 +23,7 @@ _Name = tuple[str, Place, Shape]  # of a cause, where it acts and its shape
 _NOTHING = 1e-100
 _RECENT = 150  # columns that are kept for a while
 _PERIODS = 10.0  # of the lowest cut-off that fit into a recording
-_OF_FEET: tuple[Balance, ...] = ("foot", "grip")
+_OF_FEET: tuple[Balance, ...] = ("foot", "tilt", "grip")
 
 
 class Cause(Protocol):
@@ -316,6 +316,8 @@ class Balances:
             size = noise.model_error * float(np.sqrt(np.mean(speeds**2)))
         elif balance == "foot":
             size = self.thresholds.feet.height
+        elif balance == "tilt":
+            size = self.thresholds.feet.tilt
         elif balance == "grip":
             size = self.thresholds.feet.friction * _usual_load(self.motions, key)
         size = float(np.hypot(size, noise.fit_error * self.rms(key)))
@@ -394,10 +396,13 @@ def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
     raw: dict[Key, list[FloatArray]] = {}
     for balance in _OF_FEET:
         each = [m.feet[k].of(balance) for m in motions]
-        if any(values is not None for values in each):
-            key = (balance, k)
+        width = max((values.shape[1] for values in each if values is not None), default=0)
+        for channel in range(width):
+            key = (balance, width * k + channel)
             raw[key] = [
-                np.zeros(len(m.time)) if values is None else np.where(m.judged(key), values, 0.0)
+                np.zeros(len(m.time))
+                if values is None
+                else np.where(m.judged(key), values[:, channel], 0.0)
                 for m, values in zip(motions, each, strict=True)
             ]
     return raw

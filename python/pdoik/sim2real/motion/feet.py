@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from ..study.floating_base import FloatingBase, Foot
 from ..study.recording import FloatArray, Recording
 from .carried_body import CarriedBody
-from .place import Balance
+from .place import Balance, Key
 from .rigid_body import STANDARD_GRAVITY
 from .signals import dilated, zero_phase
 
 _LIGHT, _FIRM = 0.1, 0.3  # of the load of one that stands: may touch; surely stands
+_ALONG_AXIS = np.cos(np.radians(1.0))
 _SWITCH = 1.5  # sensors that say two things, and never more than this, tell only whether
 
 
@@ -30,21 +31,28 @@ class FootMotion:
     may_touch: NDArray[np.bool_]  # (T,)
     stands: NDArray[np.bool_]  # (T,) surely, and not only just
     pressed: FloatArray | None  # (T,) its sensor's force [N]; None of a switch, or without one
+    upright: FloatArray | None  # (T, 3) normal of its sole; None: not known, or it has none
     # Where the base's pose is known, see `foot_forces`:
     world: FloatArray | None = None  # (T, 3) that spot [m]
     height: FloatArray | None = None  # (T,) of its sole over the simulator's ground [m]
+    tilt: FloatArray | None = None  # (T, 2) rise of its sole along the world's x and y
+    rocks: tuple[bool, ...] = (False, False)  # while it stands, so that its tilt says nothing
     load: FloatArray | None = None  # (T, 3 or 6) likeliest force on it, and moment, in base axes
     normal: FloatArray | None = None  # (T,) force that presses it [N]
     grip: FloatArray | None = None  # (T,) tangential force beyond the simulator's friction [N]
     slips: NDArray[np.bool_] | None = None  # (T,)
 
     def of(self, balance: Balance) -> FloatArray | None:
-        """What one of the feet's balances is of, (T,); None where nothing tells of it."""
-        return self.height if balance == "foot" else self.grip
+        """What one of the feet's balances is of, (T, channels); None: nothing tells of it."""
+        told = {"foot": self.height, "tilt": self.tilt, "grip": self.grip}[balance]
+        return None if told is None else told.reshape(len(told), -1)
 
-    def judged(self, balance: Balance) -> NDArray[np.bool_]:
+    def judged(self, key: Key) -> NDArray[np.bool_]:
         """Samples at which it tells of the ground, (T,)."""
-        return self.stands if balance == "foot" or self.slips is None else self.slips
+        balance, channel = key
+        if balance == "tilt":
+            return self.stands & (not self.rocks[channel % 2])
+        return self.slips if balance == "grip" and self.slips is not None else self.stands
 
     @property
     def force(self) -> FloatArray | None:
@@ -96,6 +104,7 @@ def feet_of(
                 may_touch=touches,
                 stands=stands,
                 pressed=pressed,
+                upright=_upright(foot, body, poses, q.shape[1]),
             )
         )
     return tuple(feet)
@@ -124,6 +133,19 @@ def force_by_position(foot: FootMotion, force: FloatArray, depth: FloatArray) ->
     if rows > n:
         change[:, n + 3 :] = moved
     return change
+
+
+def _upright(foot: Foot, body: CarriedBody, poses: FloatArray, n: int) -> FloatArray | None:
+    """Normal of a flat foot's sole, (T, 3) in the base's axes, where its link's axes tell of it.
+
+    The sole is level where all joints are at 0 and the base is. One that is then along no axis of
+    its link is of a robot whose zero is no stance.
+    """
+    if not foot.flat:
+        return None
+    zero = body.poses_and_jacobians(np.zeros((1, n)), body.frame(foot.link))[0]
+    normal = zero[0, 2, :3]  # the base's z in the link's axes
+    return poses[:, :3, :3] @ normal if np.abs(normal).max() > _ALONG_AXIS else None
 
 
 def _load(body: CarriedBody, feet: int) -> float:

@@ -16,6 +16,8 @@ from .free_rows import foot_directions
 from .motion import Motion
 from .signals import derivative, dilated, zero_phase
 
+_STEEP = np.cos(np.radians(20.0))  # whose normal is lower than this is no sole that stands
+
 
 def with_ground(
     motion: Motion,
@@ -58,18 +60,38 @@ def with_ground(
         pressed = foot.pressed
         if pressed is None and force is not None:
             pressed = force[:, 2]
+        tilt = _tilt(foot, base.rotation)
         grip, slips = _grip(motion, foot, speed, force, ground, limits)
         feet.append(
             replace(
                 foot,
                 world=world,
                 height=None if foot.foot.sole is None else height,
+                tilt=tilt,
+                rocks=_rocks(foot, tilt, limits),
                 normal=pressed,
                 grip=grip,
                 slips=slips,
             )
         )
     return replace(motion, feet=tuple(feet))
+
+
+def _tilt(foot: FootMotion, rotation: FloatArray) -> FloatArray | None:
+    """Rise of its sole along the world's x and y, (T, 2), where it can be that of the ground."""
+    if foot.upright is None or not foot.stands.any():
+        return None
+    normal = np.einsum("tij,tj->ti", rotation, foot.upright)
+    if np.median(normal[foot.stands, 2]) < _STEEP:
+        return None
+    return np.asarray(-normal[:, :2] / np.maximum(normal[:, 2:], _STEEP))
+
+
+def _rocks(foot: FootMotion, tilt: FloatArray | None, limits: FeetThresholds) -> tuple[bool, ...]:
+    """Along which axes it is no ground that its sole follows while it stands."""
+    if tilt is None:
+        return (True, True)
+    return tuple(bool(each > limits.tilt) for each in tilt[foot.stands].std(axis=0))
 
 
 def _with_loads(motion: Motion, loads: list[FloatArray]) -> Motion:

@@ -16,7 +16,7 @@ from ..thresholds import Thresholds
 from .base_motion import BaseMotion, base_motion_of
 from .carried_body import CarriedBody
 from .feet import FootMotion, feet_of
-from .place import Columns, Key
+from .place import Columns, Key, foot_of
 from .rigid_body import RigidBody
 from .signals import derivative, dilated, shifted, zero_phase
 
@@ -100,8 +100,7 @@ class Motion:
 
     def judged(self, key: Key) -> NDArray[np.bool_]:
         """Samples at which a foot tells of the ground, (T,)."""
-        balance, k = key
-        return self.feet[k].judged(balance)
+        return self.feet[foot_of(key)].judged(key)
 
     def on_rows(self, values: FloatArray) -> Columns:
         """Columns of changes of all torques, (T, rows) of one coefficient or (T, rows, k)."""
@@ -109,15 +108,22 @@ class Motion:
         return {self.row_key(i): wide[:, i] for i in range(wide.shape[1])}
 
     def soles_by_joint(self, j: int) -> Columns:
-        """Heights that soles seem to have per radian that joint j stands further than it says."""
+        """What heights and tilts of soles seem to be per radian that joint j stands beyond q."""
         if self.base is None or self.base.rotation is None:
             return {}
         up = self.base.rotation[:, 2]
-        return {
-            ("foot", k): -np.sum(up * foot.jacobian[:, :, j], axis=1)[:, None]
-            for k, foot in enumerate(self.feet)
-            if foot.height is not None
-        }
+        columns: Columns = {}
+        for k, foot in enumerate(self.feet):
+            if foot.height is not None:
+                columns["foot", k] = -np.sum(up * foot.jacobian[:, :, j], axis=1)[:, None]
+            if foot.tilt is not None and foot.upright is not None:
+                turned = np.cross(foot.turning[:, :, j], foot.upright)
+                turned = np.einsum("tij,tj->ti", self.base.rotation, turned)
+                height = np.sum(up * foot.upright, axis=1)
+                for axis in range(2):
+                    change = turned[:, axis] + foot.tilt[:, axis] * turned[:, 2]
+                    columns["tilt", 2 * k + axis] = (change / height)[:, None]
+        return columns
 
     def sign(self, j: int, smoothing: float = 0.0) -> FloatArray:
         """Direction of joint j, -1 to 1, smooth within `smoothing` [rad/s] of rest; (T,)."""

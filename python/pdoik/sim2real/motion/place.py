@@ -11,11 +11,16 @@ from ..study.payload import Payload
 from ..study.recording import FloatArray
 
 Balance = Literal[
-    "torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "grip"
+    "torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "tilt", "grip"
 ]
-Key = tuple[Balance, int]  # and its channel: a joint, an axis, or a foot
+Key = tuple[Balance, int]  # and its channel: a joint, an axis, a foot, or one of a foot's two axes
 Columns = dict[Key, FloatArray]  # (T, k) for every channel that changes
 Shape = tuple[float, ...]  # the parameters that enter nonlinearly
+
+
+def foot_of(key: Key) -> int:
+    """The foot that one of the feet's balances is of."""
+    return key[1] // 2 if key[0] == "tilt" else key[1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -36,7 +36,7 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     extra = [_sensitivity(fit, term, i) for term, i in moving]
     wider = fit.extended(*extra) if extra else fit
     draws = wider.bootstrap(rng, DRAWS)
-    left_out = wider.without_each_recording()
+    left_out = wider.without_each_recording(draws.std(axis=0))
     sessions = by_session(wider)
     centre = wider.beta
     # Directions no motion shows do not move in the bootstrap: their prior's spread is added.

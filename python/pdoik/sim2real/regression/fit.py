@@ -19,6 +19,8 @@ from .design import Design
 from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry
+_TELLS = 0.05  # of what all recordings know of a coefficient, for some of them to judge it
+_CHANCE = 3.84  # a squared ratio to its error, that chance exceeds once in twenty times
 
 
 TermKey = tuple[str, Place]
@@ -245,6 +247,14 @@ class Fit:
             return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=1e-11)[0])
         return np.asarray(scale * linalg.cho_solve(factor, scale * moment, check_finite=False))
 
+    def _variances(self, gram: FloatArray) -> FloatArray:
+        """Of coefficients by normal equations, (size,), in units of the noise."""
+        regular = self.regular(gram)
+        scale = 1.0 / np.sqrt(np.diag(regular))
+        even = regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size)
+        values, vectors = np.linalg.eigh(even)
+        return np.asarray(scale**2 * (vectors**2 @ (1.0 / np.maximum(values, 1e-11))))
+
     def regular(self, gram: FloatArray) -> FloatArray:
         """Normal matrix with the prior and a trace of ridge."""
         ridge = _RIDGE * np.maximum(np.diag(gram), 1e-12) + 1e-12
@@ -362,13 +372,27 @@ class Fit:
             samples[d] = self.solve(gram, weight @ moments)
         return samples
 
-    def without_each_recording(self) -> FloatArray:
-        """Coefficients without one recording after the other, (recordings, size): the jackknife."""
+    def without_each_recording(self, errors: FloatArray) -> FloatArray:
+        """Coefficients without one recording after the other, (recordings, size): the jackknife.
+
+        Where the others know next to nothing of one, as of a joint that moves in one recording
+        alone, what they make of it is noise. Such a change is scaled to the variance that it has
+        where recordings are alike (CR2 of Bell and McCaffrey), but for what is beyond noise.
+
+        Args:
+            errors: (size,) standard errors of the coefficients.
+        """
         b = self.balances
         grams, moments = self.block_sums()
+        variance = self._variances(self.gram)
         samples = np.empty((len(b.motions), self.size))
         for i in range(len(b.motions)):
             span = slice(int(b.starts[i]), int(b.starts[i + 1]))
             kept = np.setdiff1d(np.arange(len(grams)), b.block[span])
-            samples[i] = self.solve(grams[kept].sum(axis=0), moments[kept].sum(axis=0))
+            gram = grams[kept].sum(axis=0)
+            change = self.solve(gram, moments[kept].sum(axis=0)) - self.beta
+            known = variance / self._variances(gram)
+            beyond = 1.0 - _CHANCE * errors**2 / np.maximum(known * change**2, 1e-300)
+            share = np.where(known < _TELLS, np.maximum(known, beyond), 1.0)
+            samples[i] = self.beta + change * np.sqrt(share)
         return samples

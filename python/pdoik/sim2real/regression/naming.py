@@ -95,6 +95,7 @@ def channel_of(prepared: Prepared, key: Key) -> str:
         "base": "acc" if "acc" in prepared.study.recordings[0].channels else "base",
         "imu": "gyro" if key[1] < 3 else "acc",
         "foot": "base",
+        "tilt": "base",
         "grip": source,
     }[key[0]]
 

@@ -58,14 +58,22 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
     found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
     found += [Term("gains", (Knob("gain_factor", k),)) for k in range(n)]
     if n > 1:
-        shared = (("delay", "delay"), ("kp", "kp_factor"), ("gains", "gain_factor"))
-        found += [Term(name, (Knob(knob, EVERY),)) for name, knob in shared]
+        found += [Term("delay", (Knob("delay", EVERY),)), *gains_of_all(user)]
     heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
     found += [Term("mass", (Knob("mass", k),)) for k in heavy]
     last = [k for k in heavy if not _carries_joints(user, k)]
     loaded = ("mass", *_CENTRE)
     found += [Term("payload", tuple(Knob(name, k) for name in loaded)) for k in last]
     return tuple(found)
+
+
+def gains_of_all(user: UserModel) -> tuple[Term, ...]:
+    """Factors of all drives' gains: of both, then of the stiffness; of one drive its own terms."""
+    if len(user.joints) == 1:
+        knobs = (Knob("gain_factor", 0), Knob("kp", 0))
+    else:
+        knobs = (Knob("gain_factor", EVERY), Knob("kp_factor", EVERY))
+    return tuple(Term(name, (knob,)) for name, knob in zip(("gains", "kp"), knobs, strict=True))
 
 
 def baseline(user: UserModel, knob: Knob) -> float:

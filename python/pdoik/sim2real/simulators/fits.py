@@ -9,15 +9,14 @@ import numpy as np
 from ..simulation.stepper import SimulationError
 from ..study.recording import FloatArray
 from .blocks import Blocks
-from .candidates import Knob, Term, Values
+from .candidates import Knob, Term, Values, baseline, gains_of_all
 from .experiment import Experiment
-from .property import EVERY, Scales
+from .property import Scales
 from .sensitivities import Sensitivities, knobs_of, scales_of, sensitivities
 
 _STEPS = 3  # of Gauss-Newton within a round
 _HALVINGS = 4
 _OCTAVES = 6  # that gains may be off by, up or down, for the first lines to be laid well
-_SHARED = (("gains", "gain_factor"), ("kp", "kp_factor"))
 _SCANS = 3  # of both, at most
 _FINEST = {"q": 1e-5, "tau": 1e-3}
 """What no sensor shows [rad], [N m]: noise of logs that have none, those of simulators."""
@@ -99,13 +98,14 @@ def far_gains(experiment: Experiment, noise: FloatArray) -> list[dict[Knob, floa
     """
     sigma = sigma_of(experiment, experiment.run({}), noise)
     factors = [2.0**k for k in range(-_OCTAVES, _OCTAVES + 1) if k]
-    shared = [Term(name, (Knob(knob, EVERY),)) for name, knob in _SHARED]
+    shared = gains_of_all(experiment.user)
     values: dict[Knob, float] = {}
     best = cost(experiment, values, sigma)
     for _ in range(_SCANS):
         before = best
         for knob in knobs_of(shared):
-            tried = [{**values, knob: values.get(knob, 1.0) * factor} for factor in factors]
+            now = values.get(knob, baseline(experiment.user, knob))
+            tried = [{**values, knob: now * factor} for factor in factors]
             costs = [cost(experiment, each, sigma) for each in tried]
             k = int(np.argmin(costs))
             if costs[k] < best:

@@ -14,6 +14,12 @@ class FeetThresholds(Group):
     height: float = threshold(
         1e-3, "to which a sole's height follows from joints and pose", "m", "calibrated legs: 1 mm"
     )
+    tilt: float = threshold(
+        5e-3,
+        "to which a sole's tilt follows from joints and pose",
+        "rad",
+        "elastic soles; no rocking",
+    )
     friction: float = threshold(
         0.1, "by which a coefficient of friction differs from slip to slip", "", "rubber on floors"
     )
