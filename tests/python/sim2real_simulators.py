@@ -59,10 +59,15 @@ def commands(seconds: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def stepped(
-    q_des: np.ndarray, change: Change | None = None, *, delay: float = 0.0, step: float = 5e-4
+    q_des: np.ndarray,
+    change: Change | None = None,
+    *,
+    delay: float = 0.0,
+    step: float = 5e-4,
+    mjcf: str = MJCF,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and torques (T, 3) of the arm with a change, by plain MuJoCo in short steps."""
-    spec = mujoco.MjSpec.from_string(MJCF)
+    """Positions and torques (T, n) of a model with a change, by plain MuJoCo in short steps."""
+    spec = mujoco.MjSpec.from_string(mjcf)
     if change is not None:
         change(spec)
     model = spec.compile()
@@ -92,10 +97,13 @@ def log(
     noise: float = 2e-4,
     delay: float = 0.0,
     step: float = 5e-4,
+    mjcf: str = MJCF,
+    joints: int = 3,
 ) -> Recording:
     """Commands and positions of such a machine, as its encoders show them."""
     time, q_des = commands(seconds, seed)
-    q, _ = stepped(q_des, change, delay=delay, step=step)
+    q_des = q_des[:, :joints]
+    q, _ = stepped(q_des, change, delay=delay, step=step, mjcf=mjcf)
     q = q + np.random.default_rng(seed + 100).normal(0.0, noise, q.shape)
     return Recording(
         name=name,

@@ -149,6 +149,27 @@ def test_gains_that_nobody_looked_up_are_found_from_far_away() -> None:
         assert changed["kv", k] == pytest.approx(kv, rel=0.25)
 
 
+PENDULUM = """<mujoco model="pendulum"><option timestep="0.002" integrator="implicitfast"/>
+  <worldbody><body name="arm"><joint name="shoulder" axis="0 1 0" damping="0.3" armature="0.01"/>
+    <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.03" mass="1.5"/></body></worldbody>
+  <actuator><position joint="shoulder" kp="120" kv="4"/></actuator></mujoco>"""
+
+
+def test_far_gains_of_a_machine_with_one_drive_are_its_own() -> None:
+    """One joint has no factors of all joints; what was found far off stands in its own words."""
+    told = PENDULUM.replace('kp="120" kv="4"', 'kp="6000" kv="20"')
+    fit, judge = (
+        log(seconds, seed, name=f"{role}.csv", role=role, mjcf=PENDULUM, joints=1)
+        for seconds, seed, role in ((12.0, 1, "fit"), (7.0, 2, "validate"))
+    )
+    found = explain(user_model(told, ("shoulder",), name="pendulum.xml"), [fit], [judge], LIMITS)
+    step = step_of(found, "machine", LIMITS)
+    changed = {c.knob.property: c.after for c in step.changed}
+    assert {each.effect for each in step.findings} <= {"gains", "kp", "kv"}
+    assert changed["kp"] == pytest.approx(120.0, rel=0.05)
+    assert changed["kv"] == pytest.approx(4.0, rel=0.25)
+
+
 def test_one_weak_drive_among_others_is_found() -> None:
     (finding,) = step_with(gains_times(0.3, 0.3, ("elbow",))).findings
     assert (finding.effect, finding.joints) == ("gains", ("elbow",))

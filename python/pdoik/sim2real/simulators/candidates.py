@@ -68,12 +68,12 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
 
 
 def gains_of_all(user: UserModel) -> tuple[Term, ...]:
-    """Factors of all drives' gains: of both, then of the stiffness; of one drive its own terms."""
+    """Of all drives alike, both gains and the stiffness alone; of one drive its own."""
     if len(user.joints) == 1:
-        knobs = (Knob("gain_factor", 0), Knob("kp", 0))
-    else:
-        knobs = (Knob("gain_factor", EVERY), Knob("kp_factor", EVERY))
-    return tuple(Term(name, (knob,)) for name, knob in zip(("gains", "kp"), knobs, strict=True))
+        both: tuple[Knob, ...] = (Knob("kp", 0), Knob("kv", 0))
+        return Term("gains", both), Term("kp", both[:1])
+    named = (("gains", "gain_factor"), ("kp", "kp_factor"))
+    return tuple(Term(name, (Knob(knob, EVERY),)) for name, knob in named)
 
 
 def baseline(user: UserModel, knob: Knob) -> float:

@@ -35,6 +35,7 @@ class Explained:
     kept: tuple[Term, ...]  # those that hold on held-out data, be it under another name
     values: dict[Knob, float]  # of all terms, fitted together
     patch: dict[Knob, float]  # of those kept, fitted without the others
+    alone: dict[Knob, float]  # of those whose names are believed, fitted without the others
     std: dict[Knob, float]
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
@@ -58,6 +59,11 @@ class Explained:
     def holds(self, term: Term, limits: SimulatorThresholds) -> bool:
         """Whether it is believed to be there, and matters; by whatever name."""
         return self.there(term) >= limits.least_confidence and self.shows[term] >= 1.0
+
+    def claims(self, term: Term, limits: SimulatorThresholds) -> bool:
+        """Whether its name is believed too."""
+        sure = self.confidence(term, limits) >= limits.least_confidence
+        return sure and self.holds(term, limits)
 
     def confidence(self, term: Term, limits: SimulatorThresholds) -> float:
         """Probability that a term is there, and none of its rivals in its place.
@@ -115,11 +121,15 @@ def explain(
         chosen, values = seen, fitted(experiment, about, blocks, seen, sigma, scales)
     judged = _judged(selection, about, chosen, values, sigma, noise, experiment, held_out)
     kept = tuple(t for t in chosen if judged.holds(t, limits) and not is_unreal(t, values))
-    if len(kept) == len(chosen):
+    if len(kept) < len(chosen):
+        say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
+        values = fitted(experiment, about, blocks, kept, sigma, scales)
+        after = held_out.run(values, as_it_is=True)
+        judged = replace(judged, kept=kept, patch=values, alone=values, after=after)
+    sure = tuple(term for term in kept if judged.claims(term, limits))
+    if len(sure) == len(kept):
         return judged
-    say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
-    values = fitted(experiment, about, blocks, kept, sigma, scales)
-    return replace(judged, kept=kept, patch=values, after=held_out.run(values, as_it_is=True))
+    return replace(judged, alone=fitted(experiment, about, blocks, sure, sigma, scales))
 
 
 def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:
@@ -218,6 +228,7 @@ def _judged(
         kept=chosen,
         values=dict(values),
         patch=dict(values),
+        alone=dict(values),
         std=std,
         rivals={term: selection.rivals(chosen, term) for term in chosen},
         gains=gains,

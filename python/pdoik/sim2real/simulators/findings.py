@@ -45,12 +45,7 @@ def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step
     user = explained.user
     order = sorted(explained.terms, key=lambda term: -explained.share[term])
     joints = _joints(explained)
-    claimed = [
-        term
-        for term in order
-        if explained.holds(term, limits)
-        and explained.confidence(term, limits) >= limits.least_confidence
-    ]
+    claimed = [term for term in order if explained.claims(term, limits)]
     return Step(
         model=user.name,
         log=log,
@@ -107,7 +102,8 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
     parameters = {}
     for knob in term.knobs:
         value = values.get(knob, baseline(user, knob))
-        std = explained.std[knob]
+        other = explained.alone.get(knob, value)  # what is only suspected may not be there
+        std = float(np.hypot(explained.std[knob], other - value))
         parameters[knob.property] = Estimate(
             value=value,
             std=std,

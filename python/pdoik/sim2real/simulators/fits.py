@@ -103,9 +103,9 @@ def far_gains(experiment: Experiment, noise: FloatArray) -> list[dict[Knob, floa
     best = cost(experiment, values, sigma)
     for _ in range(_SCANS):
         before = best
-        for knob in knobs_of(shared):
-            now = values.get(knob, baseline(experiment.user, knob))
-            tried = [{**values, knob: now * factor} for factor in factors]
+        for term in shared:
+            now = {k: values.get(k, baseline(experiment.user, k)) for k in term.knobs}
+            tried = [{**values, **{k: f * now[k] for k in now}} for f in factors]
             costs = [cost(experiment, each, sigma) for each in tried]
             k = int(np.argmin(costs))
             if costs[k] < best:
