@@ -82,7 +82,9 @@ def test_parts_of_one_file_follow_one_another(tmp_path: Path) -> None:
     assert last.since == pytest.approx(0.7 * float(np.ptp(log()["time"])), rel=0.02)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(
+    "seed", [pytest.param(k, marks=() if k < 5 else pytest.mark.long) for k in range(10)]
+)
 def test_whatever_is_broken_in_a_description_nothing_is_lost(
     tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

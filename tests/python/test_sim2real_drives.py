@@ -184,6 +184,7 @@ def test_a_supply_with_too_little_voltage_is_named(tmp_path: Path) -> None:
     assert of(again, "torque_speed_limit").values == found.values
 
 
+@pytest.mark.long
 def test_friction_that_is_another_one_each_time_says_so(tmp_path: Path) -> None:
     diagnosis = diagnose(world(tmp_path, 9005, "friction_drift"))
     (rubbing,) = [

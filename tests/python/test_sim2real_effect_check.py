@@ -349,6 +349,7 @@ def test_the_command_has_a_line_per_check_and_fails_with_one(tmp_path: Path) -> 
     assert FOUND not in known.stdout
 
 
+@pytest.mark.long
 def test_a_diagnosis_names_the_effect_or_the_check_says_what_it_names(tmp_path: Path) -> None:
     good = load_effects(str(file(tmp_path, HEAD)))[0]
     (outcome,) = [each for each in check_effect(good, diagnose=True) if each.check == FOUND]

@@ -105,6 +105,7 @@ def diagnosed(folder: Path, limit: Limit, rubs: bool = False) -> Diagnosis:
     return diagnose(study)
 
 
+@pytest.mark.long
 def test_stall_torque_and_no_load_speed_are_found(tmp_path: Path) -> None:
     diagnosis = diagnosed(tmp_path, by_speed)
     (finding,) = diagnosis.findings
@@ -124,6 +125,7 @@ def test_it_is_found_beside_friction(tmp_path: Path) -> None:
     assert {("joint1",), ("joint2",)} == set(named(diagnosis, "coulomb_friction"))
 
 
+@pytest.mark.long
 def test_a_limit_whatever_the_speed_is_plain_saturation(tmp_path: Path) -> None:
     diagnosis = diagnosed(tmp_path, at_a_level)
     (finding,) = diagnosis.findings
@@ -131,6 +133,7 @@ def test_a_limit_whatever_the_speed_is_plain_saturation(tmp_path: Path) -> None:
     assert finding.values["level"] == pytest.approx(24.0, rel=0.01)
 
 
+@pytest.mark.long
 def test_friction_alone_is_no_limit(tmp_path: Path) -> None:
     diagnosis = diagnosed(tmp_path, without, rubs=True)
     assert named(diagnosis, "torque_speed_limit") == []
