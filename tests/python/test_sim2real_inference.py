@@ -121,6 +121,9 @@ def searched(b: Balances, *terms: Term) -> Search:
     return Search(balances=b, nuisance=(), fit=Fit(b, terms), start=Fit(b, ()))
 
 
+DRY = ("coulomb_friction", (0.0,))
+
+
 def joint_term(b: Balances, effect: str, shape: tuple[float, ...] = ()) -> Term:
     term = term_of(b, CATALOGUE[effect], Place(joints=(1,)), shape)
     assert term is not None
@@ -202,12 +205,31 @@ def swinging_once(folder: Path, friction: float = 0.0) -> tuple[Balances, Term]:
     return b, term
 
 
-def test_a_session_in_which_alone_a_body_swings_does_not_judge_it(tmp_path: Path) -> None:
+def test_a_session_in_which_alone_a_body_swings_judges_it_in_parts(tmp_path: Path) -> None:
     """Where it hardly moves only its weight is learnt; what swings is then any number at all."""
     b, heavier = swinging_once(tmp_path)
     support = support_of(searched(b, heavier), heavier)
-    assert support.sessions == support.agree == 2
+    assert support.sessions == support.agree == 2 + 4
     assert support.gain > 0.8
+
+
+def test_what_one_session_alone_tells_apart_is_borne_out_by_its_parts(tmp_path: Path) -> None:
+    """At one speed dry and viscous friction are the same torque: only the second says which."""
+    body = RigidBody(write_arm(tmp_path, 2), ("j1", "j2"), None)
+    time = PERIOD * np.arange(5000)
+    motions = []
+    for k, speed in enumerate((0.1, None, -0.1)):
+        q, dq, ddq = (wave(time, 2, order) for order in range(3))
+        if speed is not None:
+            q[:, 1], dq[:, 1], ddq[:, 1] = speed * time, speed, 0.0
+        added = np.column_stack([np.zeros(len(q)), 0.3 * np.tanh(dq[:, 1] / 1e-3) + 0.3 * dq[:, 1]])
+        motions.append(logged(body, k, (q, dq, ddq), added, noise=0.05))
+    b = Balances(motions)
+    state = searched(b, *(joint_term(b, *each) for each in (DRY, ("viscous_friction", ()))))
+    found, doubtful = borne_out(state)
+    assert doubtful == ()
+    assert all(each.sessions > 3 and each.agree == each.sessions for each in found.support.values())
+    assert all(each.gain > 0.3 for each in found.support.values())
 
 
 def test_what_others_make_of_a_session_in_which_alone_a_body_swings_judges_nothing(
@@ -220,7 +242,7 @@ def test_what_others_make_of_a_session_in_which_alone_a_body_swings_judges_nothi
     state = searched(b, heavier, dry)
     support, key = support_of(state, dry), ("torque", 0)
     shown = dry.columns[key][state.fit.rows[key]] * state.fit.beta[-1] / b.sigma[key]
-    assert support.agree == support.sessions == 3
+    assert support.agree == support.sessions == 2 + 4
     assert support.size == pytest.approx(float(np.sqrt(np.mean(shown**2))), rel=0.4)
 
 

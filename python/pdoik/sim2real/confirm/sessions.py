@@ -26,6 +26,9 @@ from .confidence import confidence_of
 from .event_support import event_support
 from .ordinary_looks import Ordinary
 
+_TOLD = 0.5  # of a session's rows that the others tell of, for it to be judged as a whole
+_PARTS = 4  # of one that is not
+
 
 def borne_out(state: Search) -> tuple[Search, tuple[Term, ...]]:
     """The search without terms that left-out sessions or the background do not bear out, and these.
@@ -72,15 +75,12 @@ def _best_support(state: Search, term: Term) -> Support:
 def support_of(state: Search, term: Term) -> Support:
     """What a term gains in sessions that it was not learnt from, beside the others.
 
-    Of what acts in one session only, in parts of it; of an event, on quarters of its own rows.
+    Of what one session alone tells, in parts of it; of an event, on quarters of its own rows.
     """
     b = state.balances
     others, judged = state.without(term).fit, []
     if term not in state.contacts:
         judged = _judged(others, term)
-        if not judged:
-            others = others.on(b.in_parts())
-            judged = _judged(others, term)
     if not judged:
         return event_support(others, term, {key: state.start.residual(key) for key in term.columns})
     gained = np.sum([each.gain for each in judged], axis=0)
@@ -111,17 +111,15 @@ def _left(fit: Fit, term: Term) -> float:
     return float(np.sqrt(np.mean(np.concatenate(squares))))
 
 
-def _usable(fit: Fit, term: Term) -> list[int]:
-    """Sessions in which a term acts, and without which enough of it is left to be learnt."""
+def _shares(fit: Fit, term: Term) -> FloatArray:
+    """Of a term's squared column, of each session, (sessions,)."""
     count = int(fit.balances.session.max()) + 1
     energy = np.zeros(count)
     for key, column in term.columns.items():
         rows = fit.rows[key]
         scaled = np.sum((column[rows] / fit.balances.sigma[key]) ** 2, axis=1)
         energy += np.bincount(fit.balances.session[rows], scaled, minlength=count)
-    share = energy / max(float(energy.sum()), 1e-300)
-    least = fit.balances.thresholds.support.least_elsewhere
-    return [k for k in range(count) if share[k] >= least and 1.0 - share[k] >= least]
+    return np.asarray(energy / max(float(energy.sum()), 1e-300))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -130,12 +128,31 @@ class _Judged:
 
     gain: FloatArray  # of each block
     before: float  # sum of squares without it
-    rows: float
+    rows: float  # by how much the others say of what is there
+    told: float  # their share of all rows
 
 
 def _judged(others: Fit, term: Term) -> list[_Judged]:
-    """Sessions that can judge a term beside others: what they show can be learnt without them."""
-    found = [_left_out(others, term, session) for session in _usable(others, term)]
+    """Sessions that can judge a term beside others: what they show can be learnt without them.
+
+    A session of which the others hardly say what is there is judged in parts. Two knees that
+    bend together in all others are told from one another by none of them.
+    """
+    found: list[_Judged | None] = []
+    least = others.balances.thresholds.support.least_elsewhere
+    for session, share in enumerate(_shares(others, term)):
+        if share < least:
+            continue
+        whole = _left_out(others, term, session) if 1.0 - share >= least else None
+        if whole is not None and whole.told >= _TOLD:
+            found.append(whole)
+            continue
+        parts, which = others.balances.with_parts_of(session, _PARTS)
+        inside = others.on(parts)
+        of_parts = _shares(inside, term)
+        found += [
+            _left_out(inside, term, part) for part in which if least <= of_parts[part] < 1.0 - least
+        ]
     return [each for each in found if each is not None]
 
 
@@ -152,7 +169,7 @@ def _left_out(others: Fit, term: Term, session: int) -> _Judged | None:
     beside = OneMore(base)
     beta = beside.beta(learnt)
     own = np.zeros((learnt.width, learnt.width))
-    gained, began, count = np.zeros(int(b.block.max()) + 1), 0.0, 0.0
+    gained, began, count, whole = np.zeros(int(b.block.max()) + 1), 0.0, 0.0, 0
     for key, column in learnt.columns.items():
         rows = others.rows[key]
         part = column[rows]
@@ -174,10 +191,11 @@ def _left_out(others: Fit, term: Term, session: int) -> _Judged | None:
         gained += np.bincount(b.block[rows[at]], before - after, minlength=len(gained))
         began += float(before.sum())
         count += float(np.sum(sure**2))
+        whole += len(sure)
     least = b.thresholds.support.least_elsewhere
     if beside.leverage(learnt, own) > (1.0 - least) / least:
         return None
-    return _Judged(gain=gained, before=began, rows=count)
+    return _Judged(gain=gained, before=began, rows=count, told=count / max(whole, 1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -195,11 +195,13 @@ class Balances:
         other.sigma = {**self.sigma, **sigma}
         return other
 
-    def in_parts(self) -> Balances:
-        """The same with parts of recordings for sessions."""
-        other = copy(self)
-        other.session = self.fold
-        return other
+    def with_parts_of(self, session: int, count: int) -> tuple[Balances, range]:
+        """The same with parts of one session, as long as one another, for sessions; and which."""
+        other, first = copy(self), int(self.session.max()) + 1
+        mine = np.flatnonzero(self.session == session)
+        other.session = self.session.copy()
+        other.session[mine] = first + np.arange(len(mine)) * count // max(len(mine), 1)
+        return other, range(first, first + count)
 
     def without_session(self, session: int) -> Balances:
         """The same, where rows of one session do not count, nor near others of its recording."""
