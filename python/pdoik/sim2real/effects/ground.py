@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..motion.motion import Motion
-from ..motion.place import Balance, Columns, Place, Shape
+from ..motion.place import Balance, Columns, Place, Shape, tilt_key
 from ..study.recording import FloatArray
 from ..thresholds.feet import FeetThresholds
 from .effect import Effect, Parameter
@@ -94,7 +94,7 @@ class GroundSlope(_OfGround):
                 columns["foot", k] = np.column_stack([foot.world[:, :2], np.ones(len(motion.time))])
             if foot.tilt is not None:
                 for axis in range(2):
-                    columns["tilt", 2 * k + axis] = np.tile(np.eye(3)[axis], (len(motion.time), 1))
+                    columns[tilt_key(k, axis)] = np.tile(np.eye(3)[axis], (len(motion.time), 1))
         return columns
 
     def prior(self, width: int) -> FloatArray:

@@ -16,7 +16,7 @@ from ..thresholds import Thresholds
 from .base_motion import BaseMotion, base_motion_of
 from .carried_body import CarriedBody
 from .feet import FootMotion, feet_of
-from .place import Columns, Key, foot_of
+from .place import Columns, Key, foot_of, tilt_key
 from .rigid_body import RigidBody
 from .signals import derivative, dilated, shifted, zero_phase
 
@@ -122,7 +122,7 @@ class Motion:
                 height = np.sum(up * foot.upright, axis=1)
                 for axis in range(2):
                     change = turned[:, axis] + foot.tilt[:, axis] * turned[:, 2]
-                    columns["tilt", 2 * k + axis] = (change / height)[:, None]
+                    columns[tilt_key(k, axis)] = (change / height)[:, None]
         return columns
 
     def sign(self, j: int, smoothing: float = 0.0) -> FloatArray:

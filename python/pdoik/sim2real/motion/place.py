@@ -18,6 +18,11 @@ Columns = dict[Key, FloatArray]  # (T, k) for every channel that changes
 Shape = tuple[float, ...]  # the parameters that enter nonlinearly
 
 
+def tilt_key(foot: int, axis: int) -> Key:
+    """The balance of a foot's tilt along the world's x or y."""
+    return "tilt", 2 * foot + axis
+
+
 def foot_of(key: Key) -> int:
     """The foot that one of the feet's balances is of."""
     return key[1] // 2 if key[0] == "tilt" else key[1]

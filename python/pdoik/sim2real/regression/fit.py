@@ -19,6 +19,7 @@ from .design import Design
 from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry
+TRACE = 1e-11  # of ridge, where columns are scaled to one
 _TELLS = 0.05  # of what all recordings know of a coefficient, for some of them to judge it
 _CHANCE = 3.84  # a squared ratio to its error, that chance exceeds once in twenty times
 
@@ -238,22 +239,27 @@ class Fit:
         """Coefficients from normal equations; nothing is bounded here."""
         if not self.size:
             return np.zeros(0)
-        regular = self.regular(gram)
-        scale = 1.0 / np.sqrt(np.diag(regular))  # columns differ by many powers of ten
-        even = regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size)
+        scale, even = self.even(gram)
         try:
             factor = linalg.cho_factor(even, check_finite=False)
         except linalg.LinAlgError:
-            return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=1e-11)[0])
+            return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=TRACE)[0])
         return np.asarray(scale * linalg.cho_solve(factor, scale * moment, check_finite=False))
 
     def _variances(self, gram: FloatArray) -> FloatArray:
         """Of coefficients by normal equations, (size,), in units of the noise."""
+        scale, even = self.even(gram)
+        values, vectors = np.linalg.eigh(even)
+        return np.asarray(scale**2 * (vectors**2 @ (1.0 / np.maximum(values, TRACE))))
+
+    def even(self, gram: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Scales of the coefficients, (size,), and the normal matrix with columns scaled to one.
+
+        Columns differ by many powers of ten.
+        """
         regular = self.regular(gram)
         scale = 1.0 / np.sqrt(np.diag(regular))
-        even = regular * np.outer(scale, scale) + 1e-11 * np.eye(self.size)
-        values, vectors = np.linalg.eigh(even)
-        return np.asarray(scale**2 * (vectors**2 @ (1.0 / np.maximum(values, 1e-11))))
+        return scale, regular * np.outer(scale, scale) + TRACE * np.eye(self.size)
 
     def regular(self, gram: FloatArray) -> FloatArray:
         """Normal matrix with the prior and a trace of ridge."""

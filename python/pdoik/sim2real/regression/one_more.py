@@ -8,10 +8,7 @@ from scipy import linalg
 
 from ..motion.place import Key
 from ..study.recording import FloatArray
-from .fit import Fit, Term
-
-_TRACE = 1e-11  # of ridge, where columns are scaled to one
-
+from .fit import TRACE, Fit, Term
 
 _Sums = tuple[FloatArray, FloatArray, FloatArray]
 """A term's column times residuals (k,), itself (k, k) and the fit's columns (w, k)."""
@@ -25,15 +22,13 @@ class OneMore:
 
     def __init__(self, fit: Fit) -> None:
         self._fit = fit
-        regular = fit.regular(fit.gram)
-        self._scale = 1.0 / np.sqrt(np.diag(regular))
-        even = regular * np.outer(self._scale, self._scale) + _TRACE * np.eye(fit.size)
+        self._scale, even = fit.even(fit.gram)
         try:
             whole = linalg.cho_solve(linalg.cho_factor(even), np.eye(fit.size))
             inverse = np.asarray(whole, dtype=np.float64)
         except linalg.LinAlgError:
             inverse = np.asarray(
-                np.linalg.pinv(even, rcond=_TRACE, hermitian=True), dtype=np.float64
+                np.linalg.pinv(even, rcond=TRACE, hermitian=True), dtype=np.float64
             )
         self._inverse: FloatArray = inverse
         self._left: dict[Key, FloatArray] = {}
@@ -118,5 +113,5 @@ def _solved(term: Term, gram: FloatArray, reduced: FloatArray, moment: FloatArra
     """The term's own coefficients, by columns of even size, for (k,) or (k, m) moments."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram) + term.prior, 1e-300))
     even = (reduced + np.diag(term.prior)) * np.outer(scale, scale) + 1e-9 * np.eye(len(moment))
-    found = np.linalg.lstsq(even, (scale * moment.T).T, rcond=_TRACE)[0]
+    found = np.linalg.lstsq(even, (scale * moment.T).T, rcond=TRACE)[0]
     return np.asarray((scale * found.T).T)

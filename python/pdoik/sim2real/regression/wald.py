@@ -32,10 +32,8 @@ def robust(fit: Fit, term: Term) -> FloatArray:
     term acts in few (Cameron and Miller, J. Human Resources 50(2), 2015).
     """
     clusters, count = clusters_of(fit, term)
-    regular = fit.regular(fit.gram)
-    scale = 1.0 / np.sqrt(np.diag(regular))
-    inverse = np.linalg.inv(regular * np.outer(scale, scale) + 1e-11 * np.eye(fit.size))
-    inverse = (inverse * np.outer(scale, scale))[-term.width :]
+    scale, even = fit.even(fit.gram)
+    inverse = (np.linalg.inv(even) * np.outer(scale, scale))[-term.width :]
     scores = np.zeros((term.width, count))
     for key, design in fit.design.items():
         index = fit.index[key]
