@@ -23,6 +23,7 @@ from pdoik.sim2real.effects.external_contact import ExternalContact
 from pdoik.sim2real.effects.torque_channel import OF_BOTH, OF_DRIVE, OF_REPORT
 from pdoik.sim2real.infer.changing_friction import spreads_of
 from pdoik.sim2real.infer.torque_scale import with_torque_scale
+from pdoik.sim2real.infer.unnamed_ordinary import beside_the_unnamed, holding
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.motion import Motion, motion_of
 from pdoik.sim2real.motion.place import Place
@@ -407,6 +408,37 @@ def test_a_joint_that_moves_in_one_recording_is_as_sure_as_that_one_makes_it(
     found = estimates(Fit(b, [term]), (term,), 0)[0]["coefficient"]
     assert found.value == pytest.approx(1.0, abs=0.01)
     assert (found.std < 0.01) == sure
+
+
+@pytest.mark.parametrize("viscous", [0.0, 0.12, 0.5])
+def test_dry_frictions_interval_holds_what_viscous_friction_that_was_not_named_may_take(
+    tmp_path: Path, viscous: float
+) -> None:
+    body = RigidBody(write_arm(tmp_path, 2), ("j1", "j2"), None)
+    q, dq, ddq = (wave(PERIOD * np.arange(5000), 2, order) for order in range(3))
+    added = np.column_stack([np.zeros(len(q)), 0.5 * np.tanh(dq[:, 1] / 1e-3) + viscous * dq[:, 1]])
+    b = Balances([logged(body, k, (q, dq, ddq), added, noise=0.4) for k in range(3)])
+    dry = joint_term(b, *DRY)
+    fit = Fit(b, [dry])
+    own = estimates(fit, (dry,), 0)[0]["level"]
+    both = holding(own, own, beside_the_unnamed(fit, (dry,), 0)[0]["level"])
+    assert both.value == own.value
+    assert both.interval95[0] <= 0.5 <= both.interval95[1]
+    assert both.interval95[0] <= own.interval95[0] < own.interval95[1] <= both.interval95[1]
+    assert (own.interval95[0] > 0.5) == (viscous > 0.0)  # which the figure alone does not know
+    assert both.std < 0.2 + 1.2 * viscous
+
+
+def test_where_all_that_is_ordinary_was_named_intervals_are_its_own(tmp_path: Path) -> None:
+    b = balances(tmp_path, np.full(4, 0.4))
+    others = (("viscous_friction", ()), ("torque_offset", (OF_REPORT,)), ("rotor_inertia", ()))
+    terms = tuple(joint_term(b, *each) for each in (DRY, *others))
+    fit = Fit(b, terms)
+    found, beside = estimates(fit, terms, 0), beside_the_unnamed(fit, terms, 0)
+    for number in range(len(terms)):
+        for name, each in found[number].items():
+            wide = holding(each, each, beside[number][name])
+            assert wide.std == pytest.approx(each.std, rel=0.05)
 
 
 @pytest.mark.parametrize(("force", "least", "most"), [(8.0, 0.8, 1.0), (0.0, 0.0, 0.15)])

@@ -24,6 +24,7 @@ from .bodies import by_moments
 from .changing_friction import spreads_of, with_days
 from .sampling import widened, without_sampling
 from .torque_scale import with_torque_scale
+from .unnamed_ordinary import beside_the_unnamed, holding
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,6 +55,7 @@ def figures_of(
     accepted, notes = without_sampling(prepared, state.fit, accepted)
     values = estimates(state.fit, accepted, seed)
     state, accepted, values, loads = by_moments(state, accepted, values, seed)
+    first, beside = values, beside_the_unnamed(state.fit, accepted, seed)
     values = {i: to_second_order(state.fit, t, values[i]) for i, t in enumerate(accepted)}
     values, simulated = simulated_estimates(prepared, state, accepted, values)
     if simulated:
@@ -76,6 +78,11 @@ def figures_of(
             continue
         if term in state.contacts:
             figures = event_estimates(state.without(term).fit.extended(term), term)
+        else:
+            figures = {
+                name: holding(each, first[number][name], beside[number][name])
+                for name, each in figures.items()
+            }
         if ordinary is not None and term not in state.contacts:
             figures = with_days(ordinary, spreads, term, figures)
         figures = with_torque_scale(prepared.study, figures)

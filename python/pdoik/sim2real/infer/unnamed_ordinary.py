@@ -1,0 +1,77 @@
+"""What figures owe to what every joint has, where it is too small to be named.
+
+Dry and viscous friction, a zero and a rotor look alike one by one. Those that are named take the
+share of one that is not: a joint's dry friction seems a fifth larger than it is. Intervals hold
+both, the figure as it is and the one beside all that may be there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE, Effect
+from ..findings import Estimate
+from ..motion.balances import Balances
+from ..motion.place import Place
+from ..regression.background import usual_torque
+from ..regression.estimate import estimates
+from ..regression.fit import Fit, Term, term_of
+from ..select.candidates import same_kind
+
+Figures = dict[int, dict[str, Estimate]]
+
+
+def beside_the_unnamed(fit: Fit, terms: tuple[Term, ...], seed: int) -> Figures:
+    """Estimates of the terms, by their index, with all that is ordinary and was not named."""
+    return estimates(fit.extended(*_unnamed(fit)), terms, seed)
+
+
+def holding(each: Estimate, before: Estimate, beside: Estimate) -> Estimate:
+    """An estimate whose interval holds another's too.
+
+    Args:
+        each: the estimate, perhaps refined since.
+        before: as it was of the same fit.
+        beside: of the fit with what was not named.
+    """
+    by = each.value - before.value
+    low, high = (end + by for end in beside.interval95)
+    away = float(np.hypot(beside.std, beside.value - before.value))
+    return replace(
+        each,
+        std=max(each.std, away),
+        interval95=(min(each.interval95[0], low), max(each.interval95[1], high)),
+    )
+
+
+def _unnamed(fit: Fit) -> list[Term]:
+    """Plain terms of what every machine's joints have, where none of the kind was found."""
+    b = fit.balances
+    plain = [each for each in CATALOGUE.values() if each.ordinary and each.complexity <= 1]
+    found = []
+    for j in range(b.n):
+        if not b.excited[j] or not len(fit.rows.get(("torque", j), ())):
+            continue
+        place = Place(joints=(j,))
+        here = {term.effect for term in fit.terms if term.place == place}
+        for effect in plain:
+            if effect.id in here or any(same_kind(effect.id, one) for one in here & set(CATALOGUE)):
+                continue
+            if place in effect.places(b.motions):
+                term = _term(b, effect, place)
+                found += [] if term is None else [term]
+    return found
+
+
+def _term(b: Balances, effect: Effect, place: Place) -> Term | None:
+    """Its size is about that of other parts of the joint's friction."""
+    (j,) = place.joints
+    term = term_of(b, effect, place, effect.shapes(b.motions, place)[0])
+    if term is None or ("torque", j) not in term.columns:
+        return None
+    column = term.columns["torque", j]
+    size = b.thresholds.background.friction * usual_torque(b, j)
+    prior = np.mean(column**2, axis=0) / max(size, 1e-9) ** 2
+    return replace(term, prior=np.maximum(term.prior, prior))
