@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+import yaml
 from rich.markup import escape
 
 from pdoik._files import write_whole
@@ -27,7 +28,7 @@ def study() -> None:
 @app.command("new")
 def new(
     robot: Annotated[Path, typer.Argument(help="URDF or MJCF.")],
-    logs: Annotated[list[Path], typer.Argument(help="Recordings: CSV, Parquet, bags.")],
+    logs: Annotated[list[Path], typer.Argument(help="Recordings of any kind, or their folders.")],
     out_file: Annotated[Path, typer.Option("--out", help="Where to write it.")] = Path(
         "study.yaml"
     ),
@@ -35,6 +36,20 @@ def new(
         str | None, typer.Option(help="Of joint states in bags, where there are several.")
     ] = None,
     command_topic: Annotated[str | None, typer.Option(help="Of commands in bags.")] = None,
+    columns: Annotated[
+        Path | None,
+        typer.Option(
+            help="A YAML file whose 'joints:', 'columns:', 'units:' and 'ignore:', as in a study,"
+            " tell how the logs are read, where their names do not."
+        ),
+    ] = None,
+    entry: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUE",
+            help="Said in each recording's entry: rate=100, demo=3, env=0. Repeatable.",
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
 ) -> None:
     """Write a commented study.yaml of a robot and logs, and ask about what cannot be guessed.
@@ -51,7 +66,13 @@ def new(
         from pdoik.sim2real import draft_study
 
         draft = draft_study(
-            robot, logs, folder=out_file.parent, topic=topic, command_topic=command_topic
+            robot,
+            logs,
+            folder=out_file.parent,
+            topic=topic,
+            command_topic=command_topic,
+            reading=columns,
+            entry=dict(map(_pair, entry or ())),
         )
         write_whole(out_file, draft.text)
     for line in draft.guesses:
@@ -61,6 +82,17 @@ def new(
     for line in draft.questions:
         out.print(escape(f"  {line}"), highlight=False)
     out.print(escape(str(out_file)), highlight=False)
+
+
+def _pair(text: str) -> tuple[str, object]:
+    """Key and value of KEY=VALUE, the value as YAML has it."""
+    key, equals, value = text.partition("=")
+    if not key or not equals:
+        fail(f"--entry {text}: expected KEY=VALUE")
+    try:
+        return key.strip(), yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        fail(f"--entry {text}: no value: {error}")
 
 
 @app.command("check")

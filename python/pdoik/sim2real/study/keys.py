@@ -78,16 +78,21 @@ def read_keys(path: Path) -> dict[str, Any]:
     Raises:
         LoadError: no such file, no YAML, or an unknown or missing key.
     """
+    mapping = read_part(path)
+    if not mapping.get("recordings"):
+        raise LoadError(f"{path.name}: expected 'recordings:' with at least one file")
+    return mapping
+
+
+def read_part(path: Path) -> dict[str, Any]:
+    """Of a study that may still lack its recordings, likewise."""
     try:
         content = yaml.safe_load(path.read_text())
     except OSError as error:
         raise LoadError(f"study: cannot read {path}: {error.strerror}") from error
     except (UnicodeDecodeError, yaml.YAMLError) as error:
         raise LoadError(f"{path.name}: no YAML: {error}") from error
-    mapping = checked(content, KEYS, path.name)
-    if not mapping.get("recordings"):
-        raise LoadError(f"{path.name}: expected 'recordings:' with at least one file")
-    return mapping
+    return checked(content, KEYS, path.name)
 
 
 def entries(content: Any, folder: Path, source: str, max_rows: Any = None) -> tuple[Entry, ...]:

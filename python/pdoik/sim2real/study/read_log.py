@@ -13,7 +13,7 @@ from pdoik.errors import LoadError
 from .columns import SUPPLY, Table, nearest
 from .logs import Log, Part, check_size, open_log
 from .names.known import Known, Settled, listed
-from .names.settle import naming_notes, settle
+from .names.settle import BEYOND_SECONDS, naming_notes, settle
 from .recording import FloatArray
 from .units import KNOWN, Units
 
@@ -39,12 +39,16 @@ def read_log(
         settled, unsettled = settle(name, log.columns, known)
         naming = naming_notes(settled)
         period = _period(log, name, settled, rate)
-        wanted = [each for each in settled if each.target != "time"]
-        timed = [each for each in settled if each.target == "time" and period is None]
+        clocks = ("time", BEYOND_SECONDS)
+        wanted = [each for each in settled if each.target not in clocks]
+        timed = sorted(
+            (each for each in settled if each.target in clocks and period is None),
+            key=lambda each: clocks.index(each.target),
+        )
         step = _time_unit(timed, units)
         columns = [each.column.name for each in (*timed, *wanted)]
         check_size(name, log.count(columns) if columns else 0.0, part)
-        pieces = _timed(log, columns, period)
+        pieces = _timed(log, columns, period, timed[1:])
         start, rows = _gather(name, pieces, part, step)
         if not len(rows):
             raise LoadError(f"{name}: no rows" + ("" if part.window is None else " in the window"))
@@ -92,16 +96,22 @@ def _period(log: Log, name: str, settled: Sequence[Settled], rate: float | None)
 
 def _time_unit(timed: Sequence[Settled], units: Units) -> float:
     """Of the column of times [s]."""
-    if timed and timed[0].column.unit:
-        return KNOWN["time"][timed[0].column.unit]
+    if timed and timed[0].column.unit and timed[0].unit:
+        return KNOWN["time"][timed[0].unit]
     written = {"time": timed[0].unit} if timed and timed[0].unit else {}
     return units.with_written(written).factor("time")
 
 
-def _timed(log: Log, columns: Sequence[str], period: float | None) -> Iterator[FloatArray]:
-    """Rows whose first column is the time."""
+def _timed(
+    log: Log, columns: Sequence[str], period: float | None, beyond: Sequence[Settled]
+) -> Iterator[FloatArray]:
+    """Rows whose first column is the time; what is `beyond` its seconds follows in the log."""
     seen = 0
     for piece in log.pieces(columns):
+        if beyond:
+            piece[:, 1] = piece[:, 0] + piece[:, 1] * KNOWN["time"][beyond[0].unit]
+            yield piece[:, 1:]
+            continue
         if period is None:
             yield piece
             continue

@@ -68,6 +68,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     known = Known(
         joints=named,
         others=() if facts is None else tuple(facts.joints),
+        arm=() if facts is None else facts.arm,
         key=columns_key(content.get("columns"), f"{path.name}: columns"),
         ignore=ignore,
         order=mujoco_order(None if facts is None else facts.path),

@@ -46,6 +46,20 @@ class RobotFacts:
         moved = self.joints[joint].link
         return sum(mass for link, mass in self.masses.items() if moved in self.chain(link))
 
+    @property
+    def arm(self) -> tuple[str, ...]:
+        """The joints from the base on, up to where those beyond are on several links: in order."""
+        moved = {facts.link: name for name, facts in self.joints.items()}
+        ahead: dict[str, list[str]] = {}  # of each joint, "" of the base, those next
+        for link, name in moved.items():
+            if name not in self.leaders:
+                above = (moved[each] for each in self.chain(link)[1:] if each in moved)
+                ahead.setdefault(next(above, ""), []).append(name)
+        found: list[str] = []
+        while len(following := ahead.get(found[-1] if found else "", [])) == 1:
+            found += following
+        return tuple(found)
+
     def chain(self, link: str) -> list[str]:
         """The link and those before it, to the base."""
         chain = [link]

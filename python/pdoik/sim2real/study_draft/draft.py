@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pdoik.errors import LoadError
 
+from ..study.keys import read_part
 from ..study.robot_facts import robot_facts
 from .actuators import actuator_gains
 from .facts import Facts
 from .questions import guesses_of, questions_of
 from .text import study_text
-from .trial import Trial, tried
+from .trial import OF_STUDY, Told, Trial, tried
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +35,8 @@ def draft_study(
     folder: str | os.PathLike[str] = ".",
     topic: str | None = None,
     command_topic: str | None = None,
+    reading: str | os.PathLike[str] | None = None,
+    entry: Mapping[str, Any] | None = None,
 ) -> Draft:
     """A commented study of a robot and logs, with what could be guessed, that loads as it stands.
 
@@ -46,6 +50,9 @@ def draft_study(
         folder: that the study is meant for.
         topic: of joint states in bags, where there are several.
         command_topic: of commands in bags.
+        reading: a YAML file whose `joints:`, `columns:`, `units:` and `ignore:`, as in a study,
+            tell how the logs are read, where names and numbers do not.
+        entry: what each recording's entry says of how to read it: `rate`, `demo`, `env` ...
 
     Raises:
         LoadError: the robot or a log is not there or cannot be read, or none of the logs can be
@@ -55,17 +62,25 @@ def draft_study(
         raise LoadError("logs: expected one at least")
     path = Path(robot)
     facts = robot_facts(path)
-    told = {"topic": topic, "command_topic": command_topic}
-    topics = {key: value for key, value in told.items() if value is not None}
-    trial = tried(path, list(dict.fromkeys(Path(log) for log in logs)), topics)
+    topics = {"topic": topic, "command_topic": command_topic}
+    told = Told(
+        study={} if reading is None else _read(Path(reading)),
+        entry=dict(entry or {}),
+        topics={key: value for key, value in topics.items() if value is not None},
+    )
+    trial = tried(path, list(dict.fromkeys(Path(log) for log in logs)), told)
     gains = actuator_gains(path, trial.study.joints) if "q_des" in _any_channel(trial) else None
-    found = Facts(folder=Path(folder), robot=facts, trial=trial, gains=gains, topics=topics)
+    found = Facts(folder=Path(folder), robot=facts, trial=trial, gains=gains)
     asked = questions_of(found)
     return Draft(
         text=study_text(found, asked),
         guesses=guesses_of(found),
         questions=tuple(asked.values()),
     )
+
+
+def _read(path: Path) -> dict[str, Any]:
+    return {key: value for key, value in read_part(path).items() if key in OF_STUDY}
 
 
 def _any_channel(trial: Trial) -> set[str]:

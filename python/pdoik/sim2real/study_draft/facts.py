@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from ..study.names.known import ALONG_THE_ARM
 from ..study.recording import Recording
 from ..study.robot_facts import RobotFacts
 from .actuators import ActuatorGains
@@ -22,7 +23,6 @@ class Facts:
     robot: RobotFacts
     trial: Trial
     gains: ActuatorGains | None
-    topics: dict[str, str]  # of bags, as they were told
 
     @cached_property
     def held_out(self) -> HoldOut:
@@ -37,6 +37,12 @@ class Facts:
             log: tuple(r for r in study.recordings if (r.file or r.name) == self.name_of(log))
             for log in self.trial.logs
         }
+
+    @property
+    def counted(self) -> bool:
+        """Whether numbers alone told a joint's columns."""
+        notes = (note for each in self.trial.study.recordings for note in each.notes)
+        return any(note.endswith(ALONG_THE_ARM) for note in notes)
 
     @property
     def channels(self) -> tuple[str, ...]:

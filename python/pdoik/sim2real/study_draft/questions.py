@@ -29,9 +29,14 @@ def questions_of(facts: Facts) -> dict[str, str]:
     """By the study's key that answers them."""
     study, channels = facts.trial.study, facts.channels
     asked: dict[str, str] = {}
+    if facts.counted:
+        asked["joints"] = (
+            f"the logs count their joints: is {_listed(study.joints)} their order, from the base?"
+        )
     others = [name for name in facts.robot.joints if name not in study.joints]
     if others:
-        asked["joints"] = f"not logged, so held at zero: {_listed(others)}. Is that so?"
+        said = f"not logged, so held at zero: {_listed(others)}. Is that so?"
+        asked["joints"] = f"{asked['joints']} {said}" if facts.counted else said
     for channel, each in facts.trial.units.items():
         said = f"is {channel} in {each.unit}? {each.why}"
         asked["units"] = f"{asked['units']}; {said}" if "units" in asked else said

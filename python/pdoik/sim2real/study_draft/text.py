@@ -22,7 +22,7 @@ def study_text(facts: Facts, questions: Mapping[str, str]) -> str:
 
 
 def _lines(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
-    study, robot = facts.trial.study, facts.robot
+    study, robot, held = facts.trial.study, facts.robot, facts.held_out
     yield "# A study for `pdoik diagnose`, drafted by `pdoik study new`. Lines that begin with"
     yield "#   # ?   ask what could not be guessed. Then: pdoik study check THIS_FILE"
     yield ""
@@ -35,10 +35,7 @@ def _lines(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
     yield ""
     yield from _tip(facts, questions)
     yield "# Figures are fitted to recordings with role fit; those with role validate only judge."
-    yield (
-        f"# Held out: {_plain(facts.held_out.name + ': ' if facts.held_out.name else '')}"
-        + _plain(facts.held_out.why)
-    )
+    yield (f"# Held out: {_plain(f'{held.name}: {held.why}' if held.name else held.why)}")
     yield from _asked(questions, "session")
     yield from _asked(questions, "payload")
     yield "recordings:"
@@ -54,7 +51,14 @@ def _lines(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
     yield from _rotors(facts, questions)
     yield "# trust: {rigid_body: 0.1}  # the model's masses and inertias are about a tenth off"
     yield "# trust: {torque: 0.04}  # the torques' own scale is about 4 % off"
-    yield "# ignore: []  # columns that look like a channel and are none"
+    told = facts.trial.told.study
+    if told.get("columns"):
+        yield "# Which column is which."
+        yield from _mapping({"columns": told["columns"]})
+    if told.get("ignore"):
+        yield from _mapping({"ignore": told["ignore"]})
+    else:
+        yield "# ignore: []  # columns that look like a channel and are none"
     yield "# max_rows: 2000000  # of a file; a longer one is refused"
 
 
@@ -79,11 +83,14 @@ def _recording(facts: Facts, log: Path, parts: tuple[Recording, ...]) -> Iterato
     for note in first.notes:
         yield f"    # {_plain(note)}"
     yield f"    role: {'validate' if name == facts.held_out.name else 'fit'}"
+    told = facts.trial.told.entry_of(log)
     if is_bag(log):
         for key in ("topic", "command_topic"):
-            topic = facts.topics.get(key)
+            topic = told.pop(key, None)
             what = "JointState" if key == "topic" else "commands: JointState or JointTrajectory"
             yield f"    {key}: {_value(topic)}" if topic else f"    # {key}: /name  # of {what}"
+    for key, value in told.items():
+        yield f"    {key}: {_value(value)}"
     link = facts.robot.joints[facts.trial.study.joints[-1]].link
     yield "    # session: monday  # the day, or whatever else was the same"
     yield f"    # payload: {{link: {_value(link)}, mass: 1.0, com: [0, 0, 0.05]}}  # held: kg, m"
@@ -91,10 +98,13 @@ def _recording(facts: Facts, log: Path, parts: tuple[Recording, ...]) -> Iterato
 
 
 def _units(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
-    if facts.trial.units:
-        yield "# Units that the numbers look like; all others are SI."
+    told = facts.trial.told.study
+    units = {k: each.unit for k, each in facts.trial.units.items()} | (told.get("units") or {})
+    if units:
+        looks = "that the numbers look like" if facts.trial.units else "as they were told"
+        yield f"# Units {looks}; all others are SI."
         yield from _asked(questions, "units")
-        yield from _mapping({"units": {k: each.unit for k, each in facts.trial.units.items()}})
+        yield from _mapping({"units": units})
     else:
         yield "# All numbers may be in SI units: they fit the robot's limits, and one another."
         yield "# units: {q: deg, dq: rpm, tau: N.cm, time: ms}"

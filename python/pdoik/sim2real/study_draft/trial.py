@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -25,6 +26,23 @@ class Suspicion:
     why: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """What whoever asks for a draft knows already."""
+
+    study: Mapping[str, Any] = field(default_factory=dict)  # keys of a study: see `OF_STUDY`
+    entry: Mapping[str, Any] = field(default_factory=dict)  # keys of each recording's entry
+    topics: Mapping[str, str] = field(default_factory=dict)  # such keys, of bags only
+
+    def entry_of(self, log: Path) -> dict[str, Any]:
+        """What a log's entry says beside its file."""
+        return {**self.entry, **(self.topics if is_bag(log) else {})}
+
+
+OF_STUDY = ("joints", "columns", "units", "ignore")
+"""Keys of a study that say how its logs are read."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
     """Logs that load together."""
@@ -33,15 +51,16 @@ class Trial:
     logs: tuple[Path, ...]  # the usable ones, as they were given
     left_out: Mapping[Path, str]  # the others, by why they cannot be used
     units: Mapping[str, Suspicion]  # by channel
+    told: Told
 
 
-def tried(robot: Path, logs: Sequence[Path], topics: Mapping[str, str]) -> Trial:
+def tried(robot: Path, logs: Sequence[Path], told: Told) -> Trial:
     """Load the logs, leaving out those that cannot be used beside others.
 
     Args:
         robot: URDF or MJCF.
         logs: at least one.
-        topics: `topic` and `command_topic` of bags, where they are told.
+        told: what is known already.
 
     Raises:
         LoadError: the robot or a log is not there, or none of the logs can be used.
@@ -50,7 +69,7 @@ def tried(robot: Path, logs: Sequence[Path], topics: Mapping[str, str]) -> Trial
         if not log.exists():
             names = [each.name for each in log.parent.iterdir()] if log.parent.is_dir() else []
             raise LoadError(f"no such log: {log}{nearest(log.name, names)}")
-    loader = _Loader(robot, topics)
+    loader = _Loader(robot, told)
     usable: list[Path] = []
     why: dict[Path, LoadError] = {}
     for log in (*logs, *logs):  # a log at rest is of use beside one that moves
@@ -70,15 +89,15 @@ def tried(robot: Path, logs: Sequence[Path], topics: Mapping[str, str]) -> Trial
     usable.sort(key=[*logs].index)
     study = loader.load(usable)
     left_out = {log: str(error) for log, error in why.items()}
-    return Trial(study=study, logs=tuple(usable), left_out=left_out, units=loader.units)
+    return Trial(study=study, logs=tuple(usable), left_out=left_out, units=loader.units, told=told)
 
 
 class _Loader:
     """Loads logs as a study, with units as their numbers ask for."""
 
-    def __init__(self, robot: Path, topics: Mapping[str, str]) -> None:
+    def __init__(self, robot: Path, told: Told) -> None:
         self.units: dict[str, Suspicion] = {}
-        self._robot, self._topics = robot, topics
+        self._robot, self._told = robot, told
 
     def load(self, logs: Sequence[Path]) -> Study:
         """Of these logs; a unit that is suspected is taken, once for each channel."""
@@ -91,13 +110,14 @@ class _Loader:
                 self.units[error.channel] = Suspicion(unit=error.suspected, why=error.why)
 
     def _loaded(self, logs: Sequence[Path]) -> Study:
+        suspected = {channel: each.unit for channel, each in self.units.items()}
         content = {
+            **self._told.study,
             "robot": str(self._robot.resolve()),
             "recordings": [
-                {"file": str(log.resolve()), **(self._topics if is_bag(log) else {})}
-                for log in logs
+                {"file": str(log.resolve()), **self._told.entry_of(log)} for log in logs
             ],
-            "units": {channel: each.unit for channel, each in self.units.items()},
+            "units": {**suspected, **(self._told.study.get("units") or {})},
         }
         with tempfile.TemporaryDirectory(prefix="pdoik-study-") as folder:
             path = Path(folder) / "study.yaml"

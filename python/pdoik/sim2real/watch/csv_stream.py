@@ -75,7 +75,7 @@ class CsvStream:
         self._first = False
         if self._form is not None and self._is_row(head):
             return lines
-        form = CsvForm.of_lines(self.name, _text(self.name, head), _text(self.name, second))
+        form = CsvForm.of_lines(self.name, [_text(self.name, each) for each in (head, second)])
         given = tuple(Column(name=each) for each in form.header)
         said = self._reading
         known = Known(joints=self._joints, key=said.key, ignore=said.ignore)

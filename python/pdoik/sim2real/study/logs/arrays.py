@@ -32,6 +32,7 @@ class Place:
     array: str
     index: int | None = None  # of its second axis
     field: str = ""  # of its records
+    env: int | None = None  # of its second axis, where the index is of the third
 
 
 def columns_of(
@@ -41,8 +42,12 @@ def columns_of(
     labels: Sequence[str] = (),
     unit: str = "",
     aside: str = "",
+    env: int | None = None,
 ) -> dict[Column, Place]:
-    """Columns of an array of numbers (T,) or (T, n), or of records (T,); none of any other."""
+    """Columns of an array of numbers (T,) or (T, n), or of records (T,); none of any other.
+
+    Of (T, E, n), as of E environments side by side, those of one.
+    """
     if len(shape) == 1 and fields:
         return {
             Column(name=f"{array}.{each}", unit=unit, aside=aside): Place(array=array, field=each)
@@ -51,9 +56,14 @@ def columns_of(
     if len(shape) == 1 or (len(shape) == 2 and shape[1] == 1 and not labels):
         place = Place(array=array, index=None if len(shape) == 1 else 0)
         return {Column(name=array, unit=unit, aside=aside): place}
-    if len(shape) != 2:
+    if len(shape) == 3:
+        aside = aside or _why_not(shape[1], env)
+        env = 0 if env is None or env >= shape[1] else env
+    elif len(shape) != 2:
         return {}
-    count = shape[1]
+    else:
+        env = None
+    count = shape[-1]
     said = labels if len(labels) == count else [""] * count
     return {
         Column(
@@ -64,9 +74,28 @@ def columns_of(
             label=said[k],
             unit=unit,
             aside=aside,
-        ): Place(array=array, index=k)
+        ): Place(array=array, index=k, env=env)
         for k in range(count)
     }
+
+
+def env_of(name: str, told: Mapping[str, Any]) -> int | None:
+    """Which environment a recording's entry says, None if it says none.
+
+    Raises:
+        LoadError: it is no such number.
+    """
+    env = told.get("env")
+    if env is not None and (not isinstance(env, int) or isinstance(env, bool) or env < 0):
+        raise LoadError(f"{name}: env: expected a number from 0 on, got {env!r}")
+    return env
+
+
+def _why_not(count: int, env: int | None) -> str:
+    """Why numbers of several environments are not read, in words."""
+    if env is None and count > 1:
+        return f"it is of {count} environments; 'env: 0' in the recording's entry says which"
+    return f"it has no environment {env}, but {count}" if env is not None and env >= count else ""
 
 
 def names_in(said: Mapping[str, Any]) -> tuple[str, ...]:
@@ -147,6 +176,8 @@ def pieces_of(blocks: Mapping[str, Iterator[Any]], places: Sequence[Place]) -> I
         piece = np.empty((len(together[0]), len(places)))
         for k, place in enumerate(places):
             values = block[place.array]
+            if place.env is not None:
+                values = values[:, place.env]
             if place.field:
                 values = values[place.field]
             elif place.index is not None:

@@ -26,9 +26,10 @@ def numbers(batch: Any, columns: Sequence[str], name: str = "") -> FloatArray:
 
 
 def number_column(values: Any, column: str, name: str) -> FloatArray:
-    """One of Arrow's arrays as numbers, (R,); time stamps in s."""
-    if pa.types.is_timestamp(values.type):
-        stamps = values.cast(pa.timestamp("ns")).cast(pa.int64())
+    """One of Arrow's arrays as numbers, (R,); time stamps and times of the day in s."""
+    if pa.types.is_timestamp(values.type) or pa.types.is_time(values.type):
+        day = pa.types.is_time(values.type)
+        stamps = values.cast(pa.time64("ns") if day else pa.timestamp("ns")).cast(pa.int64())
         return np.asarray(stamps.to_numpy(zero_copy_only=False) * 1e-9, dtype=np.float64)
     try:
         cells = values.cast(pa.float64()).to_numpy(zero_copy_only=False)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Iterator, Mapping, Sequence
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
-from typing import Any, TextIO, cast
+from typing import Any, BinaryIO, TextIO, cast
 
 import pyarrow as pa
 import pyarrow.csv
@@ -14,17 +16,18 @@ from pdoik.errors import LoadError
 
 from ..recording import FloatArray
 from .arrow_numbers import numbers
-from .csv_form import CsvForm
-from .kinds import register
+from .csv_form import LOOKED_AT, CsvForm
+from .kinds import KINDS, register
 from .log import Column, Log
 
 _BLOCK = 8 << 20  # bytes parsed at a time
+_UTF8, _WINDOWS = "utf-8-sig", "cp1252"
 _RAGGED = 0.01  # share of rows with another number of cells that is still a log
 
 
 @register
 class CsvText(Log):
-    """A line of names, then a line of numbers for each row."""
+    """A line of names, then a line of numbers for each row; remarks and units may stand before."""
 
     kind = "CSV"
     suffixes = (".csv", ".tsv", ".txt", ".csv.gz", ".tsv.gz", ".txt.gz")
@@ -33,24 +36,43 @@ class CsvText(Log):
         self.notes = []
         self._path, self._name = path, name
         try:
-            with self._open() as file:
-                head = file.readline()
-                second = file.readline()
+            self._encoding = _encoding(self._file)
+            self._errors = "strict" if self._encoding == _UTF8 else "replace"
+            with self._text() as file:
+                lines = list(islice(file, LOOKED_AT))
             self.rows = self._count()
         except (OSError, UnicodeDecodeError, EOFError) as error:
-            raise LoadError(f"{name}: no CSV text: {error}") from error
-        self._form = CsvForm.of_lines(name, head, second)
-        self.columns = tuple(Column(name=each) for each in self._form.header)
+            kinds = ", ".join(KINDS)
+            raise LoadError(f"{name}: no CSV text, and none of {kinds}: {error}") from error
+        self._form = form = CsvForm.of_lines(name, lines)
+        self.columns = tuple(
+            Column(name=each, unit="s" if each in form.moments else unit)
+            for each, unit in zip(form.header, form.units, strict=True)
+        )
 
-    def _open(self) -> TextIO:
-        if self._path.suffix == ".gz":
-            return cast(TextIO, gzip.open(self._path, "rt", encoding="utf-8-sig"))
-        return self._path.open(encoding="utf-8-sig")
+    def _file(self) -> BinaryIO:
+        opened = gzip.open if self._path.suffix == ".gz" else open
+        return cast(BinaryIO, opened(self._path, "rb"))
+
+    def _text(self) -> TextIO:
+        return io.TextIOWrapper(self._file(), encoding=self._encoding, errors=self._errors)
+
+    def _stream(self) -> Any:
+        """Bytes as Arrow takes them: UTF-8, and one separator between two cells."""
+        spaced = self._form.separator == " "
+        if not spaced and self._encoding == _UTF8:
+            return pa.input_stream(str(self._path), compression="detect")
+
+        def change(line: bytes) -> bytes:
+            text = line.decode(self._encoding, errors="replace")
+            return (" ".join(text.split()) + "\n" if spaced else text).encode()
+
+        return pa.PythonFile(_Changed(self._file(), change), mode="r")
 
     def _count(self) -> float:
         """About how many rows the file has, from its size and the first lines."""
         size = self._path.stat().st_size * (1 if self._path.suffix != ".gz" else 3)
-        with self._open() as file:
+        with self._text() as file:
             lines = [len(line) for _, line in zip(range(1001), file, strict=False)][1:]
         return size * len(lines) / sum(lines) if lines else 0.0
 
@@ -64,10 +86,13 @@ class CsvText(Log):
 
         total = 0
         try:
-            with pa.csv.open_csv(
-                pa.input_stream(str(self._path), compression="detect"),
-                **self._form.options(list(columns), skip, skip=1, block=_BLOCK),
-            ) as reader:
+            with (
+                self._stream() as stream,
+                pa.csv.open_csv(
+                    stream,
+                    **self._form.options(list(columns), skip, skip=self._form.first, block=_BLOCK),
+                ) as reader,
+            ):
                 for batch in reader:
                     total += batch.num_rows
                     yield numbers(batch, columns)
@@ -80,6 +105,40 @@ class CsvText(Log):
             )
         if ragged:
             self.notes.append(f"{ragged} incomplete row(s) left out")
+
+
+def _encoding(opened: Callable[[], BinaryIO]) -> str:
+    """Of a file's first lines: UTF-8, or that of Windows for text which is none."""
+    with opened() as file:
+        begin = b"".join(islice(file, LOOKED_AT))
+    try:
+        begin.decode("utf-8")
+    except UnicodeDecodeError:
+        if b"\0" in begin:
+            raise
+        return _WINDOWS
+    return _UTF8
+
+
+class _Changed:
+    """A file whose lines are changed as they are read."""
+
+    def __init__(self, file: BinaryIO, change: Callable[[bytes], bytes]) -> None:
+        self._file, self._change = file, change
+        self._ready = b""
+        self.closed = False
+
+    def read(self, size: int = _BLOCK) -> bytes:
+        """As many bytes at most."""
+        if not self._ready:
+            self._ready = b"".join(map(self._change, self._file.readlines(size)))
+        found, self._ready = self._ready[:size], self._ready[size:]
+        return found
+
+    def close(self) -> None:
+        """The file, too."""
+        self._file.close()
+        self.closed = True
 
 
 def _worded(message: str, columns: Sequence[str]) -> str:

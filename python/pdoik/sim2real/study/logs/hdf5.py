@@ -10,7 +10,7 @@ from pdoik.errors import LoadError
 
 from ..columns import nearest
 from ..recording import FloatArray
-from .arrays import ROWS, Place, check_lengths, columns_of, names_in, period_in, pieces_of
+from .arrays import ROWS, Place, check_lengths, columns_of, env_of, names_in, period_in, pieces_of
 from .kinds import register
 from .log import Column, Log
 
@@ -32,7 +32,7 @@ class Hdf5(Log):
     kind = "HDF5"
     suffixes = (".h5", ".hdf5", ".hdf")
     magic = (b"\x89HDF\r\n\x1a\n",)
-    keys = ("demo", "group")
+    keys = ("demo", "group", "env")
 
     def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
         try:
@@ -47,7 +47,7 @@ class Hdf5(Log):
             raise LoadError(f"{name}: no HDF5 file: {error}") from error
         try:
             self._group = self._chosen(told)
-            self._open()
+            self._open(env_of(name, told))
         except LoadError:
             self.close()
             raise
@@ -90,7 +90,7 @@ class Hdf5(Log):
             raise LoadError(f"{self._name}: {key}: no group {path!r}{nearest(path, groups)}")
         return found
 
-    def _open(self) -> None:
+    def _open(self, env: int | None) -> None:
         import h5py
 
         found: dict[str, Any] = {}
@@ -113,6 +113,7 @@ class Hdf5(Log):
                 names_in(own) or self._names_above(item),
                 str(own.get("unit", own.get("units", ""))),
                 _OF_POLICY if states and path.startswith("obs/") else "",
+                env,
             )
             columns |= new
             self._sets |= {path: item} if new else {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO, cast
@@ -18,13 +19,17 @@ from .log import Column, Log
 
 _PEEKED = 200  # lines in which columns are looked for
 _PIECE = 4096
+_FEW_ROWS = 20  # fewer numbers in a list are of one row
 _NAMES = ("name", "names", "joint_names", "joints")
 _STAMPS = (("sec", "nanosec"), ("secs", "nsecs"))
 
 
 @register
 class JsonLines(Log):
-    """`{"time": 0.01, "q": [0.1, 0.2]}`, or as ROS's JointState looks in JSON."""
+    """`{"time": 0.01, "q": [0.1, 0.2]}`, or as ROS's JointState looks in JSON.
+
+    Or one text of all: a list of such objects, or an object with a list of each.
+    """
 
     kind = "JSON lines"
     suffixes = (".jsonl", ".ndjson", ".json", ".jsonl.gz")
@@ -33,6 +38,7 @@ class JsonLines(Log):
     def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
         self.notes = []
         self._path, self._name = path, name
+        self._whole = self._read_whole()
         columns: dict[str, Column] = {}
         bytes_read = lines = 0
         for number, row, size in self._rows():
@@ -45,6 +51,8 @@ class JsonLines(Log):
         self.columns = tuple(columns.values())
         packed = 8 if path.suffix == ".gz" else 1
         self.rows = packed * path.stat().st_size * lines / bytes_read
+        if self._whole is not None:
+            self.rows = float(len(self._whole))
         self.notes = []
 
     def _open(self) -> TextIO:
@@ -52,8 +60,24 @@ class JsonLines(Log):
             return cast(TextIO, gzip.open(self._path, "rt", encoding="utf-8-sig"))
         return self._path.open(encoding="utf-8-sig")
 
+    def _read_whole(self) -> list[dict[str, Any]] | None:
+        """Rows of a file that is one JSON text; None of one with a text in each line."""
+        try:
+            with self._open() as file:
+                first = next((line for line in file if line.strip()), "")
+                second = next((line for line in file if line.strip()), "")
+            if second and _is_object(first):
+                return None
+            with self._open() as file:
+                return _rows_of(json.load(file))
+        except (OSError, ValueError, RecursionError, EOFError):
+            return None  # what is wrong is said when lines are read
+
     def _rows(self) -> Iterator[tuple[int, dict[str, Any], int]]:
         """Number, object and length of each line; one that was cut off at the end is noted."""
+        if self._whole is not None:
+            yield from ((k, row, 1) for k, row in enumerate(self._whole, start=1))
+            return
         broken: tuple[int, Exception] | None = None
         try:
             with self._open() as file:
@@ -107,6 +131,29 @@ class JsonLines(Log):
                 rows = []
         if rows:
             yield np.array(rows, dtype=np.float64)
+
+
+def _is_object(line: str) -> bool:
+    try:
+        return isinstance(json.loads(line), dict)
+    except (ValueError, RecursionError):
+        return False
+
+
+def _rows_of(content: Any) -> list[dict[str, Any]] | None:
+    """Of a list of objects, or of an object with lists of the same length; else None."""
+    if isinstance(content, list):
+        return content if content and all(isinstance(each, dict) for each in content) else None
+    if not isinstance(content, dict):
+        return None
+    lengths = Counter(len(each) for each in content.values() if isinstance(each, list))
+    count = max(lengths, key=lambda each: (lengths[each], each), default=0)
+    if count < _FEW_ROWS:
+        return None
+    series = {key: each for key, each in content.items() if isinstance(each, list)}
+    said = {key: each for key, each in content.items() if key in _NAMES}
+    rows = {key: each for key, each in series.items() if len(each) == count}
+    return [{**said, **{key: each[k] for key, each in rows.items()}} for k in range(count)]
 
 
 def _columns(row: dict[str, Any], name: str, line: int) -> Iterator[Column]:

@@ -15,7 +15,7 @@ from numpy.lib import format as npy
 from pdoik.errors import LoadError
 
 from ..recording import FloatArray
-from .arrays import ROWS, Place, check_lengths, columns_of, names_in, period_in, pieces_of
+from .arrays import ROWS, Place, check_lengths, columns_of, env_of, names_in, period_in, pieces_of
 from .kinds import register
 from .log import Column, Log
 
@@ -27,11 +27,12 @@ _BROKEN = (  # what zipfile and NumPy raise of a damaged file
 
 @register
 class Npz(Log):
-    """Arrays (T,) and (T, n), and records (T,), by name; `joint_names`, `dt` or `fps` beside."""
+    """Arrays (T,), (T, n) and (T, E, n), and records (T,), by name; `joint_names`, `dt` beside."""
 
     kind = "NPZ"
     suffixes = (".npz",)
     magic = (b"PK\x03\x04",)
+    keys = ("env",)
 
     def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
         self.notes = []
@@ -43,7 +44,7 @@ class Npz(Log):
         except _BROKEN as error:
             raise LoadError(f"{name}: no NPZ file: {error}") from error
         try:
-            self._open()
+            self._open(env_of(name, told))
         except LoadError:
             self.close()
             raise
@@ -51,7 +52,7 @@ class Npz(Log):
             self.close()
             raise LoadError(f"{name}: no NPZ file: {error}") from error
 
-    def _open(self) -> None:
+    def _open(self, env: int | None) -> None:
         series: dict[str, np.dtype[Any]] = {}
         said: dict[str, Any] = {}
         pickled = []
@@ -70,7 +71,7 @@ class Npz(Log):
         columns: dict[Column, Place] = {}
         for array, dtype in series.items():
             fields = [each for each in dtype.names or () if dtype[each].kind in "iufb"]
-            columns |= columns_of(array, self._shapes[array], fields, names)
+            columns |= columns_of(array, self._shapes[array], fields, names, env=env)
         if not columns:
             held = f"; {', '.join(pickled)} hold Python objects, which are not read"
             raise LoadError(f"{self._name}: no arrays of numbers{held if pickled else ''}")

@@ -12,6 +12,9 @@ from .mujoco_order import MujocoOrder
 SHOWN = 8
 """Names in one message."""
 
+ALONG_THE_ARM = "the joints' order from the base"
+"""How numbers are understood where nobody names their joints."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Known:
@@ -19,6 +22,7 @@ class Known:
 
     joints: tuple[str, ...] | None = None  # the study's, in its order
     others: tuple[str, ...] = ()  # of the robot's description, where the study names none
+    arm: tuple[str, ...] = ()  # those of them that follow one another from the base
     key: ColumnsKey = field(default_factory=ColumnsKey)  # the study's `columns:`
     ignore: Collection[str] = ()
     order: MujocoOrder = field(default_factory=MujocoOrder)
@@ -33,7 +37,7 @@ class Settled:
     unit: str = ""  # of `units.KNOWN`, if its name says so
     factor: float = 1.0
     exact: bool = False  # it was called that already
-    by_order: bool = False  # whose it is was told by its number alone
+    by_order: str = ""  # by which order its number alone told whose it is, in words
 
 
 def listed(names: Collection[str]) -> str:

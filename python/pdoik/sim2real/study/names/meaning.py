@@ -60,6 +60,7 @@ def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
     places = {place} | {tokens[k].component for k in whole}
     unclear = [each.text for each in left if each.component in places]
     if quantity == "time":
+        unclear = [each for each in unclear if each not in words.CLOCKS]
         return None if unclear or whole else Meaning(column=column, channel="time", unit=unit)
     channel = words.CHANNELS_OF.get((quantity, commanded), "")
     if quantity in ("ctrl", "actuator_force"):

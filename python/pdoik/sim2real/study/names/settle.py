@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pdoik.errors import LoadError
 
@@ -12,11 +13,14 @@ from ..logs import Column
 from ..recording import CHANNELS
 from ..units import parent
 from . import words
-from .known import SHOWN, Known, Settled, listed
+from .known import ALONG_THE_ARM, SHOWN, Known, Settled, listed
 from .mapped import take_mapped
 from .meaning import Meaning, meaning_of
 from .mujoco_order import Entry
-from .tokens import joint_spellings
+from .tokens import joint_spellings, spelling
+
+BEYOND_SECONDS = "time.beyond"
+"""Target of the column of nanoseconds beside one of seconds."""
 
 _PATHS = re.compile(r"[/.]")
 _JOINT = re.compile(r"[./](pos|position|vel|velocity|effort|torque)$")
@@ -72,8 +76,7 @@ def _take_meant(
             claims.setdefault(settled.target, []).append(settled)
     times = claims.pop("time", [])
     if times and "time" not in found:
-        depths = [len(_PATHS.split(each.column.name)) for each in times]
-        claims["time"] = [e for e, k in zip(times, depths, strict=True) if k == min(depths)]
+        claims |= _clocks(times)
     for target, settled_ in claims.items():
         if target in found:
             continue
@@ -88,6 +91,23 @@ def _take_meant(
         shown = "; ".join(f"{column!r}: {why}" for column, why in unclear[:SHOWN])
         reasons.append(f"not read, unless 'columns:' in the study maps it: {shown}")
     return list(dict.fromkeys(reasons))
+
+
+def _clocks(times: Sequence[Settled]) -> dict[str, list[Settled]]:
+    """Of columns that are times, those nearest the root, plainly called so rather than ticks.
+
+    Seconds with a column of what is beyond them are one time.
+    """
+    names = [each.column.name for each in times]
+    ranks = [
+        (len(_PATHS.split(name)), bool(words.TICKS & {*spelling(name).texts})) for name in names
+    ]
+    first = [each for each, rank in zip(times, ranks, strict=True) if rank == min(ranks)]
+    whole = [each for each in first if each.unit == "s"]
+    beyond = [each for each in first if each.unit in ("us", "ns")]
+    if len(first) == 2 and len(whole) == len(beyond) == 1:
+        return {"time": whole, BEYOND_SECONDS: [replace(beyond[0], target=BEYOND_SECONDS)]}
+    return {"time": first}
 
 
 def _labelled(columns: Sequence[Column]) -> tuple[str, ...]:
@@ -112,7 +132,7 @@ def _claims(
         return [Settled(column=column, target=target, unit=each.unit)]
     count = column.count if column.index is not None else len(numbers)
     whole = column.index is not None or numbers in (list(range(count)), list(range(1, count + 1)))
-    shown = f"{column.array or column.name!s}"
+    shown = column.array or each.series.replace("#", "{index}")
     assert each.number is not None
     if each.counted_by and whole and known.order.sizes.get(each.counted_by) == count:
         at = each.number - (0 if column.index is not None else numbers[0])
@@ -125,22 +145,24 @@ def _claims(
         labels = [e.column.label for e in all_ if e.series == each.series and e.joint is None]
         reasons.append(f"of {shown} not read, as they are no joints: {listed(labels)}")
         return []
-    if known.joints is None:
+    joints, order = known.joints, "the order of the study's joints"
+    if joints is None and whole and count == len(known.arm):
+        joints, order = known.arm, ALONG_THE_ARM
+    if joints is None:
         reasons.append(
-            f"{shown} not read: its {count} numbers are of no named joints; give 'joints:' in the"
-            " study, in their order"
+            f"{shown} not read: its {count} numbers are of no named joints; give"
+            " 'joints:' in the study, in their order"
         )
         return []
-    if not whole or count != len(known.joints):
+    if not whole or count != len(joints):
         reasons.append(
-            f"{shown} not read: it has {count} numbers, the study {len(known.joints)} joints; say"
-            " which is which with"
-            f" 'columns: {{{each.channel}.{known.joints[0]}: \"{column.name}\"}}'"
+            f"{shown} not read: it has {count} numbers, the study {len(joints)} joints;"
+            f" say which is which with 'columns: {{{each.channel}.{joints[0]}: \"{column.name}\"}}'"
         )
         return []
-    at = each.number if column.index is not None else each.number - numbers[0]
-    target = f"{each.channel}.{known.joints[at]}"
-    return [Settled(column=column, target=target, unit=each.unit, by_order=True)]
+    at = each.number - (0 if column.index is not None else numbers[0])
+    target = f"{each.channel}.{joints[at]}"
+    return [Settled(column=column, target=target, unit=each.unit, by_order=order)]
 
 
 def _is_name(meaning: Meaning, numbers: Sequence[int], known: Known) -> bool:
@@ -163,7 +185,7 @@ def _of_entry(meaning: Meaning, entry: Entry) -> Settled | None:
 
 def naming_notes(settled: Sequence[Settled]) -> list[str]:
     """How names were understood, a note for each channel."""
-    by_channel: dict[tuple[str, bool], list[str]] = {}
+    by_channel: dict[tuple[str, str], list[str]] = {}
     for each in settled:
         if not each.exact:
             unit = f" in {each.unit}" if each.unit else ""
@@ -171,6 +193,6 @@ def naming_notes(settled: Sequence[Settled]) -> list[str]:
             key = each.target.partition(".")[0], each.by_order
             by_channel.setdefault(key, []).append(said)
     return [
-        f"column {', '.join(said)}" + (", by the order of the study's joints" if order else "")
+        f"column {', '.join(said)}" + (f", by {order}" if order else "")
         for (_, order), said in by_channel.items()
     ]

@@ -12,10 +12,10 @@ def _words(text: str) -> frozenset[str]:
 QUANTITIES: dict[tuple[str, ...], str] = {
     words: quantity
     for quantity, spellings in {
-        "time": "time,t,timestamp,timestamps,stamp,times,time stamp",
-        "q": "q,pos,position,positions,angle,angles,qpos",
-        "dq": "dq,qd,qdot,dotq,q dot,vel,velocity,velocities,speed,speeds,qvel",
-        "tau": "tau,torque,torques,effort,efforts,torq,trq,moment,moments,qfrc actuator",
+        "time": "time,t,timestamp,timestamps,stamp,times,time stamp,tick,ticks,clock,elapsed",
+        "q": "q,pos,position,positions,angle,angles,theta,thetas,qpos",
+        "dq": "dq,qd,qdot,dotq,q dot,vel,velocity,velocities,speed,speeds,omega,omegas,qvel",
+        "tau": "tau,torque,torques,effort,efforts,eff,torq,trq,moment,moments,qfrc actuator",
         "current": "current,currents,curr,i",
         "duty": "duty,pwm,duty cycle",
         "voltage": "voltage,voltages,volt,volts,supply voltage,battery voltage,bus voltage,vbus",
@@ -39,11 +39,20 @@ JOINED: dict[str, tuple[str, ...]] = {
 
 COMMANDED = _words(
     "cmd command commands commanded target targets des desired d ref reference goal setpoint"
-    " setpoints sp action actions"
+    " setpoints sp set action actions computed"
 )
+TICKS = _words("tick ticks clock elapsed")
+"""Words for the time that stand beside better ones."""
+
+CLOCKS = _words(
+    "sim simulation elapsed unix epoch wall system host utc local recv received rx since start"
+    " rosbag bag"
+)
+"""Words that say whose time it is."""
+
 MEASURED = _words(
-    "meas measured measurement measurements actual act est estimated present now feedback fb state"
-    " states obs observation observations sensed"
+    "meas msr measured measurement measurements actual act est estimated present now feedback fb"
+    " state states obs observation observations sensed applied"
 )
 EMPTY = _words(
     "joint joints jnt j axis axes dof dofs robot value values data the field header"
@@ -95,8 +104,8 @@ _SPELLINGS = {
     "mV": "millivolt millivolts",
     "s": "sec secs second seconds",
     "ms": "msec millisec milliseconds",
-    "us": "µs usec microseconds",
-    "ns": "nsec nanosec nanoseconds",
+    "us": "µs usec usecs microsec microseconds",
+    "ns": "nsec nsecs nanosec nanosecs nanoseconds",
     "%": "percent",
     "permille": "",
 }
