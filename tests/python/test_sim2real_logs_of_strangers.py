@@ -20,6 +20,7 @@ from command_line import misuse, run
 from pdoik.errors import LoadError
 from pdoik.sim2real import Study, draft_study, load_study
 from pdoik.sim2real.study.logs import Column
+from pdoik.sim2real.study.logs.csv_form import CsvForm
 from pdoik.sim2real.study.names.known import Known
 from pdoik.sim2real.study.names.settle import settle
 from pdoik.sim2real.study.recording import FloatArray
@@ -281,7 +282,7 @@ def test_of_environments_side_by_side_one_is_asked_for(tmp_path: Path, arm: Path
         study.write_text(text.replace("env: 0", f"env: {value}"))
         with pytest.raises(LoadError, match=why):
             load_study(study)
-    assert "expected KEY=VALUE" in misuse("study", "new", arm, log, "--entry", "env")
+    misuse(run("study", "new", arm, log, "--entry", "env"), "expected KEY=VALUE")
 
 
 @pytest.mark.parametrize(
@@ -313,3 +314,23 @@ def test_a_matlab_file_that_cannot_be_read_says_why(
 def test_a_plain_time_goes_before_ticks(names: tuple[str, ...], target: str) -> None:
     settled, _ = settle("log", [Column(name=each) for each in names], Known())
     assert [each.column.name for each in settled if each.target == "time"] == [target]
+
+
+@pytest.mark.parametrize(
+    ("text", "header", "first"),
+    [
+        ("time,q.a\n0,1\n", ("time", "q.a"), 1),
+        ("time,q.a\nNone,null\n0.1,2\n", ("time", "q.a"), 1),  # nothing was there yet
+        ("time,mode,on\n0.1,RUN,yes\n0.2,RUN,yes\n", ("time", "mode", "on"), 1),
+        ("Robot,UR5e\nSerial,2017\n\ntime,q.a\n0,1\n", ("time", "q.a"), 4),
+        ("% of Monday, by hand\n% time q.a\n0 1\n", ("time", "q.a"), 2),
+        ("time,q,q\ns,a,b\n0,1,2\n", ("time.s", "q.a", "q.b"), 2),  # names, not units
+        ("time,0,1\n0.1,2,3\n", ("time", "0", "1"), 1),
+    ],
+)
+def test_names_stand_above_the_first_numbers(
+    text: str, header: tuple[str, ...], first: int
+) -> None:
+    form = CsvForm.of_lines("log", text.splitlines(keepends=True))
+    assert form.header == header
+    assert form.first == first

@@ -16,6 +16,7 @@ from pdoik.errors import LoadError
 LOOKED_AT = 60
 """Lines at the beginning among which the names are looked for."""
 
+_MISSING = ("", "na", "n/a", "null", "none")
 _MOMENT = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")  # ISO 8601
 _TIME_OF_DAY = re.compile(r"\d\d:\d\d:\d\d(\.\d+)?")
 _ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
@@ -114,13 +115,14 @@ def _beginning(lines: Sequence[str]) -> tuple[int, int, int]:
     for position, at in enumerate(written):
         separator = _separator(lines[at])
         names = _names(lines[at], separator)
-        if len(names) < 2 or all(is_number(each) for each in names):
+        numbers = [each for each in names if is_number(each)]
+        if len(names) < 2 or len(numbers) == len(names) or (position and numbers):
             continue
         below = [(k, _cells(lines[k], separator)) for k in written[position + 1 : position + 3]]
         alike = [len(cells) == len(names) for _, cells in below]
         if alike[:1] == [True] and _is_row(below[0][1]):
             return at, 0, below[0][0]
-        if alike == [True, True] and _is_row(below[1][1]):
+        if alike == [True, True] and _is_row(below[1][1]) and not any(map(is_number, below[0][1])):
             return at, below[0][0], below[1][0]
     return written[0], 0, written[0] + 1
 
@@ -144,7 +146,8 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _is_row(cells: Sequence[str]) -> bool:
-    values = [each for each in cells if each]
+    """Whether most of what is there are numbers."""
+    values = [each for each in cells if each.lower() not in _MISSING]
     numbers = [each for each in values if is_number(each.replace(",", ".")) or _moment(each)]
     return not values or 2 * len(numbers) > len(values)
 
