@@ -420,8 +420,9 @@ def test_dry_frictions_interval_holds_what_viscous_friction_that_was_not_named_m
     b = Balances([logged(body, k, (q, dq, ddq), added, noise=0.4) for k in range(3)])
     dry = joint_term(b, *DRY)
     fit = Fit(b, [dry])
-    own = estimates(fit, (dry,), 0)[0]["level"]
-    both = holding(own, own, beside_the_unnamed(fit, (dry,), 0)[0]["level"])
+    figures = estimates(fit, (dry,), 0)[0]
+    (beside,) = beside_the_unnamed(fit, (dry,), 0)
+    own, both = figures["level"], holding(figures, figures, beside)["level"]
     assert both.value == own.value
     assert both.interval95[0] <= 0.5 <= both.interval95[1]
     assert both.interval95[0] <= own.interval95[0] < own.interval95[1] <= both.interval95[1]
@@ -435,10 +436,32 @@ def test_where_all_that_is_ordinary_was_named_intervals_are_its_own(tmp_path: Pa
     terms = tuple(joint_term(b, *each) for each in (DRY, *others))
     fit = Fit(b, terms)
     found, beside = estimates(fit, terms, 0), beside_the_unnamed(fit, terms, 0)
-    for number in range(len(terms)):
+    for number, others in enumerate(beside):
+        wide = holding(found[number], found[number], others)
         for name, each in found[number].items():
-            wide = holding(each, each, beside[number][name])
-            assert wide.std == pytest.approx(each.std, rel=0.05)
+            assert wide[name].std == pytest.approx(each.std, rel=0.05)
+
+
+def test_a_load_that_may_be_nothing_beside_what_was_not_named_keeps_its_figures(
+    tmp_path: Path,
+) -> None:
+    """A centre is a moment over a mass: that of no mass may be anywhere."""
+    b = balances(tmp_path, noise=0.02)
+    load = term_of(b, CATALOGUE["payload"], Place(joints=(), link=1), ())
+    assert load is not None
+    (beside,) = beside_the_unnamed(Fit(b, [load]), (load,), 0)
+    assert set(beside) == {"mass"}
+    motions = []
+    for motion in b.motions:
+        columns = CATALOGUE["payload"].columns(motion, load.place, ())
+        moments = np.array([2.0, 0.2, 0.0, 0.1, *(0.03, 0.03, 0.03, 0.0, 0.0, 0.0)])
+        torque = motion.torque + np.stack([columns["torque", j] @ moments for j in range(2)], 1)
+        motions.append(replace(motion, torque=torque, cache={}))
+    loaded = Balances(motions)
+    load = term_of(loaded, CATALOGUE["payload"], Place(joints=(), link=1), ())
+    assert load is not None
+    (beside,) = beside_the_unnamed(Fit(loaded, [load]), (load,), 0)
+    assert "com_x" in beside
 
 
 @pytest.mark.parametrize(("force", "least", "most"), [(8.0, 0.8, 1.0), (0.0, 0.0, 0.15)])

@@ -26,7 +26,7 @@ def by_moments(
     """
     least = state.balances.thresholds.figures.mass_t
     loads = [i for i, t in enumerate(terms) if t.effect == Payload.id]
-    shapeless = [i for i in loads if not _is_body(values[i], least)]
+    shapeless = [i for i in loads if not has_shape(values[i], least)]
     if not shapeless:
         return state, terms, values, frozenset()
     kept = list(terms)
@@ -46,6 +46,7 @@ def by_moments(
     return state, tuple(kept), estimates(state.fit, tuple(kept), seed), places
 
 
-def _is_body(values: dict[str, Estimate], least: float) -> bool:
+def has_shape(values: dict[str, Estimate], least: float) -> bool:
+    """Whether a payload's mass is clear, so that its centre and inertia are figures."""
     mass = values["mass"]
     return mass.value > least * mass.std

@@ -79,10 +79,7 @@ def figures_of(
         if term in state.contacts:
             figures = event_estimates(state.without(term).fit.extended(term), term)
         else:
-            figures = {
-                name: holding(each, first[number][name], beside[number][name])
-                for name, each in figures.items()
-            }
+            figures = holding(figures, first[number], beside[number])
         if ordinary is not None and term not in state.contacts:
             figures = with_days(ordinary, spreads, term, figures)
         figures = with_torque_scale(prepared.study, figures)

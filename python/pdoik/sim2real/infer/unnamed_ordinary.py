@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE, Effect
+from ..effects.inertial import Payload
 from ..findings import Estimate
 from ..motion.balances import Balances
 from ..motion.place import Place
@@ -19,23 +20,42 @@ from ..regression.background import usual_torque
 from ..regression.estimate import estimates
 from ..regression.fit import Fit, Term, term_of
 from ..select.candidates import same_kind
+from .bodies import has_shape
 
-Figures = dict[int, dict[str, Estimate]]
-
-
-def beside_the_unnamed(fit: Fit, terms: tuple[Term, ...], seed: int) -> Figures:
-    """Estimates of the terms, by their index, with all that is ordinary and was not named."""
-    return estimates(fit.extended(*_unnamed(fit)), terms, seed)
+Figures = dict[str, Estimate]
 
 
-def holding(each: Estimate, before: Estimate, beside: Estimate) -> Estimate:
-    """An estimate whose interval holds another's too.
+def beside_the_unnamed(fit: Fit, terms: tuple[Term, ...], seed: int) -> list[Figures]:
+    """Estimates of each term with all that is ordinary and was not named.
+
+    Of a payload whose mass may be nothing then, the mass alone.
+    """
+    found = estimates(fit.extended(*_unnamed(fit)), terms, seed)
+    least = fit.balances.thresholds.figures.mass_t
+    result = []
+    for number, term in enumerate(terms):
+        figures = found[number]
+        if term.effect == Payload.id and not has_shape(figures, least):
+            figures = {"mass": figures["mass"]}
+        result.append(figures)
+    return result
+
+
+def holding(figures: Figures, before: Figures, beside: Figures) -> Figures:
+    """Estimates whose intervals hold others too.
 
     Args:
-        each: the estimate, perhaps refined since.
-        before: as it was of the same fit.
-        beside: of the fit with what was not named.
+        figures: the estimates, perhaps refined since.
+        before: as they were of the same fit.
+        beside: of the fit with what was not named, those that it tells.
     """
+    return {
+        name: _holding(each, before[name], beside[name]) if name in beside else each
+        for name, each in figures.items()
+    }
+
+
+def _holding(each: Estimate, before: Estimate, beside: Estimate) -> Estimate:
     by = each.value - before.value
     low, high = (end + by for end in beside.interval95)
     away = float(np.hypot(beside.std, beside.value - before.value))
