@@ -230,6 +230,17 @@ def test_an_arm_ends_where_it_branches(tmp_path: Path) -> None:
     assert loaded(draft_study(path, [log]).text, tmp_path).joints == ("j1", "j2", "j3")
 
 
+def test_joints_of_one_link_follow_one_another(tmp_path: Path) -> None:
+    geom = '<geom size="0.1" mass="1"/>'
+    inner = f'<body name="c"><joint name="turn"/>{geom}</body>'
+    text = f"""<mujoco><worldbody><body name="a"><joint name="pan"/>{geom}
+        <body name="b" pos="0 0 1"><joint name="x" axis="1 0 0"/><joint name="y" axis="0 1 0"/>
+        {geom}{inner}</body></body></worldbody></mujoco>"""
+    path = tmp_path / "wrist.xml"
+    path.write_text(text)
+    assert robot_facts(path).arm == ("pan", "x", "y", "turn")
+
+
 def test_numbers_of_more_joints_than_the_chain_are_asked_about(tmp_path: Path) -> None:
     path = branching(tmp_path)
     log = tmp_path / "log.npz"

@@ -49,15 +49,19 @@ class RobotFacts:
     @property
     def arm(self) -> tuple[str, ...]:
         """The joints from the base on, up to where those beyond are on several links: in order."""
-        moved = {facts.link: name for name, facts in self.joints.items()}
-        ahead: dict[str, list[str]] = {}  # of each joint, "" of the base, those next
-        for link, name in moved.items():
+        moving: dict[str, list[str]] = {}  # by the link, which may have several
+        for name, facts in self.joints.items():
             if name not in self.leaders:
-                above = (moved[each] for each in self.chain(link)[1:] if each in moved)
-                ahead.setdefault(next(above, ""), []).append(name)
+                moving.setdefault(facts.link, []).append(name)
+        ahead: dict[str, list[str]] = {}  # of each such link, "" of the base, those next
+        for link in moving:
+            above = next((each for each in self.chain(link)[1:] if each in moving), "")
+            ahead.setdefault(above, []).append(link)
         found: list[str] = []
-        while len(following := ahead.get(found[-1] if found else "", [])) == 1:
-            found += following
+        link = ""
+        while len(following := ahead.get(link, [])) == 1:
+            (link,) = following
+            found += moving[link]
         return tuple(found)
 
     def chain(self, link: str) -> list[str]:
