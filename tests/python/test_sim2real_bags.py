@@ -16,7 +16,7 @@ from studies import JOINTS, log, motion, speed, write_study
 pytest.importorskip("rosbags")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 STATE = "sensor_msgs/msg/JointState"
@@ -169,7 +169,10 @@ def test_a_trajectory_is_a_line_between_its_points_until_the_next(tmp_path: Path
             "no topic '/left/state'; nearest: '/left/states'",
         ),
         ({"file": "bag"}, "several topics of type .*: /left/states, /right/states; say which"),
-        ({"file": "bag", "topic": "/words"}, "topic /words: expected sensor_msgs.*, got std_msgs"),
+        (
+            {"file": "bag", "topic": "/words"},
+            "topic /words: expected joint .* none in its std_msgs",
+        ),
         ({"file": "empty"}, "empty: a folder in which nothing is known; expected a bag"),
         ({"file": "broken.mcap"}, "cannot be read as a bag"),
         (
@@ -191,3 +194,42 @@ def test_what_is_wrong_with_a_bag_is_said(
     (tmp_path / "broken.mcap").write_bytes(b"\x89MCAP0\r\n" + bytes(100))
     with pytest.raises(LoadError, match=message):
         load_study(write_study(tmp_path, {}, recordings=[entry], max_rows=700))
+
+
+LOW_STATE = """uint32 tick
+Motor[3] motor_state
+================================================================================
+MSG: maker_msgs/msg/Motor
+uint8 mode
+float32 q
+float32 dq
+float32 tau_est
+"""
+
+
+def test_fields_of_any_other_topic_are_columns(tmp_path: Path) -> None:
+    """A maker's own message, without a header, whose motors are counted."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg(LOW_STATE, "maker_msgs/msg/LowState"))
+    low, motor = (store.types[f"maker_msgs/msg/{each}"] for each in ("LowState", "Motor"))
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/lowstate", low.__msgtype__, typestore=store)
+        for k in range(800):
+            t = np.array([k * 0.01])
+            q, dq = motion(t)[0], speed(t)[0]
+            rows = [(q[0], dq[0], 2.0 * q[0]), (q[1], dq[1], 2.0 * q[1]), (0.0, 0.0, 0.0)]
+            motors = [motor(mode=1, q=a, dq=b, tau_est=c) for a, b, c in rows]
+            message = low(tick=10 * k, motor_state=motors)
+            raw = store.serialize_cdr(message, low.__msgtype__)
+            writer.write(connection, BEGUN + k * 10_000_000, raw)
+    untold = write_study(tmp_path, {"b.csv": log()}, recordings=["bag", "b.csv"])
+    with pytest.raises(LoadError, match="'topic:' reads the fields of any other"):
+        load_study(untold)
+    columns = {"q": "motor_state.{index}.q", "dq": "motor_state.{index}.dq"}
+    entry = {"file": "bag", "topic": "/lowstate", "columns": columns}
+    path = write_study(tmp_path, {"b.csv": log()}, recordings=[entry, "b.csv"])
+    recording = load_study(path).recordings[0]
+    assert recording.raw_period == pytest.approx(0.01)
+    at = recording.time - recording.time[0]
+    inside = slice(20, 300)
+    assert recording.q[inside] == pytest.approx(motion(at[inside]), abs=2e-3)

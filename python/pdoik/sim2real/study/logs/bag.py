@@ -25,7 +25,8 @@ _PIECE = 4096  # rows at a time
 class Bag(Log):
     """A ROS 2 bag (folder, .db3, .mcap) or ROS 1 bag.
 
-    Times are the messages' own stamps, those of the recorder where a message has none. Commands
+    A topic of any other type, where it is told, gives the numbers of its fields as columns. Times
+    are the messages' own stamps, those of the recorder where a message has none. Commands
     are held until the next, points of a trajectory are joined by lines, on the times of the states.
     """
 
@@ -60,7 +61,8 @@ class Bag(Log):
             raise LoadError(f"{name}: cannot be read as a bag: {error}") from error
 
     def _open(self, topic: str | None, command_topic: str | None) -> None:
-        states = Topic(self._reader, self._name, self._state_topic(topic), STATES)
+        types = STATES if topic is None else None
+        states = Topic(self._reader, self._name, self._state_topic(topic), types)
         self.rows = states.count
         self._states = states
         found: dict[str, None] = {}
@@ -69,7 +71,10 @@ class Bag(Log):
             self.origin = self.origin if k else stamp * 1e-9
             found |= dict.fromkeys(sample)
         if not found:
-            raise LoadError(f"{self._name}: topic {states.name}: no joint states in it")
+            raise LoadError(
+                f"{self._name}: topic {states.name}: expected joint states or numbers, got none in"
+                f" its {states.type}"
+            )
         self.notes.append(f"joint states from topic {states.name}")
         self._held: dict[str, tuple[Any, FloatArray]] = {}
         if command_topic is not None:
@@ -98,7 +103,8 @@ class Bag(Log):
                 )
         there = ", ".join(sorted(topics)) or "none"
         raise LoadError(
-            f"{self._name}: no topic of type {' or '.join(STATES)}; its topics: {there}"
+            f"{self._name}: no topic of type {' or '.join(STATES)}; 'topic:' reads the fields of"
+            f" any other; its topics: {there}"
         )
 
     def _tell_of_references(self) -> None:

@@ -1,8 +1,9 @@
-"""Messages that tell of joints, as samples of `channel.joint`."""
+"""Messages that tell of joints, as samples of `channel.joint`; of any other, its fields."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -27,17 +28,20 @@ _COMMAND = {"position": "q_des", "velocity": "dq_des", "effort": "tau_cmd"}
 _POINT = {"positions": "q", "velocities": "dq", "effort": "tau"}
 _POINT_COMMAND = {"positions": "q_des", "velocities": "dq_des", "effort": "tau_cmd"}
 
+_MOST = 256  # numbers of a field: more are an image
+
 Sample = dict[str, float]
 
 
 class Topic:
     """Messages of one topic as samples (stamp [ns], {channel.joint: value})."""
 
-    def __init__(self, reader: Any, bag: str, name: str, types: tuple[str, ...]) -> None:
+    def __init__(self, reader: Any, bag: str, name: str, types: tuple[str, ...] | None) -> None:
+        """Of one of these types, or of any."""
         if name not in reader.topics:
             raise LoadError(f"{bag}: no topic {name!r}{nearest(name, reader.topics)}")
         info = reader.topics[name]
-        if info.msgtype not in types:
+        if types is not None and info.msgtype not in types:
             raise LoadError(
                 f"{bag}: topic {name}: expected {' or '.join(types)}, got {info.msgtype}"
             )
@@ -51,15 +55,20 @@ class Topic:
         self._connections = [each for each in reader.connections if each.topic == name]
 
     def samples(self) -> Iterator[tuple[int, Sample]]:
-        """What was measured; of a controller's state, what it was told as well."""
+        """What was measured; of a controller's state, what it was told as well.
+
+        Of a message that is none of `STATES`, all its numbers by the names of its fields.
+        """
         for stamp, message in self._messages():
             if self.type == DYNAMIC:
                 yield stamp, _interfaces(message)
             elif self.type == JTC_STATE:
                 feedback = _first(message, "feedback", "actual")
                 yield stamp, _of(feedback, message.joint_names, _POINT) | _references(message)
-            else:
+            elif self.type == STATE:
                 yield stamp, _of(message, message.name, _STATE)
+            else:
+                yield stamp, dict(_numbers(message, ""))
 
     def commands(self) -> Iterator[tuple[int, Sample]]:
         """What was commanded; of a trajectory, its points, until the next takes over."""
@@ -97,7 +106,9 @@ class Topic:
     def _messages(self) -> Iterator[tuple[int, Any]]:
         for connection, received, raw in self._reader.messages(self._connections):
             message = self._reader.deserialize(raw, connection.msgtype)
-            yield _nanoseconds(message.header.stamp) or received, message
+            header = getattr(message, "header", None)
+            stamped = 0 if header is None else _nanoseconds(header.stamp)
+            yield stamped or received, message
 
 
 def _nanoseconds(time: Any) -> int:
@@ -113,6 +124,29 @@ def _of(message: Any, names: Any, fields: Mapping[str, str]) -> Sample:
             for joint, value in zip(names, values, strict=True):
                 sample[f"{channel}.{joint}"] = float(value)
     return sample
+
+
+def _numbers(message: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Numbers of a message's fields by their paths: `motor_state.3.q`, `position[3]`."""
+    for field in fields(message):
+        if field.name in ("header", "__msgtype__"):
+            continue
+        value = getattr(message, field.name)
+        below = f"{path}.{field.name}" if path else field.name
+        if is_dataclass(value):
+            yield from _numbers(value, below)
+        elif isinstance(value, np.ndarray | list) and len(value) <= _MOST:
+            for k, each in enumerate(value):
+                if is_dataclass(each):
+                    yield from _numbers(each, f"{below}.{getattr(each, 'name', None) or k}")
+                elif _is_number(each):
+                    yield f"{below}[{k}]", float(each)
+        elif _is_number(value):
+            yield below, float(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
 def _interfaces(message: Any) -> Sample:

@@ -13,8 +13,8 @@ QUANTITIES: dict[tuple[str, ...], str] = {
     words: quantity
     for quantity, spellings in {
         "time": "time,t,timestamp,timestamps,stamp,times,time stamp,tick,ticks,clock,elapsed",
-        "q": "q,pos,position,positions,angle,angles,theta,thetas,qpos",
-        "dq": "dq,qd,qdot,dotq,q dot,vel,velocity,velocities,speed,speeds,omega,omegas,qvel",
+        "q": "q,pos,position,positions,angle,angles,qpos",
+        "dq": "dq,qd,qdot,dotq,q dot,vel,velocity,velocities,speed,speeds,qvel",
         "tau": "tau,torque,torques,effort,efforts,eff,torq,trq,moment,moments,qfrc actuator",
         "current": "current,currents,curr,i",
         "duty": "duty,pwm,duty cycle",
