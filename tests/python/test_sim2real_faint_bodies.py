@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
-from bench.concealed.build import make_study
+from bench.concealed.build import hidden_in, make_study, write_machine
+from bench.concealed.draft import draft_of
+from bench.concealed.motion import STEP, Motion
 from bench.concealed.spec import WorldSpec
 
 from pdoik.sim2real import examine
@@ -33,3 +37,32 @@ def test_a_load_of_which_no_single_figure_is_clear_is_found_by_what_it_does(tmp_
     for joint in diagnosis.joints.values():
         assert joint.after < 1.6 * joint.noise_floor
     assert diagnosis.joints["joint2"].before > 5.0 * diagnosis.joints["joint2"].noise_floor
+
+
+def test_a_body_that_all_sessions_bear_out_stays_though_slow_ones_make_its_figures_unclear(
+    tmp_path: Path,
+) -> None:
+    """Where the arm only creeps, next to nothing is told of ten figures: they differ by a lot."""
+    draft = draft_of(
+        WorldSpec(seed=8202, effect="link_inertial_error", hide="noise", robot="random2")
+    )
+    effects = hidden_in(draft)
+    time = STEP * np.arange(round(9.0 / STEP))
+    creeping = []
+    for rate in (0.5, 0.7):
+        turns = np.outer(time, rate * np.array([1.0, 1.3]))
+        parts = [0.1 * rate**k * np.sin(turns + k * np.pi / 2) for k in range(3)]
+        middle = draft.motions[0].q.mean(axis=0)
+        creeping.append(Motion(q=middle + parts[0], dq=parts[1], ddq=parts[2]))
+    motions, roles = [*creeping, draft.motions[0]], ["fit", "validate", "fit"]
+    draft = replace(draft, motions=motions, roles=roles, sensors=replace(draft.sensors, tip=False))
+    (tmp_path / "study").mkdir()
+    write_machine(tmp_path / "study", draft, effects)
+    diagnosis = examine(tmp_path / "study" / "study.yaml").diagnosis
+    (body,) = diagnosis.findings
+    assert body.effect == "link_inertial_error"
+    assert body.links == ("link2",)
+    assert body.support is not None
+    assert body.support.agree == body.support.sessions
+    assert all(abs(each.value) < 2.0 * each.std for each in body.parameters.values())
+    assert "None of its figures is clear by itself" in body.statement

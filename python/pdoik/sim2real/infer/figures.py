@@ -19,7 +19,6 @@ from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..regression.second_order import to_second_order
 from ..regression.trial import Search
-from ..regression.wald import wald
 from .bodies import by_moments
 from .changing_friction import spreads_of, with_days
 from .sampling import widened, without_sampling
@@ -46,7 +45,7 @@ def figures_of(
     `ordinary` is the fit of all that every machine has.
     """
     spreads = {} if ordinary is None else spreads_of(ordinary)
-    motions = prepared.fit.motions
+    motions, least_t = prepared.fit.motions, prepared.fit.thresholds.figures.least_t
     accepted = tuple(
         term
         for term in state.accepted
@@ -68,7 +67,7 @@ def figures_of(
         if CATALOGUE[term.effect].trifling(plain, motions[0], term.place):
             continue
         said = ""
-        if term not in state.contacts and _is_lost_in_its_error(state, term, figures):
+        if term not in state.contacts and _is_lost_in_its_error(term, figures, least_t):
             said = "suggested, but not larger than its error."
         elif beyond := at_bound(state.fit, term, figures):
             said = f"{beyond}, so it explains nothing."
@@ -102,25 +101,16 @@ def within_bounds(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Est
     return result
 
 
-def _is_lost_in_its_error(state: Search, term: Term, values: dict[str, Estimate]) -> bool:
-    """Whether the size of what was found, or of a body all its figures, may as well be zero.
+def _is_lost_in_its_error(term: Term, figures: dict[str, Estimate], least_t: float) -> bool:
+    """Whether the size of what was found may as well be zero.
 
-    Of a body each figure may be nothing while their combinations, which are what motors feel, are
-    not: then it stays.
+    Of a body each figure may be nothing while what they do together, which is what motors feel and
+    other sessions bear out, is not.
     """
-    sizes = list(values.values())
-    effect = CATALOGUE[term.effect]
-    body = effect.is_body
-    if effect.size_first:
-        sizes = sizes[:1]
-    elif not body:
+    if not CATALOGUE[term.effect].size_first:
         return False
-    least = state.balances.thresholds.figures
-    if any(abs(each.value) >= least.least_t * each.std for each in sizes):
-        return False
-    if not body:
-        return True
-    return wald(state.without(term).fit.extended(term), term)[0] < least.together_t
+    size = next(iter(figures.values()))
+    return abs(size.value) < least_t * size.std
 
 
 def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import CATALOGUE
+from ..effects import CATALOGUE, Effect
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.motion import Motion
 from ..motion.place import Gate, Key
@@ -62,7 +62,8 @@ def finding_of(
         edge=place.gate.edge if place.gate else 0.0,
         regime=effect.regime(_inside(where)) + gate_in_words(place.gate, ", only ", begins),
         statement=_sentence(effect.statement(where, plain))
-        + gate_in_words(place.gate, " Only ", begins),
+        + gate_in_words(place.gate, " Only ", begins)
+        + _of_unclear_figures(effect, values, prepared.fit.thresholds.figures.least_t),
         parameters=values,
         equivalents=equivalents,
         decided_by=decided,
@@ -148,6 +149,13 @@ def ends_of(gate: Gate, values: list[FloatArray]) -> tuple[float, float]:
     """A gate's ends, an open one where the recordings end."""
     low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
     return max(gate.low, low), min(gate.high, high)
+
+
+def _of_unclear_figures(effect: Effect, values: dict[str, Estimate], least_t: float) -> str:
+    """What to know of a body none of whose figures is larger than its error, in words."""
+    if effect.is_body and all(abs(each.value) < least_t * each.std for each in values.values()):
+        return " None of its figures is clear by itself; what they do together is."
+    return ""
 
 
 def _sentence(text: str) -> str:
