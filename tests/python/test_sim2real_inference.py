@@ -336,6 +336,25 @@ def test_every_figure_that_torques_tell_has_the_torques_scale_in_its_interval(
     assert wide["level"].std == pytest.approx(np.hypot(0.1, 1.0))
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.8])
+def test_a_zero_beside_friction_may_be_friction_that_differs_by_direction(
+    tmp_path: Path, friction: float
+) -> None:
+    """While a joint moves one says what the other does; without friction there is no difference."""
+    b = balances(tmp_path, noise=0.02)
+    motions = []
+    for motion in b.motions:
+        torque = motion.torque.copy()
+        torque[:, 1] += friction * motion.sign(1) + 0.3
+        motions.append(replace(motion, torque=torque, cache={}))
+    world = Balances(motions)
+    zero = joint_term(world, "torque_offset", (OF_REPORT,))
+    dry = (joint_term(world, *DRY),) if friction else ()
+    state = swapped(searched(world, *dry, zero))
+    others = {each.term.effect for each in state.level[zero.key]}
+    assert ("asymmetric_friction" in others) == (friction > 0.0)
+
+
 def test_a_coarser_law_that_explains_nearly_the_same_is_listed(tmp_path: Path) -> None:
     b = balances(tmp_path, noise=0.02)
     shape = (0.002,)

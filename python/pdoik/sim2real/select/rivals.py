@@ -64,8 +64,13 @@ def _complexity(term: Term) -> float:
 
 
 def _is_no_more(one: Trial, other: Trial) -> bool:
-    """Whether it is the other law and more of which the data show nothing."""
+    """Whether it is the other law and more of which the data show nothing.
+
+    Laws of another family are of another part of the machine: a gear's, where one is a sensor's.
+    """
     if not _alike(one.term, other.term) or _complexity(one.term) <= _complexity(other.term):
+        return False
+    if CATALOGUE[one.term.effect].family != CATALOGUE[other.term.effect].family:
         return False
     return one.gain <= other.gain or level(one, other)
 
