@@ -71,7 +71,7 @@ def concealed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Diagnosi
     return study, diagnose(study)
 
 
-@pytest.mark.parametrize("corrupt", [shuffled, inverted])
+@pytest.mark.parametrize("corrupt", [shuffled, pytest.param(inverted, marks=pytest.mark.long)])
 def test_held_out_recordings_change_no_finding(
     concealed: tuple[Study, Diagnosis], corrupt: object
 ) -> None:
