@@ -113,6 +113,11 @@ class Effect(ABC):
     jumps: ClassVar[bool] = False  # its torque does, so that no filter should round it
 
     @property
+    def is_plain(self) -> bool:
+        """Whether every machine's joints may have it, and no law of its kind is simpler."""
+        return self.ordinary and self.complexity <= 1
+
+    @property
     def words(self) -> str:
         """Its name in words."""
         return self.name or self.id.replace("_", " ")

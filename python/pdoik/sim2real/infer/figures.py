@@ -79,8 +79,8 @@ def figures_of(
             figures = event_estimates(state.without(term).fit.extended(term), term)
         else:
             figures = holding(figures, first[number], beside[number])
-        if ordinary is not None and term not in state.contacts:
-            figures = with_days(ordinary, spreads, term, figures)
+            if ordinary is not None:
+                figures = with_days(ordinary, spreads, term, figures)
         figures = with_torque_scale(prepared.study, figures)
         kept.append((term, within_bounds(CATALOGUE[term.effect], figures)))
     if lost:

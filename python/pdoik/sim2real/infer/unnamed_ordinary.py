@@ -69,20 +69,21 @@ def _holding(each: Estimate, before: Estimate, beside: Estimate) -> Estimate:
 def _unnamed(fit: Fit) -> list[Term]:
     """Plain terms of what every machine's joints have, where none of the kind was found."""
     b = fit.balances
-    plain = [each for each in CATALOGUE.values() if each.ordinary and each.complexity <= 1]
-    found = []
+    plain = [each for each in CATALOGUE.values() if each.is_plain]
+    found: list[Term | None] = []
     for j in range(b.n):
         if not b.excited[j] or not len(fit.rows.get(("torque", j), ())):
             continue
         place = Place(joints=(j,))
-        here = {term.effect for term in fit.terms if term.place == place}
-        for effect in plain:
-            if effect.id in here or any(same_kind(effect.id, one) for one in here & set(CATALOGUE)):
-                continue
-            if place in effect.places(b.motions):
-                term = _term(b, effect, place)
-                found += [] if term is None else [term]
-    return found
+        here = {t.effect for t in fit.terms if t.place == place and t.effect in CATALOGUE}
+        found += [
+            _term(b, effect, place)
+            for effect in plain
+            if effect.id not in here
+            and not any(same_kind(effect.id, one) for one in here)
+            and place in effect.places(b.motions)
+        ]
+    return [term for term in found if term is not None]
 
 
 def _term(b: Balances, effect: Effect, place: Place) -> Term | None:

@@ -66,9 +66,7 @@ class Beside:
         for j in range(balances.n):
             place = Place(joints=(j,))
             for effect in CATALOGUE.values():
-                if not effect.ordinary or effect.complexity > 1:
-                    continue
-                if place not in effect.places(balances.motions):
+                if not effect.is_plain or place not in effect.places(balances.motions):
                     continue
                 for shape in effect.asked(balances.motions, place)[:1]:
                     columns = balances.compute(effect, place, shape)

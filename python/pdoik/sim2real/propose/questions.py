@@ -168,7 +168,7 @@ def standing(questions: Iterable[Question], prepared: Prepared) -> tuple[Questio
     for j in joints:
         place = Place(joints=(j,))
         for effect in CATALOGUE.values():
-            if not effect.ordinary or effect.complexity > 1 or (effect.id, place) in taken:
+            if not effect.is_plain or (effect.id, place) in taken:
                 continue
             options = tuple(
                 Option(effect=other, places=((place,),), listed=False)

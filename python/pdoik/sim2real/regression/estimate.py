@@ -31,6 +31,8 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> dict[int, dict[s
     Nonlinear parameters take part by the derivative of their columns: the bootstrap's step along
     it is the parameter's. Intervals hold for the mean over sessions like those recorded.
     """
+    if not wanted:
+        return {}
     rng = np.random.default_rng(seed)
     moving = [(term, i) for term in wanted for i in CATALOGUE[term.effect].free(term.shape)]
     extra = [_sensitivity(fit, term, i) for term, i in moving]

@@ -113,7 +113,7 @@ def _clearest(base: Fit, terms: list[Term], place: Place) -> list[Term]:
     plain = [
         term_of(b, each, place, each.shapes(b.motions, place)[0])
         for each in CATALOGUE.values()
-        if each.ordinary and each.complexity <= 1 and each.id != terms[0].effect
+        if each.is_plain and each.id != terms[0].effect
     ]
     beside = OneMore(base.extended(*(t for t in plain if t is not None)))
     return sorted(terms, key=beside.gain, reverse=True)[:_SHAPES]

@@ -41,10 +41,7 @@ def read_log(
         period = _period(log, name, settled, rate)
         clocks = ("time", BEYOND_SECONDS)
         wanted = [each for each in settled if each.target not in clocks]
-        timed = sorted(
-            (each for each in settled if each.target in clocks and period is None),
-            key=lambda each: clocks.index(each.target),
-        )
+        timed = [each for each in settled if each.target in clocks and period is None]
         step = _time_unit(timed, units)
         columns = [each.column.name for each in (*timed, *wanted)]
         check_size(name, log.count(columns) if columns else 0.0, part)

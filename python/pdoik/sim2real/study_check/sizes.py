@@ -77,7 +77,7 @@ class Sizes:
             return []
         motions, place, found = self.balances.motions, Place(joints=(j,)), []
         for each in CATALOGUE.values():
-            if not each.ordinary or each.complexity > 1 or place not in each.places(motions):
+            if not each.is_plain or place not in each.places(motions):
                 continue
             for shape in each.asked(motions, place)[:1]:
                 term = term_of(self.balances, each, place, shape)

@@ -35,7 +35,7 @@ def _lines(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
     yield ""
     yield from _tip(facts, questions)
     yield "# Figures are fitted to recordings with role fit; those with role validate only judge."
-    yield (f"# Held out: {_plain(f'{held.name}: {held.why}' if held.name else held.why)}")
+    yield f"# Held out: {_plain(f'{held.name}: {held.why}' if held.name else held.why)}"
     yield from _asked(questions, "session")
     yield from _asked(questions, "payload")
     yield "recordings:"

@@ -168,6 +168,12 @@ def check_lengths(name: str, lengths: Mapping[str, int]) -> None:
             )
 
 
+def blocks_of(values: Any) -> Iterator[Any]:
+    """Rows of an array or data set at a time."""
+    for k in range(0, len(values), ROWS):
+        yield values[k : k + ROWS]
+
+
 def pieces_of(blocks: Mapping[str, Iterator[Any]], places: Sequence[Place]) -> Iterator[FloatArray]:
     """Columns side by side from blocks of rows of each array."""
     arrays = list(blocks)

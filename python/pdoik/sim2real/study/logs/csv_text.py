@@ -37,7 +37,6 @@ class CsvText(Log):
         self._path, self._name = path, name
         try:
             self._encoding = _encoding(self._file)
-            self._errors = "strict" if self._encoding == _UTF8 else "replace"
             with self._text() as file:
                 lines = list(islice(file, LOOKED_AT))
             self.rows = self._count()
@@ -55,7 +54,8 @@ class CsvText(Log):
         return cast(BinaryIO, opened(self._path, "rb"))
 
     def _text(self) -> TextIO:
-        return io.TextIOWrapper(self._file(), encoding=self._encoding, errors=self._errors)
+        errors = "strict" if self._encoding == _UTF8 else "replace"
+        return io.TextIOWrapper(self._file(), encoding=self._encoding, errors=errors)
 
     def _stream(self) -> Any:
         """Bytes as Arrow takes them: UTF-8, and one separator between two cells."""

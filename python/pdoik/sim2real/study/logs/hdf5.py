@@ -10,7 +10,16 @@ from pdoik.errors import LoadError
 
 from ..columns import nearest
 from ..recording import FloatArray
-from .arrays import ROWS, Place, check_lengths, columns_of, env_of, names_in, period_in, pieces_of
+from .arrays import (
+    Place,
+    blocks_of,
+    check_lengths,
+    columns_of,
+    env_of,
+    names_in,
+    period_in,
+    pieces_of,
+)
 from .kinds import register
 from .log import Column, Log
 
@@ -156,7 +165,7 @@ class Hdf5(Log):
         sets = {each.array: self._sets[each.array] for each in places}
         check_lengths(self._name, {array: item.shape[0] for array, item in sets.items()})
         try:
-            yield from pieces_of({array: _blocks(item) for array, item in sets.items()}, places)
+            yield from pieces_of({array: blocks_of(item) for array, item in sets.items()}, places)
         except _BROKEN as error:
             raise LoadError(f"{self._name}: cannot be read on: {error}") from error
 
@@ -173,11 +182,6 @@ def _demonstrations(file: Any) -> dict[str, str]:
         if hasattr(item, "items") and key.partition("_")[0] in ("demo", "episode", "traj")
     }
     return dict(sorted(found.items(), key=lambda each: (len(each[0]), each[0])))
-
-
-def _blocks(item: Any) -> Iterator[Any]:
-    for k in range(0, item.shape[0], ROWS):
-        yield item[k : k + ROWS]
 
 
 def _is_said(item: Any) -> bool:

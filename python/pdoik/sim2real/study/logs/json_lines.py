@@ -50,9 +50,8 @@ class JsonLines(Log):
             raise LoadError(f"{name}: no numbers in its first {lines} lines")
         self.columns = tuple(columns.values())
         packed = 8 if path.suffix == ".gz" else 1
-        self.rows = packed * path.stat().st_size * lines / bytes_read
-        if self._whole is not None:
-            self.rows = float(len(self._whole))
+        guessed = packed * path.stat().st_size * lines / bytes_read
+        self.rows = guessed if self._whole is None else float(len(self._whole))
         self.notes = []
 
     def _open(self) -> TextIO:

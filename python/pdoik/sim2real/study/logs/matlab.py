@@ -12,7 +12,7 @@ import numpy as np
 from pdoik.errors import LoadError
 
 from ..recording import FloatArray
-from .arrays import ROWS, Place, check_lengths, columns_of, names_in, period_in, pieces_of
+from .arrays import Place, blocks_of, check_lengths, columns_of, names_in, period_in, pieces_of
 from .kinds import register
 from .log import Column, Log
 
@@ -67,12 +67,7 @@ class Matlab(Log):
         places = [self._places[each] for each in columns]
         arrays = {each.array: self._arrays[each.array] for each in places}
         check_lengths(self._name, {key: len(values) for key, values in arrays.items()})
-        yield from pieces_of({key: _blocks(values) for key, values in arrays.items()}, places)
-
-
-def _blocks(values: Any) -> Iterator[Any]:
-    for k in range(0, len(values), ROWS):
-        yield values[k : k + ROWS]
+        yield from pieces_of({key: blocks_of(values) for key, values in arrays.items()}, places)
 
 
 def _variables(content: Mapping[str, Any], path: str) -> Iterator[tuple[str, Any]]:
