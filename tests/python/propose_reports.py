@@ -73,6 +73,21 @@ def friction(*equivalents: str, confidence: float = 0.95) -> Finding:
     )
 
 
+def one_way(viscous: float, *equivalents: str) -> Finding:
+    """That the elbow rubs more one way than the other, or one of these."""
+    more = Estimate(value=0.3, std=0.01, interval95=(0.28, 0.32), unit="N m")
+    ends = viscous - 0.02, viscous + 0.02
+    quick = Estimate(value=viscous, std=0.01, interval95=ends, unit="N m s/rad")
+    return Finding(
+        effect="asymmetric_friction",
+        joints=("elbow",),
+        parameters={"level_difference": more, "viscous_difference": quick},
+        shape=(0.02,),
+        confidence=0.95,
+        equivalents=tuple(Equivalent(effect=each, joints=("elbow",)) for each in equivalents),
+    )
+
+
 def push() -> Finding:
     """Something that happened once."""
     force = Estimate(value=5.0, std=1.0, interval95=(3.0, 7.0), unit="N")

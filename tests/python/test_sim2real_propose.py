@@ -19,6 +19,7 @@ from propose_reports import (
     SPEED,
     bristles,
     friction,
+    one_way,
     push,
     write_report,
     write_study,
@@ -137,6 +138,25 @@ def test_what_happened_once_is_settled_by_no_motion(tmp_path: Path) -> None:
     report = write_report(tmp_path, write_study(tmp_path), push())
     with pytest.raises(NothingToSettleError, match="external contact: it happened once"):
         propose(report, WISHES)
+
+
+def test_what_stays_listed_side_by_side_after_every_motion_is_settled_by_none(
+    tmp_path: Path,
+) -> None:
+    """While it moves, friction that differs between the directions is a zero of its torque."""
+    both = friction(), one_way(0.02, "torque_offset")
+    report = write_report(tmp_path, write_study(tmp_path), *both)
+    with pytest.raises(NothingToSettleError, match="asymmetric friction at joint elbow or torque"):
+        propose(report, WISHES)
+
+
+def test_what_one_motion_tells_is_no_such_pair(tmp_path: Path) -> None:
+    """Friction that differs more, the quicker the joint, is no zero."""
+    both = friction(), one_way(1.0, "torque_offset")
+    proposal = propose(write_report(tmp_path, write_study(tmp_path), *both), WISHES)
+    assert not proposal.hopeless
+    assert not proposal.unsettled
+    assert min(each.ratio for each in proposal.prospects) > 10.0
 
 
 @pytest.mark.parametrize(

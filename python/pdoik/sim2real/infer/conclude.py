@@ -78,7 +78,8 @@ def conclude(
     ]
     if prepared.validate is not None:
         found += held_out_limits(prepared, state.fit, prediction)
-        found += held_out_contacts(prepared, state.fit, prediction)
+        maybe = [each for each in doubtful if state.support[each.key].gain > 0.0]
+        found += held_out_contacts(prepared, state.fit, prediction, maybe)
     if check is not None:
         unsure = study.thresholds.confidence.unsupported
         found += [(replace(finding, confidence=unsure), ()) for finding in check.findings]

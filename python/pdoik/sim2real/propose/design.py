@@ -92,7 +92,9 @@ def designed(
     if not looked:
         return None
     chosen = max(looked, key=lambda each: ranking.score(each))
-    return replace(chosen, looked_at=count, hopeless=ranking.hopeless)
+    for each in looked:
+        ranking.note(each)
+    return replace(chosen, looked_at=count, hopeless=ranking.hopeless | ranking.still_listed)
 
 
 @dataclass(kw_only=True, eq=False)
@@ -102,6 +104,7 @@ class _Ranking:
     weigher: Weigher
     best: list[tuple[float, Recipe, Design]] = field(default_factory=list)
     hopeless: frozenset[Pair] = frozenset()
+    clearest: dict[Pair, float] = field(default_factory=dict)
 
     def score(self, design: Design) -> float:
         """Of one."""
@@ -112,10 +115,24 @@ class _Ranking:
         found = [*self.best, (0.0, recipe, design)]
         if first:  # as different as can be: what none of them tells apart, no motion does
             self.hopeless = hopeless_of([each.prospects for _, _, each in found])
+        self.note(design)
         scored = [(self.score(each), name, each) for _, name, each in found]
         scored.sort(key=lambda each: -each[0])
         self.best = scored if first else scored[:_KEPT]
         return scored[0][2] is design
+
+    def note(self, design: Design) -> None:
+        """How clearly a motion tells apart what the diagnosis lists side by side."""
+        for prospect in design.prospects:
+            for each in prospect.rivalries:
+                if each.listed:
+                    pair = prospect.finding, each.rival
+                    self.clearest[pair] = max(self.clearest.get(pair, 0.0), each.clear)
+
+    @property
+    def still_listed(self) -> frozenset[Pair]:
+        """Pairs that the diagnosis would list side by side after each of these motions, too."""
+        return frozenset(pair for pair, clear in self.clearest.items() if clear <= 1.0)
 
 
 def start_of(recorded: FloatArray) -> FloatArray:

@@ -258,14 +258,14 @@ def _found(bounds: Bounds, wishes: Wishes, say: Tell) -> Design:
 
 
 def _hopeless(design: Design) -> frozenset[Pair]:
-    """Findings and what is listed beside them, alike along every motion that was looked at."""
+    """Findings and what is listed beside them, and would be after every motion looked at."""
     listed = {(p.finding, r.rival) for p in design.prospects for r in p.rivalries if r.listed}
     return design.hopeless & listed
 
 
-def _alike_in_words(pairs: Iterable[Pair]) -> tuple[str, ...]:
+def _side_by_side(pairs: Iterable[Pair]) -> tuple[str, ...]:
     return tuple(
-        f"whether it is {finding} or {rival}, which are alike along every motion"
+        f"whether it is {finding} or {rival}: after any motion both would be listed"
         for finding, rival in sorted(pairs)
     )
 
@@ -277,7 +277,7 @@ def _check_hope(questions: Iterable[Question], design: Design) -> None:
         rivals = {(prospect.finding, each.rival) for each in prospect.rivalries if each.listed}
         if not rivals or not rivals <= hopeless or question.finding.confidence < ENOUGH:
             return
-    raise NothingToSettleError(f"no motion tells {'; '.join(_alike_in_words(hopeless))}")
+    raise NothingToSettleError(f"no motion tells {'; '.join(_side_by_side(hopeless))}")
 
 
 def _judged(clear: Clear | None, path: Path) -> Verdict | None:
@@ -321,7 +321,7 @@ def _proposal(
         torque=torque,
         used=used,
         prospects=tuple(each for each in design.prospects if each.why),
-        unsettled=(*unsettled, *_alike_in_words(_hopeless(design))),
+        unsettled=(*unsettled, *_side_by_side(_hopeless(design))),
         hopeless=_hopeless(design),
         verdict=verdict,
         looked_at=design.looked_at,

@@ -89,6 +89,27 @@ def stands(fit: Fit, term: Term) -> bool:
     return large and wald(fit, term)[0] > least.least_t
 
 
+def pauses(fit: Fit, term: Term) -> bool:
+    """Whether it is clear that a contact, the fit's last term, does not last all recording long.
+
+    Carried on before and after its window, it must explain less by as much as a contact must gain.
+    """
+    b, place = fit.balances, replace(term.place, window=(-np.inf, np.inf))
+    least = b.thresholds.contacts
+    whole = term_of(b, CATALOGUE[ExternalContact.id], place, term.shape)
+    if whole is None:
+        return False
+    beta, harm = fit.beta[-term.width :], 0.0
+    for key, column in whole.columns.items():
+        rows = fit.rows[key]
+        size = np.abs(term.columns[key][rows]).max(axis=1, initial=0.0)
+        outside = size <= least.felt * size.max(initial=0.0)
+        left = fit.residual(key)[outside]
+        part = column[rows[outside]] @ beta / b.sigma[key]
+        harm += float(part @ part - 2.0 * (left @ part))
+    return harm > least.least_gain
+
+
 def _new(fit: Fit, window: Window) -> bool:
     """Whether no contact of the same recording and time is there already."""
     name = fit.balances.motions[window.motion].recording.name
