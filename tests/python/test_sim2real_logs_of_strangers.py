@@ -269,6 +269,31 @@ def test_what_a_draft_cannot_guess_may_be_told(tmp_path: Path, arm: Path) -> Non
     assert content["units"] == told["units"]
 
 
+@pytest.mark.parametrize("write", [units_below, dates, stamps_in_two])
+def test_a_study_has_the_last_word_on_a_column_of_times_but_not_on_dates_and_stamps(
+    tmp_path: Path, arm: Path, write: Callable[[Path], None]
+) -> None:
+    log = tmp_path / "log.csv"
+    write(log)
+    content = yaml.safe_load(draft_study(arm, [log], folder=tmp_path).text)
+    content["units"] = {**(content.get("units") or {}), "time": "ms"}
+    if write is units_below:
+        log.write_text(log.read_text().replace("\nms,", "\nus,"))  # the logger's mistake
+    read = loaded(yaml.safe_dump(content), tmp_path)
+    assert read.recordings[0].raw_period == pytest.approx(STEP, rel=1e-3)
+
+
+def test_rows_that_are_counted_are_in_seconds_whatever_unit_times_have(
+    tmp_path: Path, arm: Path
+) -> None:
+    log = tmp_path / "log.csv"
+    table().drop(columns="time").to_csv(log, index=False)
+    said = tmp_path / "said.yaml"
+    said.write_text("units: {time: ms}\n")
+    draft = draft_study(arm, [log], folder=tmp_path, reading=said, entry={"rate": 1.0 / STEP})
+    assert loaded(draft.text, tmp_path).recordings[0].raw_period == pytest.approx(STEP)
+
+
 def side_by_side(path: Path) -> None:
     """Two environments of a simulator, the second at rest."""
     pairs = {"joint_pos": Q, "joint_vel": DQ, "applied_torque": TAU}

@@ -92,10 +92,10 @@ def _period(log: Log, name: str, settled: Sequence[Settled], rate: float | None)
 
 
 def _time_unit(timed: Sequence[Settled], units: Units) -> float:
-    """Of the column of times [s]."""
-    if timed and timed[0].column.unit and timed[0].unit:
-        return KNOWN["time"][timed[0].unit]
-    written = {"time": timed[0].unit} if timed and timed[0].unit else {}
+    """Of the column of times [s]; what is counted, or made of stamps, is in seconds."""
+    if len(timed) != 1 or timed[0].column.converted:
+        return 1.0
+    written = {"time": timed[0].unit} if timed[0].unit else {}
     return units.with_written(written).factor("time")
 
 

@@ -84,7 +84,10 @@ class Bag(Log):
         elif states.type != JTC_STATE:
             self._tell_of_references()
         names = dict.fromkeys([*found, *self._held])
-        self.columns = (Column(name="time", unit="s"), *(Column(name=each) for each in names))
+        self.columns = (
+            Column(name="time", unit="s", converted=True),
+            *(Column(name=each) for each in names),
+        )
 
     def _state_topic(self, topic: str | None) -> str:
         if topic is not None:

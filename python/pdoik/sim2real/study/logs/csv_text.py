@@ -45,7 +45,9 @@ class CsvText(Log):
             raise LoadError(f"{name}: no CSV text, and none of {kinds}: {error}") from error
         self._form = form = CsvForm.of_lines(name, lines)
         self.columns = tuple(
-            Column(name=each, unit="s" if each in form.moments else unit)
+            Column(name=each, unit="s", converted=True)
+            if each in form.moments
+            else Column(name=each, unit=unit)
             for each, unit in zip(form.header, form.units, strict=True)
         )
 

@@ -51,7 +51,7 @@ class LeRobot(Log):
         if not self._fps > 0:
             raise LoadError(f"{name}: meta/info.json: expected fps above 0, got {self._fps:g}")
         self._episode = self._checked(told.get("episode"), count)
-        columns = [Column(name="time", unit="s")]
+        columns = [Column(name="time", unit="s", converted=True)]
         for feature, content in features.items():
             columns += _columns(feature, content)
         self.columns = tuple(columns)
