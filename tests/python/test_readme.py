@@ -1,4 +1,6 @@
-"""The README's code runs as it stands."""
+"""The code of the README and of the documentation's pages runs as it stands."""
+
+from __future__ import annotations
 
 import re
 import shlex
@@ -11,27 +13,45 @@ import numpy as np
 import pytest
 
 REPOSITORY = Path(__file__).parents[2]
-README = (REPOSITORY / "README.md").read_text()
+DOCS = REPOSITORY / "python" / "docs"
+INDEX = re.findall(r"^[a-z_]+$", (DOCS / "index.md").read_text(), re.MULTILINE)
+PAGES = [REPOSITORY / "README.md", *(DOCS / f"{name}.md" for name in INDEX)]
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
+
+
+def named(page: Path) -> str:
+    return page.stem
 
 
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder in which the Python examples have run, one after the other."""
+    """A folder in which the Python examples have run, a page after the other."""
     pytest.importorskip("rosbags", reason="the extra sim2real is not installed")
     folder = tmp_path_factory.mktemp("readme")
     example = [sys.executable, str(REPOSITORY / "bench/diagnose_example.py"), "arm_study"]
     subprocess.run(example, cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    program = "\n".join(blocks("python"))
-    subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=folder, check=True)
+    for page in PAGES:
+        if program := "\n".join(blocks(page, "python")):
+            subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=folder, check=True)
     return folder
 
 
+def test_every_page_is_in_the_index() -> None:
+    assert {f"{name}.md" for name in INDEX} == {page.name for page in DOCS.glob("*.md")} - {
+        "index.md"
+    }
+
+
+def test_the_readme_is_read_in_minutes() -> None:
+    assert len(PAGES[0].read_text().splitlines()) <= 200
+
+
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
-    assert len(blocks("python")) == 9
+    pages = [named(page) for page in PAGES if blocks(page, "python")]
+    assert pages == ["README", "solve", "obstacles", "humanoid", "your_robot", "diagnose", "watch"]
     for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
         assert (examples / name).is_file(), name
 
@@ -47,15 +67,17 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     (tmp_path / "scan.pcd").write_text(
         f"{header}VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 500\nDATA ascii\n{rows}\n"
     )
-    lines = [
-        line for block in blocks("bash") for line in block.splitlines() if line.startswith("pdoik ")
-    ]
-    assert {shlex.split(line)[1] for line in lines} == {
+    written = (
+        line for page in PAGES for block in blocks(page, "bash") for line in block.split("\n")
+    )
+    commands = [shlex.split(line, comments=True) for line in written if line.startswith("pdoik ")]
+    lines = dict.fromkeys(tuple(words[1:]) for words in commands)  # each once
+    assert {words[0] for words in lines} == {
         *("info", "solve", "occupancy", "pairs", "bench", "view", "h1"),
         *("study", "diagnose", "compare", "predict", "replay", "watch", "propose"),
     }
     for line in lines:
-        words = shlex.split(line, comments=True)[1:]
+        words = list(line)
         if words[0] in ("view", "h1"):  # these go on and on: tested where they are written
             words = [words[0], "--help"]
         if words[0] == "watch" and "--once" not in words:
@@ -71,8 +93,9 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     assert (tmp_path / "arm.occupancy.yaml").exists()
 
 
-def test_the_cpp_example_is_the_one_that_the_consumer_compiles() -> None:
-    (example,) = blocks("cpp")
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "cpp")], ids=named)
+def test_the_cpp_example_is_the_one_that_the_consumer_compiles(page: Path) -> None:
+    (example,) = blocks(page, "cpp")
     compiled = (REPOSITORY / "tests/consumer/readme.cpp").read_text()
     lines = [line.strip() for line in example.splitlines() if line.strip()]
     program = [line.strip() for line in compiled.splitlines() if line.strip()]
@@ -81,7 +104,8 @@ def test_the_cpp_example_is_the_one_that_the_consumer_compiles() -> None:
     assert program[at : at + len(lines) - 1] == lines[1:]
 
 
-def test_every_link_into_the_repository_leads_somewhere() -> None:
-    links = re.findall(r"\]\(([^)#]+)\)", README)
-    assert links
-    assert not [link for link in links if "://" not in link and not (REPOSITORY / link).exists()]
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_every_link_into_the_repository_leads_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)#]+)\)", page.read_text())
+    gone = [each for each in links if "://" not in each and not (page.parent / each).exists()]
+    assert not gone
