@@ -10,6 +10,7 @@ extensions = ["myst_parser"]
 myst_heading_anchors = 3
 root_doc = "python/docs/index"
 include_patterns = [
+    "python/docs/**/*.md",
     "python/docs/*.md",
     "bench/README.md",
     "bench/**/README.md",
