@@ -18,7 +18,7 @@ from pdoik.sim2real.effect_check.trial import Trial
 from pdoik.sim2real.effects import CATALOGUE, Effect
 from pdoik.sim2real.motion.place import Key
 
-PAGES = Path(__file__).with_name("effects")
+PAGES = Path(__file__).parent / "generated" / "effects"
 WITHOUT, WITH = "#b0b4ba", "#1f6fb4"
 SHOWN = (2.0, 6.0)  # of the example [s]
 BALANCES = {
@@ -36,7 +36,7 @@ OVER = {"speed": "speed [rad/s]", "q": "position [rad]", "load": "load [N m]"}
 def main() -> None:
     """Write them anew."""
     shutil.rmtree(PAGES, ignore_errors=True)
-    PAGES.mkdir()
+    PAGES.mkdir(parents=True)
     with tempfile.TemporaryDirectory() as folder:
         arm = Arm(Path(folder))
         for effect in CATALOGUE.values():

@@ -6,12 +6,13 @@ import struct
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from pdoik.errors import LoadError
+from pdoik.sim2real.study.key import Key, Keys
 from pdoik.sim2real.study.logs import KINDS, Column, Log, Part, register
 from pdoik.sim2real.study.names.known import Known
 from pdoik.sim2real.study.read_log import read_log
@@ -31,7 +32,7 @@ def ticker() -> Iterator[type[Log]]:
         kind = "a ticker"
         suffixes = (".tick",)
         magic = (b"TICK",)
-        keys = ("turned",)
+        keys: ClassVar[Keys] = {"turned": Key("true or false", "by half a turn", "true", "false")}
 
         def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
             self.notes = ["ticks"]

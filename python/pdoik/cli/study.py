@@ -129,3 +129,19 @@ def check(
         print_check(said)
     if said.unanswerable:
         raise typer.Exit(NOT_SOLVED)
+
+
+@app.command("keys")
+def keys() -> None:
+    """Every key that a study.yaml may have: what stands behind it, its default, an example.
+
+    [bold]Example[/]: pdoik study keys
+    """
+    with extra_needed("study"):
+        from pdoik.sim2real.study.key_tables import reference
+    for title, table in reference().items():
+        out.print(f"[bold]{escape(title)}[/]")
+        for name, key in table.items():
+            default = f"; without it: {key.default}" if key.default else ""
+            said = f"  {name}: {key.example}    # {key.words} ({key.kind}{default})"
+            out.print(said, highlight=False, markup=False, soft_wrap=True)

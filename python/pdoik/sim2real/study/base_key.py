@@ -11,11 +11,11 @@ from pdoik.errors import LoadError
 
 from .columns import nearest
 from .floating_base import FloatingBase, Foot, Ground
+from .key_tables import BASE, FOOT, GROUND, IMU
 from .recording import Recording
 from .robot_facts import RobotFacts
 from .values import checked, number, shown, text, vector
 
-_KEYS = ("link", "imu", "feet", "ground")
 _FLAT_FROM = 4  # joints of a leg that can turn a sole as well as place it
 
 RECORD = (
@@ -35,7 +35,7 @@ def base_from(content: Any, facts: RobotFacts | None) -> FloatingBase | None:
     if facts is None:
         raise LoadError("base: expected a robot that it is the base of, 'robot:'")
     content = {} if content == "floating" else content
-    told = checked(content, _KEYS, "base")
+    told = checked(content, BASE, "base")
     root = _root(facts)
     link = text(told.get("link"), "base: link") or root
     if link != root:
@@ -82,7 +82,7 @@ def _root(facts: RobotFacts) -> str:
 
 
 def _imu(content: Any) -> tuple[Any, Any]:
-    told = checked({} if content is None else content, ("position", "rpy"), "base: imu")
+    told = checked({} if content is None else content, IMU, "base: imu")
     position = vector(told.get("position", [0.0, 0.0, 0.0]), "base: imu: position", 3)
     rpy = vector(told.get("rpy", [0.0, 0.0, 0.0]), "base: imu: rpy", 3)
     return position, Rotation.from_euler("xyz", rpy).as_matrix()
@@ -104,7 +104,7 @@ def _foot(link: str, content: Any, facts: RobotFacts) -> Foot:
         raise LoadError(
             f"base: feet: {facts.path.name} has no link {link!r}{nearest(link, facts.masses)}"
         )
-    told = checked({} if content is None else content, ("contact", "sole"), source)
+    told = checked({} if content is None else content, FOOT, source)
     kind = told.get("contact")
     if kind not in (None, "point", "flat"):
         raise LoadError(f"{source}: contact: expected point or flat, got {shown(kind)}")
@@ -130,7 +130,7 @@ def _ball(facts: RobotFacts, link: str) -> tuple[tuple[float, float, float] | No
 
 
 def _ground(content: Any) -> Ground:
-    told = checked({} if content is None else content, ("friction", "height"), "base: ground")
+    told = checked({} if content is None else content, GROUND, "base: ground")
     friction = told.get("friction")
     return Ground(
         friction=None if friction is None else number(friction, "base: ground: friction", least=0),

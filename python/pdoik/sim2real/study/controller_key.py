@@ -10,11 +10,9 @@ import numpy as np
 from pdoik.errors import LoadError
 
 from .controller import GAINS, Controller, LawType, ToldController
+from .key_tables import LAW, TABLE, VOLTAGE
 from .keys import checked, number, per_joint, vector
 from .recording import FloatArray
-
-_COMMON = ("type", "gravity_compensation", "torque_limit", "period", "unit")
-_VOLTAGE = ("volts", "duty_limit", "torque_per_volt", "back_emf", "supply_loss")
 
 
 def told_controller(content: Any, joints: tuple[str, ...]) -> ToldController | None:
@@ -31,8 +29,8 @@ def told_controller(content: Any, joints: tuple[str, ...]) -> ToldController | N
             f"controller: type: expected one of {', '.join(get_args(LawType))}, got {kind!r}"
         )
     kind = cast(LawType, kind)
-    own = (*(_VOLTAGE if kind == "voltage" else ()), *(("table",) if kind == "table" else ()))
-    mapping = checked(content, (*_COMMON, *GAINS[kind], *own), "controller")
+    own = {"voltage": VOLTAGE, "table": TABLE}.get(kind, {})
+    mapping = checked(content, (*LAW, *GAINS[kind], *own), "controller")
     gravity = mapping.get("gravity_compensation")
     if gravity is not None and not isinstance(gravity, bool):
         raise LoadError(

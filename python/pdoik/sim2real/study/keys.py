@@ -12,6 +12,7 @@ import yaml
 
 from pdoik.errors import LoadError
 
+from .key_tables import ENTRY, SETUP, STUDY, TRUST
 from .logs import MAX_ROWS, Part, entry_keys
 from .names.columns_key import ColumnsKey, columns_key
 from .recording import FloatArray, Role
@@ -22,39 +23,6 @@ from .values import number as number
 from .values import shown
 from .values import text as text
 from .values import vector as vector
-
-KEYS = (
-    "robot",
-    "base",
-    "tip",
-    "joints",
-    "recordings",
-    "controller",
-    "simulation",
-    "simulator",
-    "trust",
-    "rotor_inertia",
-    "units",
-    "columns",
-    "ignore",
-    "max_rows",
-)
-"""What a study may say. The last four are of its files: units and meaning of columns, columns to
-pass over, rows per file."""
-
-_ENTRY = ("file", "role", "window", "every", "rate", "columns")
-TOLD = (
-    "robot",
-    "base",
-    "payload",
-    "compensated",
-    "controller",
-    "session",
-    "temperature",
-    "surface",
-)
-"""What a recording's entry may say of how it was made."""
-
 
 _MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
 
@@ -69,7 +37,7 @@ class Entry:
     part: Part
     columns: ColumnsKey | None = None  # where its names are others than the study's files have
     reading: Mapping[str, Any] = field(default_factory=dict)  # what only its kind of log has
-    told: Mapping[str, Any] = field(default_factory=dict)  # what it says of `TOLD`
+    told: Mapping[str, Any] = field(default_factory=dict)  # what it says of `SETUP`
 
 
 def read_keys(path: Path) -> dict[str, Any]:
@@ -92,7 +60,7 @@ def read_part(path: Path) -> dict[str, Any]:
         raise LoadError(f"study: cannot read {path}: {error.strerror}") from error
     except (UnicodeDecodeError, yaml.YAMLError) as error:
         raise LoadError(f"{path.name}: no YAML: {error}") from error
-    return checked(content, KEYS, path.name)
+    return checked(content, STUDY, path.name)
 
 
 def entries(content: Any, folder: Path, source: str, max_rows: Any = None) -> tuple[Entry, ...]:
@@ -115,7 +83,7 @@ def entries(content: Any, folder: Path, source: str, max_rows: Any = None) -> tu
 def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
     if isinstance(content, str):
         content = {"file": content}
-    mapping = checked(content, (*_ENTRY, *entry_keys(), *TOLD), source)
+    mapping = checked(content, (*ENTRY, *entry_keys(), *SETUP), source)
     file = text(mapping.get("file"), f"{source}: file")
     if file is None:
         raise LoadError(f"{source}: expected 'file:'")
@@ -137,7 +105,7 @@ def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
         part=Part(every=int(every), window=window, max_rows=max_rows),
         columns=None if own is None else columns_key(own, f"{source} ({file}): columns"),
         reading=_reading(mapping, f"{source} ({file})"),
-        told={key: mapping[key] for key in TOLD if mapping.get(key) is not None},
+        told={key: mapping[key] for key in SETUP if mapping.get(key) is not None},
     )
 
 
@@ -153,7 +121,7 @@ def trust_from(content: Any) -> Trust:
     """The study's `trust`."""
     if content is None:
         return Trust()
-    told = checked(content, ("rigid_body", "torque"), "trust")
+    told = checked(content, TRUST, "trust")
     shares = {
         key: number(value, f"trust: {key}", least=0.0)
         for key, value in told.items()

@@ -16,13 +16,13 @@ from . import keys
 from .columns import nearest
 from .controller import Controller
 from .controller_key import known_controller, told_controller
+from .key_tables import PAYLOAD
 from .keys import Entry
 from .payload import Payload
 from .recording import FloatArray
 from .robot_facts import RobotFacts, check_robot, robot_facts
 from .study import Setup
 
-_PAYLOAD = ("link", "mass", "com", "inertia")
 _MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
 _COLDEST = -273.15  # [deg C]
 
@@ -115,7 +115,7 @@ def _payload(
 ) -> Payload | None:
     if content is None:
         return None
-    mapping = keys.checked(content, _PAYLOAD, source)
+    mapping = keys.checked(content, PAYLOAD, source)
     if facts is None:
         raise LoadError(f"{source}: expected a robot that holds it, 'robot:'")
     for key in ("link", "mass", "com"):

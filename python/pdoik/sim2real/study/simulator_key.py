@@ -8,6 +8,7 @@ from typing import Any
 from pdoik.errors import LoadError
 
 from .columns import nearest
+from .key_tables import SIMULATOR
 from .keys import checked, text
 from .simulator_file import SimulatorFile
 
@@ -22,7 +23,7 @@ def simulator_from(content: Any, folder: Path) -> SimulatorFile | None:
     """
     if content is None:
         return None
-    told = checked(content, (*_FILES, "actuators"), "simulator")
+    told = checked(content, SIMULATOR, "simulator")
     named = [key for key in _FILES if told.get(key) is not None]
     if len(named) != 1:
         raise LoadError(

@@ -11,8 +11,12 @@ import numpy as np
 
 from pdoik.errors import LoadError
 
+from ..key import Key
 from ..recording import FloatArray
 from .log import Column
+
+ENV = Key("a whole number", "which of several environments side by side", "0", "the only one")
+"""Of an entry."""
 
 ROWS = 16384
 """Rows of an array read at a time."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from pdoik.errors import LoadError
 
+from ..key import Key, Keys
 from ..recording import FloatArray
 from ..values import text
 from .bag_messages import COMMANDS, JTC_STATE, STATES, TRAJECTORY, Topic
@@ -33,7 +34,10 @@ class Bag(Log):
     kind = "a ROS bag"
     suffixes = (".mcap", ".db3", ".bag")
     magic = (b"\x89MCAP0\r\n", b"SQLite format 3\0", b"#ROSBAG")
-    keys = ("topic", "command_topic")
+    keys: ClassVar[Keys] = {
+        "topic": Key("a topic", "of joint states in a bag", "/joint_states", "the only such one"),
+        "command_topic": Key("a topic", "of commands in a bag", "/arm/commands", "none"),
+    }
 
     @classmethod
     def is_folder(cls, path: Path) -> bool:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pdoik.errors import LoadError
 
 from ..columns import nearest
+from ..key import Key, Keys
 from ..recording import FloatArray
 from .arrays import (
+    ENV,
     Place,
     blocks_of,
     check_lengths,
@@ -41,7 +43,11 @@ class Hdf5(Log):
     kind = "HDF5"
     suffixes = (".h5", ".hdf5", ".hdf")
     magic = (b"\x89HDF\r\n\x1a\n",)
-    keys = ("demo", "group", "env")
+    keys: ClassVar[Keys] = {
+        "demo": Key("a whole number", "which demonstration of a file", "3", "the only one"),
+        "group": Key("a path", "of an HDF5 file's group", "/robot/arm", "the whole file"),
+        "env": ENV,
+    }
 
     def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
         try:

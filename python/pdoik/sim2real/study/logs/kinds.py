@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from pdoik.errors import LoadError
 
 from ..columns import nearest
+from ..key import Keys
 from .log import Log
 
 GROUP = "pdoik.logs"
@@ -34,9 +35,9 @@ def register(kind: _Kind) -> _Kind:
     return kind
 
 
-def entry_keys() -> tuple[str, ...]:
+def entry_keys() -> Keys:
     """What a recording's entry may say for the sake of its kind of log."""
-    return tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.keys))
+    return {name: key for kind in KINDS.values() for name, key in kind.keys.items()}
 
 
 def open_log(path: Path, name: str, told: Mapping[str, Any]) -> Log:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pyarrow as pa
@@ -13,6 +13,7 @@ import pyarrow.parquet
 
 from pdoik.errors import LoadError
 
+from ..key import Key, Keys
 from ..recording import FloatArray
 from .arrow_numbers import number_column
 from .kinds import register
@@ -27,7 +28,9 @@ class LeRobot(Log):
     """observation.state is positions and action commanded ones, of the joints in info.json."""
 
     kind = "a LeRobot data set"
-    keys = ("episode",)
+    keys: ClassVar[Keys] = {
+        "episode": Key("a whole number", "which episode of a LeRobot folder", "3", "the only one")
+    }
 
     @classmethod
     def is_folder(cls, path: Path) -> bool:

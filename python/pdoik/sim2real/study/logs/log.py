@@ -9,6 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, ClassVar, Self
 
+from ..key import Keys
 from ..recording import FloatArray
 
 
@@ -36,7 +37,7 @@ class Log(ABC):
     kind: ClassVar[str]  # as messages call it: "CSV"
     suffixes: ClassVar[tuple[str, ...]] = ()  # of its files
     magic: ClassVar[tuple[bytes, ...]] = ()  # how its files begin, where the suffix says nothing
-    keys: ClassVar[tuple[str, ...]] = ()  # of a recording's entry that only such logs have
+    keys: ClassVar[Keys] = {}  # of a recording's entry that only such logs have
 
     columns: tuple[Column, ...] = ()
     rows: float = 0.0  # about how many

@@ -7,15 +7,26 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.lib import format as npy
 
 from pdoik.errors import LoadError
 
+from ..key import Keys
 from ..recording import FloatArray
-from .arrays import ROWS, Place, check_lengths, columns_of, env_of, names_in, period_in, pieces_of
+from .arrays import (
+    ENV,
+    ROWS,
+    Place,
+    check_lengths,
+    columns_of,
+    env_of,
+    names_in,
+    period_in,
+    pieces_of,
+)
 from .kinds import register
 from .log import Column, Log
 
@@ -32,7 +43,7 @@ class Npz(Log):
     kind = "NPZ"
     suffixes = (".npz",)
     magic = (b"PK\x03\x04",)
-    keys = ("env",)
+    keys: ClassVar[Keys] = {"env": ENV}
 
     def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
         self.notes = []
