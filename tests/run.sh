@@ -185,7 +185,10 @@ stage_python_all() {
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
 
-stages=(lint cpp simd asan consumer python)
+# The documentation's site, whose warnings are errors. The code in its pages is run by the Python tests.
+stage_docs() { bash python/docs/build.sh test,bench; }
+
+stages=(lint cpp simd asan consumer docs python)
 others=(python_all consumer_all asan_all tsan clang native fuzz)  # by name only: they take long
 if (($#)); then
   [[ " ${stages[*]} ${others[*]} " == *" $1 "* ]] ||

@@ -4,9 +4,16 @@
 its files are the site's, too.
 """
 
+from __future__ import annotations
+
+import re
+from typing import Any
+
 project = "pdoik"
 author = "the pdoik developers"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+autodoc_typehints = "description"
+autodoc_member_order = "bysource"
 myst_heading_anchors = 3
 root_doc = "python/docs/index"
 include_patterns = [
@@ -19,3 +26,14 @@ include_patterns = [
 ]
 html_theme = "furo"
 html_title = "pdoik"
+
+
+def setup(app: Any) -> None:
+    """The signatures that pybind11 writes above each overload are no text."""
+    app.connect("autodoc-process-docstring", _overloads_as_code)
+
+
+def _overloads_as_code(
+    _app: Any, _what: Any, _name: Any, _obj: Any, _to: Any, lines: list[str]
+) -> None:
+    lines[:] = [re.sub(r"^(\d+\. )(\w+\(.*)$", r"\1``\2``", line) for line in lines]

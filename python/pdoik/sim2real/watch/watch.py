@@ -38,6 +38,8 @@ class _Learning:
 class Watch:
     """Watches a machine by the model of its diagnosis.
 
+    ::
+
         watch = Watch(model)
         for alarm in watch.feed(recording):
             print(alarm)
