@@ -30,6 +30,7 @@ from pdoik._core import (
     simd_name,
     voxel_downsample,
 )
+from pdoik.descriptions import load_robot, urdf_text
 from pdoik.errors import LoadError, OverhangWarning, PdoikError, RobotWarning
 from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
@@ -75,6 +76,7 @@ __all__ = [
     "Touch",
     "Tracker",
     "TrackerResult",
+    "load_robot",
     "load_scene",
     "load_srdf_pairs",
     "pairs_always_touching",
@@ -82,5 +84,6 @@ __all__ = [
     "reachability",
     "save_scene",
     "simd_name",
+    "urdf_text",
     "voxel_downsample",
 ]

@@ -17,7 +17,7 @@ import pdoik
 from pdoik._hulls import gaps, placed_hulls
 
 from .messages import err, misuse_fails, out, warn
-from .robots import BUILTIN, load_robot
+from .robots import ANY_ROBOT, BUILTIN, load_robot
 from .tables import length_text, time_text
 
 FloatArray = npt.NDArray[np.float64]
@@ -37,9 +37,7 @@ class Problem(NamedTuple):
 def bench(
     robot: Annotated[
         list[str] | None,
-        typer.Option(
-            help="panda, ur10, iiwa14, or a URDF file; repeatable. All built-in ones otherwise."
-        ),
+        typer.Option(help=f"{ANY_ROBOT}; repeatable. All built-in ones otherwise."),
     ] = None,
     targets: Annotated[int, typer.Option(min=1, help="How many per row.")] = 1000,
     obstacles: Annotated[

@@ -12,13 +12,17 @@ from rich.table import Table
 import pdoik
 
 from .messages import out, warn
-from .robots import load_robot
+from .robots import ANY_ROBOT, load_robot
 from .tables import json_text, limit_text
 
 
 def info(
     robot: Annotated[
-        str, typer.Argument(help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT")
+        str,
+        typer.Argument(
+            help=f"{ANY_ROBOT}.",
+            metavar="ROBOT",
+        ),
     ],
     base_link: Annotated[str | None, typer.Option(help="First link; the root otherwise.")] = None,
     tip_link: Annotated[str | None, typer.Option(help="Last link; every leaf otherwise.")] = None,

@@ -12,9 +12,10 @@ import numpy.typing as npt
 import pdoik
 from pdoik.errors import RobotWarning
 
-from .messages import fail, misuse_fails
+from .messages import misuse_fails
 
 BUILTIN = tuple(pdoik.Robot.builtin_names())
+ANY_ROBOT = f"{', '.join(BUILTIN)}, a URDF, xacro or MJCF file, or an installed description"
 
 
 def load_robot(
@@ -24,14 +25,11 @@ def load_robot(
     occupancy: Path | None = None,
     srdf: Path | None = None,
 ) -> pdoik.Robot:
-    """A built-in robot by name, or a URDF file; leaves with status 2 when it is neither."""
+    """A robot by name, or of a URDF, xacro or MJCF file; leaves with status 2 otherwise."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RobotWarning)  # pdoik info tells them
-        if name not in BUILTIN and not Path(name).is_file():
-            fail(f"expected a URDF file or one of the robots {', '.join(BUILTIN)}; got {name!r}")
-        load = pdoik.Robot.builtin if name in BUILTIN else pdoik.Robot.from_urdf
         with misuse_fails():
-            robot = load(name, base_link=base_link, tip_link=tip_link or None)
+            robot = pdoik.load_robot(name, base_link, tip_link or None)
     if occupancy is not None:
         with misuse_fails(f"--occupancy {occupancy}"):
             robot.occupancy = pdoik.Occupancy.load(str(occupancy))

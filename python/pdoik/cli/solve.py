@@ -32,7 +32,7 @@ from .options import (
     SrdfFile,
 )
 from .report import Solution, facts, print_report
-from .robots import load_robot, numbers
+from .robots import ANY_ROBOT, load_robot, numbers
 from .tables import json_text
 from .target import FORMS, parse_target
 
@@ -45,7 +45,9 @@ def solve(
     robot: Annotated[
         str,
         typer.Option(
-            help="panda, ur10, iiwa14, or a URDF file.", metavar="ROBOT", rich_help_panel=ROBOT
+            help=f"{ANY_ROBOT}.",
+            metavar="ROBOT",
+            rich_help_panel=ROBOT,
         ),
     ],
     target: Annotated[

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
 
 import pdoik
+from pdoik.descriptions.text import urdf_file
 
 from .interrupts import end_now, noted
 from .messages import fail, misuse_fails, out
@@ -29,7 +31,7 @@ from .options import (
     SelfCollision,
     SrdfFile,
 )
-from .robots import BUILTIN, load_robot, numbers
+from .robots import ANY_ROBOT, BUILTIN, load_robot, numbers
 
 _DEFAULTS = pdoik.Options()
 _PAGE = "Page"  # panel
@@ -37,7 +39,11 @@ _PAGE = "Page"  # panel
 
 def view(
     robot: Annotated[
-        str, typer.Argument(help=f"{', '.join(BUILTIN)}, or a URDF file.", metavar="ROBOT")
+        str,
+        typer.Argument(
+            help=f"{ANY_ROBOT}.",
+            metavar="ROBOT",
+        ),
     ] = "panda",
     base_link: BaseLink = None,
     tip_link: Annotated[
@@ -137,12 +143,13 @@ def view(
     from pdoik.view.viewer import Viewer
 
     loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
+    made = TemporaryDirectory(prefix="pdoik-view-")  # while the page is there
     with misuse_fails():
-        model = (
-            shipped_model(loaded)
-            if robot in BUILTIN
-            else urdf_model(loaded, Path(robot), package_dir or ())
-        )
+        if robot in BUILTIN:
+            model = shipped_model(loaded)
+        else:
+            places = (*(package_dir or ()), Path(robot).resolve().parent)
+            model = urdf_model(loaded, urdf_file(robot, Path(made.name)), places)
         options = pdoik.Options(
             goal=goal or "pose",
             goal_axis=goal_axis,

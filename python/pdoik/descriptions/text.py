@@ -1,0 +1,86 @@
+"""The URDF of whatever a robot is given as."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..errors import LoadError
+from .installed import installed, path_of
+from .packages import with_packages
+from .xacro_file import expanded
+
+_ROOT = re.compile(r"<\s*(mujoco|robot)\b")
+
+
+def urdf_text(
+    robot: str | os.PathLike[str],
+    *,
+    arguments: Mapping[str, str] | None = None,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    meshes: str | os.PathLike[str] | None = None,
+) -> str:
+    """A robot's URDF.
+
+    Args:
+        robot: A URDF, xacro or MJCF file, or the name of an installed description: `ur5_robot`,
+            `go2` (the package example-robot-data), `panda_mj_description` (robot_descriptions).
+        arguments: Of a xacro file.
+        packages: Folders by the name of the package, for `package://NAME/...` and `$(find NAME)`.
+            Those that are not here are looked for in the folders of ROS_PACKAGE_PATH,
+            AMENT_PREFIX_PATH and PDOIK_PACKAGE_PATH, and above the file itself.
+        meshes: Folder for the meshes of an MJCF, which its URDF names; without it, it has none.
+
+    Raises:
+        LoadError: There is no such file or description, or it cannot be read.
+    """
+    path = _found(robot)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise LoadError(f"cannot read {path}: {error}") from error
+    root = _ROOT.search(text)
+    if root is not None and root.group(1) == "mujoco":
+        from .mjcf import urdf_of_mjcf
+
+        return urdf_of_mjcf(path, None if meshes is None else Path(meshes))
+    if path.suffix == ".xacro" or "http://www.ros.org/wiki/xacro" in text:
+        text = expanded(path, arguments or {}, packages or {})
+    elif arguments:
+        raise LoadError(f"{path}: arguments are of xacro files, and this is none")
+    return with_packages(text, path, packages or {})
+
+
+def urdf_file(robot: str | os.PathLike[str], folder: Path) -> Path:
+    """A URDF of `urdf_text` as a file: the robot's own, or one in a folder with its meshes.
+
+    Raises:
+        LoadError: As there.
+    """
+    path, text = _found(robot), urdf_text(robot, meshes=folder)
+    if path.read_text(encoding="utf-8") == text:
+        return path
+    file = folder / f"{path.name.partition('.')[0]}.urdf"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def _found(robot: str | os.PathLike[str]) -> Path:
+    path = Path(robot).expanduser()
+    if path.is_file():
+        return path
+    name = str(robot)
+    if path.suffix or os.sep in name:
+        raise LoadError(f"no such file: {path}")
+    named = path_of(name)
+    if named is not None:
+        return named
+    near = difflib.get_close_matches(name, installed(), n=3, cutoff=0.5)
+    said = f"; nearest: {', '.join(near)}" if near else ""
+    raise LoadError(
+        f"no robot {name!r}: no file, and no description of an installed package{said}"
+        " (pip install example-robot-data robot_descriptions)"
+    )
