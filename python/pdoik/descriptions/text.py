@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from .._core import Robot
 from ..errors import LoadError
 from .installed import installed, path_of
 from .packages import with_packages
@@ -78,9 +79,10 @@ def _found(robot: str | os.PathLike[str]) -> Path:
     named = path_of(name)
     if named is not None:
         return named
-    near = difflib.get_close_matches(name, installed(), n=3, cutoff=0.5)
+    shipped = Robot.builtin_names()
+    near = difflib.get_close_matches(name, [*shipped, *installed()], n=3, cutoff=0.5)
     said = f"; nearest: {', '.join(near)}" if near else ""
     raise LoadError(
-        f"no robot {name!r}: no file, and no description of an installed package{said}"
-        " (pip install example-robot-data robot_descriptions)"
+        f"no robot {name!r}: expected a file, one of {', '.join(shipped)}, or a description of"
+        f" example-robot-data or robot_descriptions, where they are installed{said}"
     )
