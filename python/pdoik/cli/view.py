@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
@@ -143,13 +142,12 @@ def view(
     from pdoik.view.viewer import Viewer
 
     loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
-    made = TemporaryDirectory(prefix="pdoik-view-")  # while the page is there
     with misuse_fails():
         if robot in BUILTIN:
             model = shipped_model(loaded)
         else:
             places = (*(package_dir or ()), Path(robot).resolve().parent)
-            model = urdf_model(loaded, urdf_file(robot, Path(made.name)), places)
+            model = urdf_model(loaded, urdf_file(robot), places)
         options = pdoik.Options(
             goal=goal or "pose",
             goal_axis=goal_axis,

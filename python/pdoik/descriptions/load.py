@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from .._core import Occupancy, Robot, load_srdf_pairs
 from .._files import write_whole
-from .text import urdf_text
+from .text import cache, plain_urdf, urdf_text
 
 
 def load_robot(
@@ -45,7 +45,8 @@ def load_robot(
         with TemporaryDirectory(prefix="pdoik-meshes-") as folder:
             meshes = Path(folder) if hulls else None
             text = urdf_text(robot, arguments=arguments, packages=packages, meshes=meshes)
-            loaded = Robot.from_urdf(text, base_link=base_link, tip_link=tip_link)
+            source = plain_urdf(robot) or text  # messages name a file
+            loaded = Robot.from_urdf(source, base_link=base_link, tip_link=tip_link)
             if hulls:
                 beside = Path(robot).resolve().parent
                 loaded.occupancy = _hulls(text, beside, folder)
@@ -63,8 +64,7 @@ def _hulls(text: str, beside: Path, meshes: str) -> Occupancy:
     digest = hashlib.sha256(text.replace(meshes, "").encode())
     for link in links:
         digest.update(link.triangles.tobytes())
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    kept = home / "pdoik" / "hulls" / f"{digest.hexdigest()[:24]}.occupancy.yaml"
+    kept = cache() / "hulls" / f"{digest.hexdigest()[:24]}.occupancy.yaml"
     if not kept.is_file():
         fitted = fit_occupancy(text, [beside])
         kept.parent.mkdir(parents=True, exist_ok=True)

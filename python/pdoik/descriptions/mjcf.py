@@ -52,7 +52,7 @@ class _Writer:
 
         self._mj, self._model, self._path, self._meshes = mujoco, model, path, meshes
         self._robot = Element("robot", name=path.stem)
-        self._taken: set[str] = set()
+        self._written: set[int] = set()  # meshes
 
     def text(self) -> str:
         """All of it."""
@@ -172,7 +172,8 @@ class _Writer:
         import trimesh
 
         model, file = self._model, (folder / f"mesh{m}.stl").resolve()
-        if not file.is_file():
+        if m not in self._written:
+            self._written.add(m)
             first, count = int(model.mesh_vertadr[m]), int(model.mesh_vertnum[m])
             begin, faces = int(model.mesh_faceadr[m]), int(model.mesh_facenum[m])
             vertices = model.mesh_vert[first : first + count].astype(np.float64)
