@@ -179,6 +179,19 @@ def test_every_effect_has_columns_of_balances_that_exist(tmp_path: Path) -> None
     assert "gravity_direction" not in seen
 
 
+def test_friction_is_of_the_one_foot_that_slips_and_of_all_where_two_do(tmp_path: Path) -> None:
+    (motion,) = prepare(study(tmp_path, Hidden(), runs=1)).fit.motions
+    friction, never = CATALOGUE["foot_friction"], np.zeros(len(motion.time), dtype=np.bool_)
+    assert len(motion.feet) >= 2
+    for slipping, places in ((0, []), (1, [0]), (2, [None, 0, 1])):
+        feet = tuple(
+            replace(foot, grip=np.zeros(len(never)), slips=never | (k < slipping))
+            for k, foot in enumerate(motion.feet)
+        )
+        found = friction.places([replace(motion, feet=feet)])
+        assert [place.foot for place in found] == places
+
+
 def test_what_presses_a_foot_is_what_mujoco_says(tmp_path: Path) -> None:
     (motion,) = prepare(_noiseless(tmp_path, Hidden(), 1)).fit.motions
     for foot in motion.feet:

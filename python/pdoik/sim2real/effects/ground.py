@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..motion.feet import FootMotion
 from ..motion.motion import Motion
 from ..motion.place import Balance, Columns, Place, Shape, tilt_key
 from ..study.recording import FloatArray
@@ -156,6 +157,10 @@ class FootSoftness(_OfFoot):
         return f"{where} sinks in by {1e5 * values['compliance']:.2g} mm for every 100 N."
 
 
+def _slips(foot: FootMotion, k: int) -> bool:
+    return foot.of("grip") is not None and bool(foot.judged(("grip", k)).any())
+
+
 class FootFriction(_OfFoot):
     """A sole that slips at another force than the simulation's."""
 
@@ -168,6 +173,13 @@ class FootFriction(_OfFoot):
     decided_by = "a foot pushed sideways until it slips"
     source = "Coulomb's law"
     complexity = 1
+
+    def places(self, motions: Sequence[Motion]) -> list[Place]:
+        """Feet that slip, and all alike where two of them do."""
+        every = super().places(motions)
+        slip = {k for m in motions for k, foot in enumerate(m.feet) if _slips(foot, k)}
+        own = [place for place in every if place.foot in slip]
+        return own if len(own) < 2 else [Place(), *own]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The normal force."""

@@ -143,7 +143,7 @@ def _found(
         evidence = replace(simulated.terms[term.key], channels=channels)
     else:
         evidence = prediction.evidence(state.fit, term, channels, seed)
-    rivals = equivalents_of(state, term, prepared.study.joints, prepared.body)
+    rivals = equivalents_of(state, term, prepared)
     if term.place in figures.loads and CATALOGUE[term.effect].is_body:
         rivals = (Equivalent(effect=Payload.id, links=link_of(prepared, term)), *rivals)[:3]
     support = state.support.get(term.key)

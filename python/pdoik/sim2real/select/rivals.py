@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from ..effects import CATALOGUE
 from ..findings import Equivalent
-from ..motion.rigid_body import RigidBody
+from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term
+from ..regression.naming import link_of
 from ..regression.refine import refined
 from ..regression.screen import screen
 from ..regression.trial import Search, Trial, cross_validated, held_out_squares, level
@@ -114,18 +115,14 @@ def _rank(others: Fit, term: Term) -> float:
     return CATALOGUE[term.effect].complexity + implausibility(others, term)
 
 
-def equivalents_of(
-    state: Search, term: Term, joints: tuple[str, ...], body: RigidBody | None
-) -> tuple[Equivalent, ...]:
+def equivalents_of(state: Search, term: Term, prepared: Prepared) -> tuple[Equivalent, ...]:
     """At most three other effects that held-out rows cannot tell from the term."""
     result: list[Equivalent] = []
     for trial in state.level.get(term.key, []):
-        place = trial.term.place
-        link = () if place.link is None or body is None else (body.links[place.link],)
         each = Equivalent(
             effect=trial.term.effect,
-            joints=tuple(joints[j] for j in place.joints),
-            links=link,
+            joints=tuple(prepared.study.joints[j] for j in trial.term.place.joints),
+            links=link_of(prepared, trial.term),
         )
         if each not in result:
             result.append(each)
