@@ -52,6 +52,7 @@ def test_the_readme_is_read_in_minutes() -> None:
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
     assert pages == ["README", "solve", "obstacles", "humanoid", "your_robot", "diagnose", "watch"]
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 12
     for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
         assert (examples / name).is_file(), name
 
@@ -107,5 +108,6 @@ def test_the_cpp_example_is_the_one_that_the_consumer_compiles(page: Path) -> No
 @pytest.mark.parametrize("page", PAGES, ids=named)
 def test_every_link_into_the_repository_leads_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#]+)\)", page.read_text())
+    assert links or page is not PAGES[0]
     gone = [each for each in links if "://" not in each and not (page.parent / each).exists()]
     assert not gone

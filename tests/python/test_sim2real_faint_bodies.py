@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 pytest.importorskip("mujoco")
@@ -13,9 +12,9 @@ pytest.importorskip("pinocchio")
 
 from bench.concealed.build import hidden_in, make_study, write_machine
 from bench.concealed.draft import draft_of
-from bench.concealed.motion import STEP, Motion
 from bench.concealed.spec import WorldSpec
 
+from creeping import creeping
 from pdoik.sim2real import examine
 
 SPEC = WorldSpec(seed=9005, effect="payload", hide="second", robot="random2")
@@ -47,14 +46,7 @@ def test_a_body_that_all_sessions_bear_out_stays_though_slow_ones_make_its_figur
         WorldSpec(seed=8202, effect="link_inertial_error", hide="noise", robot="random2")
     )
     effects = hidden_in(draft)
-    time = STEP * np.arange(round(9.0 / STEP))
-    creeping = []
-    for rate in (0.5, 0.7):
-        turns = np.outer(time, rate * np.array([1.0, 1.3]))
-        parts = [0.1 * rate**k * np.sin(turns + k * np.pi / 2) for k in range(3)]
-        middle = draft.motions[0].q.mean(axis=0)
-        creeping.append(Motion(q=middle + parts[0], dq=parts[1], ddq=parts[2]))
-    motions, roles = [*creeping, draft.motions[0]], ["fit", "validate", "fit"]
+    motions, roles = [*creeping(draft), draft.motions[0]], ["fit", "validate", "fit"]
     draft = replace(draft, motions=motions, roles=roles, sensors=replace(draft.sensors, tip=False))
     (tmp_path / "study").mkdir()
     write_machine(tmp_path / "study", draft, effects)

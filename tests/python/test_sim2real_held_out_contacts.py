@@ -15,9 +15,9 @@ pytest.importorskip("pinocchio")
 import pinocchio as pin
 from bench.concealed.build import hidden_in, write_machine
 from bench.concealed.draft import draft_of
-from bench.concealed.motion import STEP, Motion
 from bench.concealed.spec import WorldSpec
 
+from creeping import creeping
 from pdoik.sim2real import Finding, examine
 
 PUSH = np.array([6.0, -8.0, 5.0])  # [N]
@@ -25,19 +25,13 @@ WINDOW = (3.0, 5.0)  # [s]
 
 
 @pytest.fixture(scope="module")
-def creeping(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def leaning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A base that leans by a degree, in two recordings that show too little to be sure of it."""
     draft = draft_of(
         WorldSpec(seed=8206, effect="gravity_direction", hide="noise", robot="random2")
     )
-    time = STEP * np.arange(round(9.0 / STEP))
-    motions = []
-    for rate in (0.5, 0.7):
-        turns = np.outer(time, rate * np.array([1.0, 1.3]))
-        q, dq, ddq = (0.1 * rate**k * np.sin(turns + k * np.pi / 2) for k in range(3))
-        motions.append(Motion(q=draft.motions[0].q.mean(axis=0) + q, dq=dq, ddq=ddq))
     sensors = replace(draft.sensors, tip=False)
-    poor = replace(draft, motions=motions, roles=["fit", "validate"], sensors=sensors)
+    poor = replace(draft, motions=creeping(draft), roles=["fit", "validate"], sensors=sensors)
     folder = tmp_path_factory.mktemp("study")
     write_machine(folder, poor, hidden_in(draft))
     return folder
@@ -49,19 +43,19 @@ def pushes(study: Path) -> list[Finding]:
     return [each for each in said if each.effect == "external_contact"]
 
 
-def test_what_is_only_suspected_is_no_push_in_the_recording_held_out(creeping: Path) -> None:
+def test_what_is_only_suspected_is_no_push_in_the_recording_held_out(leaning: Path) -> None:
     """It had been one of half a newton, from the first row to the last."""
-    diagnosis = examine(creeping / "study.yaml").diagnosis
+    diagnosis = examine(leaning / "study.yaml").diagnosis
     assert [each.effect for each in diagnosis.suspected] == ["gravity_direction"]
     assert diagnosis.findings == ()
 
 
 @pytest.mark.parametrize(("window", "found"), [(WINDOW, True), ((0.0, 9.0), False)])
 def test_a_push_begins_or_ends(
-    creeping: Path, tmp_path: Path, window: tuple[float, float], found: bool
+    leaning: Path, tmp_path: Path, window: tuple[float, float], found: bool
 ) -> None:
     """One that lasts all recording long is the model that fails there, or a load."""
-    for file in creeping.iterdir():
+    for file in leaning.iterdir():
         (tmp_path / file.name).write_bytes(file.read_bytes())
     log = pd.read_csv(tmp_path / "rec2.csv")
     model = pin.buildModelFromUrdf(str(tmp_path / "robot.urdf"))

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from .._core import Occupancy, Robot, load_srdf_pairs
 from .._files import write_whole
-from .text import cache, plain_urdf, urdf_text
+from .text import Given, cache, urdf_of
 
 
 def load_robot(
@@ -44,12 +44,12 @@ def load_robot(
     else:
         with TemporaryDirectory(prefix="pdoik-meshes-") as folder:
             meshes = Path(folder) if hulls else None
-            text = urdf_text(robot, arguments=arguments, packages=packages, meshes=meshes)
-            source = plain_urdf(robot) or text  # messages name a file
+            given = Given.of(robot)
+            text = urdf_of(given, arguments or {}, packages or {}, meshes)
+            source = given.path if given.kind == "urdf" else text  # messages name a file
             loaded = Robot.from_urdf(source, base_link=base_link, tip_link=tip_link)
             if hulls:
-                beside = Path(robot).resolve().parent
-                loaded.occupancy = _hulls(text, beside, folder)
+                loaded.occupancy = _hulls(text, given.path.resolve().parent, folder)
     if srdf is not None:
         loaded.ignored_pairs = load_srdf_pairs(srdf, loaded)
     return loaded

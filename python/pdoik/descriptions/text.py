@@ -7,6 +7,7 @@ import hashlib
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from .._core import Robot
@@ -41,26 +42,25 @@ def urdf_text(
     Raises:
         LoadError: There is no such file or description, or it cannot be read.
     """
-    path = _found(robot)
-    kind = _kind(path)
-    if arguments and kind != "xacro":
-        raise LoadError(f"{path}: arguments are of xacro files, and this is none")
-    if kind == "mjcf":
+    return urdf_of(Given.of(robot), arguments or {}, packages or {}, meshes)
+
+
+def urdf_of(
+    given: Given,
+    arguments: Mapping[str, str],
+    packages: Mapping[str, str | os.PathLike[str]],
+    meshes: str | os.PathLike[str] | None,
+) -> str:
+    """`urdf_text` of a file that was found and read."""
+    if arguments and given.kind != "xacro":
+        raise LoadError(f"{given.path}: arguments are of xacro files, and this is none")
+    if given.kind == "mjcf":
         from .mjcf import urdf_of_mjcf
 
-        return urdf_of_mjcf(path, None if meshes is None else Path(meshes))
-    text = _read(path) if kind == "urdf" else expanded(path, arguments or {}, packages or {})
-    return with_packages(text, path, packages or {})
-
-
-def plain_urdf(robot: str | os.PathLike[str]) -> Path | None:
-    """The file of a robot that has a URDF already; None where one must be made.
-
-    Raises:
-        LoadError: As `urdf_text`.
-    """
-    path = _found(robot)
-    return path if _kind(path) == "urdf" else None
+        return urdf_of_mjcf(given.path, None if meshes is None else Path(meshes))
+    plain = given.kind == "urdf"
+    text = given.text if plain else expanded(given.path, arguments, packages)
+    return with_packages(text, given.path, packages)
 
 
 def urdf_file(robot: str | os.PathLike[str]) -> Path:
@@ -69,14 +69,14 @@ def urdf_file(robot: str | os.PathLike[str]) -> Path:
     Raises:
         LoadError: As there.
     """
-    if (plain := plain_urdf(robot)) is not None:
-        return plain
-    path = _found(robot)
-    digest = hashlib.sha256(f"{path.resolve()}\n{_read(path)}".encode()).hexdigest()
+    given = Given.of(robot)
+    if given.kind == "urdf":
+        return given.path
+    digest = hashlib.sha256(f"{given.path.resolve()}\n{given.text}".encode()).hexdigest()
     folder = cache() / "urdf" / digest[:16]
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / f"{path.name.partition('.')[0]}.urdf"
-    write_whole(file, urdf_text(path, meshes=folder))
+    file = folder / f"{given.path.name.partition('.')[0]}.urdf"
+    write_whole(file, urdf_of(given, {}, {}, folder))
     return file
 
 
@@ -85,20 +85,30 @@ def cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "pdoik"
 
 
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise LoadError(f"cannot read {path}: {error}") from error
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A robot's file as it was found."""
 
+    path: Path
+    text: str
+    kind: str  # mjcf, xacro or, as far as one look tells, urdf
 
-def _kind(path: Path) -> str:
-    """Whether a file is MJCF, xacro or, as far as one look tells, a URDF."""
-    text = _read(path)
-    root = _ROOT.search(text)
-    if root is not None and root.group(1) == "mujoco":
-        return "mjcf"
-    return "xacro" if path.suffix == ".xacro" or _XACRO in text else "urdf"
+    @classmethod
+    def of(cls, robot: str | os.PathLike[str]) -> Given:
+        """Of a file or a name.
+
+        Raises:
+            LoadError: There is none, or it cannot be read.
+        """
+        path = _found(robot)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise LoadError(f"cannot read {path}: {error}") from error
+        root = _ROOT.search(text)
+        if root is not None and root.group(1) == "mujoco":
+            return cls(path, text, "mjcf")
+        return cls(path, text, "xacro" if path.suffix == ".xacro" or _XACRO in text else "urdf")
 
 
 def _found(robot: str | os.PathLike[str]) -> Path:

@@ -15,6 +15,7 @@ from ..findings import Support
 from ..motion.place import Key
 from ..regression.fit import Fit, Index, Term
 from ..regression.wald import wald
+from ..select.contacts import acting
 from ..study.recording import FloatArray
 
 _SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
@@ -29,7 +30,10 @@ def event_support(others: Fit, term: Term, first: Mapping[Key, FloatArray]) -> S
         first: residual without any finding on the rows that count, in sigmas.
     """
     felt = others.balances.thresholds.contacts.felt
-    at = {key: _acting(column[others.rows[key]], felt) for key, column in term.columns.items()}
+    at = {
+        key: np.flatnonzero(acting(column[others.rows[key]], felt))
+        for key, column in term.columns.items()
+    }
     rows = np.concatenate([others.rows[key][where] for key, where in at.items()])
     ends = np.quantile(rows, (0.25, 0.5, 0.75))
     halves = []
@@ -71,12 +75,6 @@ def _usual(others: Fit, at: Mapping[Key, Index]) -> float:
     squares = [np.delete(others.residual(key), where) ** 2 for key, where in at.items()]
     elsewhere = np.concatenate(squares)
     return max(float(elsewhere.mean()) if len(elsewhere) else 1.0, 1.0)
-
-
-def _acting(column: FloatArray, felt: float) -> Index:
-    """Rows in which more than a filter's ringing is felt."""
-    size = np.abs(column).max(axis=1, initial=0.0)
-    return np.flatnonzero(size > felt * size.max(initial=0.0))
 
 
 def _force(others: Fit, term: Term, at: Mapping[Key, Index]) -> FloatArray:

@@ -102,12 +102,17 @@ def pauses(fit: Fit, term: Term) -> bool:
     beta, harm = fit.beta[-term.width :], 0.0
     for key, column in whole.columns.items():
         rows = fit.rows[key]
-        size = np.abs(term.columns[key][rows]).max(axis=1, initial=0.0)
-        outside = size <= least.felt * size.max(initial=0.0)
+        outside = ~acting(term.columns[key][rows], least.felt)
         left = fit.residual(key)[outside]
         part = column[rows[outside]] @ beta / b.sigma[key]
         harm += float(part @ part - 2.0 * (left @ part))
     return harm > least.least_gain
+
+
+def acting(column: FloatArray, felt: float) -> NDArray[np.bool_]:
+    """Rows in which more than a filter's ringing is felt, `felt` a share of the most, (N,)."""
+    size = np.abs(column).max(axis=1, initial=0.0)
+    return np.asarray(size > felt * size.max(initial=0.0))
 
 
 def _new(fit: Fit, window: Window) -> bool:
