@@ -28,7 +28,7 @@ def chain_of(arm: Arm) -> Chain:
     )
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def cross(a, b, out):
     """A x b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
@@ -36,7 +36,7 @@ def cross(a, b, out):
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def poses(chain, q, R, p, z):
     """Rotation (n, 3, 3), origin (n, 3) and axis (n, 3) of every joint's frame."""
     rotation, placement, axis = chain[0], chain[1], chain[2]
@@ -68,7 +68,7 @@ def poses(chain, q, R, p, z):
             z[k, i] = R[k, i, 0] * u0 + R[k, i, 1] * u1 + R[k, i, 2] * u2
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def bodies_in_base(chain, R, p, com, inertia):
     """Centre (n, 3) and inertia about it (n, 3, 3) of every link."""
     body = chain[3]
@@ -88,7 +88,7 @@ def bodies_in_base(chain, R, p, com, inertia):
                     inertia[k, i, j] += turned[i, m] * R[k, j, m]
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def mass_matrix(chain, p, z, com, inertia, M):
     """Composite bodies from the tip inwards, (n, n)."""
     body = chain[3]
@@ -130,7 +130,7 @@ def mass_matrix(chain, p, z, com, inertia, M):
             M[k, j] = value
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def inverse_dynamics(chain, p, z, com, inertia, v, a, gravity, force, moment, tau):
     """Torques (n,) for speeds v and accelerations a, (n,); Newton and Euler.
 
@@ -193,7 +193,7 @@ def inverse_dynamics(chain, p, z, com, inertia, v, a, gravity, force, moment, ta
         tau[k] = z[k, 0] * total_m[0] + z[k, 1] * total_m[1] + z[k, 2] * total_m[2]
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def solve(M, b, x):
     """M x = b for a symmetric positive definite M, which is overwritten."""
     n = len(b)

@@ -43,7 +43,7 @@ class Controller:
         return flags, np.array([self.kp, self.kd, self.ki, self.most, self.rotor])
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def law(flags, gains, believed, memory, read, q_des, dq_des, k, F, command):
     """Torques (n,) at tick k; commands come as late as each joint's delay."""
     n = len(read)

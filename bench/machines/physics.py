@@ -47,7 +47,7 @@ MODE_MASS, MODE_RATE, MODE_LOSS = (WHOLE_INDEX[k] for k in ("mode_mass", "mode_r
 MODE_X, SPIN, SAG, RATTLE = (WHOLE_INDEX[k] for k in ("mode_x", "spin", "sag", "rattle"))
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def friction(f, speed, bristle, load, angle, warmer, braked):
     """Torque against the motion, and how fast the bristle bends [1/s]."""
     level = f[COULOMB] * (1.0 + f[TURN_SHARE] * np.sin(angle + f[TURN_PHASE]))
@@ -63,7 +63,7 @@ def friction(f, speed, bristle, load, angle, warmer, braked):
     return level * bristle + inner * rate + viscous, rate
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def gear(y, j, F):
     """Torque on the link, the twist's rate, and the gear's ratio to the rotor as it varies."""
     f, k = F[j], STATES * j
@@ -83,7 +83,7 @@ def gear(y, j, F):
     return torque, rate, slope
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def resistance(y, j, F, warmer, braked):
     """Friction of one joint's bearing and gear in a state [N m]."""
     f, k = F[j], STATES * j
@@ -93,7 +93,7 @@ def resistance(y, j, F, warmer, braked):
     return lost + friction(f, y[k + 1], y[k + 4], load, y[k + 2], warmer[j], braked[j])[0]
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def believed_torque(f, command, speed):
     """The torque that limit and voltage leave of a command."""
     most = min(f[LIMIT], f[STALL] * max(0.0, 1.0 - speed / f[NO_LOAD]))
@@ -101,7 +101,7 @@ def believed_torque(f, command, speed):
     return min(max(command, least), most)
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def rates(y, command, F, W, chain, warmer, braked, push, dy):
     """dy/dt; `push` (3,) acts on the tip in the base's axes, `warmer` (n,) is above 25 deg C."""
     n = len(command)

@@ -118,7 +118,7 @@ def gravity_torque(chain: Chain, q: Array, gravity: Array) -> Array:
     return torque_of(chain, q, still, still, gravity)
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def torque_of(chain, q, v, a, gravity):
     """Inverse dynamics, (n,)."""
     n = len(q)
@@ -131,7 +131,7 @@ def torque_of(chain, q, v, a, gravity):
     return tau
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def _error(a, b, n):
     """Largest difference of two states over what is small for each kind of number."""
     worst = 0.0
@@ -144,7 +144,7 @@ def _error(a, b, n):
     return worst
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def _advance(y, span, h, command, F, W, chain, warmer, braked, push, work):
     """One tick by Bogacki and Shampine's pair of order 3(2); the last step's length."""
     n = len(command)
@@ -181,7 +181,7 @@ def _advance(y, span, h, command, F, W, chain, warmer, braked, push, work):
     return h
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def _run(
     chain,
     believed,

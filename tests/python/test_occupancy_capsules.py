@@ -115,8 +115,9 @@ def test_capsules_stick_out_no_farther_than_asked(name: str, fits: dict[str, Fit
     assert distances.max() < 0.0152
 
 
+# A fork took 9 to 12 by the kernels of one BLAS for different processors.
 @pytest.mark.parametrize(
-    ("name", "most"), [("plate", 12), ("fork", 10), ("ball", 2), ("l_shape", 26), ("speck", 1)]
+    ("name", "most"), [("plate", 12), ("fork", 15), ("ball", 2), ("l_shape", 26), ("speck", 1)]
 )
 def test_few_capsules_do(name: str, most: int, fits: dict[str, Fit]) -> None:
     assert len(fits[name]) <= most

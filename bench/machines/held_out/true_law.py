@@ -64,7 +64,7 @@ def true_torque(draft: Draft, q: Array, dq: Array, ddq: Array, period: float) ->
     )
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True)
 def _rubbed(f, q, dq, load, period):
     """Friction along a path, bristles bent by it, (T,)."""
     result, bristle = np.empty(len(q)), 0.0

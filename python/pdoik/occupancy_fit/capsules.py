@@ -82,7 +82,7 @@ def fit_capsules(
     if not len(triangles):
         return []
     aim = Overhang(mean_overhang, max_overhang)
-    found, _ = _Fit(Solid.of(triangles), aim, most or _MOST).run()
+    found, _ = _fitted(Solid.of(triangles), aim, most)
     return _rows(found)
 
 
@@ -95,13 +95,18 @@ def fit_link(
         OverhangWarning: It is farther than `AIM`.
     """
     solid = Solid.of(triangles)
-    found, out = _Fit(solid, AIM, most or _MOST).run()
+    found, out = _fitted(solid, AIM, most)
     if not out.meets(AIM):
         told = f"{link}: {len(found.radius)} capsules stick out {out}, the aims are {AIM}"
         warnings.warn(told, OverhangWarning, stacklevel=2)
     each = np.round(each_overhang(solid, found), 6)
     rows = zip(_rows(found), each, strict=True)
     return [Capsule(link, *row, float(overhang)) for row, overhang in rows], out
+
+
+@np.errstate(invalid="ignore")  # products that write to fresh memory: some BLAS read it, times 0
+def _fitted(solid: Solid, aim: Overhang, most: int | None) -> tuple[Capsules, Overhang]:
+    return _Fit(solid, aim, most or _MOST).run()
 
 
 def _rows(capsules: Capsules) -> list[tuple[Point, Point, float]]:
