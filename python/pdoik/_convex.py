@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik._extras import asks_for
 
+
+@asks_for("files")
 def hull(
     vertices: NDArray[np.float64], name: str
 ) -> tuple[NDArray[np.float64], list[tuple[int, int, int]]]:

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from pdoik.errors import LoadError
+from pdoik._extras import asks_for
+from pdoik.errors import LoadError, MissingExtraError
 
 Points = npt.NDArray[np.float64]  # (N, 3), [m]
 
@@ -34,6 +35,7 @@ def load_cloud(path: str | Path) -> Points:
     Raises:
         LoadError: Another suffix; a file that is missing, malformed, cut short, or holds no
             finite point.
+        MissingExtraError: .pcd and .ply take the extra files.
     """
     path = Path(path)
     read = _READERS.get(path.suffix.lower())
@@ -48,7 +50,7 @@ def load_cloud(path: str | Path) -> Points:
         with warnings.catch_warnings(), np.errstate(invalid="ignore", over="ignore"):
             warnings.simplefilter("ignore")
             points = np.asarray(read(path), dtype=np.float64)
-    except LoadError:
+    except (LoadError, MissingExtraError):
         raise
     except Exception as error:  # the readers raise whatever their parsing stumbles over
         reason = " ".join(str(error).split())[:200] or type(error).__name__
@@ -63,6 +65,7 @@ def load_cloud(path: str | Path) -> Points:
     return np.ascontiguousarray(finite)
 
 
+@asks_for("files")
 def _read_pcd(path: Path) -> Points:
     from pypcd4.pypcd4 import PointCloud
 
@@ -108,6 +111,7 @@ def _check_pcd_header(path: Path, file: BufferedReader) -> None:
         )
 
 
+@asks_for("files")
 def _read_ply(path: Path) -> Points:
     from trimesh.exchange.ply import load_ply
 

@@ -9,6 +9,13 @@ class LoadError(PdoikError, ValueError):
     """A file or text cannot be read as what it should be; the message names the element."""
 
 
+class MissingExtraError(PdoikError, ModuleNotFoundError):
+    """What was asked for needs a package that is not installed; the message says which extra."""
+
+    def __init__(self, package: str, extra: str) -> None:
+        super().__init__(f"{package} is not installed: pip install 'pdoik[{extra}]'", name=package)
+
+
 class RobotWarning(UserWarning):
     """A robot's description is odd in a way that does not stop kinematics."""
 

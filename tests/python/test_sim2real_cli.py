@@ -172,7 +172,7 @@ def test_a_missing_package_says_what_to_install(
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 2, done.stderr
     assert done.stderr.strip() == (
-        f"error: pdoik {command} needs {package}: pip install 'pdoik[sim2real]'"
+        f"error: {package} is not installed: pip install 'pdoik[sim2real]'"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from . import interrupts
@@ -15,7 +16,14 @@ __all__ = ["app", "main"]
 def main() -> None:
     """The command `pdoik`, which Ctrl-C ends with a line and status 130 from here on."""
     interrupts.take_over()
-    from .commands import app
+    try:
+        from .commands import app
+    except ModuleNotFoundError as error:
+        print(
+            f"error: the command line needs {error.name}: pip install 'pdoik[cli]'",
+            file=sys.stderr,
+        )
+        sys.exit(2)
 
     app(prog_name="pdoik")
 

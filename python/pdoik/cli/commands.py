@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 import pdoik
+from pdoik.errors import MissingExtraError
 
 from .bench import bench
 from .compare import compare
@@ -14,7 +16,7 @@ from .diagnose import diagnose
 from .effects import app as effects
 from .h1 import h1
 from .info import info
-from .messages import out
+from .messages import fail, out
 from .occupancy import occupancy
 from .pairs import pairs
 from .predict import predict
@@ -28,7 +30,19 @@ from .watch import watch
 
 __all__ = ["app"]
 
+
+class _Commands(TyperGroup):
+    """One of them may need a package that is not there."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except MissingExtraError as error:
+            fail(str(error))
+
+
 app = typer.Typer(
+    cls=_Commands,
     name="pdoik",
     no_args_is_help=True,
     rich_markup_mode="rich",

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
+from pdoik._extras import asks_for
+
 from .messages import fail, misuse_fails, out
-from .sim2real_extra import extra_needed
 from .story import story
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def compare(
         fail(f"study {study}: no such file")
     if out_folder.exists() and not out_folder.is_dir():
         fail(f"--out {out_folder}: is a file, expected a folder")
-    with extra_needed("compare"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real import SimulationError
         from pdoik.sim2real.simulators import compare as compared
         from pdoik.sim2real.simulators.write import write

@@ -12,8 +12,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from pdoik._extras import asks_for
+
 from .messages import NOT_SOLVED, err, fail, misuse_fails, out
-from .sim2real_extra import extra_needed
 from .story import story
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def diagnose(
         fail(f"study {study}: no such file")
     if out_folder.exists() and not out_folder.is_dir():
         fail(f"--out {out_folder}: is a file, expected a folder")
-    with extra_needed("diagnose"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         import_module("pdoik.sim2real.report")  # what is missing is said before the work begins
         from pdoik.sim2real import UnanswerableError, examine, load_study, write
 

@@ -11,8 +11,9 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from pdoik._extras import asks_for
+
 from .messages import NOT_SOLVED, fail, misuse_fails, out
-from .sim2real_extra import extra_needed
 
 if TYPE_CHECKING:
     from pdoik.sim2real.effect_check import Outcome
@@ -32,7 +33,7 @@ def list_effects() -> None:
 
     [bold]Example[/]: pdoik effects list
     """
-    with extra_needed("effects"):
+    with asks_for("sim2real"):
         from pdoik.sim2real.effects import CATALOGUE
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     for name in ("effect", "family", "on", "equation"):
@@ -48,7 +49,7 @@ def show(effect: Annotated[str, typer.Argument(help="Its id, as `list` has it.")
 
     [bold]Example[/]: pdoik effects show backlash
     """
-    with extra_needed("effects"):
+    with asks_for("sim2real"):
         from pdoik.sim2real.effects import CATALOGUE
         from pdoik.sim2real.study.columns import nearest
     if effect not in CATALOGUE:
@@ -70,7 +71,7 @@ def check(
 
     [bold]Example[/]: pdoik effects check my_effect.py
     """
-    with extra_needed("effects"):
+    with asks_for("sim2real"):
         from pdoik.sim2real.effect_check import check_effect, load_effects
     with misuse_fails():
         effects = load_effects(effect)

@@ -12,6 +12,9 @@ import typer
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from pdoik._extras import asks_for
+from pdoik.errors import MissingExtraError
+
 from .messages import err, fail, misuse_fails, out, warn
 
 if TYPE_CHECKING:
@@ -100,12 +103,8 @@ def h1(
     """
     if film or figure:
         os.environ.setdefault("MUJOCO_GL", "egl")  # read when mujoco is imported
-    try:
+    with asks_for("h1"):
         import mujoco  # noqa: F401
-    except ModuleNotFoundError as error:
-        if error.name != "mujoco":
-            raise
-        fail("pdoik h1 needs MuJoCo: pip install 'pdoik[h1]'")
     from pdoik.h1.experiment import MODES, Experiment, settings_for
     from pdoik.h1.model import SETUPS
     from pdoik.h1.objects import ycb_folder
@@ -173,9 +172,10 @@ def _draw(experiment: Experiment, film: bool, figure: bool) -> None:
     try:
         for wanted, draw in ((film, draw_film), (figure, draw_figure)):
             if wanted:
-                for path in draw(experiment, found):
-                    out.print(escape(str(path)), highlight=False)
-    except ModuleNotFoundError as error:
-        fail(f"pictures need {error.name}: pip install 'pdoik[h1]'")
+                with asks_for("h1"):
+                    for path in draw(experiment, found):
+                        out.print(escape(str(path)), highlight=False)
+    except MissingExtraError:
+        raise
     except Exception as error:  # MuJoCo's and OpenGL's own, by driver
         fail(f"cannot draw: {error} (Debian: apt install libegl1 libgl1-mesa-dri)")

@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
+from pdoik._extras import asks_for
+
 from .messages import misuse_fails, out
 from .motions import Columns, check_files, read_motion, reading_of, write_motion
-from .sim2real_extra import extra_needed
 
 
 def predict(
@@ -33,7 +34,7 @@ def predict(
     [bold]Example[/]: pdoik predict report/model.json recording.csv --out torque.csv
     """
     check_files(model, recording, output, robot)
-    with extra_needed("predict"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real import load_model
         from pdoik.sim2real import predict as torque_of
 

@@ -10,6 +10,7 @@ import typer
 from rich.markup import escape
 
 import pdoik
+from pdoik._extras import asks_for
 
 from .messages import err, fail, misuse_fails, out, warn
 from .obstacles import load_obstacles
@@ -25,7 +26,6 @@ from .options import (
     SrdfFile,
 )
 from .robots import load_robot
-from .sim2real_extra import extra_needed
 from .story import story
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def propose(
     [bold]Example[/]: pdoik propose report/ --seconds 20 --out motion.csv
     """
     _check(report, output)
-    with extra_needed("propose"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real.propose import NothingToSettleError
         from pdoik.sim2real.propose import propose as proposed
         from pdoik.sim2real.propose.propose import Wishes

@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
+from pdoik._extras import asks_for
+
 from .messages import misuse_fails, out
 from .motions import Columns, check_files, read_motion, reading_of, write_motion
-from .sim2real_extra import extra_needed
 
 
 def replay(
@@ -35,7 +36,7 @@ def replay(
     [bold]Example[/]: pdoik replay report/model.json commands.csv --out replay.csv
     """
     check_files(model, commands, output)
-    with extra_needed("replay"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real import load_model
         from pdoik.sim2real import replay as simulate
 

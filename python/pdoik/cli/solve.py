@@ -11,6 +11,7 @@ import numpy.typing as npt
 import typer
 
 import pdoik
+from pdoik._extras import asks_for
 
 from .messages import NOT_SOLVED, fail, misuse_fails, out, warn
 from .obstacles import Obstacles, load_obstacles
@@ -196,7 +197,8 @@ def _check_picture(picture: Path | None) -> None:
 
 
 def _draw(picture: Path, solution: Solution) -> None:
-    from pdoik.picture import draw_solution  # matplotlib takes longer to import than to solve
+    with asks_for("plot"):
+        from pdoik.picture import draw_solution  # matplotlib takes longer to import than to solve
 
     obstacles = solution.obstacles
     if obstacles is not None and obstacles.shapes:

@@ -10,10 +10,10 @@ import typer
 import yaml
 from rich.markup import escape
 
+from pdoik._extras import asks_for
 from pdoik._files import write_whole
 
 from .messages import NOT_SOLVED, err, fail, misuse_fails, out
-from .sim2real_extra import extra_needed
 from .story import story
 from .tables import json_text
 
@@ -62,7 +62,7 @@ def new(
         fail(f"--out {out_file}: is there already; --force overwrites it")
     if not out_file.parent.is_dir():
         fail(f"--out {out_file}: there is no folder {out_file.parent}")
-    with extra_needed("study"), misuse_fails(), err.status("reading"):
+    with asks_for("sim2real"), misuse_fails(), err.status("reading"):
         from pdoik.sim2real import draft_study
 
         draft = draft_study(
@@ -117,7 +117,7 @@ def check(
         fail(f"study {study}: no such file")
     if json is not None and not json.parent.is_dir():
         fail(f"--json {json}: there is no folder {json.parent}")
-    with extra_needed("study"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real import check_study
 
         from .study_tables import print_check
@@ -137,7 +137,7 @@ def keys() -> None:
 
     [bold]Example[/]: pdoik study keys
     """
-    with extra_needed("study"):
+    with asks_for("sim2real"):
         from pdoik.sim2real.study.key_tables import reference
     for title, table in reference().items():
         out.print(f"[bold]{escape(title)}[/]")

@@ -10,8 +10,9 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from pdoik._extras import asks_for
+
 from .messages import out
-from .sim2real_extra import extra_needed
 from .tables import json_text
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def thresholds(
 
     [bold]Example[/]: pdoik thresholds
     """
-    with extra_needed("thresholds"):
+    with asks_for("sim2real"):
         from pdoik.sim2real import Thresholds
     if json:
         listed = [asdict(each) for each in Thresholds()]

@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 
 import pdoik
+from pdoik._extras import asks_for
 from pdoik.descriptions.text import urdf_file
 
 from .interrupts import end_now, noted
-from .messages import fail, misuse_fails, out
+from .messages import misuse_fails, out
 from .obstacles import load_obstacles
 from .options import (
     GOAL,
@@ -129,12 +130,8 @@ def view(
 
     [bold]Example[/]: pdoik view panda --cloud scan.pcd
     """
-    try:
+    with asks_for("view"):
         import viser  # noqa: F401
-    except ModuleNotFoundError as error:
-        if error.name != "viser":
-            raise
-        fail("pdoik view needs viser: pip install 'pdoik[view]'")
     from pdoik.view import Session, load_log
     from pdoik.view.model import shipped_model, urdf_model
     from pdoik.view.reach import load_map

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 import typer
 from rich.markup import escape
 
+from pdoik._extras import asks_for
+
 from . import interrupts
 from .messages import fail, misuse_fails, out, warn
 from .motions import Columns, read_motion, reading_of
-from .sim2real_extra import extra_needed
 
 if TYPE_CHECKING:
     from pdoik.sim2real import Alarm, Watch
@@ -69,7 +70,7 @@ def watch(
     [bold]Example[/]: pdoik watch report/model.json logs/ --out alarms.jsonl
     """
     _check(model, logs, calibrate or [], output)
-    with extra_needed("watch"), misuse_fails():
+    with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real import Thresholds, Watch, calibrated, load_model
 
         changed = {"watch.alarms_per_day": false_alarms, "watch.friction_change": friction_change}

@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from .._extras import asks_for
 from ..errors import LoadError
 from .packages import package_folder
 
@@ -16,13 +17,12 @@ def expanded(
     """The URDF that a xacro file stands for.
 
     Raises:
-        LoadError: xacro is not installed, or refuses the file.
+        LoadError: xacro refuses the file.
+        MissingExtraError: xacro is not installed.
     """
-    try:
+    with asks_for("files"):
         import xacro
         from xacro import substitution_args
-    except ImportError as error:
-        raise LoadError(f"{path} is a xacro file: pip install xacro") from error
 
     def find(name: str) -> str:
         folder = package_folder(name, path, packages)

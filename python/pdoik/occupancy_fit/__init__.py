@@ -5,11 +5,14 @@
 >>> fit.write("robot.occupancy.yaml")  # doctest: +SKIP
 """
 
-from .capsules import AIM, Capsule, fit_capsules, fit_link
-from .fit import fit_occupancy
-from .hulls import Sphere, Spheroid
-from .report import FitReport, HullReport, LinkReport
-from .result import OccupancyFit
+from pdoik._extras import asks_for
+
+with asks_for("files"):
+    from .capsules import AIM, Capsule, fit_capsules, fit_link
+    from .fit import fit_occupancy
+    from .hulls import Sphere, Spheroid
+    from .report import FitReport, HullReport, LinkReport
+    from .result import OccupancyFit
 
 __all__ = [
     "AIM",

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._core import Cloud, Scene, Shape, voxel_downsample
+from pdoik._extras import asks_for
 from pdoik.clouds import load_cloud
 from pdoik.scenes import moveit_yaml, own_yaml
 from pdoik.scenes.moveit_text import read_moveit_text
@@ -80,6 +81,7 @@ def load_scene(
     return read_scene_file(path, package_dirs=package_dirs, frame=frame).scene()
 
 
+@asks_for("files")
 def read_scene_file(
     path: str | os.PathLike[str],
     *,

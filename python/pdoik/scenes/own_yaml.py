@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._core import Scene, Shape
+from pdoik._extras import asks_for
 from pdoik._files import write_whole
 from pdoik.scenes.meshes import find_mesh, read_mesh
 from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, half_space
@@ -83,6 +84,7 @@ def _read_contact(contact: object, file: Path, entry: str) -> AllowedContact:
     )
 
 
+@asks_for("files")
 def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     """Write shapes and allowed contacts as YAML that `load_scene` reads; the cloud is left out.
 

@@ -11,36 +11,39 @@ Needs the extra: pip install 'pdoik[sim2real]'. SI units and radians; joint arra
 order of the study's joints.
 """
 
-from .diagnose import UnanswerableError, diagnose, examine
-from .effects import CATALOGUE, register
-from .evidence import evidence_of, model_of, servo_model, write
-from .export.export import export_mjcf, export_urdf
-from .findings import (
-    ControllerEstimate,
-    Diagnosis,
-    Equivalent,
-    Estimate,
-    Evidence,
-    Finding,
-    JointFit,
-    Residue,
-)
-from .infer.conclude import Examination, conclude
-from .model.model import Model, load_model, replay
-from .model.predict import predict
-from .motion.prepare import Prepared, prepare
-from .propose import NothingToSettleError, Proposal, Wishes, propose
-from .regression.trial import Search
-from .select.search import search
-from .simulation import SimulationError, Simulator, Stepper
-from .study.payload import Payload
-from .study.read_study import load_study
-from .study.recording import Recording
-from .study.study import Controller, Setup, Study, Trust
-from .study_check import StudyCheck, check_study
-from .study_draft import Draft, draft_study
-from .thresholds import Thresholds
-from .watch import Alarm, Watch, calibrated
+from pdoik._extras import asks_for
+
+with asks_for("sim2real"):
+    from .diagnose import UnanswerableError, diagnose, examine
+    from .effects import CATALOGUE, register
+    from .evidence import evidence_of, model_of, servo_model, write
+    from .export.export import export_mjcf, export_urdf
+    from .findings import (
+        ControllerEstimate,
+        Diagnosis,
+        Equivalent,
+        Estimate,
+        Evidence,
+        Finding,
+        JointFit,
+        Residue,
+    )
+    from .infer.conclude import Examination, conclude
+    from .model.model import Model, load_model, replay
+    from .model.predict import predict
+    from .motion.prepare import Prepared, prepare
+    from .propose import NothingToSettleError, Proposal, Wishes, propose
+    from .regression.trial import Search
+    from .select.search import search
+    from .simulation import SimulationError, Simulator, Stepper
+    from .study.payload import Payload
+    from .study.read_study import load_study
+    from .study.recording import Recording
+    from .study.study import Controller, Setup, Study, Trust
+    from .study_check import StudyCheck, check_study
+    from .study_draft import Draft, draft_study
+    from .thresholds import Thresholds
+    from .watch import Alarm, Watch, calibrated
 
 __all__ = [
     "CATALOGUE",

@@ -1,0 +1,92 @@
+"""What pdoik does with NumPy alone, and how it asks for what is missing."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import pdoik
+
+OTHERS = ("matplotlib", "mujoco", "pinocchio", "pypcd4", "rich", "scipy", "trimesh", "typer")
+OTHERS += ("PIL", "h5py", "imageio", "jinja2", "pyarrow", "rosbags", "viser", "xacro", "yaml")
+PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
+PACKAGE_OF = {"PIL": "pillow", "collada": "pycollada", "pinocchio": "pin", "yaml": "pyyaml"}
+PACKAGE_OF["mpl_toolkits"] = "matplotlib"
+BY_CHOICE = {"distributed", "example_robot_data", "robot_descriptions"}  # users bring these
+
+
+def without_others(program: str) -> subprocess.CompletedProcess[str]:
+    """Run where NumPy is the only package of others."""
+    hide = f"import sys\nfor name in {OTHERS}: sys.modules[name] = None\n"
+    return subprocess.run([sys.executable, "-c", hide + program], capture_output=True, text=True)
+
+
+def test_numpy_is_enough_to_solve_follow_and_keep_clear() -> None:
+    done = without_others("""
+import numpy as np, pdoik
+robot = pdoik.Robot.builtin("panda")
+target = robot.fk(robot.mid_configuration())
+far = np.random.default_rng(0).uniform(1.0, 2.0, (500, 3))
+solver = pdoik.Solver(robot)
+solved = solver.solve(target, obstacles=pdoik.Cloud(pdoik.voxel_downsample(far, 0.05)))
+tracker = pdoik.Tracker(solver, period=0.001)
+tracker.reset(solved.q)
+print(solved.success, tracker.step(target).q.shape)
+""")
+    assert done.stdout.split() == ["True", "(7,)"], done.stderr
+
+
+@pytest.mark.parametrize(
+    ("program", "package", "extra"),
+    [
+        ("pdoik.load_scene('s.yaml')", "yaml", "files"),
+        ("pdoik.clouds.load_cloud('c.ply')", "trimesh", "files"),
+        ("pdoik.clouds.load_cloud('c.pcd')", "pypcd4", "files"),
+        ("pdoik.load_robot('r.xacro')", "xacro", "files"),
+        ("from pdoik.occupancy_fit import fit_occupancy", "scipy", "files"),
+        ("from pdoik.sim2real import diagnose", "scipy", "sim2real"),
+    ],
+)
+def test_what_is_missing_is_asked_for_by_its_extra(
+    program: str, package: str, extra: str, tmp_path: Path
+) -> None:
+    (tmp_path / "s.yaml").write_text("schema: pdoik.scene/1\nshapes: []\n")
+    (tmp_path / "c.ply").write_text("ply\n")
+    (tmp_path / "c.pcd").write_text("VERSION .7\n")
+    (tmp_path / "r.xacro").write_text("<robot name='r'/>")
+    start = f"import os; os.chdir({str(tmp_path)!r}); import pdoik, pdoik.clouds\n"
+    done = without_others(start + program)
+    last = done.stderr.strip().splitlines()[-1]
+    assert last == (
+        f"pdoik.errors.MissingExtraError: {package} is not installed: pip install 'pdoik[{extra}]'"
+    )
+
+
+def test_the_command_line_asks_for_its_own() -> None:
+    done = without_others("from pdoik.cli import main; main()")
+    assert done.returncode == 2
+    assert done.stderr.strip() == ("error: the command line needs typer: pip install 'pdoik[cli]'")
+
+
+def test_all_that_is_imported_is_in_the_extra_all() -> None:
+    project = tomllib.loads(PYPROJECT.read_text())["project"]
+    extras = project["optional-dependencies"]
+    assert project["dependencies"] == ["numpy>=1.26"]
+    (everything,) = extras["all"]
+    names = re.search(r"\[(.*)\]", everything)[1].split(",")  # type: ignore[index]
+    told = {re.split(r"[\[>=]", each)[0] for name in names for each in extras[name]}
+    found = set()
+    for file in Path(pdoik.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.Import):
+                found |= {each.name.partition(".")[0] for each in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
+                found.add(node.module.partition(".")[0])
+    found -= {*sys.stdlib_module_names, "pdoik", "numpy", *BY_CHOICE}
+    assert {PACKAGE_OF.get(name, name) for name in found} <= told
