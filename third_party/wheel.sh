@@ -26,15 +26,15 @@ wheel unpack --dest "$work" "$work"/whole/*.whl >/dev/null
 licences=$(echo "$work"/pdoik-*/pdoik-*.dist-info)/licenses/third_party
 mkdir -p "$licences"
 mapfile -t names < <(find "$work"/pdoik-*/pdoik.libs -name '*.so*' -printf '%f\n' | sed -E 's/-[0-9a-f]{8}\.so.*//')
+ldconfig -p >"$work/libraries"
 for name in "${names[@]}"; do
-  library=$(ldconfig -p | awk -v name="$name.so" 'index($1, name) == 1 { print $NF; exit }')
-  package=$(dpkg-query -S "$(realpath "$library")" "$library" 2>/dev/null | head -n 1 | cut -d: -f1)
+  library=$(awk -v name="$name.so" 'index($1, name) == 1 { print $NF; exit }' "$work/libraries")
+  file=$(realpath "$library")  # of a system whose /lib is /usr/lib, packages may know either
+  package=$(dpkg-query -S "$file" "${file#/usr}" 2>/dev/null | head -n 1 | cut -d: -f1 || true)
   cp "/usr/share/doc/$package/copyright" "$licences/$package.txt"
 done
-for package in libeigen3-dev libflann-dev libboost-dev libboost1.*-dev; do
-  for folder in /usr/share/doc/$package; do
-    if [[ -f $folder/copyright ]]; then cp -L "$folder/copyright" "$licences/$(basename "$folder").txt"; fi
-  done
+for package in libeigen3-dev libflann-dev libboost-dev; do
+  cp "/usr/share/doc/$package/copyright" "$licences/$package.txt"
 done
 cp .venv/lib/python3*/site-packages/pybind11-*.dist-info/licenses/LICENSE "$licences/pybind11.txt"
 gpl=/usr/share/common-licenses/GPL-3  # which libgomp's exception goes with
