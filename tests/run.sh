@@ -136,6 +136,18 @@ stage_consumer() {
     return 1
   fi
   grep -F "its component io needs" build/consumer/hidden.log
+  of_pkg_config
+}
+
+# Make and other builds find it by pkg-config.
+of_pkg_config() {
+  local flags PKG_CONFIG_PATH
+  PKG_CONFIG_PATH=$(find "$PWD/build/install" -name pkgconfig)
+  export PKG_CONFIG_PATH
+  read -ra flags <<<"$(pkg-config --cflags --libs pdoik-core)"
+  "${CXX:-c++}" -std=c++20 tests/consumer/core.cpp "${flags[@]}" -o build/consumer/of_pkg_config
+  build/consumer/of_pkg_config
+  pkg-config --exists --print-errors pdoik
 }
 
 # It compiled for this processor, and with the library's sources within, which compiles all of them once more.
