@@ -3,13 +3,13 @@
 #   1. the Debian packages of debian.txt that are missing,
 #   2. .venv, with the Python packages of pyproject.toml,
 #   3. pdoik itself, built from this tree and installed into .venv; again whenever a source changed.
-# bash third_party/setup.sh [--extras NAME[,NAME...]]      extras of pyproject.toml: test, bench, peers
+# bash third_party/setup.sh [--extras NAME[,NAME...]]      extras of pyproject.toml: all, test, bench, peers; cli, files, plot unless told
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root=$PWD
 venv=$root/.venv
 
-extras=""
+extras="cli,files,plot"
 case ${1-} in
   "") ;;
   --extras) extras=${2:?"--extras wants names, such as test"} ;;

@@ -39,6 +39,7 @@ class TreeBuilder {
     tree_.bodies.emplace_back();
     visit(base, kNone, 0, Eigen::Isometry3d::Identity());
     assign_dofs();
+    tree_.warnings = description_.warnings;
     for (const LinkDescription& each : tree_.links) {
       const std::string complaint = inertia_complaint(each);
       if (!complaint.empty()) tree_.warnings.push_back(complaint);

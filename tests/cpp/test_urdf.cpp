@@ -161,6 +161,34 @@ TEST(Urdf, a_byte_order_mark_and_leading_blanks_do_not_hide_the_xml) {
   EXPECT_EQ(load_and_check("  \n" + body), "");
 }
 
+TEST(Urdf, velocity_and_effort_limits_that_are_left_out_are_none_and_a_warning_says_so) {
+  const auto arm = [](const std::string& limit) {
+    return Robot::from_urdf(
+        R"(<robot name="arm"><link name="a"/><link name="b"/><!-- <limit --><joint name="j" type="revolute">)"
+        R"(<parent link="a"/><child link="b"/><axis xyz="0 0 1"/>)" +
+        limit + "</joint></robot>");
+  };
+  const std::string no_velocity = "no velocity limit: taken as unlimited at j";
+  const std::string no_effort = "no effort limit: taken as unlimited at j";
+  using Lines = std::vector<std::string>;
+
+  const Robot bare = arm(R"(<limit lower="-1" upper="2"/>)");
+  EXPECT_TRUE(std::isinf(bare.velocity()(0)));
+  EXPECT_TRUE(std::isinf(bare.effort()(0)));
+  EXPECT_EQ(bare.lower()(0), -1.0);
+  EXPECT_EQ(bare.upper()(0), 2.0);
+  EXPECT_EQ(bare.warnings(), (Lines{no_velocity, no_effort}));
+
+  const Robot weak = arm("<limit\n lower='-1' upper='2' effort = '3' ></limit>");
+  EXPECT_TRUE(std::isinf(weak.velocity()(0)));
+  EXPECT_EQ(weak.effort()(0), 3.0);
+  EXPECT_EQ(weak.warnings(), Lines{no_velocity});
+
+  const Robot whole = arm(R"(<limit effort="3" velocity="0.5" lower="-1" upper="2"/>)");
+  EXPECT_EQ(whole.velocity()(0), 0.5);
+  EXPECT_TRUE(whole.warnings().empty());
+}
+
 TEST(Urdf, mimic_tags_prismatic_and_continuous_joints_arrive) {
   const Robot robot = Robot::from_urdf(R"(<robot name="gripper">
     <link name="palm"/><link name="left"/><link name="right"/><link name="wheel"/>

@@ -307,6 +307,16 @@ def test_occupancy_refuses_what_it_cannot_fit(tmp_path: Path, urdf: Path) -> Non
     assert not out.exists()
 
 
+def test_nothing_asked_for_is_told_what_to_do_first() -> None:
+    outcome = run()
+    assert outcome.exit_code == 0
+    told = [line.partition("pdoik ")[2].split() for line in outcome.stdout.splitlines()]
+    commands = [words[0] for words in told if words and not words[0].startswith(("-", "COMMAND"))]
+    assert commands == ["view", "solve", "info", "occupancy", "study"]
+    for command in commands:
+        assert run(command, "--help").exit_code == 0
+
+
 def test_numbers_read_well() -> None:
     assert length_text(1.2345) == "1.234 m"
     assert length_text(0.0123) == "12.30 mm"

@@ -1,7 +1,7 @@
 """What an installed pdoik does where nothing of its sources is: solve, follow, fit, diagnose, view.
 
-    python tests/wheel/smoke.py            with NumPy alone: solve, follow
-    python tests/wheel/smoke.py all        with the extra all: the others, too
+python tests/wheel/smoke.py            with NumPy alone: solve, follow
+python tests/wheel/smoke.py all        with the extra all: the others, too
 """
 
 from __future__ import annotations
@@ -86,7 +86,9 @@ def view(urdf: Path) -> None:
     import subprocess
 
     command = [sys.executable, "-m", "pdoik.cli", "view", "panda", "--no-open", "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as p:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as p:
         stop = threading.Timer(60, p.kill)
         stop.start()
         assert p.stdout is not None
@@ -112,7 +114,9 @@ def main() -> None:
             for part in (fit, diagnose, view):
                 part(urdf)
                 done.append(part.__name__)
-    print(f"pdoik {pdoik.__version__}, Python {sys.version.split()[0]}: {', '.join(done)}: all well")
+    print(
+        f"pdoik {pdoik.__version__}, Python {sys.version.split()[0]}: {', '.join(done)}: all well"
+    )
 
 
 if __name__ == "__main__":

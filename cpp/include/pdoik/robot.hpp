@@ -57,6 +57,7 @@ struct RobotDescription {
   std::string name;
   std::vector<LinkDescription> links;
   std::vector<JointDescription> joints;
+  std::vector<std::string> warnings;  ///< of what was assumed; the Robot made of it has them, too
 };
 
 /// Read a URDF with urdfdom, as links and joints that may be added to before they become a Robot

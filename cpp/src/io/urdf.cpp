@@ -2,6 +2,8 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <cctype>
+#include <cmath>
 #include <mutex>
 
 #include "io/xml_text.hpp"
@@ -23,6 +25,38 @@ class MessageCollector : public console_bridge::OutputHandler {
  private:
   std::string messages_;
 };
+
+constexpr double kUnlimited = 1e300;  // stands in for a limit that a file leaves out
+
+bool has_attribute(const std::string& tag, const std::string& name) {
+  for (std::size_t at = tag.find(name); at != std::string::npos; at = tag.find(name, at + 1)) {
+    const std::size_t after = tag.find_first_not_of(" \t\r\n", at + name.size());
+    if (std::isspace(static_cast<unsigned char>(tag[at - 1])) && after != std::string::npos &&
+        tag[after] == '=')
+      return true;
+  }
+  return false;
+}
+
+/// With velocity and effort limits where a file leaves them out, for which urdfdom refuses it.
+std::string with_all_limits(const std::string& xml) {
+  std::string result;
+  std::size_t copied = 0;
+  detail::for_each_tag(xml, [&](std::size_t at) {
+    const std::size_t end = xml.find('>', at);
+    constexpr std::size_t kName = 6;  // characters of "<limit"
+    if (end == std::string::npos || xml.compare(at, kName, "<limit") != 0) return;
+    const std::string tag = xml.substr(at, end - at);
+    if (tag.size() > kName && tag[kName] != '/' &&
+        !std::isspace(static_cast<unsigned char>(tag[kName])))
+      return;
+    result.append(xml, copied, at + kName - copied);
+    copied = at + kName;
+    for (const std::string name : {"velocity", "effort"})
+      if (!has_attribute(tag, name)) result += " " + name + "=\"1e300\"";
+  });
+  return result.append(xml, copied);
+}
 
 urdf::ModelInterfaceSharedPtr parse(const std::string& xml, const std::string& source) {
   static std::mutex mutex;  // console_bridge has one handler for the whole process
@@ -98,13 +132,26 @@ JointDescription convert(const urdf::Joint& joint, const std::string& source) {
       result.lower = joint.limits->lower;
       result.upper = joint.limits->upper;
     }
-    result.velocity = joint.limits->velocity;
-    result.effort = joint.limits->effort;
+    if (joint.limits->velocity != kUnlimited) result.velocity = joint.limits->velocity;
+    if (joint.limits->effort != kUnlimited) result.effort = joint.limits->effort;
   }
   if (joint.mimic) {
     result.mimic = Mimic{joint.mimic->joint_name, joint.mimic->multiplier, joint.mimic->offset};
   }
   return result;
+}
+
+/// One line that names the joints of which something is assumed; nothing if there is none.
+void warn_of_unlimited(RobotDescription& description, const std::string& limit,
+                       double JointDescription::* value) {
+  std::string names;
+  for (const JointDescription& joint : description.joints) {
+    if (joint.type != JointType::Fixed && joint.type != JointType::Continuous &&
+        std::isinf(joint.*value))
+      names += (names.empty() ? "" : ", ") + joint.name;
+  }
+  if (!names.empty())
+    description.warnings.push_back("no " + limit + " limit: taken as unlimited at " + names);
 }
 
 void check_joint_count(const std::string& xml, const std::string& source) {
@@ -120,13 +167,15 @@ void check_joint_count(const std::string& xml, const std::string& source) {
 RobotDescription load_urdf(const std::string& path_or_xml) {
   const auto [xml, source] = detail::read_xml(path_or_xml, "URDF");
   check_joint_count(xml, source);
-  const urdf::ModelInterfaceSharedPtr model = parse(xml, source);
+  const urdf::ModelInterfaceSharedPtr model = parse(with_all_limits(xml), source);
   RobotDescription description;
   description.name = model->getName();
   for (const auto& [name, link] : model->links_) description.links.push_back(convert(*link));
   for (const auto& [name, joint] : model->joints_) {
     description.joints.push_back(convert(*joint, source));
   }
+  warn_of_unlimited(description, "velocity", &JointDescription::velocity);
+  warn_of_unlimited(description, "effort", &JointDescription::effort);
   return description;
 }
 

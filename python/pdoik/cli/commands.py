@@ -44,7 +44,7 @@ class _Commands(TyperGroup):
 app = typer.Typer(
     cls=_Commands,
     name="pdoik",
-    no_args_is_help=True,
+    invoke_without_command=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -67,6 +67,17 @@ app.add_typer(study)
 app.command()(thresholds)
 
 
+_FIRST = """pdoik: constrained inverse kinematics, and why a simulation and its robot disagree.
+
+[bold]Play[/]      pdoik view                           a robot in the browser: drag its target
+[bold]Solve[/]     pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0"
+[bold]Your arm[/]  pdoik info robot.urdf                what pdoik makes of it; URDF, xacro or MJCF
+          pdoik occupancy robot.urdf           hulls around its meshes, which obstacles need
+[bold]Your log[/]  pdoik study new robot.urdf log.csv   then: pdoik diagnose study.yaml
+
+pdoik --help lists all commands, pdoik COMMAND --help the options of one."""
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
         out.print(pdoik.__version__, highlight=False)
@@ -75,6 +86,7 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback()
 def main(
+    context: typer.Context,
     version: Annotated[
         bool,
         typer.Option(
@@ -88,3 +100,5 @@ def main(
 
     [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0"
     """
+    if context.invoked_subcommand is None:
+        out.print(_FIRST, highlight=False)

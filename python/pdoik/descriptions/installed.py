@@ -12,7 +12,10 @@ _SHARE = "cmeel.prefix/share/example-robot-data/robots"
 
 
 def installed() -> dict[str, Path]:
-    """Files of example-robot-data by name: that of the file, and of its folder where it has one."""
+    """Files of example-robot-data by name: that of the file, with or without a last _robot.
+
+    Also that of its folder, where it is the only one there.
+    """
     try:
         share = Path(str(distribution("example-robot-data").locate_file(_SHARE)))
     except PackageNotFoundError:
@@ -23,6 +26,9 @@ def installed() -> dict[str, Path]:
             file for part in ("robots", "urdf", ".") for file in folder.glob(f"{part}/*.urdf")
         )
         found |= {file.stem: file for file in files if file.stat().st_size}
+        for file in files:
+            if file.stem.endswith("_robot"):
+                found.setdefault(file.stem.removesuffix("_robot"), file)
         if len(files) == 1:
             found.setdefault(folder.name.removesuffix("_description"), files[0])
     return found

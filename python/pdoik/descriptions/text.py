@@ -122,7 +122,9 @@ def _found(robot: str | os.PathLike[str]) -> Path:
     if named is not None:
         return named
     shipped = Robot.builtin_names()
-    near = difflib.get_close_matches(name, [*shipped, *installed()], n=3, cutoff=0.5)
+    known = [*shipped, *installed()]
+    longer = [each for each in known if each.startswith(name)]  # with a version, or of a variant
+    near = longer[:5] or difflib.get_close_matches(name, known, n=3, cutoff=0.5)
     said = f"; nearest: {', '.join(near)}" if near else ""
     raise LoadError(
         f"no robot {name!r}: expected a file, one of {', '.join(shipped)}, or a description of"
