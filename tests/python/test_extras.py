@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -21,9 +22,11 @@ PACKAGE_OF["mpl_toolkits"] = "matplotlib"
 BY_CHOICE = {"distributed", "example_robot_data", "robot_descriptions"}  # users bring these
 
 
-def without_others(program: str) -> subprocess.CompletedProcess[str]:
-    """Run where NumPy is the only package of others."""
-    hide = f"import sys\nfor name in {OTHERS}: sys.modules[name] = None\n"
+def without_others(
+    program: str, others: tuple[str, ...] = OTHERS
+) -> subprocess.CompletedProcess[str]:
+    """Run where these packages are not; by default NumPy is the only one of others."""
+    hide = f"import sys\nfor name in {others}: sys.modules[name] = None\n"
     return subprocess.run([sys.executable, "-c", hide + program], capture_output=True, text=True)
 
 
@@ -72,6 +75,18 @@ def test_the_command_line_asks_for_its_own() -> None:
     done = without_others("from pdoik.cli import main; main()")
     assert done.returncode == 2
     assert done.stderr.strip() == ("error: the command line needs typer: pip install 'pdoik[cli]'")
+
+
+@pytest.mark.parametrize(
+    "command", ["solve --robot panda --target '0.4 0.1 0.5 1 0 0 0'", "info panda", ""]
+)
+def test_the_command_line_takes_its_own_extra_alone(command: str) -> None:
+    hidden = tuple(name for name in OTHERS if name not in ("rich", "typer"))
+    done = without_others(
+        f"sys.argv[1:] = {shlex.split(command)}; from pdoik.cli import main; main()",
+        hidden,
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_all_that_is_imported_is_in_the_extra_all() -> None:

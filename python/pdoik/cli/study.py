@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-import yaml
 from rich.markup import escape
 
 from pdoik._extras import asks_for
@@ -89,6 +88,8 @@ def _pair(text: str) -> tuple[str, object]:
     key, equals, value = text.partition("=")
     if not key or not equals:
         fail(f"--entry {text}: expected KEY=VALUE")
+    with asks_for("sim2real"):
+        import yaml
     try:
         return key.strip(), yaml.safe_load(value)
     except yaml.YAMLError as error:
