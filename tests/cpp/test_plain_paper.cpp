@@ -12,7 +12,7 @@
 #include "workbench.hpp"
 
 /// PlainPaper is the second implementation that the library's evaluation is compared with,
-/// in time by bench/compare.py and in value here.
+/// in time by bench/ik/compare/__main__.py and in value here.
 namespace pdoik::testing {
 namespace {
 

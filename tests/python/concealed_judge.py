@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import yaml
-from bench.concealed.build import make_study
-from bench.concealed.spec import Truth, WorldSpec
 from scipy import signal
+
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import Truth, WorldSpec
 
 DERIVATIVES = 20.0  # [Hz] up to which positions are differentiated
 BOTH_SIDES = 6.0  # [Hz] of the filter on torque and model alike

@@ -53,10 +53,10 @@ def motion(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 @pytest.fixture(scope="session")
 def example_study(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The study that bench/diagnose_example.py writes: friction at the elbow, a weight held."""
+    """The study that bench/sim2real/example.py writes: friction at the elbow, a weight held."""
     pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
     folder = tmp_path_factory.mktemp("example") / "arm_study"
-    program = Path(__file__).parents[2] / "bench/diagnose_example.py"
+    program = Path(__file__).parents[2] / "bench/sim2real/example.py"
     subprocess.run([sys.executable, program, folder], check=True)
     return folder / "study.yaml"
 

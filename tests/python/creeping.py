@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from bench.concealed.draft import Draft
-from bench.concealed.motion import STEP, Motion
+
+from bench.sim2real.concealed.draft import Draft
+from bench.sim2real.concealed.motion import STEP, Motion
 
 SECONDS = 9.0
 

@@ -10,17 +10,19 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from test_scenes import BENCH, bench_module
+from bench.common import campaign
 
-campaign = bench_module("campaign")
-SHARED = Path(os.environ.get("PDOIK_SHARED", BENCH.parents[1] / "shared"))
+REPOSITORY = Path(__file__).parents[2]
+SHARED = Path(os.environ.get("PDOIK_SHARED", REPOSITORY.parent / "shared"))
 YCB = ["--ycb", str(SHARED / "ycb")] if (SHARED / "ycb").is_dir() else []
 
 
-def run(script: str, out: Path, *arguments: str) -> str:
+def run(command: str, out: Path, *arguments: str) -> str:
     """What a benchmark prints."""
-    command = [sys.executable, str(BENCH / script), "--out", str(out), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=900)
+    line = [sys.executable, "-m", f"bench.ik.{command}", "--out", str(out), *arguments]
+    done = subprocess.run(
+        line, cwd=REPOSITORY, capture_output=True, text=True, check=False, timeout=900
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -32,7 +34,7 @@ def is_picture(path: Path) -> bool:
 def test_the_first_experiment_in_small_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     folder = tmp_path / "s"
     small = ("--scenarios", "5", "--slow-scenarios", "1", "--most-objects", "3", *YCB)
-    printed = run("success.py", folder, *small)
+    printed = run("success", folder, *small)
     trials = pd.read_parquet(folder / "trials.parquet")
     assert is_picture(folder / "success.png")
     assert ("YCB scans" in printed) == bool(YCB)
@@ -55,7 +57,7 @@ def test_the_first_experiment_in_small_goes_on_where_it_was_stopped(tmp_path: Pa
     part = sorted((folder / "parts").iterdir())[0]
     missing = pd.read_parquet(part)
     part.unlink()
-    assert "8 of 9 jobs are done already" in run("success.py", folder, *small)
+    assert "8 of 9 jobs are done already" in run("success", folder, *small)
     repeated = pd.read_parquet(trials_file)
     same = ["robot", "n_objects", "index", "axis", "method", "iterations", "success", "collision"]
     pd.testing.assert_frame_equal(repeated[same], trials[same])
@@ -68,7 +70,7 @@ def test_the_first_experiment_in_small_goes_on_where_it_was_stopped(tmp_path: Pa
 
 
 def test_the_second_experiment_in_small(tmp_path: Path) -> None:
-    run("precision.py", tmp_path, "--scenarios", "5", "--slow-scenarios", "1", *YCB)
+    run("precision", tmp_path, "--scenarios", "5", "--slow-scenarios", "1", *YCB)
     trials = pd.read_parquet(tmp_path / "trials.parquet")
     assert is_picture(tmp_path / "precision.png")
     ours = trials[trials.method == "pdoik"]
@@ -77,7 +79,7 @@ def test_the_second_experiment_in_small(tmp_path: Path) -> None:
 
 
 def test_what_hulls_cover_in_small(tmp_path: Path) -> None:
-    run("hulls.py", tmp_path / "h", "--quick", *YCB)
+    run("hulls", tmp_path / "h", "--quick", *YCB)
     trials = pd.read_parquet(tmp_path / "h-quick" / "trials.parquet")
     assert is_picture(tmp_path / "h-quick" / "hulls.png")
     covered = trials[trials.radii & trials.solved]
@@ -94,9 +96,9 @@ def test_hard_scenes_in_small(tmp_path: Path) -> None:
         "--slow-problems",
         "0",
         "--build",
-        str(BENCH.parent / "build/bench"),
+        str(REPOSITORY / "build/bench"),
     )
-    run("hard.py", tmp_path, *arguments, *YCB)
+    run("hard", tmp_path, *arguments, *YCB)
     trials = pd.read_parquet(tmp_path / "trials.parquet")
     ours = trials[trials.method == "pdoik"]
     assert len(ours) == 3 * 7 * 2
@@ -105,8 +107,8 @@ def test_hard_scenes_in_small(tmp_path: Path) -> None:
 
 
 def test_tracking_in_small(tmp_path: Path) -> None:
-    arguments = ("--runs", "1", "--slow-runs", "0", "--build", str(BENCH.parent / "build/bench"))
-    run("tracking.py", tmp_path, *arguments)
+    arguments = ("--runs", "1", "--slow-runs", "0", "--build", str(REPOSITORY / "build/bench"))
+    run("tracking", tmp_path, *arguments)
     trials = pd.read_parquet(tmp_path / "trials.parquet")
     ours = trials[trials.method == "pdoik, one start"]
     assert len(ours) == 3
@@ -122,9 +124,10 @@ def test_other_settings_do_not_mix_with_results_that_are_there(tmp_path: Path) -
 
 
 def test_a_scheduler_that_is_not_there_is_said_so(tmp_path: Path) -> None:
-    command = [sys.executable, str(BENCH / "success.py"), "--quick", "--out", str(tmp_path / "x")]
+    command = [sys.executable, "-m", "bench.ik.success", "--quick", "--out", str(tmp_path / "x")]
     done = subprocess.run(
         [*command, "--scheduler", "tcp://127.0.0.1:1"],
+        cwd=REPOSITORY,
         capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
     assert done.returncode == 1

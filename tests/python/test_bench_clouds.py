@@ -12,14 +12,14 @@ import pandas as pd
 import pytest
 
 import pdoik
-from test_scenes import BENCH, bench_module
 
 pytest.importorskip("coal")
 pytest.importorskip("dask")
-cloud_hulls = bench_module("cloud_hulls")
-cloud_scene = bench_module("cloud_scene")
-cloud_trials = bench_module("cloud_trials")
+from bench.ik.clouds import hulls as cloud_hulls
+from bench.ik.clouds import scene as cloud_scene
+from bench.ik.clouds import trials as cloud_trials
 
+REPOSITORY = Path(__file__).parents[2]
 JOB = {"name": "", "seed": 7, "repeats": 3, "seconds": 0.01, "configurations": 9, "targets": 3}
 
 
@@ -70,7 +70,8 @@ def test_a_capsule_holds_its_hull_and_is_where_coal_has_it() -> None:
 @pytest.mark.parametrize("robot", ["panda", "ur10"])
 def test_peers_say_what_we_say_but_for_voxels_and_capsules(robot: str) -> None:
     rows = rows_of(kind="query", robot=robot, points=5_000)
-    tables = bench_module("cloud_tables")
+    from bench.ik.clouds import tables
+
     questions = tables.questions(rows)
     assert set(questions.method) == {tables.OURS, tables.COAL, "SciPy cKDTree"}
     scipy = questions[questions.method == "SciPy cKDTree"]
@@ -85,12 +86,14 @@ def test_peers_say_what_we_say_but_for_voxels_and_capsules(robot: str) -> None:
 
 
 def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
-    command = [sys.executable, str(BENCH / "clouds.py"), "--quick", "--out", str(tmp_path / "c")]
+    command = [sys.executable, "-m", "bench.ik.clouds", "--quick", "--out", str(tmp_path / "c")]
     command += ["--most", "1000", "--configurations", "6", "--targets", "3"]
     command += ["--markdown", str(tmp_path / "tables.md")]
 
     def run() -> str:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+        done = subprocess.run(
+            command, cwd=REPOSITORY, capture_output=True, text=True, check=False, timeout=300
+        )
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 

@@ -1,10 +1,5 @@
 """R-TR and R-CG: derivatives, what the distances say of an arm, and answers judged by fk."""
 
-import importlib
-import sys
-from pathlib import Path
-from types import ModuleType
-
 import numpy as np
 import pytest
 
@@ -12,26 +7,14 @@ pytest.importorskip("networkx")
 pymanopt = pytest.importorskip("pymanopt")
 from pymanopt.manifolds import PSDFixedRank  # noqa: E402
 
-BENCH = Path(__file__).parents[2] / "bench"
+from bench.ik import experiment  # noqa: E402
+from bench.ik.methods import distance_geometry as dg  # noqa: E402
+from bench.ik.methods import problem as problems  # noqa: E402
+from bench.ik.methods.distance_geometry import limits, obstacles, recover, start  # noqa: E402
+from bench.ik.methods.distance_geometry import manifold as manifolds  # noqa: E402
+from bench.ik.methods.distance_geometry import points as points_module  # noqa: E402
+
 ARMS = ("panda", "ur10", "iiwa14")
-
-
-def bench_module(name: str) -> ModuleType:
-    """A module of bench/, which no wheel holds."""
-    if str(BENCH) not in sys.path:
-        sys.path.append(str(BENCH))
-    return importlib.import_module(name)
-
-
-experiment = bench_module("experiment")
-problems = bench_module("methods.problem")
-dg = bench_module("methods.distance_geometry")
-limits = bench_module("methods.distance_geometry.limits")
-manifolds = bench_module("methods.distance_geometry.manifold")
-obstacles = bench_module("methods.distance_geometry.obstacles")
-points_module = bench_module("methods.distance_geometry.points")
-recover = bench_module("methods.distance_geometry.recover")
-start = bench_module("methods.distance_geometry.start")
 
 Problem, Terms = problems.Problem, problems.Terms
 

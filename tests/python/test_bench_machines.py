@@ -10,23 +10,22 @@ import pytest
 pytest.importorskip("numba")
 pin = pytest.importorskip("pinocchio")
 
-from bench.concealed.arm import urdf  # noqa: E402
-from bench.concealed.robots import robot  # noqa: E402
-from bench.machines import build, kinds  # noqa: E402
-from bench.machines.background import in_background  # noqa: E402
-from bench.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  # noqa: E402
-from bench.machines.figures import Figures  # noqa: E402
-from bench.machines.held_out.residuals import rows_of  # noqa: E402
-from bench.machines.held_out.true_law import draft_behind  # noqa: E402
-from bench.machines.physics import STATES, friction, rates  # noqa: E402
-from bench.machines.plan import spec_of  # noqa: E402
-from bench.machines.replayed.replay import replays_of  # noqa: E402
-from bench.machines.rivals.ablations import OFF  # noqa: E402
-from bench.machines.rivals.regression import named_by_regression  # noqa: E402
-from bench.machines.score import score  # noqa: E402
-from bench.machines.simulate import torque_of  # noqa: E402
-from bench.machines.spec import WorldSpec  # noqa: E402
-
+from bench.sim2real.concealed.arm import urdf  # noqa: E402
+from bench.sim2real.concealed.robots import robot  # noqa: E402
+from bench.sim2real.machines import build, kinds  # noqa: E402
+from bench.sim2real.machines.background import in_background  # noqa: E402
+from bench.sim2real.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  # noqa: E402
+from bench.sim2real.machines.figures import Figures  # noqa: E402
+from bench.sim2real.machines.held_out.residuals import rows_of  # noqa: E402
+from bench.sim2real.machines.held_out.true_law import draft_behind  # noqa: E402
+from bench.sim2real.machines.physics import STATES, friction, rates  # noqa: E402
+from bench.sim2real.machines.plan import spec_of  # noqa: E402
+from bench.sim2real.machines.replayed.replay import replays_of  # noqa: E402
+from bench.sim2real.machines.rivals.ablations import OFF  # noqa: E402
+from bench.sim2real.machines.rivals.regression import named_by_regression  # noqa: E402
+from bench.sim2real.machines.score import score  # noqa: E402
+from bench.sim2real.machines.simulate import torque_of  # noqa: E402
+from bench.sim2real.machines.spec import WorldSpec  # noqa: E402
 from pdoik.sim2real import Diagnosis, diagnose  # noqa: E402
 from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
 

@@ -6,6 +6,7 @@ build them; the others are skipped where their packages are not installed (extra
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -15,21 +16,21 @@ import numpy as np
 import pytest
 
 import pdoik
-from test_scenes import BENCH, bench_module
-
-experiment = bench_module("experiment")
-peer_library = bench_module("peer_library")
-recheck = bench_module("recheck")
-problem_module = bench_module("methods.problem")
-hulls_module = bench_module("methods.hulls")
+from bench.common import peer_library
+from bench.ik import experiment
+from bench.ik.judges import recheck
+from bench.ik.methods import compiled
+from bench.ik.methods import hulls as hulls_module
+from bench.ik.methods import problem as problem_module
 
 Problem, Terms, Answer = problem_module.Problem, problem_module.Terms, problem_module.Answer
 Make = Callable[[Any, Any], Any]
 
+REPOSITORY = Path(__file__).parents[2]
 COMPILED = ("PinocchioLm", "KdlLma")
 TOLERANCE = 1e-3
 SPHERE = 0.05  # radius of an obstacle [m]
-BUILD = BENCH.parent / "build" / "bench"
+BUILD = REPOSITORY / "build" / "bench"
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def make(request: pytest.FixtureRequest) -> Make:
     name = request.param
     if name in COMPILED:
         libraries = request.getfixturevalue("libraries")
-        method = getattr(bench_module("methods.compiled"), name)
+        method = getattr(compiled, name)
         return lambda arm, terms: method(arm, terms, libraries=libraries)
     module, package = {
         "ToolboxLm": ("toolbox_lm", "roboticstoolbox"),
@@ -53,7 +54,7 @@ def make(request: pytest.FixtureRequest) -> Make:
         "MinkQp": ("mink_qp", "mink"),
     }[name]
     pytest.importorskip(package)
-    return getattr(bench_module(f"methods.{module}"), name)
+    return getattr(importlib.import_module(f"bench.ik.methods.{module}"), name)
 
 
 @pytest.fixture(params=experiment.ARMS)
@@ -155,7 +156,7 @@ def test_what_is_out_of_reach_is_not_claimed(make: Make) -> None:
 @pytest.mark.parametrize("name", COMPILED)
 def test_a_seed_gives_one_answer(name: str, libraries: Path) -> None:
     arm = experiment.Arm.builtin("panda")
-    method = getattr(bench_module("methods.compiled"), name)
+    method = getattr(compiled, name)
     rng = np.random.default_rng(5)
     problems = [random_problem(arm, rng, 9) for _ in range(5)]
 
@@ -172,7 +173,7 @@ class Touch:
 
     def __init__(self, arm: Any, name: str, libraries: Path) -> None:
         self._arm = arm
-        method = getattr(bench_module("methods.compiled"), name)
+        method = getattr(compiled, name)
         self._peer = method(arm, terms_of(max_time=0.01), libraries=libraries)
 
     def __call__(self, q: np.ndarray, points: np.ndarray) -> bool | None:
@@ -224,7 +225,7 @@ def test_the_obstacle_check_is_exact(name: str, arm: Any, libraries: Path) -> No
 
 
 def test_drakes_spheres_cover_the_hulls(arm: Any) -> None:
-    covering_spheres = bench_module("methods.drake_snopt").covering_spheres
+    covering_spheres = importlib.import_module("bench.ik.methods.drake_snopt").covering_spheres
     angle = np.linspace(0, np.pi, 2001)
     for hull in hulls_module.hulls_of(arm.robot):
         a, b = hull.semi_major, hull.semi_minor
@@ -239,7 +240,7 @@ def test_drakes_spheres_cover_the_hulls(arm: Any) -> None:
 @pytest.mark.parametrize("shape", [(2, 2), (3,), (1, 5)])
 def test_obstacles_of_another_shape_are_refused(shape: tuple[int, ...], libraries: Path) -> None:
     arm = experiment.Arm.builtin("panda")
-    method = bench_module("methods.compiled").PinocchioLm(arm, terms_of(), libraries=libraries)
+    method = compiled.PinocchioLm(arm, terms_of(), libraries=libraries)
     q = arm.robot.mid_configuration()
     problem = Problem(T_base_tip=arm.robot.fk(q), q0=q, points=np.zeros(shape))
     with pytest.raises(ValueError, match="expected"):

@@ -12,11 +12,11 @@ pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
 import pinocchio as pin
-from bench.concealed.build import drawn
-from bench.concealed.draft import draft_of
-from bench.concealed.spec import WorldSpec
-from bench.concealed.world import Run, World
 
+from bench.sim2real.concealed.build import drawn
+from bench.sim2real.concealed.draft import draft_of
+from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.concealed.world import Run, World
 from concealed_judge import Judge, made, rms
 
 

@@ -12,12 +12,12 @@ import pytest
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
-from bench.concealed.build import drawn, make_study
-from bench.concealed.campaign import campaign
-from bench.concealed.catalogue import EFFECTS, ways_of
-from bench.concealed.draft import draft_of
-from bench.concealed.robots import NAMES, robot
-from bench.concealed.spec import WorldSpec
+from bench.sim2real.concealed.build import drawn, make_study
+from bench.sim2real.concealed.campaign import campaign
+from bench.sim2real.concealed.catalogue import EFFECTS, ways_of
+from bench.sim2real.concealed.draft import draft_of
+from bench.sim2real.concealed.robots import NAMES, robot
+from bench.sim2real.concealed.spec import WorldSpec
 
 
 def test_the_same_spec_gives_the_same_bytes(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_a_campaign_has_every_effect_and_enough_clean_studies() -> None:
 
 
 def test_the_worlds_share_no_code_with_the_diagnosis() -> None:
-    for path in (Path(__file__).parents[2] / "bench" / "concealed").glob("*.py"):
+    for path in (Path(__file__).parents[2] / "bench/sim2real/concealed").glob("*.py"):
         imports = re.findall(r"^\s*(?:from|import)\s+(\S+)", path.read_text(), re.MULTILINE)
         assert not [name for name in imports if name.startswith("pdoik")]
 

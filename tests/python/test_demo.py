@@ -10,11 +10,11 @@ import pytest
 from scipy.spatial import cKDTree
 
 import pdoik
+from bench.ik import demo
+from bench.ik.judges import recheck
 from references import PinocchioRobot
-from test_scenes import BENCH, bench_module
 
-recheck = bench_module("recheck")
-demo = bench_module("demo")
+REPOSITORY = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -126,11 +126,13 @@ def test_it_runs_draws_and_leaves_nothing_in_the_checkout(
 ) -> None:
     monkeypatch.delenv("PDOIK_SHARED", raising=False)  # it would find scans there
     checkout = tmp_path / "checkout"
-    (checkout / "bench").mkdir(parents=True)
-    for file in BENCH.glob("*.py"):
-        shutil.copy(file, checkout / "bench")
+    shutil.copytree(
+        REPOSITORY / "bench",
+        checkout / "bench",
+        ignore=shutil.ignore_patterns("*.png", "__pycache__"),
+    )
     before = set(checkout.rglob("*"))
-    command = [sys.executable, "-B", "bench/demo.py", "--targets", "4", "--max-objects", "4"]
+    command = [sys.executable, "-B", "-m", "bench.ik.demo", "--targets", "4", "--max-objects", "4"]
     outcome = subprocess.run(
         [*command, "--max-time", "2"], cwd=checkout, capture_output=True, text=True, check=False
     )
@@ -144,8 +146,8 @@ def test_it_runs_draws_and_leaves_nothing_in_the_checkout(
 
 
 def test_a_folder_without_scans_is_misuse(tmp_path: Path) -> None:
-    command = [sys.executable, str(BENCH / "demo.py"), "--ycb", str(tmp_path)]
-    outcome = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-m", "bench.ik.demo", "--ycb", str(tmp_path)]
+    outcome = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
     assert outcome.returncode == 2
     assert outcome.stderr.startswith("error:")
     assert "cloud_vertices" in outcome.stderr

@@ -12,6 +12,7 @@ import pdoik
 
 mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
+from bench.humanoid import hulls as h1_hulls  # noqa: E402
 from pdoik.h1.controller import Controller  # noqa: E402
 from pdoik.h1.draw_throws import Hit, draw_throws  # noqa: E402
 from pdoik.h1.log import log_columns, write_log  # noqa: E402
@@ -29,9 +30,6 @@ from pdoik.h1.standing import (  # noqa: E402
 )
 from pdoik.h1.throws import Throw, placed  # noqa: E402
 from pdoik.h1.torque import static_torque  # noqa: E402
-from test_scenes import bench_module  # noqa: E402
-
-h1_hulls = bench_module("h1_hulls")
 
 ALL_SETUPS = pytest.mark.parametrize("setup", SETUPS.values(), ids=list(SETUPS))
 

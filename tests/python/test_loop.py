@@ -11,17 +11,17 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[bench,sim2real]'")
 pytest.importorskip("coal", reason="pip install 'pdoik[bench,sim2real]'")
 
 import pinocchio as pin
-from bench.concealed.arm import urdf
-from bench.concealed.motion import STEP
-from bench.concealed.study_files import joint_names
-from bench.loop.cell import Cell, Clearance, Shape
-from bench.loop.feed_forward import commands
-from bench.loop.path import CLEARANCE
-from bench.loop.trial import Experiment, corrected_robot, diagnosed, tip_errors
 
 import pdoik
+from bench.ik.judges.recheck import spheroid_distance
+from bench.sim2real.concealed.arm import urdf
+from bench.sim2real.concealed.motion import STEP
+from bench.sim2real.concealed.study_files import joint_names
+from bench.sim2real.loop.cell import Cell, Clearance, Shape
+from bench.sim2real.loop.feed_forward import commands
+from bench.sim2real.loop.path import CLEARANCE
+from bench.sim2real.loop.trial import Experiment, corrected_robot, diagnosed, tip_errors
 from pdoik.sim2real import Controller, Estimate, Finding, Model
-from recheck import spheroid_distance
 
 SEED = 3400
 

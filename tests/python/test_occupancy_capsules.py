@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -248,24 +247,19 @@ def test_moved_capsules_hold_the_moved_geometry(fit: OccupancyFit) -> None:
     assert after.max() < 0
 
 
-BENCH = Path(__file__).parents[2] / "bench"
 SHIPPED = Path(__file__).parents[2] / "cpp/robots"
 
 
 @pytest.fixture(scope="module")
 def arm_meshes(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    """bench/arm_meshes.py, where the descriptions that it reads are installed."""
+    """bench/ik/judges/arm_meshes.py, where the descriptions that it reads are installed."""
     pytest.importorskip("pinocchio")
-    sys.path.insert(0, str(BENCH))
-    try:
-        module = importlib.import_module("arm_meshes")
-        for robot in ("panda", "ur10", "iiwa14"):
-            try:
-                module.public_robot(robot, tmp_path_factory.mktemp(robot))
-            except module.MissingDescriptionError as missing:
-                pytest.skip(str(missing))
-    finally:
-        sys.path.remove(str(BENCH))
+    module = importlib.import_module("bench.ik.judges.arm_meshes")
+    for robot in ("panda", "ur10", "iiwa14"):
+        try:
+            module.public_robot(robot, tmp_path_factory.mktemp(robot))
+        except module.MissingDescriptionError as missing:
+            pytest.skip(str(missing))
     return module
 
 

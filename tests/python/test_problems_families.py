@@ -10,17 +10,17 @@ import pytest
 pytest.importorskip("coal")
 pytest.importorskip("pinocchio")
 
-from bench.problems.families import FAMILIES
-from bench.problems.judge import Judge
-from bench.problems.make import FamilyError, problems_of
-from bench.problems.methods import Method, MethodError, surface_cloud
-from bench.problems.problem import Problem
-from bench.problems.robots import robot_files
-from bench.problems.solids import box, pose
-from bench.problems.trials import Row, run
 from scipy.spatial import cKDTree
 
 import pdoik
+from bench.ik.problems.families import FAMILIES
+from bench.ik.problems.judge import Judge
+from bench.ik.problems.make import FamilyError, problems_of
+from bench.ik.problems.methods import Method, MethodError, surface_cloud
+from bench.ik.problems.problem import Problem
+from bench.ik.problems.robots import robot_files
+from bench.ik.problems.solids import box, pose
+from bench.ik.problems.trials import Row, run
 from problem_sets import READY
 
 PANDA = [name for name, family in FAMILIES.items() if "panda" in family.robots]

@@ -12,11 +12,11 @@ pytest.importorskip("coal")
 pytest.importorskip("pinocchio")
 
 import trimesh
-from bench.problems.judge import Judge
-from bench.problems.robots import RobotFiles, robot_files
-from bench.problems.sample_ik import configurations
-from bench.problems.solids import Solid, box, mesh, pose
 
+from bench.ik.problems.judge import Judge
+from bench.ik.problems.robots import RobotFiles, robot_files
+from bench.ik.problems.sample_ik import configurations
+from bench.ik.problems.solids import Solid, box, mesh, pose
 from problem_sets import READY
 
 Q = np.array(READY)

@@ -14,11 +14,11 @@ pytest.importorskip("coal")
 pytest.importorskip("pinocchio")
 
 import trimesh
-from bench.problems.judge import Judge
-from bench.problems.loaders import LoaderError, read_problems
-from bench.problems.problem import load, save
-from bench.problems.robots import robot_files
 
+from bench.ik.problems.judge import Judge
+from bench.ik.problems.loaders import LoaderError, read_problems
+from bench.ik.problems.problem import load, save
+from bench.ik.problems.robots import robot_files
 from problem_sets import (
     READY,
     planning_scene,

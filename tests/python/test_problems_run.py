@@ -12,12 +12,13 @@ import pytest
 pytest.importorskip("coal")
 pytest.importorskip("pinocchio")
 
-from test_scenes import BENCH
+
+REPOSITORY = Path(__file__).parents[2]
 
 
 def problems(*arguments: str | Path) -> str:
-    command = [sys.executable, "-m", "bench.problems", *map(str, arguments)]
-    run = subprocess.run(command, cwd=BENCH.parent, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-m", "bench.ik.problems", *map(str, arguments)]
+    run = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
     return run.stdout
 

@@ -9,9 +9,10 @@ coal = pytest.importorskip("coal")
 pytest.importorskip("pinocchio")
 
 import trimesh  # noqa: E402
-from bench.problems.solids import Solid, SolidError, mesh, pose  # noqa: E402
 from scipy.spatial import cKDTree  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
+
+from bench.ik.problems.solids import Solid, SolidError, mesh, pose  # noqa: E402
 
 PLACE = pose((0.3, -0.2, 0.5), Rotation.from_euler("xyz", (0.4, -0.7, 1.1)).as_matrix())
 SIZES = {

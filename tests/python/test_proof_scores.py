@@ -15,10 +15,9 @@ pytest.importorskip("dask")
 pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
-from bench.proof import confusion, failures, reach, record
-from bench.proof.score import score
-
-from diagnosis_score import scores
+from bench.sim2real.diagnosis.score import scores
+from bench.sim2real.proof import confusion, failures, reach, record
+from bench.sim2real.proof.score import score
 
 # How it is scored
 

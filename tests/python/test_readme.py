@@ -31,7 +31,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the Python examples have run, a page after the other."""
     pytest.importorskip("rosbags", reason="the extra sim2real is not installed")
     folder = tmp_path_factory.mktemp("readme")
-    example = [sys.executable, str(REPOSITORY / "bench/diagnose_example.py"), "arm_study"]
+    example = [sys.executable, str(REPOSITORY / "bench/sim2real/example.py"), "arm_study"]
     subprocess.run(example, cwd=folder, check=True, stdout=subprocess.DEVNULL)
     for page in PAGES:
         if program := "\n".join(blocks(page, "python")):

@@ -1,27 +1,14 @@
 """Scenes: the same for the same seed, of everyday size, inside the paper's ranges."""
 
-import importlib
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 import trimesh
 from pypcd4 import PointCloud
 
-BENCH = Path(__file__).parents[2] / "bench"
-
-
-def bench_module(name: str) -> ModuleType:
-    """A module of bench/, which no wheel holds."""
-    if str(BENCH) not in sys.path:
-        sys.path.append(str(BENCH))
-    return importlib.import_module(name)
-
-
-primitives = bench_module("primitives")
-scenes = bench_module("scenes")
+from bench.ik.scenes import objects as scenes
+from bench.ik.scenes import primitives
 
 
 @pytest.fixture(scope="module")

@@ -17,19 +17,16 @@ import trimesh
 import yaml
 from numpy.typing import NDArray
 
+from bench.ik.judges import arm_meshes
 from pdoik.occupancy_fit.geometry import load_geometry
 from pdoik.occupancy_fit.hulls import Shape, convex_volume, half_sum
 from pdoik.occupancy_fit.split import union_volume
-from test_scenes import bench_module
 
 SEED = 20240917
 ROBOTS = Path(str(files("pdoik"))) / "robots"
 NAMES = ("panda", "ur10", "iiwa14")
 TAU = 6.283185307179586
 Array = NDArray[np.float64]
-
-
-arm_meshes = bench_module("arm_meshes")
 
 
 def public_robot(name: str, folder: Path) -> Any:

@@ -13,9 +13,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
 
-from bench.machines import build
-from bench.machines.spec import WorldSpec
-
+from bench.sim2real.machines import build
+from bench.sim2real.machines.spec import WorldSpec
 from pdoik.sim2real import Diagnosis, Finding, diagnose, load_study
 from pdoik.sim2real.controllers.cut_off import CutOff, cut_off, saved_by
 from pdoik.sim2real.controllers.feeds import Feeds

@@ -15,6 +15,7 @@ pytest.importorskip("jinja2", reason="pip install 'pdoik[sim2real]'")
 
 import mujoco
 
+from bench.sim2real import example
 from pdoik.sim2real import (
     Diagnosis,
     evidence_of,
@@ -27,9 +28,6 @@ from pdoik.sim2real import (
 )
 from pdoik.sim2real.regression.trusted_bodies import TRUST
 from pdoik.sim2real.report.data import ReportData
-from test_scenes import bench_module
-
-example = bench_module("diagnose_example")
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,9 @@ import pytest
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
-from bench.concealed.build import hidden_in, make_study, write_machine
-from bench.concealed.draft import draft_of
-from bench.concealed.spec import WorldSpec
-
+from bench.sim2real.concealed.build import hidden_in, make_study, write_machine
+from bench.sim2real.concealed.draft import draft_of
+from bench.sim2real.concealed.spec import WorldSpec
 from creeping import creeping
 from pdoik.sim2real import examine
 

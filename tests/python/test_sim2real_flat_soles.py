@@ -11,9 +11,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
-from bench.legged.build import make_study
-from bench.legged.spec import Spec
-
+from bench.sim2real.legged.build import make_study
+from bench.sim2real.legged.spec import Spec
 from pdoik.sim2real import load_study
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.motion.signals import zero_phase

@@ -13,10 +13,10 @@ pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
 import pinocchio as pin
-from bench.concealed.build import hidden_in, write_machine
-from bench.concealed.draft import draft_of
-from bench.concealed.spec import WorldSpec
 
+from bench.sim2real.concealed.build import hidden_in, write_machine
+from bench.sim2real.concealed.draft import draft_of
+from bench.sim2real.concealed.spec import WorldSpec
 from creeping import creeping
 from pdoik.sim2real import Finding, examine
 

@@ -11,9 +11,8 @@ import pytest
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from bench.concealed.build import make_study
-from bench.concealed.spec import WorldSpec
-
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.sim2real import Diagnosis, Estimate, Evidence, Finding, Study, diagnose, load_study
 from pdoik.sim2real.confirm.event_support import event_support
 from pdoik.sim2real.confirm.ordinary_looks import Ordinary

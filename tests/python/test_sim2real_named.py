@@ -1,4 +1,4 @@
-"""Each effect hidden alone in a world of bench/concealed is named, placed and measured."""
+"""Each effect hidden alone in a world of bench/sim2real/concealed is named, placed and measured."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
-from bench.concealed.build import make_study
-from bench.concealed.catalogue import EFFECTS
-from bench.concealed.spec import Truth, WorldSpec
-
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.catalogue import EFFECTS
+from bench.sim2real.concealed.spec import Truth, WorldSpec
 from pdoik.sim2real import Diagnosis, Finding, diagnose
 
 SEEDS = dict.fromkeys(EFFECTS, 11) | {"joint_elasticity": 12}

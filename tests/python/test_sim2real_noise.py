@@ -15,9 +15,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
-from bench.concealed.build import make_study
-from bench.concealed.spec import WorldSpec
-
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.sim2real import Finding, diagnose
 from pdoik.sim2real.channels.check_channels import check_channels
 from pdoik.sim2real.motion.prepare import prepare

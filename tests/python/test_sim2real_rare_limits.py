@@ -12,9 +12,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
-from bench.concealed.build import make_study
-from bench.concealed.spec import WorldSpec
-
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.sim2real import diagnose
 from pdoik.sim2real.motion.flat_top import FlatTop, Torques, flat_top
 from pdoik.sim2real.motion.signals import lagged, shifted

@@ -10,9 +10,8 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from bench.concealed.build import make_study
-from bench.concealed.spec import Truth, WorldSpec
-
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import Truth, WorldSpec
 from pdoik.sim2real import diagnose, load_study
 from pdoik.sim2real.confirm.confirm_by_simulation import confirmed_by_simulation
 from pdoik.sim2real.confirm.refine_by_rollouts import refine_by_rollouts

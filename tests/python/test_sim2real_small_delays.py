@@ -11,9 +11,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
-from bench.concealed.build import make_study
-from bench.concealed.spec import Truth, WorldSpec
-
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import Truth, WorldSpec
 from pdoik.sim2real import Diagnosis, diagnose
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.command_delay import OF_POSITION, OF_TORQUE

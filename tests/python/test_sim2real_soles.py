@@ -12,9 +12,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pin = pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[bench]'")
 
-from bench.legged import build  # noqa: E402
-from bench.legged.spec import Spec  # noqa: E402
-
+from bench.sim2real.legged import build  # noqa: E402
+from bench.sim2real.legged.spec import Spec  # noqa: E402
 from pdoik.sim2real import load_study  # noqa: E402
 from pdoik.sim2real.effects import CATALOGUE  # noqa: E402
 from pdoik.sim2real.motion.foot_forces import with_ground  # noqa: E402

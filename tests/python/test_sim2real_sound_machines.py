@@ -14,10 +14,9 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
 
-from bench.machines import build
-from bench.machines.background import in_background
-from bench.machines.spec import WorldSpec
-
+from bench.sim2real.machines import build
+from bench.sim2real.machines.background import in_background
+from bench.sim2real.machines.spec import WorldSpec
 from pdoik.sim2real import diagnose, load_study
 from pdoik.sim2real.confirm.ordinary_looks import Ordinary
 from pdoik.sim2real.effects import CATALOGUE

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 
 import pytest
@@ -46,8 +45,9 @@ def description(folder: str, home: Path) -> Path:
     elif folder == "panda_unisa":
         path.write_text((ROBOTS / "panda.urdf").read_text().replace("panda_joint", "fer_joint"))
     elif folder == "go2_hanging":
-        sys.path.append(str(Path(__file__).parents[2] / "bench"))
-        arm_meshes = pytest.importorskip("arm_meshes", reason="the extra bench is not installed")
+        arm_meshes = pytest.importorskip(
+            "bench.ik.judges.arm_meshes", reason="the extra bench is not installed"
+        )
         try:
             path.write_text(arm_meshes.go2_urdf().read_text())
         except (arm_meshes.MissingDescriptionError, OSError) as error:

@@ -14,20 +14,13 @@ import pytest
 from scipy.optimize import minimize, minimize_scalar
 
 import pdoik
-from test_scenes import BENCH, bench_module
 
 pytest.importorskip("dask", reason="pip install 'pdoik[bench]'")
-soak = bench_module("soak")
-hulls = bench_module("soaking.hulls")
-judging = bench_module("soaking.judge")
-robots = bench_module("soaking.robots")
-trees = bench_module("soaking.trees")
-scenes = bench_module("soaking.scenes")
-solves = bench_module("soaking.solves")
-motions = bench_module("soaking.motions")
-tracking = bench_module("soaking.tracking")
-cases = bench_module("soaking.cases")
+from bench.ik.soak import __main__ as soak
+from bench.ik.soak import cases, hulls, motions, robots, scenes, solves, tracking, trees
+from bench.ik.soak import judge as judging
 
+REPOSITORY = Path(__file__).parents[2]
 CASES = sorted((Path(__file__).parent / "soak_cases").glob("*.json"))
 Judge, Goals, Asked = judging.Judge, judging.Goals, judging.Asked
 
@@ -392,8 +385,10 @@ def test_cases_that_once_failed_or_are_known_to_be_hard_have_no_faults() -> None
 
 def test_the_command_makes_its_tables_goes_on_where_it_was_and_replays(tmp_path: Path) -> None:
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, str(BENCH / "soak.py"), *arguments]
-        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+        command = [sys.executable, "-m", "bench.ik.soak", *arguments]
+        return subprocess.run(
+            command, cwd=REPOSITORY, capture_output=True, text=True, check=False, timeout=600
+        )
 
     out = ["--out", str(tmp_path / "soak"), "--solves", "1000", "--steps", "200", "--seed", "1"]
     first = run(*out)

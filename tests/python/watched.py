@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 from functools import lru_cache
-from pathlib import Path
-from types import ModuleType
 
 import mujoco
 import numpy as np
+
+from bench.sim2real import example
 
 Columns = dict[str, np.ndarray]
 
 
 @lru_cache
-def example() -> ModuleType:
-    """bench/diagnose_example.py."""
-    path = Path(__file__).parents[2] / "bench/diagnose_example.py"
-    spec = importlib.util.spec_from_file_location("diagnose_example", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-@lru_cache
 def _log(seed: int, seconds: float) -> tuple[tuple[str, ...], np.ndarray]:
-    module = example()
+    module = example
     module.SECONDS = seconds
     names, rows = module.recording(seed)
     return tuple(names), rows
@@ -44,12 +31,12 @@ def changed(columns: Columns, kind: str, joint: str, since: float) -> Columns:
     other = dict(columns)
     time = columns["time"]
     on = time >= since
-    q = np.stack([columns[f"q.{each}"] for each in example().JOINTS], axis=1)
+    q = np.stack([columns[f"q.{each}"] for each in example.JOINTS], axis=1)
     dq = np.gradient(q, time, axis=0)
-    j = example().JOINTS.index(joint)
+    j = example.JOINTS.index(joint)
     tau = columns[f"tau.{joint}"]
     if kind == "friction":
-        more = example().LEVEL * np.tanh(dq[:, j] / 0.01) + example().DAMPING * dq[:, j]
+        more = example.LEVEL * np.tanh(dq[:, j] / 0.01) + example.DAMPING * dq[:, j]
         other[f"tau.{joint}"] = tau + np.where(on, more, 0.0)
     elif kind == "offset":
         other[f"tau.{joint}"] = tau + np.where(on, 0.5, 0.0)
@@ -57,7 +44,7 @@ def changed(columns: Columns, kind: str, joint: str, since: float) -> Columns:
         other[f"tau.{joint}"] = tau * np.where(on, 1.15, 1.0)
     else:
         more = _of_load(q, dq, time)
-        for k, each in enumerate(example().JOINTS):
+        for k, each in enumerate(example.JOINTS):
             other[f"tau.{each}"] = columns[f"tau.{each}"] + np.where(on, more[:, k], 0.0)
     return other
 
@@ -67,7 +54,7 @@ def _of_load(q: np.ndarray, dq: np.ndarray, time: np.ndarray) -> np.ndarray:
     smooth = np.stack([np.convolve(c, np.ones(9) / 9, mode="same") for c in dq.T], axis=1)
     ddq = np.gradient(smooth, time, axis=0)
     torques = []
-    module = example()
+    module = example
     own = module.MASS
     for mass in (own, own + 0.4):
         module.MASS = mass

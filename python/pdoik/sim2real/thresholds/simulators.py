@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from .threshold import Group, threshold
 
 _FITTED = (
-    "logistic regression as in bench/simulators_confidence.py, on 18 findings of seven pairs of"
-    " development: few; by gains over all channels"
+    "logistic regression as in bench.sim2real.simulators.confidence, on 18 findings of seven pairs"
+    " of development: few; by gains over all channels"
 )
 
 

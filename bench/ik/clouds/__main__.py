@@ -1,0 +1,179 @@
+"""Clouds of a thousand to a million points: intake, update, memory, questions and solves.
+
+    python -m bench.ik.clouds --out build/bench/clouds
+
+Beside coal's octree and k-d trees, on one processor; every job runs in a process of its own. With
+--vamp DIR, where the sources of PyPI's vamp-planner are unpacked, beside VAMP's CAPT, too.
+Peers whose packages are missing are left out with a line. Results are kept as they come, and the
+same command continues where it was stopped. --quick takes a minute.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import pandas as pd
+import typer
+from rich.progress import track
+
+from bench.common.campaign import Campaign
+from bench.common.commands import (
+    BUILD,
+    BuildFolder,
+    OutFolder,
+    Quick,
+    Seed,
+    console,
+    plain_errors,
+    show,
+    write_report,
+)
+from bench.common.peer_library import ROOT
+from bench.common.whole_files import write_text
+from bench.ik.clouds.capt import build_capt, settings_for
+from bench.ik.clouds.picture import draw
+from bench.ik.clouds.structures import OURS, STRUCTURES, missing
+from bench.ik.clouds.tables import all_tables
+from bench.ik.experiment import ARMS
+
+COUNTS = (1_000, 10_000, 100_000, 1_000_000)
+SOLVE_COUNTS = (136, 10_000, 100_000, 1_000_000)
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def main(
+    out: OutFolder = BUILD / "clouds",
+    quick: Quick = False,
+    most: Annotated[int, typer.Option(min=1000, help="Points of the largest cloud.")] = COUNTS[-1],
+    repeats: Annotated[int, typer.Option(min=3, help="Intakes of a cloud, and updates.")] = 101,
+    seconds: Annotated[
+        float, typer.Option(help="For the repeats of one cloud at most; three at least.")
+    ] = 4.0,
+    configurations: Annotated[
+        int, typer.Option(min=3, help="Asked about, per arm and cloud; a third touch.")
+    ] = 240,
+    targets: Annotated[int, typer.Option(min=1, help="Solves per arm and cloud.")] = 256,
+    vamp: Annotated[
+        Path | None, typer.Option(help="Where the sources of PyPI's vamp-planner are unpacked.")
+    ] = None,
+    seed: Seed = 7,
+    build: BuildFolder = BUILD,
+    processor: Annotated[int, typer.Option(min=0, help="Which one runs it all.")] = 0,
+    as_markdown: Annotated[
+        Path | None, typer.Option("--markdown", help="Write the tables there, too.")
+    ] = None,
+) -> None:
+    """Measure what clouds cost."""
+    if quick:
+        most, seconds, out = min(most, 100_000), 0.2, out.with_name(out.name + "-quick")
+        configurations, targets = min(configurations, 24), min(targets, 20)
+    with plain_errors():
+        library = None
+        if vamp is not None:
+            with console.status("building VAMP's structure"):
+                library = str(build_capt(build, vamp))
+        settings = {
+            "experiment": "clouds",
+            "repeats": repeats,
+            "seconds": seconds,
+            "configurations": configurations,
+            "targets": targets,
+            "seed": seed,
+            "vamp": vamp is not None,
+        }
+        jobs = plan(settings, most, available(), library)
+        rows = measured(Campaign(out, settings), jobs, processor)
+        text = all_tables(rows, seed)
+        write_report(out / "clouds.md", text)
+        draw(rows, out / "clouds.png")
+    show(text)
+    if as_markdown is not None:
+        write_text(as_markdown, text)
+    console.print(f"tables and picture: {out}/clouds.md, clouds.png; rows: trials.parquet")
+
+
+def available() -> list[str]:
+    """The structures that can be made here; a line for each other."""
+    reasons = {name: missing(name) for name in STRUCTURES}
+    for name, reason in reasons.items():
+        if reason is not None:
+            console.print(f"without {name}: {reason}", highlight=False)
+    return [name for name, reason in reasons.items() if reason is None]
+
+
+def plan(
+    settings: Mapping[str, Any], most: int, names: list[str], capt: str | None
+) -> dict[str, dict[str, Any]]:
+    """All jobs, by a name that is good for a file.
+
+    Args:
+        settings: What all have in common.
+        most: Points of the largest cloud.
+        names: Structures.
+        capt: The library of VAMP's, None without.
+    """
+    counts = [count for count in COUNTS if count <= most]
+    jobs = []
+    for count in counts:
+        vamps = settings_for(count) if capt is not None else []
+        made = [*names, *vamps]
+        jobs.append({"kind": "intake", "name": "", "robot": "", "points": count, "names": made})
+        jobs += [{"kind": "memory", "name": name, "robot": "", "points": count} for name in made]
+        jobs.append({"kind": "update", "name": OURS, "robot": "", "points": count})
+        jobs += [{"kind": "query", "name": "", "robot": arm, "points": count} for arm in ARMS]
+        jobs += [{"kind": "capt", "name": n, "robot": "panda", "points": count} for n in vamps]
+    sizes = [count for count in SOLVE_COUNTS if count <= most]
+    jobs += [
+        {"kind": "solve", "name": OURS, "robot": arm, "points": 0, "sizes": sizes} for arm in ARMS
+    ]
+    return {_file_name(job): {**settings, "library": capt, **job} for job in jobs}
+
+
+def measured(
+    campaign: Campaign, jobs: Mapping[str, Mapping[str, Any]], processor: int
+) -> pd.DataFrame:
+    """The rows of all jobs, run where they are not there yet."""
+    left = [name for name in jobs if not campaign.has(name)]
+    if len(left) < len(jobs):
+        console.print(f"{len(jobs) - len(left)} of {len(jobs)} jobs are done already")
+    for name in track(left, "jobs", console=console, transient=True):
+        campaign.keep(name, fresh_process(jobs[name], processor))
+    return campaign.gather(list(jobs))
+
+
+def fresh_process(job: Mapping[str, Any], processor: int) -> list[dict[str, Any]]:
+    """The rows of one job.
+
+    Raises:
+        RuntimeError: It failed.
+    """
+    command = [sys.executable, "-m", "bench.ik.clouds.trials", str(processor)]
+    environment = {**os.environ, **dict.fromkeys(ONE_THREAD, "1")}
+    done = subprocess.run(
+        command,
+        input=json.dumps(job),
+        env=environment,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        raise RuntimeError(f"{_file_name(job)}: status {done.returncode} {done.stderr.strip()}")
+    return list(json.loads(done.stdout))
+
+
+def _file_name(job: Mapping[str, Any]) -> str:
+    words = [job["kind"], job["name"], job["robot"], job["points"]]
+    text = "-".join(str(word) for word in words if word != "")
+    return "".join(letter if letter.isalnum() or letter in "-." else "_" for letter in text)
+
+
+if __name__ == "__main__":
+    typer.run(main)

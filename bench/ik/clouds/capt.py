@@ -1,0 +1,107 @@
+"""VAMP's point clouds, its Collision-Affording Point Tree, through bench/ik/peers/vamp."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, byref, c_double, c_float, c_int, c_ubyte, c_void_p
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from bench.common.peer_library import build
+
+BoolArray = npt.NDArray[np.bool_]
+FloatArray = npt.NDArray[np.float64]
+
+CAPT = "VAMP's CAPT"
+FILTERED = "VAMP's CAPT, 20 mm filter"
+MOST_UNFILTERED = 100_000  # a million of this scene do not fit into 8 GB of address space
+# The filter's distance and a point's radius [m]: none, and those of VAMP's own benchmark.
+SETTINGS = {CAPT: (0.0, 0.0), FILTERED: (0.02, 0.0025)}
+
+
+def build_capt(directory: Path, vamp: Path) -> Path:
+    """Build it from VAMP's sources, and say where it is.
+
+    Args:
+        directory: CMake's folder.
+        vamp: Where PyPI's vamp-planner is unpacked.
+
+    Raises:
+        RuntimeError: There are no such sources, or the compiler failed.
+    """
+    if not (vamp / "src/impl/vamp/collision/capt.hh").is_file():
+        raise RuntimeError(f"{vamp} does not hold the sources of vamp-planner")
+    folder = build(directory, "pdoik_capt", VAMP_SOURCE=vamp.resolve())
+    return folder / "peers" / "libpdoik_capt.so"
+
+
+class Capt:
+    """Points and Panda's spheres.
+
+    Args:
+        library: Of `build_capt`.
+        name: One of SETTINGS.
+        points: In single precision, (N, 3) [m].
+    """
+
+    def __init__(self, library: str, name: str, points: npt.NDArray[np.float32]) -> None:
+        self._library = _declared(ctypes.CDLL(library))
+        seconds, kept = c_double(), c_int()
+        self._handle = self._library.capt_create(
+            points.ctypes.data_as(POINTER(c_float)),
+            len(points),
+            *SETTINGS[name],
+            byref(kept),
+            byref(seconds),
+        )
+        self.time = seconds.value  # of making it, filter included [s]
+        self.kept = kept.value  # points that the filter left
+        self.lanes = int(self._library.capt_lanes())
+
+    def validate(self, q: FloatArray) -> tuple[BoolArray, FloatArray]:
+        """Whether each is free of points and of itself, and each call's time [s]."""
+        return self._asked(self._library.capt_validate, q, len(q))
+
+    def validate_lanes(self, q: FloatArray) -> tuple[BoolArray, FloatArray]:
+        """The same for as many configurations in a call as there are lanes, one word for all."""
+        return self._asked(self._library.capt_validate_lanes, q, len(q) // self.lanes)
+
+    def _asked(self, function: Any, q: FloatArray, calls: int) -> tuple[BoolArray, FloatArray]:
+        rows = np.ascontiguousarray(q, dtype=np.float32)
+        free, seconds = np.zeros(calls, dtype=np.uint8), np.zeros(calls)
+        function(
+            self._handle,
+            rows.ctypes.data_as(POINTER(c_float)),
+            calls,
+            free.ctypes.data_as(POINTER(c_ubyte)),
+            seconds.ctypes.data_as(POINTER(c_double)),
+        )
+        return free.astype(bool), seconds
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self._library.capt_destroy(self._handle)
+
+
+def settings_for(count: int) -> list[str]:
+    """The names to time among so many points."""
+    return [name for name in SETTINGS if name != CAPT or count <= MOST_UNFILTERED]
+
+
+def _declared(library: Any) -> Any:
+    library.capt_create.restype = c_void_p
+    library.capt_create.argtypes = (
+        POINTER(c_float), c_int, c_float, c_float, POINTER(c_int), POINTER(c_double),
+    )  # fmt: skip
+    library.capt_destroy.restype = None
+    library.capt_destroy.argtypes = (c_void_p,)
+    questions = (library.capt_validate, library.capt_validate_lanes)
+    for question in questions:
+        question.restype = None
+        question.argtypes = (
+            c_void_p, POINTER(c_float), c_int, POINTER(c_ubyte), POINTER(c_double),
+        )  # fmt: skip
+    return library

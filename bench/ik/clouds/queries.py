@@ -1,0 +1,121 @@
+"""How users would ask whether a configuration is free of a cloud, and how near it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import coal
+import numpy as np
+import numpy.typing as npt
+
+import pdoik
+from bench.ik.clouds.hulls import Capsule, moving_hulls
+from bench.ik.clouds.structures import COAL, OURS, SCIPY, octree, scipy_tree
+from bench.ik.methods.hulls import Hull
+
+FloatArray = npt.NDArray[np.float64]
+Placed = Mapping[str, FloatArray]  # (4, 4) by link
+
+
+class Query(Protocol):
+    """One way. What `prepare` does is not timed."""
+
+    name: str
+    hulls: list[Hull]
+    free: Callable[[Any], bool]
+    clearance: Callable[[Any], float] | None
+
+    def prepare(self, q: FloatArray, placed: Placed) -> Any:
+        """What the two questions take."""
+
+
+class Judge:
+    """Ours: one call answers both, forward kinematics included."""
+
+    name = OURS
+
+    def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
+        self.hulls = moving_hulls(robot)
+        self._cloud = pdoik.Cloud(points)
+        self._solver = pdoik.Solver(robot, pdoik.Options(base_collision=False))
+        self._robot = robot
+
+    def prepare(self, q: FloatArray, placed: Placed) -> Any:
+        return self._robot.fk(q), q
+
+    def free(self, ready: Any) -> bool:
+        return self.clearance(ready) >= 0.0
+
+    def clearance(self, ready: Any) -> float:
+        T, q = ready
+        return self._solver.judge(T, q, self._cloud).clearance
+
+
+class Octree:
+    """coal: each hull's capsule against the octree. The kinematics are there already."""
+
+    name = COAL
+
+    def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
+        self.hulls = moving_hulls(robot)
+        self._capsules = [Capsule.about(hull) for hull in self.hulls]
+        self._tree = octree(points)
+        self._still = coal.Transform3s.Identity()
+        self._touch, self._distance = coal.CollisionRequest(), coal.DistanceRequest()
+        self._touches, self._nearest = coal.CollisionResult(), coal.DistanceResult()
+
+    def prepare(self, q: FloatArray, placed: Placed) -> Any:
+        return [(each.shape, each.place(placed[each.hull.link])) for each in self._capsules]
+
+    def free(self, ready: Any) -> bool:
+        for shape, place in ready:
+            self._touches.clear()
+            if coal.collide(shape, place, self._tree, self._still, self._touch, self._touches):
+                return False
+        return True
+
+    def clearance(self, ready: Any) -> float:
+        least = np.inf
+        for shape, place in ready:
+            self._nearest.clear()
+            distance = coal.distance(
+                shape, place, self._tree, self._still, self._distance, self._nearest
+            )
+            least = min(least, distance)
+        return float(least)
+
+
+class Tree:
+    """SciPy: the points in each hull's ball, then the hull's own inequality."""
+
+    name = SCIPY
+    clearance = None
+
+    def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
+        self.hulls = moving_hulls(robot)
+        self._points = points
+        self._tree = scipy_tree(points)
+
+    def prepare(self, q: FloatArray, placed: Placed) -> Any:
+        ready = []
+        for hull in self.hulls:
+            T = placed[hull.link]
+            focal = np.sqrt(max(0.0, hull.semi_major**2 - hull.semi_minor**2))
+            center = T[:3, :3] @ hull.center + T[:3, 3]
+            reach = focal * (T[:3, :3] @ hull.axis)
+            ready.append((center, center - reach, center + reach, hull.semi_major))
+        return ready
+
+    def free(self, ready: Any) -> bool:
+        for center, focus_a, focus_b, semi_major in ready:
+            near = self._points[self._tree.query_ball_point(center, semi_major)]
+            to_a = np.linalg.norm(near - focus_a, axis=1)
+            if (to_a + np.linalg.norm(near - focus_b, axis=1) < 2 * semi_major).any():
+                return False
+        return True
+
+
+def queries(robot: pdoik.Robot, points: FloatArray) -> list[Any]:
+    """Ours first."""
+    return [each(robot, points) for each in (Judge, Octree, Tree)]

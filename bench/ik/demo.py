@@ -1,0 +1,311 @@
+"""The demo: three arms reach targets among random clutter, and every success is checked again.
+
+    bash bench/demo.sh [--targets 200] [--leaf 0.02] [--ycb DIR] [--out FILE.png]
+
+For each arm and target: a random posture defines the target (so it can be reached), 1 to 9 objects
+are placed at random so that the posture is clear of their scan, and the solver finds a posture for
+the target from the middle of the joint ranges. It is given the whole scan, or with --leaf balls
+that hold the whole scan. Solved is what plain NumPy finds at the target, within the limits and
+clear of every point of the scan.
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import numpy.typing as npt
+import typer
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+import pdoik
+from bench.ik.judges.recheck import UrdfChain, Verdict, recheck
+from bench.ik.scenes.objects import (
+    ObjectModel,
+    Scene,
+    SceneError,
+    primitive_models,
+    random_scene,
+    ycb_models,
+)
+from pdoik.picture import draw_solution
+
+FloatArray = npt.NDArray[np.float64]
+
+ROBOTS = ("panda", "ur10", "iiwa14")
+LEAST_SOLVED = 0.99
+FORGIVE = False  # overhangs: the second check takes hulls as they are
+PICTURE = Path(__file__).resolve().parents[2] / "build" / "bench" / "demo.png"
+_SHOWN_CLEARANCE = 0.005  # of the posture drawn, where there is one [m]
+_SHOWN_HEIGHT = 0.2  # of its target: the scenes have no floor, but readers expect one [m]
+console = Console(soft_wrap=True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """One target: what was asked, what came out, and what the second check says."""
+
+    robot: pdoik.Robot
+    scene: Scene
+    T_base_tip: FloatArray  # (4, 4)
+    n_taken_in: int  # points that the solver was given
+    intake: float  # [s]
+    result: pdoik.Result
+    verdict: Verdict  # on the whole scan
+    confirmed: bool
+
+    @property
+    def solved(self) -> bool:
+        """Whether the solver claims it and NumPy confirms it on the whole scan."""
+        return self.result.success and self.confirmed
+
+
+def main(
+    targets: Annotated[int, typer.Option(min=1, help="Per arm.")] = 200,
+    robot: Annotated[list[str] | None, typer.Option(help="One of the arms; repeatable.")] = None,
+    max_objects: Annotated[int, typer.Option(min=1, help="Most objects in a scene.")] = 9,
+    leaf: Annotated[
+        float | None,
+        typer.Option(
+            help="Give the solver balls that hold the scan, one for each cell of this edge [m],"
+            " in place of all its points."
+        ),
+    ] = None,
+    goal: Annotated[
+        Literal["pose", "axis", "position"], typer.Option(help="Of the solver.")
+    ] = "pose",
+    clearance: Annotated[float, typer.Option(help="Wanted between points and hulls [m].")] = 0.0,
+    max_time: Annotated[float, typer.Option(help="Deadline of a solve [s].")] = 0.1,
+    ycb: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder with cloud_vertices/*.pcd of the YCB objects."
+            " $PDOIK_SHARED/ycb otherwise, or else primitives."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of targets and scenes.")] = 0,
+    out: Annotated[Path, typer.Option(help="Picture of one solution, .png.")] = PICTURE,
+) -> None:
+    """Solve random targets among random clutter with three arms, check every success again."""
+    try:
+        if out == PICTURE:
+            out.parent.mkdir(parents=True, exist_ok=True)
+        if out.suffix.lower() != ".png" or not out.parent.is_dir():
+            raise ValueError(f"--out: expected a .png file in a folder that exists, got {out}")
+        models, source = _models(ycb)
+        options = pdoik.Options(
+            goal=goal, clearance=clearance, max_time=max_time, forgive_overhang=FORGIVE
+        )
+        console.print(
+            f"objects: {source}\n{_words(options, max_objects, leaf, targets)}", highlight=False
+        )
+        outcomes: list[list[Outcome]] = []
+        for index, name in enumerate(robot or ROBOTS):
+            rng = np.random.default_rng([seed, index])
+            outcomes.append(_run(name, options, models, targets, max_objects, leaf, rng))
+    except (pdoik.LoadError, SceneError, ValueError, OSError) as error:
+        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        raise typer.Exit(2) from error
+    console.print(_table(outcomes))
+    _draw(out, outcomes)
+    if not _is_good(outcomes):
+        raise typer.Exit(1)
+
+
+def _models(ycb: Path | None) -> tuple[Sequence[ObjectModel], str]:
+    """The objects, and words on where they are from."""
+    shared = os.environ.get("PDOIK_SHARED")
+    if ycb is None and shared and (Path(shared) / "ycb").is_dir():
+        ycb = Path(shared) / "ycb"
+    if ycb is None:
+        models = primitive_models()
+        return models, f"{len(models)} shapes made from primitives (--ycb DIR takes real scans)"
+    models = ycb_models(ycb)
+    return models, f"{len(models)} YCB scans"
+
+
+def _words(options: pdoik.Options, max_objects: int, leaf: float | None, n_targets: int) -> str:
+    given = "the whole scan" if leaf is None else f"balls that hold the scan, leaf {leaf:g} m,"
+    return (
+        f"scenes: 1 to {max_objects} objects, scaled 1 to 3 times; {given} given to the solver\n"
+        f"targets: {n_targets} per arm, {options.goal} goals,"
+        f" within {options.position_tolerance:g} m and {options.rotation_tolerance:g} rad,"
+        f" clearance {options.clearance:g} m"
+    )
+
+
+def _run(
+    name: str,
+    options: pdoik.Options,
+    models: Sequence[ObjectModel],
+    n_targets: int,
+    max_objects: int,
+    leaf: float | None,
+    rng: np.random.Generator,
+) -> list[Outcome]:
+    robot = pdoik.Robot.builtin(name)
+    if not len(robot.occupancy):
+        raise ValueError(f"{name} has no hulls, so nothing could collide")
+    solver = pdoik.Solver(robot, options)
+    urdf = importlib.resources.files("pdoik") / "robots" / f"{name}.urdf"
+    with importlib.resources.as_file(urdf) as file:
+        chain = UrdfChain(file, robot.joint_names)
+    solver.solve(robot.fk(robot.mid_configuration()))  # the first call pays for first touches
+    columns = (
+        TextColumn("{task.description:8}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as progress:
+        return [
+            solve_one(solver, chain, models, int(rng.integers(1, max_objects + 1)), leaf, rng)
+            for _ in progress.track(range(n_targets), description=name)
+        ]
+
+
+def _posture_off_itself(
+    solver: pdoik.Solver, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """A random posture in which no links touch, (n,), and where its tip is, (4, 4)."""
+    robot = solver.robot
+    while True:
+        q = rng.uniform(robot.lower, robot.upper)
+        T_base_tip = robot.fk(q)
+        if solver.judge(T_base_tip, q).success:
+            return q, T_base_tip
+
+
+def solve_one(
+    solver: pdoik.Solver,
+    chain: UrdfChain,
+    models: Sequence[ObjectModel],
+    n_objects: int,
+    leaf: float | None,
+    rng: np.random.Generator,
+) -> Outcome:
+    robot = solver.robot
+    q_rand, T_base_tip = _posture_off_itself(solver, rng)
+
+    def is_clear(scene: Scene) -> bool:
+        return solver.judge(T_base_tip, q_rand, obstacles=scene.points).success
+
+    scene = random_scene(rng, models, n_objects, is_clear)
+    scan = scene.points
+    began = time.perf_counter()
+    cloud = pdoik.Cloud(scan, leaf, radii=leaf is not None)
+    intake = time.perf_counter() - began
+    result = solver.solve(T_base_tip, obstacles=cloud)
+    verdict = recheck(chain, robot, solver.options, T_base_tip, result.q, scan)
+    return Outcome(
+        robot=robot,
+        scene=scene,
+        T_base_tip=T_base_tip,
+        n_taken_in=len(cloud),
+        intake=intake,
+        result=result,
+        verdict=verdict,
+        confirmed=verdict.confirms(solver.options),
+    )
+
+
+def _table(outcomes: list[list[Outcome]]) -> Table:
+    """A column for each arm: three of them fit where twelve numbers a row would not."""
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("")
+    cells = []
+    for rows in outcomes:
+        table.add_column(rows[0].robot.name, justify="right")
+        solved = [row for row in rows if row.solved]
+        times = 1e3 * np.array([row.result.time for row in rows])
+        taken_in, intakes = zip(*((row.n_taken_in, row.intake) for row in rows), strict=True)
+        cells.append(
+            {
+                "solved, clear of the whole scan": f"{len(solved)} / {len(rows)}",
+                "claimed, but NumPy disagrees": str(len(_wrong(rows))),
+                "least clearance to the scan [mm]": _least(
+                    [1e3 * row.verdict.clearance for row in solved]
+                ),
+                "position error, median [m]": _median(
+                    [row.verdict.position_error for row in solved]
+                ),
+                "position error, max [m]": _most([row.verdict.position_error for row in solved]),
+                "rotation error, median [rad]": _median(
+                    [row.verdict.rotation_error for row in solved]
+                ),
+                "rotation error, max [rad]": _most([row.verdict.rotation_error for row in solved]),
+                "points of a scan, mean": f"{np.mean([len(row.scene.points) for row in rows]):.0f}",
+                "points or balls taken in, mean": f"{np.mean(taken_in):.0f}",
+                "taking them in, median [ms]": f"{1e3 * np.median(intakes):.3f}",
+                "time, median [ms]": f"{np.quantile(times, 0.5):.3f}",
+                "time, p95 [ms]": f"{np.quantile(times, 0.95):.3f}",
+                "time, p99 [ms]": f"{np.quantile(times, 0.99):.3f}",
+                "time, max [ms]": f"{times.max():.3f}",
+            }
+        )
+    for name in cells[0]:
+        table.add_row(escape(name), *(column[name] for column in cells))
+    return table
+
+
+def _wrong(rows: list[Outcome]) -> list[Outcome]:
+    return [row for row in rows if row.result.success and not row.confirmed]
+
+
+def _least(values: list[float]) -> str:
+    return f"{min(values):.3f}" if values else "-"
+
+
+def _most(values: list[float]) -> str:
+    return f"{max(values):.1e}" if values else "-"
+
+
+def _median(values: list[float]) -> str:
+    return f"{np.median(values):.1e}" if values else "-"
+
+
+def _draw(out: Path, outcomes: list[list[Outcome]]) -> None:
+    """Draw a crowded scene: of the solved ones, the tightest with most objects."""
+    solved = [row for rows in outcomes for row in rows if row.solved]
+    if not solved:
+        console.print("nothing was solved, so there is no picture")
+        return
+    shown = [
+        row
+        for row in solved
+        if row.verdict.clearance > _SHOWN_CLEARANCE and row.T_base_tip[2, 3] > _SHOWN_HEIGHT
+    ]
+    show = max(shown or solved, key=lambda row: (len(row.scene.objects), -row.verdict.clearance))
+    draw_solution(out, show.robot, show.result, show.T_base_tip, cloud=show.scene.points)
+    names = ", ".join(sorted({placed.model.name for placed in show.scene.objects}))
+    console.print(f"{out}: {show.robot.name} among {names}", highlight=False)
+
+
+def _is_good(outcomes: list[list[Outcome]]) -> bool:
+    good = True
+    for rows in outcomes:
+        complaints = []
+        if sum(row.solved for row in rows) < LEAST_SOLVED * len(rows):
+            complaints.append(f"solved fewer than {LEAST_SOLVED:.0%}")
+        if wrong := _wrong(rows):
+            complaints.append(f"{len(wrong)} successes not confirmed")
+        for complaint in complaints:
+            console.print(f"[bold red]{rows[0].robot.name}: {complaint}[/]")
+            good = False
+    return good
+
+
+if __name__ == "__main__":
+    typer.run(main)

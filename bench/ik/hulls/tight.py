@@ -1,0 +1,150 @@
+"""Fit capsules to the shipped robots' published meshes, and measure how far they stick out.
+
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1          measure the shipped files
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --fit    fit anew, write and measure
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --pairs  write which links may touch
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+
+import pdoik
+from bench.humanoid.hulls import _circumscribed
+from bench.ik.experiment import Arm
+from bench.ik.judges.arm_meshes import arm_meshes
+from pdoik._files import write_whole
+from pdoik.h1.shapes import SHAPES
+from pdoik.link_pairs import sample_pairs
+from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_link
+from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
+from pdoik.occupancy_fit.overhang import overhang
+from pdoik.occupancy_fit.segments import Capsules
+from pdoik.occupancy_fit.solid import Solid
+
+FloatArray = npt.NDArray[np.float64]
+ROBOTS = Path(__file__).parents[3] / "cpp/robots"
+MAY_TOUCH = {  # though the geometry meets
+    "panda": [("panda_link5", "panda_link7")],  # by the maker's SRDF
+    "h1": [("torso_link", f"{side}_shoulder_roll_link") for side in ("left", "right")],  # at rest
+}
+HEADER = """\
+#
+# Capsules: a second, closer cover of the same geometry, as it is instead of its convex hull, by
+#
+#   bench/ik/hulls/tight.py {name} --fit
+#
+# Overhang [mm]: from the outer surface of a link's capsules to its geometry.
+#
+#   link                 capsules    mean   worst
+"""
+
+
+def geometry(name: str) -> dict[str, FloatArray]:
+    """Triangles per link, (T, 3, 3) in our link's frame [m]."""
+    if name != "h1":
+        return arm_meshes(Arm.builtin(name))
+    links = dict.fromkeys(shape.link for shape in SHAPES)
+    return {
+        link: np.concatenate([_circumscribed(shape) for shape in SHAPES if shape.link == link])
+        for link in links
+    }
+
+
+def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
+    """Capsules of every link. The H1's shapes are capsules and balls already, but for cylinders."""
+    capsules: list[Capsule] = []
+    if name != "h1":
+        for link, mesh in meshes.items():
+            capsules += fit_link(link, mesh)[0]
+            print(f"{link}: {len(capsules)} capsules so far", flush=True)
+        return capsules
+    for shape in SHAPES:
+        if shape.kind == "cylinder":
+            capsules += fit_link(shape.link, _circumscribed(shape))[0]
+        else:
+            a, b = tidy_point(np.array(shape.a)), tidy_point(np.array(shape.b))
+            capsules.append(Capsule(shape.link, a, b, round(shape.radius + MARGIN, 9)))
+    return capsules
+
+
+def read(name: str) -> list[Capsule]:
+    rows = yaml.safe_load((ROBOTS / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
+    return [
+        Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"], r.get("overhang", 0.0))
+        for r in rows
+    ]
+
+
+def measure(
+    meshes: dict[str, FloatArray], capsules: list[Capsule]
+) -> list[tuple[str, int, float, float]]:
+    """Per link: capsules, mean and worst overhang [mm]."""
+    rows = []
+    for link, mesh in meshes.items():
+        own = [hull for hull in capsules if hull.link == link]
+        a, b, radius = (np.array([hull[i] for hull in own]) for i in (1, 2, 3))
+        out = overhang(Solid.of(mesh), Capsules(a, b, radius))
+        rows.append((link, len(own), 1e3 * out.mean, 1e3 * out.worst))
+    return rows
+
+
+def write(name: str, capsules: list[Capsule], rows: list[tuple[str, int, float, float]]) -> None:
+    """Put the list at the end of the robot's file, and its table at the end of the header."""
+    path = ROBOTS / f"{name}.occupancy.yaml"
+    text = re.sub(r"^capsules:\n(?:  - .*\n)*", "", path.read_text("utf-8"), flags=re.MULTILINE)
+    text = re.sub(r"#\n# Capsules:(?:.*\n)*?(?=[a-z])", "", text)
+    table = "".join(
+        f"#   {link:<22}{n:>7}{mean:>8.2f}{worst:>8.1f}\n" for link, n, mean, worst in rows
+    )
+    report = FitReport(hulls=(), links=(), skipped=())
+    only = OccupancyFit(spheres=(), spheroids=(), capsules=tuple(capsules), report=report)
+    listed = only.to_yaml().partition("capsules:\n")[2]
+    start = text.index("spheres:")
+    text = text[:start] + HEADER.format(name=name) + table + text[start:]
+    write_whole(path, f"{text}capsules:\n{listed}")
+
+
+def write_pairs(name: str, meshes: dict[str, FloatArray]) -> None:
+    """Put the pairs that `pdoik pairs` would leave out into the robot's SRDF."""
+    robot = pdoik.Robot.builtin(name)
+    robot.occupancy = pdoik.Occupancy.load(ROBOTS / f"{name}.occupancy.yaml")
+    robot.ignored_pairs = MAY_TOUCH.get(name, [])
+    report = sample_pairs(robot, meshes)
+    report.write(ROBOTS / f"{name}.srdf")
+    print(f"{name}: {len(report.ignored)} pairs, refuses {100 * report.flagged_share:.2f} %")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("robots", nargs="+", choices=["panda", "ur10", "iiwa14", "h1"])
+    parser.add_argument("--fit", action="store_true", help="fit anew and write the files")
+    parser.add_argument("--pairs", action="store_true", help="write the SRDFs")
+    options = parser.parse_args()
+    for name in options.robots:
+        meshes = geometry(name)
+        if options.pairs:
+            write_pairs(name, meshes)
+            continue
+        start = time.process_time()
+        capsules = fit(name, meshes) if options.fit else read(name)
+        seconds = time.process_time() - start
+        rows = measure(meshes, capsules)
+        if options.fit:
+            write(name, capsules, rows)
+        for link, n, mean, worst in rows:
+            print(f"{link:<28}{n:>5}{mean:>8.2f}{worst:>8.1f}")
+        print(f"{name}: {len(capsules)} capsules, {seconds:.0f} s of one processor", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""Published problem sets, read from the files that their authors give out.
+
+A folder or file comes in, problems by the name of their set go out: MotionBenchMaker's folders of
+MoveIt scenes and requests (or the archive of them), VAMP's problems.json or problems.pkl, EBIKE's
+folder of scenarios.
+"""
+
+from __future__ import annotations
+
+import tarfile
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bench.ik.problems.loaders.ebike import is_ebike, read_ebike
+from bench.ik.problems.loaders.errors import LoaderError
+from bench.ik.problems.loaders.moveit import read_moveit
+from bench.ik.problems.loaders.vamp import read_vamp
+from bench.ik.problems.problem import Problem
+from bench.ik.problems.robots import RobotFiles
+
+ARCHIVES = (".tar", ".gz", ".bz2", ".xz", ".tgz")
+
+
+def read_problems(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
+    """The problems of a folder or file, by the name of their set.
+
+    Args:
+        path: A folder with scene0001.yaml and request0001.yaml, a folder of such folders, an
+            archive of these; problems.json or problems.pkl; or a folder with *.pcd and *.ply.
+        files: The robot they are for.
+
+    Raises:
+        LoaderError: What cannot be read, by file and entry.
+    """
+    if not path.exists():
+        raise LoaderError(path, "no such file or folder")
+    if path.is_file():
+        if path.suffix in (".json", ".pkl", ".pickle"):
+            return read_vamp(path, files)
+        if path.suffix in ARCHIVES:
+            return _read_archive(path, files)
+        raise LoaderError(path, f"expected .json, .pkl or an archive, got {path.suffix!r}")
+    if is_ebike(path):
+        return read_ebike(path, files)
+    folders = (
+        [path]
+        if any(path.glob("scene*.y*ml"))
+        else sorted(p for p in path.rglob("*") if p.is_dir())
+    )
+    sets = {f.name: read_moveit(f, files) for f in folders if any(f.glob("scene*.y*ml"))}
+    if not sets:
+        raise LoaderError(path, "neither scene*.yaml nor *.pcd in it or its folders")
+    return sets
+
+
+def _read_archive(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
+    with TemporaryDirectory(prefix="pdoik-problems-") as folder:
+        try:
+            with tarfile.open(path) as archive:
+                archive.extractall(folder, filter="data")
+        except (tarfile.TarError, OSError) as error:
+            raise LoaderError(path, f"not an archive that can be read: {error}") from error
+        return read_problems(Path(folder), files)
+
+
+__all__ = ["LoaderError", "read_problems"]

@@ -1,0 +1,83 @@
+"""What self-collision by hulls refuses of free configurations and misses of colliding ones.
+
+    python -m bench.ik.self_pairs --samples 5000
+
+Hulls fitted to meshes (`pdoik occupancy`) with the pairs of `pdoik pairs`, with and without the
+robot's SRDF, and the shipped hulls with the shipped pairs; coal on the published collision meshes
+is the judge, on configurations that the pairs were not found by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+import typer
+
+import pdoik
+from bench.common.markdown import markdown_table
+from bench.ik.experiment import ARMS, Arm
+from bench.ik.judges.arm_meshes import arm_meshes
+from bench.ik.judges.itself import self_judge
+from bench.ik.problems.hulls import fitted_robot
+from bench.ik.problems.robots import robot_files
+from pdoik.link_pairs import sample_pairs
+from pdoik.occupancy_fit.geometry import load_geometry
+
+FloatArray = npt.NDArray[np.float64]
+CLEARANCES = (0.0, -0.002, -0.004)  # [m]
+COLUMNS = ("robot", "hulls", "pairs left out", "free", "clearance [mm]", "refused", "missed")
+
+
+def main(
+    samples: Annotated[int, typer.Option(help="Configurations to judge.")] = 5000,
+    seed: Annotated[int, typer.Option(help="Of these; the pairs are found with another.")] = 1,
+) -> None:
+    """Print the table."""
+    rows = []
+    for name in ("panda", "ur10"):
+        files = robot_files(name)
+        meshes = {m.name: m.triangles for m in load_geometry(files.xml(), files.package_dirs)}
+        robot = fitted_robot(files)
+        listed = {"nothing": []}
+        if files.srdf is not None:
+            listed["its SRDF"] = pdoik.load_srdf_pairs(files.srdf, robot)
+        for word, given in listed.items():
+            robot.ignored_pairs = []
+            found = sample_pairs(robot, files.xml(), files.package_dirs, listed=given)
+            robot.ignored_pairs = found.ignored
+            rows += _judge(robot, meshes, samples, seed, [name, "fitted", f"{word}, sampled"])
+    for name in ARMS:
+        arm = Arm.builtin(name)
+        arm.robot.occupancy = pdoik.Robot.builtin(name).occupancy  # its capsules, too
+        rows += _judge(arm.robot, arm_meshes(arm), samples, seed, [name, "shipped", "shipped"])
+    print(markdown_table(COLUMNS, rows))
+
+
+def _judge(
+    robot: pdoik.Robot, meshes: Mapping[str, FloatArray], samples: int, seed: int, words: list[str]
+) -> list[list[str]]:
+    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
+    goals = {tip: np.eye(4) for tip in robot.tip_links}
+    meet = self_judge(robot, {link: part for link, part in meshes.items() if len(part)})
+    rng = np.random.default_rng(seed)
+    drawn = rng.uniform(robot.lower, robot.upper, (samples, robot.dof))
+    distance = np.array([solver.judge(goals, q).self_distance for q in drawn])
+    collides = np.array([meet(q) for q in drawn])
+    free = ~collides
+    return [
+        [
+            *words,
+            f"{free.mean():.3f}",
+            f"{1e3 * clearance:g}",
+            f"{(distance[free] < clearance).mean():.4f}",
+            f"{(distance[collides] >= clearance).sum()} / {collides.sum()}",
+        ]
+        for clearance in CLEARANCES
+    ]
+
+
+if __name__ == "__main__":
+    typer.run(main)

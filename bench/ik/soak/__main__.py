@@ -1,0 +1,148 @@
+"""Soak test: ten million solves and a million tracker steps, each judged by code of its own.
+
+    python -m bench.ik.soak --out build/bench/soak
+    python -m bench.ik.soak --replay build/bench/soak/failures/CASE.json
+
+Random robots, goals, clouds and options (bench/ik/soak), all from seeds. Every answer is judged by
+Pinocchio and by the hulls' definition, by brute force in double precision. Results are kept as they
+come and the same command continues where it was stopped; --solves and --steps may be raised.
+What fails is written to failures/ and ends the command with status 1: a file there can be replayed,
+and is a test once it lies in tests/python/soak_cases. --quick is a two-minute version.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import pandas as pd
+import typer
+
+import pdoik
+from bench.common.commands import (
+    BUILD,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    console,
+    plain_errors,
+    run_campaign,
+    show,
+    write_report,
+)
+from bench.ik.soak import solves as solving
+from bench.ik.soak import tracking
+from bench.ik.soak.cases import read_case
+from bench.ik.soak.report import report
+from bench.ik.soak.trees import FAMILIES
+
+SHARES = {  # of a family in all solves and in all steps
+    "panda": (0.22, 0.15),
+    "ur10": (0.15, 0.12),
+    "iiwa14": (0.15, 0.12),
+    "h1": (0.05, 0.12),
+    "random tree": (0.23, 0.2),
+    "from_dh": (0.14, 0.14),
+    "floating base": (0.06, 0.15),
+}
+SOLVES, STEPS = 50_000, 20_000  # of a job, at most: ten to thirty seconds
+JOBS = 40  # at least, about
+
+
+def main(
+    out: OutFolder = BUILD / "soak",
+    quick: Quick = False,
+    solves: Annotated[int, typer.Option(min=0, help="In all, at least.")] = 10_000_000,
+    steps: Annotated[int, typer.Option(min=0, help="Of trackers, at least.")] = 1_000_000,
+    seed: Seed = 0,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    replay: Annotated[
+        list[Path] | None, typer.Option(help="Ask this once more instead; repeatable.")
+    ] = None,
+) -> None:
+    """Solve, track, judge, and keep what failed."""
+    if replay:
+        raise typer.Exit(1 if sum(replayed(path) for path in replay) else 0)
+    if quick:
+        out = out.with_name(out.name + "-quick")
+        solves, steps = min(solves, 100_000), min(steps, 20_000)
+    with plain_errors():
+        trials = {}
+        for kind, total, most, run_job in (
+            ("solve", solves, SOLVES, solving.run_job),
+            ("tracking", steps, STEPS, tracking.run_job),
+        ):
+            size = min(most, -(-total // JOBS))
+            settings = {"experiment": kind, "seed": seed, "of_a_job": size, "core": core_digest()}
+            jobs = jobs_of(kind, total, size, seed)
+            trials[kind] = pd.DataFrame()
+            if jobs:
+                folder = out / kind
+                trials[kind] = run_campaign(folder, settings, run_job, jobs, scheduler, workers)
+        failed = write_failures(out / "failures", trials)
+    text = report(trials["solve"], trials["tracking"], seed)
+    write_report(out / "soak.md", text)
+    show(text)
+    console.print(f"tables: {out}/soak.md; scenes and runs: */trials.parquet")
+    if failed:
+        console.print(f"{failed} cases that failed: {out}/failures")
+        raise typer.Exit(1)
+
+
+def jobs_of(kind: str, total: int, size: int, seed: int) -> dict[str, dict[str, Any]]:
+    """Jobs of `size` each, `total` in all or a little more, the families by turns."""
+    if total == 0:
+        return {}
+    counts = {
+        family: -(-round(total * SHARES[family][kind == "tracking"]) // size) for family in FAMILIES
+    }
+    return {
+        f"{family.replace(' ', '_')}-{index:04d}": {
+            "seed": seed,
+            "family": family,
+            "key": [FAMILIES.index(family), index],
+            "name": f"{family.replace(' ', '_')}-{index:04d}",
+            "count": size,
+        }
+        for index in range(max(counts.values()))
+        for family in FAMILIES
+        if index < counts[family]
+    }
+
+
+def write_failures(folder: Path, trials: Mapping[str, pd.DataFrame]) -> int:
+    """A file for each case that was kept; how many there are."""
+    count = 0
+    for table in trials.values():
+        for text in table.get("cases", ()):
+            for name, case in json.loads(text).items() if text else ():
+                folder.mkdir(parents=True, exist_ok=True)
+                (folder / f"{name}.json").write_text(json.dumps(case, indent=1) + "\n")
+                count += 1
+    return count
+
+
+def replayed(path: Path) -> bool:
+    """Whether a case still fails; says how."""
+    case = read_case(path)
+    module = tracking if case["kind"] == "tracking" else solving
+    complaints = module.replay(case)
+    was = ", ".join(case["complaints"])
+    now = ", ".join(complaints) or "nothing to complain of"
+    console.print(f"{path.name}: was {was}; now {now}", highlight=False, soft_wrap=True)
+    return bool(complaints)
+
+
+def core_digest() -> str:
+    """Of the library's machine code: results of two builds are not to be mixed."""
+    return hashlib.sha256(Path(pdoik._core.__file__).read_bytes()).hexdigest()[:16]
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,196 @@
+"""How sure findings are: weights of the confidence, and whether it means what it says.
+
+    python -m bench.sim2real.confidence RUN... --fit        weights, from runs on development seeds
+    python -m bench.sim2real.confidence RUN... --rules      other ways to choose
+    python -m bench.sim2real.confidence RUN... --out FILE   reliability diagram of other runs
+
+A run is a folder of ../proof or soiled.py with studies.parquet. A finding is true where
+one of the study's hidden effects has its name and place; where a channel lies, or a cause has no
+name in the catalogue, where it is at the hidden joint, of the latter without a name.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+from scipy import optimize, stats
+
+from bench.common.intervals import wilson
+from bench.common.whole_files import write_whole
+from bench.sim2real.diagnosis.score import last_link, same
+from pdoik.sim2real.confirm.confidence import confidence_of, features
+from pdoik.sim2real.effects.unknown import Unknown
+from pdoik.sim2real.findings import Support
+from pdoik.sim2real.thresholds import Thresholds
+from pdoik.sim2real.thresholds.confidence import ConfidenceThresholds
+
+_PRIOR = 0.5  # inverse variance of the weights, about the default's signs
+_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
+console = Console(width=120)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """One finding, what it was said to be sure of, and whether it is true."""
+
+    study: str
+    effect: str
+    support: Support | None
+    confidence: float
+    true: bool
+
+
+def claims(run: Path) -> list[Claim]:
+    """Findings and suspicions of every study of a run."""
+    rows = pd.read_parquet(run / "studies.parquet")
+    found = []
+    for row in rows.itertuples():
+        hidden = json.loads(row.hidden)
+        joints = list(json.loads(row.joints))
+        said = [*json.loads(row.findings), *json.loads(getattr(row, "suspected", None) or "[]")]
+        for each in said:
+            support = Support(**each["support"]) if each.get("support") else None
+            found.append(
+                Claim(
+                    study=f"{run.name}/{row.name}",
+                    effect=each["effect"],
+                    support=support,
+                    confidence=each["confidence"],
+                    true=_is_true(each, hidden, last_link(joints), str(row.group)),
+                )
+            )
+    return found
+
+
+def _is_true(finding: dict[str, Any], hidden: list[dict[str, Any]], last: str, group: str) -> bool:
+    if group in ("lying", "outside"):  # of the latter what has no name at its joint
+        right = group == "lying" or finding["effect"] == Unknown.id
+        return bool(hidden) and right and finding["joints"][:1] == hidden[0]["joints"][:1]
+    return any(same(finding, each, last) for each in hidden)
+
+
+def fitted(known: list[Claim]) -> dict[str, float]:
+    """Weights of the largest penalised likelihood, one per feature."""
+    supported = [c for c in known if c.support is not None and c.support.sessions]
+    names = list(features(cast("Support", supported[0].support)))
+    A = np.array([list(features(cast("Support", c.support)).values()) for c in supported])
+    true = np.array([c.true for c in supported])
+    start = np.array([getattr(ConfidenceThresholds(), name) for name in names])
+
+    def cost(weights: NDArray[np.float64]) -> float:
+        odds = np.where(true, 1.0, -1.0) * (A @ weights)
+        return float(np.sum(np.logaddexp(0.0, -odds)) + 0.5 * _PRIOR * np.sum(weights[1:] ** 2))
+
+    found = optimize.minimize(cost, start).x
+    return {name: round(float(w), 2) for name, w in zip(names, found, strict=True)}
+
+
+def reliability(known: list[Claim]) -> list[tuple[str, int, float, float, tuple[float, float]]]:
+    """By stated confidence: findings, mean stated, share true and its 95 % interval."""
+    stated = np.array([c.confidence for c in known])
+    true = np.array([c.true for c in known])
+    rows = []
+    for low, high in pairwise(_EDGES):
+        at = (stated >= low) & ((stated < high) | (high == _EDGES[-1]))
+        if at.any():
+            count, right = int(at.sum()), int(true[at].sum())
+            name = f"{low:g} to {high:g}"
+            rows.append(
+                (name, count, float(stated[at].mean()), right / count, wilson(right, count))
+            )
+    return rows
+
+
+RULES: dict[str, Callable[[Support], bool]] = {
+    "none": lambda s: True,
+    "t at least 2": lambda s: s.t >= 2.0,
+    "t at least 3.5": lambda s: s.t >= 3.5,
+    "t, Bonferroni for 100 candidates": lambda s: _chance(s) < 0.05 / 100,
+    "t, Bonferroni for 400 candidates": lambda s: _chance(s) < 0.05 / 400,
+    "every session agrees": lambda s: s.agree == s.sessions,
+    "gain at least 0.12": lambda s: s.gain >= 0.12,
+    "gain at least 0.3": lambda s: s.gain >= 0.3,
+    "gain at least 0.5": lambda s: s.gain >= 0.5,
+    "t at least 2, gain at least 0.3": lambda s: s.t >= 2.0 and s.gain >= 0.3,
+    "confidence at least 0.75": lambda s: confidence_of(Thresholds(), s) >= 0.75,
+    "confidence at least 0.9": lambda s: confidence_of(Thresholds(), s) >= 0.9,
+}
+"""Ways to choose among what was accepted, by its support on left-out sessions."""
+
+
+def _chance(support: Support) -> float:
+    """Probability of so large a t by chance, of so many blocks."""
+    return float(stats.t.sf(support.t, max(support.blocks - 1, 1)))
+
+
+def compared(known: list[Claim], title: str) -> Table:
+    """What each rule keeps: false findings, precision, and the share of the true ones."""
+    supported = [(c.support, c.true) for c in known if c.support is not None and c.support.sessions]
+    table = Table("rule", "kept", "false", "precision", "of the true ones", title=title)
+    for name, keeps in RULES.items():
+        kept = [true for support, true in supported if keeps(support)]
+        right = sum(kept)
+        share = right / max(sum(true for _, true in supported), 1)
+        row = (str(len(kept)), str(len(kept) - right), f"{right / max(len(kept), 1):.3f}")
+        table.add_row(name, *row, f"{share:.3f}")
+    return table
+
+
+def drawn(known: dict[str, list[Claim]], path: Path) -> None:
+    """The reliability diagram, one line per kind of world."""
+    figure, axes = plt.subplots(figsize=(5.5, 5.0), layout="constrained")
+    axes.plot([0.0, 1.0], [0.0, 1.0], color="0.7", lw=1, label="as it should be")
+    for name, some in known.items():
+        rows = reliability(some)
+        x, y = [row[2] for row in rows], np.array([row[3] for row in rows])
+        ends = np.array([row[4] for row in rows]).T
+        bars = np.abs(ends - y)
+        axes.errorbar(x, y, yerr=bars, marker="o", capsize=3, label=f"{name}: {len(some)} findings")
+    axes.set(
+        xlabel="stated confidence", ylabel="share that is true", xlim=(0, 1.02), ylim=(0, 1.02)
+    )
+    axes.legend(loc="upper left", frameon=False)
+    write_whole(path, lambda temporary: figure.savefig(temporary, dpi=140))
+    plt.close(figure)
+
+
+def main(
+    runs: Annotated[list[Path], typer.Argument(help="Folders of bench.sim2real.proof, scored.")],
+    fit: Annotated[bool, typer.Option("--fit", help="Print weights fitted to these.")] = False,
+    rules: Annotated[bool, typer.Option("--rules", help="Compare ways to choose.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Picture of the reliability.")] = None,
+) -> None:
+    """Fit the weights, or show whether stated confidences hold."""
+    known = {run.name: claims(run) for run in runs}
+    everything = [c for some in known.values() for c in some]
+    if fit:
+        console.print(fitted(everything))
+        bare = [c for c in everything if c.support is None or not c.support.sessions]
+        console.print(f"without support: {sum(c.true for c in bare)} true of {len(bare)}")
+    for name, some in [*known.items(), ("all", everything)]:
+        table = Table("stated", "findings", "mean stated", "true", "95 % interval", title=name)
+        for said, count, mean, share, (low, high) in reliability(some):
+            table.add_row(
+                said, str(count), f"{mean:.3f}", f"{share:.3f}", f"{low:.3f} to {high:.3f}"
+            )
+        console.print(table)
+        if rules:
+            console.print(compared(some, name))
+    if out is not None:
+        drawn(known, out)
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,259 @@
+"""Small proof of `pdoik diagnose`: worlds with one thing hidden, diagnosed and scored.
+
+    python -m bench.sim2real.diagnosis --out build/bench/diagnosis
+
+Every effect of ../concealed/catalogue.py, in plain view and near the noise floor, and studies
+with nothing wrong, on development seeds. Results are kept as they come, and the same command
+continues where it was stopped. --quick is a two-minute version; --times measures seconds and
+memory of long studies instead. Needs the extras bench and sim2real.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import resource
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated
+from unittest import mock
+
+import numpy as np
+import pandas as pd
+import typer
+
+from bench.common.commands import (
+    BUILD,
+    OutFolder,
+    Quick,
+    Scheduler,
+    Seed,
+    Workers,
+    console,
+    plain_errors,
+    run_campaign,
+    show,
+)
+from bench.common.digests import code_digest
+from bench.common.intervals import share
+from bench.common.markdown import markdown_table
+from bench.common.provenance import provenance
+from bench.common.whole_files import write_text
+from bench.sim2real.concealed import build
+from bench.sim2real.concealed.catalogue import EFFECTS
+from bench.sim2real.concealed.draft import Draft, draft_of
+from bench.sim2real.concealed.effect import Effect
+from bench.sim2real.concealed.motion import Style, recording_motion
+from bench.sim2real.concealed.robots import NAMES
+from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
+from bench.sim2real.diagnosis.score import run_study
+from pdoik.sim2real import diagnose
+
+ROOM = 50  # seeds between two effects, half of them for each way of hiding
+QUICK = (
+    "coulomb_friction",
+    "viscous_friction",
+    "payload",
+    "torque_offset",
+    "command_delay",
+    "backlash",
+)
+LONG = 40.0  # of each of three recordings [s]
+REPEATS = 3
+
+
+def main(
+    out: OutFolder = BUILD / "diagnosis",
+    quick: Quick = False,
+    plain: Annotated[int, typer.Option(min=0, max=ROOM // 2, help="In plain view, each.")] = 2,
+    noise: Annotated[int, typer.Option(min=0, max=ROOM // 2, help="Near the noise, each.")] = 2,
+    clean: Annotated[int, typer.Option(min=0, max=1000, help="With nothing wrong.")] = 20,
+    times: Annotated[bool, typer.Option("--times", help="Seconds and memory instead.")] = False,
+    seed: Seed = 5000,
+    scheduler: Scheduler = None,
+    workers: Workers = 2,
+) -> None:
+    """Diagnose worlds with something concealed, and score it."""
+    effects = QUICK if quick else tuple(EFFECTS)
+    if quick:
+        plain, noise, clean, out = 1, 0, 2, out.with_name(out.name + "-quick")
+    if seed + ROOM * len(EFFECTS) + 1000 > FIRST_PROOF_SEED:
+        raise typer.BadParameter("is a proof's: these are for development", param_hint="--seed")
+    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
+    if times:
+        table = times_table(seed)
+        out.mkdir(parents=True, exist_ok=True)
+        write_text(out / "times.md", f"{facts}\n\n{table}")
+        show(table)
+        return
+    jobs = {
+        f"{spec.seed}-{spec.effect}-{spec.hide}": {"spec": asdict(spec)}
+        for spec in specs(seed, effects, {"plain": plain, "noise": noise}, clean)
+    }
+    with plain_errors():
+        settings = {"experiment": "diagnosis", "seed": seed, "code": code_digest("concealed")}
+        studies = run_campaign(out, settings, run_study, jobs, scheduler, workers)
+    tables = f"{way_table(studies)}\n{effect_table(studies)}"
+    write_text(out / "tables.md", f"{facts}\n\n{tables}")
+    write_text(out / "failures.md", "".join(map(failure, failed(studies).itertuples())))
+    show(tables)
+    console.print(f"tables: {out}/tables.md; failures: failures.md; studies: trials.parquet")
+
+
+def specs(
+    first: int, effects: tuple[str, ...], ways: dict[str, int], clean: int
+) -> Iterator[WorldSpec]:
+    """Of each effect by each way, then with nothing wrong; a seed belongs to one study for good."""
+    for effect in effects:
+        start = ROOM * list(EFFECTS).index(effect)
+        for step, (way, count) in enumerate(ways.items()):
+            for k in range(count):
+                number = start + ROOM // 2 * step + k
+                turn = 7 * list(EFFECTS).index(effect) + 3 * k + step
+                robot = NAMES[turn % len(NAMES)]
+                yield WorldSpec(seed=first + number, effect=effect, hide=way, robot=robot)
+    for k in range(clean):
+        yield WorldSpec(seed=first + ROOM * len(EFFECTS) + k, robot=NAMES[7 * k % len(NAMES)])
+
+
+def way_table(studies: pd.DataFrame) -> str:
+    """One row per way of hiding, with 95 % intervals."""
+    header = ["way", "studies", "named first [95%]", "named or equivalent", "placed"]
+    header += ["extra findings", "inside the 95 % interval", "error", "left / floor", "seconds"]
+    hidden = studies[studies.effect != "clean"]
+    groups = {way: hidden[hidden.hide == way] for way in dict.fromkeys(hidden.hide)}
+    rows = []
+    for way, some in {**groups, "both": hidden}.items():
+        shares = [share(some[column]) for column in ("named", "listed", "placed")]
+        inside = np.repeat([True, False], [some.inside.sum(), (some.intervals - some.inside).sum()])
+        rows.append([way, len(some), *shares, int(some.extra.sum()), share(inside), *medians(some)])
+    clean = studies[studies.effect == "clean"]
+    alarms = f"Nothing wrong: {int((~clean.named).sum())} false alarms in {len(clean)} studies, "
+    alarms += f"{share(~clean.named)}; {int(clean.extra.sum())} findings."
+    return f"{markdown_table(header, rows)}\n{alarms}\n"
+
+
+def effect_table(studies: pd.DataFrame) -> str:
+    """One row per effect; shares by way of hiding."""
+    ways = list(dict.fromkeys(studies.hide))
+    header = ["effect", f"studies ({', '.join(ways)})", "named first", "named or equivalent"]
+    header += ["placed", "extra findings", "inside the 95 % interval", "error", "left / floor"]
+    rows = []
+    for effect, some in studies.groupby("effect", sort=False):
+        groups = [some[some.hide == way] for way in dict.fromkeys(some.hide)]
+        counts = [
+            ", ".join(str(int(group[column].sum())) for group in groups)
+            for column in ("named", "listed", "placed", "extra")
+        ]
+        inside = f"{int(some.inside.sum())} of {int(some.intervals.sum())}"
+        studied = ", ".join(str(len(group)) for group in groups)
+        rows.append([effect, studied, *counts, inside, *medians(some)])
+    return markdown_table([*header, "seconds"], rows)
+
+
+def medians(some: pd.DataFrame) -> list[str]:
+    """The main parameter's relative error, the residual left over the noise floor, seconds."""
+    error = some.error.median()
+    return [
+        f"{100.0 * error:.2g} %" if np.isfinite(error) else "",
+        f"{some.left.median():.2f}",
+        f"{some.seconds.median():.1f}",
+    ]
+
+
+def failed(studies: pd.DataFrame) -> pd.DataFrame:
+    """Studies with a wrong name or place first, or a finding too many."""
+    return studies[~(studies.named & studies.placed) | (studies.extra > 0)]
+
+
+def failure(study: tuple) -> str:
+    """What was hidden and what was said."""
+    lines = [f"{study.seed} {study.effect}, {study.hide}, {study.robot}, x{study.size:.1f}: "]
+    lines[0] += study.verdict
+    lines += [
+        f"    hidden {each['effect']} {place(each)} {each['parameters']}"
+        for each in json.loads(study.hidden)
+    ]
+    for each in json.loads(study.findings):
+        values = {k: f"{e['value']:.3g}+-{e['std']:.1g}" for k, e in each["parameters"].items()}
+        low, high = each["evidence"]["interval95"]
+        gain = f"{each['evidence']['validation_gain']:.3f} [{low:.3f}, {high:.3f}]"
+        others = [other["effect"] for other in each["equivalents"]]
+        lines.append(f"    found {each['effect']} {place(each)} {values} gain {gain} or {others}")
+    joints = json.loads(study.joints).items()
+    lines.append("    " + ", ".join(f"{name} {residuals(each)}" for name, each in joints))
+    return "\n".join(lines) + "\n"
+
+
+def place(entry: dict) -> str:
+    """Joints, links and window."""
+    window = entry["window"]
+    parts = [*entry["joints"], *entry["links"]]
+    return " ".join(parts) + (f" {window} of {entry['recordings']}" if window else "")
+
+
+def residuals(joint: dict) -> str:
+    """Before, after, noise floor."""
+    return " ".join(f"{joint[name]:.3g}" for name in ("before", "after", "noise_floor"))
+
+
+def times_table(seed: int) -> str:
+    """Seconds and peak memory for Panda with friction in every joint, by length of recordings."""
+    rows = []
+    for factor in (1, 2, 4):
+        with (
+            tempfile.TemporaryDirectory(prefix="pdoik-diagnosis-") as folder,
+            console.status(f"three recordings of {factor * LONG:g} s"),
+        ):
+            samples = long_study(Path(folder) / "study", seed, factor * LONG)
+            runs = [alone(Path(folder) / "study" / "study.yaml") for _ in range(REPEATS)]
+        seconds, memory, findings = np.median(runs, axis=0)
+        figures = [f"{seconds:.1f}", f"{1e6 * seconds / samples:.0f}", f"{memory:.2f}"]
+        rows.append([f"3 x {factor * LONG:g} s", samples, *figures, int(findings)])
+    header = ["recordings", "samples", "median seconds", "us per sample", "peak memory [GiB]"]
+    return markdown_table([*header, "findings"], rows)
+
+
+def alone(study: Path) -> tuple[float, float, int]:
+    """Seconds, GiB and findings of one diagnosis in a process of its own."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=context) as pool:
+        return pool.submit(timed, study).result()
+
+
+def timed(study: Path) -> tuple[float, float, int]:
+    """The same in this process."""
+    begin = time.perf_counter()
+    findings = diagnose(study).findings
+    seconds = time.perf_counter() - begin
+    return seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, len(findings)
+
+
+def long_study(folder: Path, seed: int, duration: float) -> int:
+    """Panda with Coulomb friction in every joint, logged at 250 Hz; the number of samples."""
+    spec = WorldSpec(seed=seed, effect="coulomb_friction", size=20.0)
+
+    def draft(spec: WorldSpec) -> Draft:
+        short, rng = draft_of(spec), spec.stream("long")
+        kinds = (("sines", "reversals"), ("moves", "sines"), ("reversals", "sines", "moves"))
+        motions = [recording_motion(short.arm, rng, kind, duration, 0.7, Style()) for kind in kinds]
+        sensors = replace(short.sensors, log_period=0.004)
+        return replace(short, motions=motions, roles=["fit", "fit", "validate"], sensors=sensors)
+
+    drawn = build.drawn
+
+    def everywhere(draft: Draft, attempt: int = 0) -> tuple[Effect, ...]:
+        plans = [replace(draft.plan, places=(joint,)) for joint in range(draft.arm.n)]
+        return tuple(drawn(replace(draft, plan=plan), attempt)[0] for plan in plans)
+
+    with mock.patch.multiple(build, draft_of=draft, drawn=everywhere):
+        build.make_study(folder, spec)
+    return sum(len(path.read_text().splitlines()) - 1 for path in folder.glob("rec*.csv"))
+
+
+if __name__ == "__main__":
+    typer.run(main)

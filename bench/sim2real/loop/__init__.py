@@ -1,0 +1,1 @@
+"""Closing the loop: record, diagnose, feed the model forward, run again."""

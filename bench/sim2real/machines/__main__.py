@@ -1,0 +1,51 @@
+"""Command line: worlds like machines, made and sealed, diagnosed blind, scored.
+
+    python -m bench.sim2real.machines --out build/bench/machines --seed 2000000 --count 200
+    python -m bench.sim2real.machines --out build/bench/machines-dev --seed 0 --count 20
+
+Stages: conceal, diagnose, score. Each goes on where it was stopped. Another tool may be run on the
+same worlds: what was said is kept by the tool's digest.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bench.common.commands import Scheduler, Workers, plain_errors
+from bench.sim2real.machines.stages import Run
+
+
+class Stage(StrEnum):
+    """What can be run by itself."""
+
+    CONCEAL = "conceal"
+    DIAGNOSE = "diagnose"
+    SCORE = "score"
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="Folder of the run; about 5 MB a world.")],
+    seed: Annotated[int, typer.Option(min=0, help="First seed; the proof's begin at 2000000.")] = 0,
+    count: Annotated[int, typer.Option(min=1, help="Worlds.")] = 20,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    only: Annotated[list[Stage] | None, typer.Option(help="Repeatable; all otherwise.")] = None,
+) -> None:
+    """Conceal, seal, diagnose blind, score."""
+    stages = set(only or Stage)
+    run = Run(out=out.resolve(), seed=seed, count=count, scheduler=scheduler, workers=workers)
+    with plain_errors():
+        if Stage.CONCEAL in stages:
+            run.conceal()
+        if Stage.DIAGNOSE in stages:
+            run.diagnose()
+        if Stage.SCORE in stages:
+            run.score()
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,144 @@
+"""A real hobby arm: what `pdoik compare` finds from positions alone, of a public simulator.
+
+    python -m bench.sim2real.simulators.so101 SHARED/recordings/so101_sage
+    python -m bench.sim2real.simulators.so101 SHARED/recordings/so101_sage --figures so101
+
+Nobody knows the servos' gains. So the user's simulator is so101.urdf of example-robot-data with
+the figures of one of two public simulators of such arms. Two whole motions are held out. The jaw
+is left out: it was logged as a share of its range, and the simulator holds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import mujoco
+import numpy as np
+import typer
+import yaml
+
+from bench.sim2real.simulators.real import errors_by_joint, found_in
+from pdoik.sim2real.simulation.description import read_description
+from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
+from pdoik.sim2real.simulation.plant import build_plant
+from pdoik.sim2real.simulators.compare import compare
+
+URDF = Path(np.__file__).parents[1] / (
+    "cmeel.prefix/share/example-robot-data/robots/so_arm_description/urdf/so101.urdf"
+)
+LOGGED = {
+    "shoulder_pan": "rotation",
+    "shoulder_lift": "pitch",
+    "elbow_flex": "elbow",
+    "wrist_flex": "wrist_pitch",
+    "wrist_roll": "wrist_roll",
+}
+"""What the log calls the joints, by the description's names; signs and zeros are the same."""
+HELD_OUT = ("pick_place", "random_waypoints")
+CHANNELS = ("q", "dq", "q_des")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figures:
+    """Of every joint alike."""
+
+    kp: float  # [N m/rad]
+    kv: float | None  # [N m s/rad]; None: critically damped, as MuJoCo's dampratio="1" says
+    limit: float  # of the torque [N m]
+    damping: float  # [N m s/rad]
+    frictionloss: float  # [N m]
+    armature: float  # [kg m^2]
+    timestep: float  # [s]
+
+
+class Public(StrEnum):
+    """Whose figures they are."""
+
+    SO_ARM100 = "so_arm100"
+    SO101 = "so101"
+
+
+FIGURES = {
+    # trs_so_arm100 of github google-deepmind/mujoco_menagerie @ f3475402
+    Public.SO_ARM100: Figures(
+        kp=50.0, kv=None, limit=3.5, damping=0.0, frictionloss=0.1, armature=0.1, timestep=2e-3
+    ),
+    # robotstudio_so101 of the same @ 191a7ba5
+    Public.SO101: Figures(
+        kp=998.22,
+        kv=2.731,
+        limit=2.94,
+        damping=0.6,
+        frictionloss=0.052,
+        armature=0.028,
+        timestep=5e-3,
+    ),
+}
+
+
+def simulator(figures: Figures) -> str:
+    """MJCF of the arm without its shapes, under position actuators."""
+    joints = movable_joints(read_description(URDF))
+    plant = build_plant(URDF, joints)
+    model, dof = plant.model, list(plant.dof)
+    model.dof_damping[dof], model.dof_frictionloss[dof] = figures.damping, figures.frictionloss
+    model.dof_armature[dof] = figures.armature
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    critical = 2.0 * np.sqrt(figures.kp * model.dof_M0[dof])
+    damped = critical if figures.kv is None else np.full(len(dof), figures.kv)
+    servos = [
+        {
+            "name": joint,
+            "joint": joint,
+            "gainprm": f"{figures.kp:g}",
+            "biastype": "affine",
+            "biasprm": f"0 {-figures.kp:g} {-kv:g}",
+            "forcerange": f"{-figures.limit:g} {figures.limit:g}",
+        }
+        for joint, kv in zip(joints, damped, strict=True)
+    ]
+    return mjcf_text(model, actuators=servos, timestep=figures.timestep)
+
+
+def study(folder: Path, home: Path, figures: Figures) -> Path:
+    """The YAML as a user would write it, beside the simulator."""
+    (home / "arm.xml").write_text(simulator(figures))
+    files = sorted(folder.resolve().glob("*.csv"))
+    content = {
+        "simulator": {"mjcf": "arm.xml"},
+        "joints": list(LOGGED),
+        "columns": {
+            channel: {joint: f"{channel}.{name}" for joint, name in LOGGED.items()}
+            for channel in CHANNELS
+        },
+        "ignore": [f"{channel}.jaw" for channel in CHANNELS],
+        "recordings": [
+            {"file": str(file), "role": "validate" if file.stem in HELD_OUT else "fit"}
+            for file in files
+        ],
+    }
+    path = home / "study.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+def main(
+    folder: Annotated[Path, typer.Argument(help="With the recordings.")],
+    figures: Annotated[Public, typer.Option(help="Public simulator.")] = Public.SO_ARM100,
+) -> None:
+    """Compare, print the table and what was found."""
+    with TemporaryDirectory() as home:
+        comparison = compare(study(folder, Path(home), FIGURES[figures]))
+    assert comparison.machine is not None
+    explained = comparison.machine.explained
+    sides = {"as it is [mrad]": explained.before, "patched": explained.after}
+    typer.echo(errors_by_joint(comparison, sides))
+    typer.echo(found_in(comparison))
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,6 +1,0 @@
-"""The parts of bench/soak.py: what is drawn, how it is judged, how it is run, kept and replayed.
-
-`robots` and `scenes` draw what is asked; `solves` and `tracking` ask it and count; `kinematics`,
-`hulls` and `judge` say what the answers are worth and share nothing with the solver; `cases` keeps
-what failed; `report` makes the tables.
-"""
