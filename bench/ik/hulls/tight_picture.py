@@ -1,6 +1,6 @@
 """Draw capsules over the meshes they hold: the Panda's hand and link 5, as published.
 
-python -m bench.ik.hulls.tight_picture [--links LINK ...] [--out bench/ik/capsules.png]
+python -m bench.ik.hulls.tight_picture [--links LINK ...] [--out bench/ik/hulls/capsules.png]
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def main() -> None:
     )
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--links", nargs="+", default=["panda_hand", "panda_link5"])
-    parser.add_argument("--out", type=Path, default=Path("bench/ik/capsules.png"))
+    parser.add_argument("--out", type=Path, default=Path("bench/ik/hulls/capsules.png"))
     options = parser.parse_args()
     mpl.use("Agg")
     public = public_robot(options.robot, Path("build"))

@@ -1,6 +1,6 @@
 """The picture of `pdoik view` in the README: the page as headless Chromium shows it.
 
-PDOIK_YCB=DIR python -m bench.ik.window.arm bench/ik/view.png     (DIR/cloud/*.pcd; YCB, CC BY 4.0)
+PDOIK_YCB=DIR python -m bench.ik.window.arm bench/ik/window/view.png     (DIR/cloud/*.pcd; YCB, CC BY 4.0)
 
 The target goes down between the objects at 60 poses a second while the page is open.
 """

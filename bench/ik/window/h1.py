@@ -1,6 +1,6 @@
 """The picture of `pdoik view h1` in the README: the page as headless Chromium shows it.
 
-python -m bench.ik.window.h1 bench/humanoid/view_h1.png
+python -m bench.ik.window.h1 bench/ik/window/view_h1.png
 
 The H1 stands on its feet; its left elbow is dragged at 60 poses a second while the page is open.
 """

@@ -1,6 +1,6 @@
 """The picture of the Reach tab in the README: the page as headless Chromium shows it.
 
-PDOIK_YCB=DIR python -m bench.ik.window.reach bench/ik/view_reach.png     (as view_picture.py)
+PDOIK_YCB=DIR python -m bench.ik.window.reach bench/ik/window/view_reach.png     (as view_picture.py)
 
 What a Panda reaches around a table with objects, as the page computes it, cut open beside the arm.
 """

@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from bench.common.campaign import Campaign, Job, Row, by_value, dask_client
+from bench.common.campaign import Campaign, Job, Row, dask_client
 from bench.common.commands import console
 from bench.common.digests import digest_of, digest_of_files, tool_digest
 from bench.common.whole_files import write_text
@@ -58,7 +58,7 @@ def run(
     }
     with dask_client(scheduler, workers) as client:
         campaign = Campaign(said, settings)
-        made = campaign.run(by_value(one_world), jobs, client, console)
+        made = campaign.run(one_world, jobs, client, console)
     return pd.DataFrame([_scored(row, worlds, said) for row in made.to_dict("records")])
 
 

@@ -1,6 +1,6 @@
 """A quadruped that trots with a load nobody told of: its base before and after, and its feet.
 
-python -m bench.sim2real.legged.picture STUDY/study.yaml --out bench/sim2real/legged.png
+python -m bench.sim2real.legged.picture STUDY/study.yaml --out bench/sim2real/legged/legged.png
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ SHOWN = (6.0, 9.0)  # of the first recording [s]
 
 def main(
     study: Annotated[Path, typer.Argument(help="study.yaml of a legged robot")],
-    out: Annotated[Path, typer.Option(help="PNG")] = Path("bench/sim2real/legged.png"),
+    out: Annotated[Path, typer.Option(help="PNG")] = Path("bench/sim2real/legged/legged.png"),
 ) -> None:
     """Diagnose a study and draw its first recording."""
     examination = sim2real.examine(study)

@@ -1,6 +1,6 @@
 """The picture of `pdoik propose` in the README: two frictions along a log and a proposed motion.
 
-    python -m bench.sim2real.propose.picture bench/sim2real/propose.png
+    python -m bench.sim2real.propose.picture bench/sim2real/propose/propose.png
 
 An arm with dry friction in its second joint, moved slowly once, is diagnosed, and presliding is put
 beside that finding by hand, as if it were listed: the motion that is proposed for it is drawn

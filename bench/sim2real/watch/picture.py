@@ -1,7 +1,7 @@
 """The picture of `pdoik watch` in the README: a joint's residual, its CUSUM charts, and the alarms.
 
 python -m bench.sim2real.watch --out watch_day            makes the model, and stops at will
-python -m bench.sim2real.watch.picture watch_day/model.json bench/sim2real/watch.png
+python -m bench.sim2real.watch.picture watch_day/model.json bench/sim2real/watch/watch.png
 """
 
 from __future__ import annotations

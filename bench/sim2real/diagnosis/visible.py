@@ -1,6 +1,6 @@
 """Is what `pdoik study check` foretells so? Effects as large as that, smaller and larger, sought.
 
-    python -m bench.sim2real.visible --out build/bench/visible
+    python -m bench.sim2real.diagnosis.visible --out build/bench/visible
 
 Machines of concealed, every joint of which rubs, are checked first, with nothing else wrong.
 Then each effect is put into one joint, at half, once, twice and four times its smallest size as the

@@ -1,6 +1,6 @@
 """What self-collision by hulls refuses of free configurations and misses of colliding ones.
 
-    python -m bench.ik.self_pairs --samples 5000
+    python -m bench.ik.hulls.self_pairs --samples 5000
 
 Hulls fitted to meshes (`pdoik occupancy`) with the pairs of `pdoik pairs`, with and without the
 robot's SRDF, and the shipped hulls with the shipped pairs; coal on the published collision meshes

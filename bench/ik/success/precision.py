@@ -1,6 +1,6 @@
 """The paper's second experiment: the share of targets that each method reaches to 1e-1 ... 1e-8.
 
-    python -m bench.ik.precision --ycb DIR --out build/bench/precision
+    python -m bench.ik.success.precision --ycb DIR --out build/bench/precision
 
 Scenarios as in the first experiment, UR10 and iiwa14, one and three objects. Every method runs
 until it is done, not until some tolerance is met; whether an answer collides is left aside, as in

@@ -1,6 +1,6 @@
 """Concealed studies as machines are: a background of friction, wrong inertias, scales and days.
 
-    python -m bench.sim2real.soiled RUN OUT [--every N] [--workers N]
+    python -m bench.sim2real.diagnosis.soiled RUN OUT [--every N] [--workers N]
 
 RUN is a folder of ../proof on development seeds. Of each of its studies that hides an effect,
 OUT/studies gets a copy whose log is that of a dirtier machine, and OUT/sealed its truth. To the
