@@ -94,10 +94,23 @@ def run_stage(
     return Campaign(folder / stage, settings).run(function, jobs, client, console)
 
 
-def write_report(file: Path, text: str) -> None:
-    """Where it was measured, then the text."""
-    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
-    write_text(file, f"{facts}\n\n{text}")
+def write_report(file: Path, text: str, more: Mapping[str, object] | None = None) -> None:
+    """How and where it was measured, then the text.
+
+    Args:
+        file: bench.common.publish takes its tables into a README.
+        text: Headings and tables.
+        more: Facts beside those of the machine.
+    """
+    facts = {"command": _command(), **provenance(BUILD), **(more or {})}
+    lines = "\n".join(f"- {name}: {value}" for name, value in facts.items())
+    write_text(file, f"{lines}\n\n{text}")
+
+
+def _command() -> str:
+    """As it was typed, folders apart, which are of one machine."""
+    words = sys.orig_argv[1:]
+    return " ".join(["python", *("DIR" if Path(word).is_absolute() else word for word in words)])
 
 
 def show(text: str) -> None:

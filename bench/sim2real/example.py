@@ -10,7 +10,7 @@ and arm.urdf says nothing of either. The same files come out every time.
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 import mujoco
@@ -158,4 +158,6 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    parser = argparse.ArgumentParser(description="Write a small study to try the diagnosis on.")
+    parser.add_argument("folder", type=Path)
+    main(parser.parse_args().folder)

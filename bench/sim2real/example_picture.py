@@ -6,10 +6,10 @@ python -m bench.sim2real.example_picture bench/sim2real/diagnose.png
 from __future__ import annotations
 
 import io
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import typer
 from PIL import Image
 
 from bench.sim2real.concealed.build import make_study
@@ -32,4 +32,4 @@ def main(out: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    typer.run(main)

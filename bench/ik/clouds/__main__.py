@@ -35,7 +35,6 @@ from bench.common.commands import (
     write_report,
 )
 from bench.common.peer_library import ROOT
-from bench.common.whole_files import write_text
 from bench.ik.clouds.capt import build_capt, settings_for
 from bench.ik.clouds.picture import draw
 from bench.ik.clouds.structures import OURS, STRUCTURES, missing
@@ -65,9 +64,6 @@ def main(
     seed: Seed = 7,
     build: BuildFolder = BUILD,
     processor: Annotated[int, typer.Option(min=0, help="Which one runs it all.")] = 0,
-    as_markdown: Annotated[
-        Path | None, typer.Option("--markdown", help="Write the tables there, too.")
-    ] = None,
 ) -> None:
     """Measure what clouds cost."""
     if quick:
@@ -93,8 +89,6 @@ def main(
         write_report(out / "clouds.md", text)
         draw(rows, out / "clouds.png")
     show(text)
-    if as_markdown is not None:
-        write_text(as_markdown, text)
     console.print(f"tables and picture: {out}/clouds.md, clouds.png; rows: trials.parquet")
 
 

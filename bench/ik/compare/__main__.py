@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 import pdoik
+from bench.common.commands import write_report
 from bench.common.peer_library import ROOT, build_peers
 from bench.common.provenance import provenance
 from bench.common.timings import Block
@@ -47,7 +48,7 @@ def main(
     / "bench",
     as_json: Annotated[Path | None, typer.Option("--json", help="Write the tables there.")] = None,
     as_markdown: Annotated[
-        Path | None, typer.Option("--markdown", help="Write the tables there, for bench/README.md.")
+        Path | None, typer.Option("--markdown", help="Write the tables there.")
     ] = None,
 ) -> None:
     """Compare this library with its peers and with the paper, in one run."""
@@ -71,9 +72,7 @@ def main(
         tables = [block.to_json() for block in blocks]
         write_text(as_json, json.dumps({"provenance": where, "blocks": tables}, indent=1) + "\n")
     if as_markdown is not None:
-        facts = [f"- {name}: {value}" for name, value in where.items()]
-        tables_as_text = [block.to_markdown() for block in blocks]
-        write_text(as_markdown, "\n".join([*facts, "", *tables_as_text]))
+        write_report(as_markdown, "\n".join(block.to_markdown() for block in blocks))
     if any(
         row.false_claims
         for block in blocks

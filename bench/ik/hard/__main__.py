@@ -29,12 +29,11 @@ from bench.common.commands import (
     setting_of,
     show,
     source_of,
+    write_report,
 )
 from bench.common.intervals import duration, share
 from bench.common.markdown import markdown_table
 from bench.common.peer_library import build_peers
-from bench.common.provenance import provenance
-from bench.common.whole_files import write_text
 from bench.ik.experiment import ARMS
 from bench.ik.hard.scenes import FAMILIES
 from bench.ik.hard.trials import TOLERANCE, run_block
@@ -100,11 +99,10 @@ def main(
             for robot in ARMS
         }
         trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
-    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(build).items())
     source = source_of(ycb)
     intro = f"{TOLERANCE:g} m and rad, {max_time:g} s. Seed {seed}. The camera sees: {source}."
     table = hard_table(trials)
-    write_text(out / "tables.md", f"{facts}\n\n{intro}\n\n{table}")
+    write_report(out / "tables.md", f"{intro}\n\n{table}")
     show(table)
     console.print(f"tables: {out}/tables.md; trials: trials.parquet")
     if (trials.method.isin(OURS) & trials.claimed & ~trials.confirmed).any():

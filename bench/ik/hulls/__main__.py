@@ -32,10 +32,11 @@ from bench.common.commands import (
     setting_of,
     show,
     source_of,
+    write_report,
 )
 from bench.common.intervals import duration, share
 from bench.common.markdown import markdown_table
-from bench.common.whole_files import write_text, write_whole
+from bench.common.whole_files import write_whole
 from bench.ik.experiment import ARMS, Arm
 from bench.ik.hulls.fits import hull_stages
 from bench.ik.hulls.trials import BASE_LEFT_OUT, CLOUDS, HULLS, OBJECTS, SHIPPED, run_block
@@ -88,7 +89,7 @@ def main(
         trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
     source = source_of(ycb)
     table = hull_table(trials)
-    write_text(out / "tables.md", f"Objects: {source}. Seed {seed}.\n\n{table}")
+    write_report(out / "tables.md", f"Objects: {source}. Seed {seed}.\n\n{table}")
     draw(trials, out / "hulls.png", f"{OBJECTS} objects, {source}, default method")
     show(table)
     console.print(f"tables and figure: {out}/tables.md, hulls.png; trials: trials.parquet")

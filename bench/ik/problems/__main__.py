@@ -19,7 +19,7 @@ from typing import Annotated
 import typer
 from rich.progress import Progress
 
-from bench.common.commands import BUILD, console, plain_errors
+from bench.common.commands import BUILD, console, plain_errors, write_report
 from bench.common.markdown import markdown_table
 from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
@@ -111,7 +111,7 @@ def run(
         stem = f"{files.name}-{'-'.join(sets)}"[:80]
         text = {"provenance": where, "meshes": meshes, "hull_meshes": hull_meshes, "rows": records}
         write_text(out / f"{stem}.json", json.dumps(text, indent=1) + "\n")
-        write_text(out / f"{stem}.md", table)
+        write_report(out / f"{stem}.md", table)
         print(table)
 
 

@@ -27,10 +27,8 @@ from bench.common.commands import (
     run_campaign,
     setting_of,
     show,
+    write_report,
 )
-from bench.common.peer_library import ROOT
-from bench.common.provenance import provenance
-from bench.common.whole_files import write_text
 from bench.ik.experiment import ARMS
 from bench.ik.methods import PAPER_METHODS
 from bench.ik.success.report import (
@@ -106,7 +104,6 @@ def report(trials: pd.DataFrame, out: Path, settings: dict[str, Any]) -> None:
     tip_z, tip_x = (trials[trials.axis == axis] for axis in "zx")
     slow = [name for name in PAPER_METHODS if name in SLOW and name in set(tip_z.method)]
     sections = [
-        "\n".join(f"- {name}: {value}" for name, value in provenance(ROOT / "build/bench").items()),
         f"Objects: {source}. Seed {settings['seed']}, leaf {settings['leaf']} m.",
         "## Summary\n\n" + summary_table(tip_z),
         "## Success by number of obstacles\n\n" + success_table(tip_z),
@@ -118,9 +115,9 @@ def report(trials: pd.DataFrame, out: Path, settings: dict[str, Any]) -> None:
         "## Goals with the tip's x\n\n" + summary_table(tip_x),
         "## By number of obstacles\n\n" + full_table(tip_z),
     ]
-    write_text(out / "tables.md", "\n\n".join(sections))
+    write_report(out / "tables.md", "\n\n".join(sections))
     draw(tip_z, out / "success.png", f"Sec. exp1, {source}, goals with the tip's z")
-    for section in sections[1:4]:
+    for section in sections[:3]:
         show(section)
     console.print(f"tables and figure: {out}/tables.md, success.png; trials: trials.parquet")
 

@@ -31,10 +31,11 @@ from bench.common.commands import (
     setting_of,
     show,
     source_of,
+    write_report,
 )
 from bench.common.intervals import wilson
 from bench.common.markdown import markdown_table
-from bench.common.whole_files import write_text, write_whole
+from bench.common.whole_files import write_whole
 from bench.ik.success.trials import run_block
 
 mpl.use("agg")
@@ -93,7 +94,7 @@ def main(
     tables = f"Objects: {source}. Seed {seed}.\n\n" + "\n\n".join(
         f"**{label}**\n\n{share_table(trials, error)}" for error, label in ERRORS.items()
     )
-    write_text(out / "tables.md", tables)
+    write_report(out / "tables.md", tables)
     draw(trials, out / "precision.png", f"Sec. exp2, {source}")
     show(tables)
     console.print(f"tables and figure: {out}/tables.md, precision.png; trials: trials.parquet")

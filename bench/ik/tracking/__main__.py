@@ -26,11 +26,11 @@ from bench.common.commands import (
     plain_errors,
     run_campaign,
     show,
+    write_report,
 )
 from bench.common.intervals import duration
 from bench.common.markdown import markdown_table
 from bench.common.peer_library import build_peers
-from bench.common.whole_files import write_text
 from bench.ik.experiment import ARMS
 from bench.ik.methods import PEERS
 from bench.ik.methods.available import available
@@ -83,7 +83,7 @@ def main(
         f"of more than {JUMP:g} rad in one joint. Seed {seed}."
     )
     table = tracking_table(trials)
-    write_text(out / "tables.md", f"{intro}\n\n{table}")
+    write_report(out / "tables.md", f"{intro}\n\n{table}")
     show(f"{intro}\n\n{table}")
     console.print(f"tables: {out}/tables.md; trials: trials.parquet")
 

@@ -1,6 +1,6 @@
 """The picture of `pdoik view` in the README: the page as headless Chromium shows it.
 
-PDOIK_YCB=DIR python -m bench.ik.window.arm bench/ik/window/view.png     (DIR/cloud/*.pcd; YCB, CC BY 4.0)
+PDOIK_YCB=DIR python -m bench.ik.window.arm FILE     (DIR/cloud/*.pcd; YCB, CC BY 4.0)
 
 The target goes down between the objects at 60 poses a second while the page is open.
 """
@@ -8,12 +8,12 @@ The target goes down between the objects at 60 poses a second while the page is 
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import typer
 
 import pdoik
 from bench.ik.judges.arm_meshes import _example_robot_data_share
@@ -99,4 +99,4 @@ def main(out: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    typer.run(main)

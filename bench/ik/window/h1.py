@@ -7,11 +7,11 @@ The H1 stands on its feet; its left elbow is dragged at 60 poses a second while 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import typer
 
 import pdoik
 from bench.ik.window.page import FloatArray, drag, opened, save, served
@@ -43,4 +43,4 @@ def way(start: FloatArray) -> Iterator[FloatArray]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    typer.run(main)

@@ -1,17 +1,17 @@
 """The picture of the Reach tab in the README: the page as headless Chromium shows it.
 
-PDOIK_YCB=DIR python -m bench.ik.window.reach bench/ik/window/view_reach.png     (as view_picture.py)
+PDOIK_YCB=DIR python -m bench.ik.window.reach FILE     (as view_picture.py)
 
 What a Panda reaches around a table with objects, as the page computes it, cut open beside the arm.
 """
 
 from __future__ import annotations
 
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
+import typer
 
 from bench.ik.window.arm import panda_model, table_session
 from bench.ik.window.page import opened, save, served
@@ -42,4 +42,4 @@ def main(out: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    typer.run(main)

@@ -37,11 +37,11 @@ from bench.common.commands import (
     plain_errors,
     run_campaign,
     show,
+    write_report,
 )
 from bench.common.digests import code_digest
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
-from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
 from bench.sim2real.concealed import build
 from bench.sim2real.concealed.catalogue import EFFECTS
@@ -83,11 +83,10 @@ def main(
         plain, noise, clean, out = 1, 0, 2, out.with_name(out.name + "-quick")
     if seed + ROOM * len(EFFECTS) + 1000 > FIRST_PROOF_SEED:
         raise typer.BadParameter("is a proof's: these are for development", param_hint="--seed")
-    facts = "\n".join(f"- {name}: {value}" for name, value in provenance(BUILD).items())
     if times:
         table = times_table(seed)
         out.mkdir(parents=True, exist_ok=True)
-        write_text(out / "times.md", f"{facts}\n\n{table}")
+        write_report(out / "times.md", table)
         show(table)
         return
     jobs = {
@@ -98,7 +97,7 @@ def main(
         settings = {"experiment": "diagnosis", "seed": seed, "code": code_digest("concealed")}
         studies = run_campaign(out, settings, run_study, jobs, scheduler, workers)
     tables = f"{way_table(studies)}\n{effect_table(studies)}"
-    write_text(out / "tables.md", f"{facts}\n\n{tables}")
+    write_report(out / "tables.md", tables)
     write_text(out / "failures.md", "".join(map(failure, failed(studies).itertuples())))
     show(tables)
     console.print(f"tables: {out}/tables.md; failures: failures.md; studies: trials.parquet")

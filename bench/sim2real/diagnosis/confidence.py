@@ -1,8 +1,8 @@
 """How sure findings are: weights of the confidence, and whether it means what it says.
 
-    python -m bench.sim2real.diagnosis.confidence RUN... --fit        weights, from runs on development seeds
-    python -m bench.sim2real.diagnosis.confidence RUN... --rules      other ways to choose
-    python -m bench.sim2real.diagnosis.confidence RUN... --out FILE   reliability diagram of other runs
+    python -m bench.sim2real.diagnosis.confidence RUN... --fit   weights from runs
+    python -m bench.sim2real.diagnosis.confidence RUN... --rules   other rules
+    python -m bench.sim2real.diagnosis.confidence RUN... --out FILE   a diagram
 
 A run is a folder of ../proof or soiled.py with studies.parquet. A finding is true where
 one of the study's hidden effects has its name and place; where a channel lies, or a cause has no

@@ -12,7 +12,6 @@ import yaml
 
 import pdoik
 from bench.ik.judges.arm_meshes import go2_urdf
-from bench.sim2real import servo
 from bench.sim2real.proof.real_truths import (
     Known,
     delay_between,
@@ -21,6 +20,7 @@ from bench.sim2real.proof.real_truths import (
     no_load_beyond,
     none_of,
 )
+from bench.sim2real.servo import study as servo
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
 

@@ -22,7 +22,7 @@ import numpy as np
 import typer
 
 from bench.common.campaign import CampaignError
-from bench.common.commands import BUILD, console, plain_errors, show
+from bench.common.commands import BUILD, console, plain_errors, show, write_report
 from bench.common.digests import digest_of, digest_of_files, tool_digest
 from bench.common.whole_files import write_text
 from bench.sim2real.proof.digests import generator_digest
@@ -58,8 +58,7 @@ def main(
         [json.loads((out / ANSWERS / f"{name}.json").read_text()) for name in names],
         [json.loads((out / SAID / f"{name}.json").read_text()) for name in names],
     )
-    facts = "".join(f"- {key}: {value}\n" for key, value in seal.items())
-    write_text(out / "tables.md", f"{facts}\n{text}")
+    write_report(out / "tables.md", text, seal)
     show(text)
 
 

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.common.commands import write_report
 from bench.common.whole_files import write_text
 from bench.sim2real.watch.machine import COULOMB, JOINTS, SEED, Machine, Onset, write_study
 from pdoik import sim2real
@@ -96,7 +97,9 @@ def main() -> None:
     options = parser.parse_args()
     if not options.table:
         run(options.out, options.friction_change)
-    print("\n".join(table(options.out)))
+    text = "\n".join(table(options.out))
+    write_report(options.out / "tables.md", f"{text}\n")
+    print(text)
 
 
 def run(out: Path, allowed: float) -> None:

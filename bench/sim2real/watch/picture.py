@@ -6,11 +6,11 @@ python -m bench.sim2real.watch.picture watch_day/model.json bench/sim2real/watch
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import typer
 from matplotlib.figure import Figure
 
 from bench.sim2real.watch.machine import JOINTS, SEED, Machine, Onset
@@ -73,4 +73,4 @@ def main(model_file: Path, out: Path) -> None:
 
 if __name__ == "__main__":
     mpl.use("Agg")
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    typer.run(main)

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from .threshold import Group, threshold
 
-_FITTED = "bench/sim2real/diagnosis/confidence.py: logistic regression on concealed worlds of development"
+_FITTED = (
+    "bench/sim2real/diagnosis/confidence.py: logistic regression on concealed worlds of development"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

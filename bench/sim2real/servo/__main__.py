@@ -11,7 +11,6 @@ Stribeck and load-dependent friction, by simulation, for each motor.
 from __future__ import annotations
 
 import argparse
-import os
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,42 +18,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from scipy import optimize
 
+from bench.common.commands import write_report
+from bench.sim2real.servo.study import FOLDER, GAINS, LENGTH, LIMIT, MASS, MOTIONS, UNIT, study
 from pdoik.sim2real import Examination, Model, Recording, examine, servo_model
 from pdoik.sim2real.evidence.servo_model import with_drive
 
 FloatArray = NDArray[np.float64]
 
-BESIDE = Path(__file__).resolve().parents[3] / "shared"
-FOLDER = Path(os.environ.get("PDOIK_SHARED", BESIDE)) / "recordings" / "bam_xl330"
-MOTIONS = ("lift_and_drop", "sin_sin", "sin_time_square", "up_and_down")
-GAINS = (100, 400)
-MASS, LENGTH = 0.49, 0.1  # true [kg], [m]
-UNIT = 4096 / (2 * np.pi) / 256 / 1000  # duty per rad and unit of gain, by the servo's manual
-LIMIT = 0.885  # of the duty, in the servo's settings
 WRONG = (0.4, 0.6, 0.8, 1.2, 1.4, 1.6)
-
-URDF = """<robot name="servo"><link name="base"/><link name="arm"><inertial>
-<origin xyz="0 0 {z}"/><mass value="{mass}"/>
-<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="joint1" type="continuous"><parent link="base"/><child link="arm"/>
-<axis xyz="0 1 0"/></joint></robot>
-"""
-
-
-def study(folder: Path, gain: int, mass: float = MASS, length: float = LENGTH, **keys: Any) -> Path:
-    """A study of the four recordings at a gain."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "servo.urdf").write_text(URDF.format(z=-length, mass=mass))
-    files = [{"file": str(FOLDER / f"kp{gain}_{name}.csv")} for name in MOTIONS]
-    path = folder / "study.yaml"
-    path.write_text(
-        yaml.safe_dump({"robot": "servo.urdf", "joints": ["joint1"], "recordings": files, **keys})
-    )
-    return path
 
 
 def told_drive(reference: Examination, gain: float) -> dict[str, Any]:
@@ -261,7 +235,7 @@ def main() -> None:
             parts += [*predictions(references), ""]
     print("\n".join(parts))
     if options.markdown is not None:
-        options.markdown.write_text("\n".join(parts) + "\n")
+        write_report(options.markdown, "\n".join(parts) + "\n")
 
 
 if __name__ == "__main__":
