@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import gzip
 import json
 from collections.abc import Callable
@@ -58,6 +59,7 @@ SHAPES = [
 ]
 
 
+@functools.cache
 def asked() -> dict[str, tuple[Any, Any, dict[str, Any]]]:
     """Questions of all kinds: what is asked, the targets, the rest."""
     solver = panda()
@@ -287,16 +289,22 @@ def mutations(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [path, *(each for key, part in inner for each in mutations(part, (*path, key)))]
 
 
-def test_whatever_entry_is_spoiled_the_complaint_is_a_load_error(case: Path) -> None:
-    solver = pdoik.Solver(pdoik.Robot.from_dh([pdoik.DhRow(d=0.1, a=0.2)] * 2))
-    stone = SHAPES[-1]
-    solver.attach("link2", [pdoik.Shape.box("cup", [0.1, 0.1, 0.1])])
-    scene = pdoik.Scene([stone], cloud=points()[:3], allowed=[("link1", "stone", 0.1)])
-    pdoik.write_report(case, solver, pdoik.Goal(np.eye(4)), q0=[0.1, 0.2], obstacles=scene)
+@pytest.mark.parametrize("kind", ["solve", "steps"])
+def test_whatever_entry_is_spoiled_the_complaint_is_a_load_error(kind: str, case: Path) -> None:
+    arm = pdoik.Robot.from_dh([pdoik.DhRow(d=0.1, a=0.2)] * 2)
+    solver = pdoik.Solver(arm, pdoik.Options(max_restarts=1))
+    if kind == "solve":
+        solver.attach("link2", [pdoik.Shape.box("cup", [0.1, 0.1, 0.1])])
+        allowed = [("link1", "stone", 0.1)]
+        scene = pdoik.Scene(SHAPES[-1:], cloud=points()[:3], allowed=allowed)
+        pdoik.write_report(case, solver, pdoik.Goal(np.eye(4)), q0=[0.1, 0.2], obstacles=scene)
+    else:
+        steps = {"q0": [0.1, 0.2], "obstacles": points()[:3]}
+        pdoik.write_report(case, pdoik.Tracker(solver), [arm.fk([0.1, 0.2])] * 2, **steps)
     content = json.loads(case.read_text())
     tried = 0
     for path in mutations(content)[1:]:
-        for junk in (None, "junk", -1, [], {}, [["nan"]], 1e300):
+        for junk in (None, "junk", -1, {}, 1e300):
             spoiled = json.loads(json.dumps(content))
             at = spoiled
             for key in path[:-1]:

@@ -117,6 +117,7 @@ class Judge:
             counted.append((*hull, size, swept))
         return counted
 
+    @np.errstate(over="ignore", invalid="ignore")
     def __call__(self, goals: Any, answer: Mapping[str, Any], obstacles: Obstacles) -> Judged:
         """Of one answer to goals among obstacles."""
         q, refused = answer["q"], answer.get("tracking") == "invalid_input"
@@ -184,6 +185,8 @@ class Judge:
         position_slack, rotation_slack = np.zeros(3), np.zeros(3)
         if not bare:
             position_slack, rotation_slack = goal.position_slack, goal.rotation_slack
+        if not np.isfinite(given).all():
+            return np.inf, np.inf
         target = np.eye(4)
         if given.shape == (3,):
             target[:3, 3] = given

@@ -63,10 +63,12 @@ def read_obstacles(entry: Entry) -> Obstacles:
     if entry.value is None:
         return Obstacles(None, np.empty((0, 4)))
     if "points" in entry.names():
-        rows = entry["points"]
-        columns = 4 if rows.value and rows.items()[0].value[3:] else 3
-        points = rows.array(None, columns)
-        return Obstacles(points, np.column_stack([points, np.zeros((len(points), 4 - columns))]))
+        points = entry["points"].array(None, None)
+        points = points if points.size else np.empty((0, 3))
+        if points.shape[1] not in (3, 4):
+            raise entry["points"].wrong(f"expected 3 or 4 numbers a row, got {points.shape[1]}")
+        radii = np.zeros((len(points), 4 - points.shape[1]))
+        return Obstacles(points, np.column_stack([points, radii]))
     points, cloud = np.empty((0, 4)), None
     try:
         if entry["cloud"].value is not None:
