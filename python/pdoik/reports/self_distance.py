@@ -92,15 +92,26 @@ class SelfDistance:
 
     def __call__(self, poses: Mapping[str, FloatArray]) -> float:
         """The least of them; infinite without any [m]."""
-        placed = [
-            [(poses[each.link] @ [*point, 1.0])[:3] for point in (each.a, each.b)]
-            for each in self.capsules
-        ]
-        distances = (
-            _between(*placed[i], *placed[j]) - self.capsules[i].radius - self.capsules[j].radius
-            for i, j in self._pairs
+        if not self._pairs:
+            return np.inf
+        ends = np.array(
+            [
+                [(poses[each.link] @ [*point, 1.0])[:3] for point in (each.a, each.b)]
+                for each in self.capsules
+            ]
         )
-        return min(distances, default=np.inf)
+        i, j = np.array(self._pairs).T
+        radii = np.array([each.radius for each in self.capsules])
+        middle, half = ends.mean(axis=1), 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        apart = np.linalg.norm(middle[i] - middle[j], axis=1)
+        bound = apart - (half + radii)[i] - (half + radii)[j]  # it is no less
+        least = np.inf
+        for k in np.argsort(bound):
+            if bound[k] >= least:
+                break
+            gap = _between(*ends[i[k]], *ends[j[k]]) - radii[i[k]] - radii[j[k]]
+            least = min(least, float(gap))
+        return least
 
 
 def _between(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
