@@ -93,6 +93,14 @@ run_consumer() {  # NAME
   "build/consumer/$1/readme"
 }
 
+# The project that the page on C++ shows.
+of_the_page() {  # CMAKE_ARGUMENT...
+  cmake -S tests/consumer/page -B build/consumer/page -G Ninja --log-level=WARNING "$@"
+  cmake --build build/consumer/page
+  build/consumer/page/reach
+  build/consumer/page/control_loop
+}
+
 # The program of pdoik::core alone runs, and neither it nor all of core has anything of what pdoik::io is made of.
 run_core() {  # NAME
   local program
@@ -127,6 +135,7 @@ stage_consumer() {
 
   build_consumer plain "$installed"
   run_consumer plain
+  of_the_page "$installed"
 
   # pdoik::core alone, as on a computer without the libraries of pdoik::io.
   build_consumer core "$installed" "${without_io[@]}" -D PDOIK_IO=OFF
@@ -147,7 +156,9 @@ of_pkg_config() {
   read -ra flags <<<"$(pkg-config --cflags --libs pdoik-core)"
   "${CXX:-c++}" -std=c++20 tests/consumer/core.cpp "${flags[@]}" -o build/consumer/of_pkg_config
   build/consumer/of_pkg_config
-  pkg-config --exists --print-errors pdoik
+  read -ra flags <<<"$(pkg-config --cflags --libs pdoik)"
+  "${CXX:-c++}" -std=c++20 tests/consumer/page/reach.cpp "${flags[@]}" -o build/consumer/of_pkg_config
+  build/consumer/of_pkg_config
 }
 
 # It compiled for this processor, and with the library's sources within, which compiles all of them once more.

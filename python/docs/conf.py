@@ -7,18 +7,28 @@ its files are the site's, too.
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
+from pathlib import Path
 from typing import Any
+
+from sphinx.errors import ExtensionError
 
 project = "pdoik"
 author = "the pdoik developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "breathe"]
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 myst_heading_anchors = 3
+breathe_projects = {"pdoik": str(Path(__file__).parents[2] / "build" / "doxygen" / "xml")}
+breathe_default_project = "pdoik"
+breathe_default_members = ("members",)
+breathe_domain_by_extension = {"hpp": "cpp"}
 root_doc = "python/docs/index"
 include_patterns = [
     "python/docs/**/*.md",
     "python/docs/*.md",
+    "python/docs/cpp_reference/*.rst",
     "bench/README.md",
     "bench/**/README.md",
     "third_party/README.md",
@@ -29,8 +39,22 @@ html_title = "pdoik"
 
 
 def setup(app: Any) -> None:
-    """The signatures that pybind11 writes above each overload are no text."""
+    """The public headers as Doxygen reads them; signatures of pybind11's overloads as code."""
+    app.connect("config-inited", _read_headers)
     app.connect("autodoc-process-docstring", _overloads_as_code)
+
+
+def _read_headers(_app: Any, _config: Any) -> None:
+    """For breathe; what Doxygen has to say of comments fails the build."""
+    if shutil.which("doxygen") is None:
+        raise ExtensionError("doxygen is not installed: third_party/debian.txt lists it")
+    root = Path(__file__).parents[2]
+    (root / "build").mkdir(exist_ok=True)
+    done = subprocess.run(
+        ["doxygen", "python/docs/Doxyfile"], cwd=root, capture_output=True, text=True
+    )
+    if done.returncode:
+        raise ExtensionError(f"the comments of cpp/include:\n{done.stderr}")
 
 
 def _overloads_as_code(

@@ -42,6 +42,7 @@ from pdoik.options import (
     Touch,
 )
 from pdoik.reach_map import Grid, Reachability, reachability
+from pdoik.reports import Replay, replay_report, write_report
 from pdoik.scenes import load_scene, save_scene
 from pdoik.solver import Solver
 from pdoik.tracker import Tracker
@@ -67,6 +68,7 @@ __all__ = [
     "OverhangWarning",
     "PdoikError",
     "Reachability",
+    "Replay",
     "Result",
     "Robot",
     "RobotWarning",
@@ -82,8 +84,10 @@ __all__ = [
     "pairs_always_touching",
     "pairs_touching_at",
     "reachability",
+    "replay_report",
     "save_scene",
     "simd_name",
     "urdf_text",
     "voxel_downsample",
+    "write_report",
 ]

@@ -3,10 +3,11 @@
 from typing import Final
 
 from pdoik import _core
+from pdoik.carried import Carries
 from pdoik.options import Options, to_core
 
 
-class Solver(_core.Solver):
+class Solver(Carries, _core.Solver):
     """Constrained inverse kinematics among points (Sec. algorithm).
 
     It may be shared by threads, which then wait for each other; for work in parallel make one per

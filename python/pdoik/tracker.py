@@ -1,15 +1,16 @@
 """A control loop's inverse kinematics."""
 
-from typing import Final
+from typing import Any, Final
 
 from numpy.typing import ArrayLike
 
 from pdoik import _core
+from pdoik.carried import Carries
 from pdoik.options import to_core
 from pdoik.solver import Solver
 
 
-class Tracker(_core.Tracker):
+class Tracker(Carries, _core.Tracker):
     """One step each period, from the last answer, by a deadline, never a jump.
 
     Every step goes downhill from the last answer inside a box of speed limits times period, cut
@@ -41,6 +42,7 @@ class Tracker(_core.Tracker):
     """
 
     solver: Final[Solver]
+    settings: Final[dict[str, Any]]
 
     def __init__(
         self,
@@ -56,16 +58,15 @@ class Tracker(_core.Tracker):
         self.solver = solver
         if max_time is not None and not max_time > 0:
             raise ValueError(f"max_time is {max_time}, expected a positive time [s]")
-        super().__init__(
-            solver.robot,
-            to_core(solver.options),
-            period=period,
-            max_time=max_time or 0.0,
-            speed_share=speed_share,
-            max_speed=max_speed,
-            posture_weight=posture_weight,
-            smoothness=smoothness,
-        )
+        self.settings = {
+            "period": period,
+            "max_time": max_time or 0.0,
+            "speed_share": speed_share,
+            "max_speed": max_speed,
+            "posture_weight": posture_weight,
+            "smoothness": smoothness,
+        }
+        super().__init__(solver.robot, to_core(solver.options), **self.settings)
 
     def __repr__(self) -> str:
         return f"<Tracker of {self.robot!r}, {self.latency!r}>"

@@ -52,7 +52,7 @@ def test_the_readme_is_read_in_minutes() -> None:
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
     assert pages == ["README", "solve", "obstacles", "humanoid", "your_robot", "diagnose", "watch"]
-    assert sum(len(blocks(page, "python")) for page in PAGES) == 12
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 13
     for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
         assert (examples / name).is_file(), name
 
@@ -74,7 +74,7 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     commands = [shlex.split(line, comments=True) for line in written if line.startswith("pdoik ")]
     lines = dict.fromkeys(tuple(words[1:]) for words in commands)  # each once
     assert {words[0] for words in lines} == {
-        *("info", "solve", "occupancy", "pairs", "bench", "view", "h1"),
+        *("info", "solve", "report", "occupancy", "pairs", "bench", "view", "h1"),
         *("study", "effects", "diagnose", "compare", "predict", "replay", "watch", "propose"),
     }
     for line in lines:

@@ -11,7 +11,10 @@ namespace pdoik {
 /// How a constraint c <= 0 enters the augmented Lagrangian.
 enum class PenaltyForm {
   /// Eq. AL as printed, with the update corrected (mu + rho max(0, c)):
-  ///     mu max(0, c) + rho/2 max(0, c)^2.      It has a kink at c = 0 once mu > 0.
+  ///
+  ///     mu max(0, c) + rho/2 max(0, c)^2.
+  ///
+  /// It has a kink at c = 0 once mu > 0.
   Printed,
   /// The classic smooth form max(0, mu + rho c)^2 / (2 rho), update max(0, mu + rho c). Up to the
   /// constant
@@ -21,9 +24,10 @@ enum class PenaltyForm {
 
 /// One constraint's share of the augmented Lagrangian at penalty weight rho.
 struct Penalty {
-  PenaltyForm form = PenaltyForm::Smooth;
-  double rho = 1.0;
+  PenaltyForm form = PenaltyForm::Smooth;  ///< how constraints enter
+  double rho = 1.0;                        ///< weight of a constraint's square, positive
 
+  /// What a constraint adds.
   struct Term {
     double value = 0.0;  ///< share of L_rho
     double slope = 0.0;  ///< d value / d c
@@ -31,27 +35,31 @@ struct Penalty {
 
   /// How far below zero a constraint with multiplier mu still acts.
   double reach(double mu) const { return form == PenaltyForm::Printed ? 0.0 : mu / rho; }
+  /// The share of a constraint of value c whose multiplier is mu.
   Term term(double c, double mu) const {
     if (!(c > -reach(mu))) return {};
     const double pull = mu + rho * c;
     if (form == PenaltyForm::Printed) return {mu * c + 0.5 * rho * c * c, pull};
     return {pull * pull / (2.0 * rho), pull};
   }
+  /// The multiplier for the next outer iteration of a constraint that came to c.
   double updated_multiplier(double c, double mu) const {
     return form == PenaltyForm::Printed ? mu + rho * std::max(0.0, c) : std::max(0.0, mu + rho * c);
   }
 };
 
+/// Of the outer loop.
 struct AugmentedLagrangianOptions {
-  PenaltyForm form = PenaltyForm::Smooth;
-  double rho = 1.0;          ///< first penalty weight (paper: 1)
-  double rho_growth = 10.0;  ///< alpha (paper: 10)
-  double rho_max = 1e12;     ///< the weight grows no further
-  double beta = 0.99;        ///< give up when max c >= beta times its last value (paper: 0.99)
+  PenaltyForm form = PenaltyForm::Smooth;  ///< how constraints enter
+  double rho = 1.0;                        ///< first penalty weight (paper: 1)
+  double rho_growth = 10.0;                ///< alpha (paper: 10)
+  double rho_max = 1e12;                   ///< the weight grows no further
+  double beta = 0.99;  ///< give up when max c >= beta times its last value (paper: 0.99)
   double constraint_tolerance = 1e-6;  ///< c_tol, in the constraints' own unit
   int max_outer_iterations = 20;       ///< k_max
 };
 
+/// Why the outer loop ended.
 enum class AugmentedLagrangianStatus {
   Feasible,  ///< max c < c_tol
   Stalled,   ///< max c stopped falling: Algorithm IK's second stop condition, which is giving up
@@ -59,32 +67,39 @@ enum class AugmentedLagrangianStatus {
   Stopped,         ///< the caller's stop condition held
 };
 
+/// How a minimisation ended, and what it took.
 struct AugmentedLagrangianResult {
-  AugmentedLagrangianStatus status = AugmentedLagrangianStatus::IterationLimit;
+  AugmentedLagrangianStatus status = AugmentedLagrangianStatus::IterationLimit;  ///< why it ended
   /// max(0, max c) at the returned point; infinite, for nobody looked, if the caller stopped it.
   double max_constraint = std::numeric_limits<double>::infinity();
-  double rho = 0.0;
-  int outer_iterations = 0;
-  int iterations = 0;  ///< of the inner minimiser, in all
-  int evaluations = 0;
+  double rho = 0.0;          ///< the last penalty weight
+  int outer_iterations = 0;  ///< begun
+  int iterations = 0;        ///< of the inner minimiser, in all
+  int evaluations = 0;       ///< of the Lagrangian and its gradient
 };
 
 /// Minimise f(x) subject to c(x) <= 0 (Algorithm IK's loop). Knows nothing of robots.
 ///
 /// A Problem provides
-///     double lagrangian(const VectorXd& x, const Penalty&, VectorXd& gradient)   f + sum of
-///     penalty terms double max_constraint(const VectorXd& x) max(0, max_j c_j(x)) void
-///     reset_multipliers()                                                 mu <- 0 void
-///     update_multipliers(const VectorXd& x, const Penalty&)               mu_j <-
-///     updated_multiplier
+///
+///     // f + the sum of penalty terms, and its gradient
+///     double lagrangian(const VectorXd& x, const Penalty&, VectorXd& gradient);
+///     double max_constraint(const VectorXd& x);                     // max(0, max_j c_j(x))
+///     void reset_multipliers();                                     // mu <- 0
+///     void update_multipliers(const VectorXd& x, const Penalty&);   // Penalty::updated_multiplier
+///
 /// and keeps its own multipliers, one per constraint, because only it knows which are not zero.
 class AugmentedLagrangian {
  public:
+  /// All memory is taken here.
+  /// @param variables  Number of variables, at least 1.
+  /// @throws std::invalid_argument as Lbfgs does.
   explicit AugmentedLagrangian(Eigen::Index variables,
                                const AugmentedLagrangianOptions& options = {},
                                const LbfgsOptions& inner = {})
       : options_(options), lbfgs_(variables, inner) {}
 
+  /// Minimise from x, in place.
   /// @param stop  bool(const VectorXd& x, double lagrangian), asked after every inner iteration.
   /// @param cut  bool(), asked after every evaluation of a line search, see Lbfgs::minimize.
   template <class Problem, class Stop, class Cut>
@@ -123,15 +138,18 @@ class AugmentedLagrangian {
     result.status = AugmentedLagrangianStatus::IterationLimit;
     return result;
   }
+  /// The same without `cut`.
   template <class Problem, class Stop>
   AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x, Stop&& stop) {
     return minimize(problem, x, stop, [] { return false; });
   }
+  /// The same to the end.
   template <class Problem>
   AugmentedLagrangianResult minimize(Problem& problem, Eigen::VectorXd& x) {
     return minimize(problem, x, [](const Eigen::VectorXd&, double) { return false; });
   }
 
+  /// Those it was made with.
   const AugmentedLagrangianOptions& options() const { return options_; }
 
  private:

@@ -26,8 +26,8 @@ using ObstaclesF =
 ///     pdoik::Cloud cloud(points);
 ///     solver.set_obstacles(cloud);           // microseconds, whatever its size
 ///     solver.solve(request, result);
-///     cloud.update(seen, region);            // what the camera saw there, in place of what was
-///     there solver.solve(request, result);         // among the new points
+///     cloud.update(seen, region);            // what the camera saw there, for what was there
+///     solver.solve(request, result);         // among the new points
 ///
 /// A copy is another handle of the same cloud. A solve sees the cloud as it is when it begins:
 /// updates wait for the solves that have begun, and solves that begin meanwhile wait for the
@@ -36,15 +36,18 @@ class Cloud {
  public:
   /// No points.
   Cloud();
+  /// Take points in.
   /// @param points  x y z, or x y z radius, one row each, in the base frame [m]. Read in place.
   /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number
   /// beyond 1e6, naming the row, and on more than kMostPoints.
   explicit Cloud(const Obstacles& points);
+  /// The same in single precision.
   explicit Cloud(const ObstaclesF& points);
 
   /// More would take more than 2 GB.
   static constexpr std::size_t kMostPoints = std::size_t{1} << 25U;
 
+  /// The number of points.
   std::size_t size() const;
 
   /// Put points in place of all those in a region, whose cost is that of what changes: it sorts the
@@ -55,6 +58,7 @@ class Cloud {
   /// @throws std::invalid_argument as the constructor; on a region that is empty, inside out or no
   /// number; on points outside of it. The cloud is then as before.
   int update(const Obstacles& points, const Eigen::AlignedBox3d& region);
+  /// The same in single precision.
   int update(const ObstaclesF& points, const Eigen::AlignedBox3d& region);
   /// Take out the points in a region.
   /// @returns How many there were.
@@ -68,9 +72,10 @@ class Cloud {
   /// robot without occupancy.
   int remove_robot(const Robot& robot, VectorIn q, double padding = 0.0);
 
-  /// Rows x y z radius, in the cloud's own order, and what results call each (WorstConstraint's
-  /// obstacle): its row when it was taken in, numbered on with each update.
+  /// Rows x y z radius, in the cloud's own order, shape (N, 4) [m].
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> points() const;
+  /// What results call each of `points` (WorstConstraint's obstacle): its row when it was taken in,
+  /// numbered on with each update.
   std::vector<int> ids() const;
   /// The memory that the points take [bytes].
   std::size_t bytes() const;

@@ -9,11 +9,11 @@
 namespace pdoik {
 
 /// The pairs of links that an SRDF file, MoveIt's companion of a URDF, says need no test against
-/// each other: its <disable_collisions link1= link2=>, in the file's order. They go to
+/// each other: its `<disable_collisions link1= link2=>`, in the file's order. They go to
 /// Robot::set_ignored_pairs, which knows whether the robot has these links. In pdoik::io.
 /// @param path_or_xml  A file's path, or the XML text itself (recognised by its leading '<').
 /// @throws LoadError  unreadable file, malformed XML, missing attribute, or an element that says
-/// what pairs cannot (<disable_default_collisions>, xacro); names the file and the element.
+/// what pairs cannot (`<disable_default_collisions>`, xacro); names the file and the element.
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml);
 /// Those of links that a robot has: an SRDF may be of a description with more, such as fingers.
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml, const Robot& robot);

@@ -17,7 +17,7 @@ enum class GoalType {
 struct Goal {
   int tip = 0;                                                   ///< its place in robot.tips()
   Eigen::Isometry3d T_base_tip = Eigen::Isometry3d::Identity();  ///< the target
-  GoalType type = GoalType::Pose;
+  GoalType type = GoalType::Pose;                                ///< what of it counts
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< in the tip frame, for GoalType::Axis
   double weight = 1.0;  ///< of its squared errors, against the other goals': counts where not all
                         ///< can be met

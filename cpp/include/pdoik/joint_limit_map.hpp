@@ -26,27 +26,32 @@ class JointLimitMap {
  public:
   /// Values and derivatives at one omega; its vectors are sized by `make_state`.
   struct State {
-    Eigen::VectorXd cosine,
-        sine;               ///< of each joint's angle, shape (n,); unused for prismatic joints
-    Eigen::VectorXd q;      ///< joint positions, shape (n,); angles only if asked for
-    Eigen::VectorXd slope;  ///< d q / d slack, shape (n,)
+    Eigen::VectorXd cosine;  ///< of each joint's angle, shape (n,); unused for prismatic joints
+    Eigen::VectorXd sine;    ///< the same
+    Eigen::VectorXd q;       ///< joint positions, shape (n,); angles only if asked for
+    Eigen::VectorXd slope;   ///< d q / d slack, shape (n,)
   };
 
+  /// What the variables are.
   enum class Variables {
-    Slack,
+    Slack,      ///< the paper's, from which limits hold
     Positions,  ///< the joint positions themselves, limits left to the caller: for comparison
   };
 
+  /// Of a robot's joints.
   explicit JointLimitMap(const Robot& robot, Variables variables = Variables::Slack);
 
   /// The number of variables, one per joint.
   Eigen::Index size() const { return static_cast<Eigen::Index>(joints_.size()); }
   /// K, the sub-angles of a joint: 1 where it is no angle, or has no limits.
   int sub_angles(int joint) const { return joints_[static_cast<std::size_t>(joint)].sub_angles; }
+  /// A state whose vectors have their sizes.
   State make_state() const;
 
   /// Cosines, sines (or prismatic positions) and slopes at omega, one per joint.
+  ///
   ///     d theta_m / d omega_m = sqrt(L_max s) (1 - s) / sqrt(2 - L_max s),   s = sigmoid(omega_m),
+  ///
   /// the composed derivative, which is finite everywhere. Allocates nothing.
   /// @param angles  Also recover q (needs an arcsine per sub-angle).
   void forward(const Eigen::VectorXd& omega, State& state, bool angles) const;
@@ -60,8 +65,7 @@ class JointLimitMap {
 
   /// A slack that maps to q, an angle being split evenly over its sub-angles.
   /// @param q  Positions; those outside [lower + inset range, upper - inset range] are moved to its
-  /// ends,
-  ///     because the map's derivative vanishes at the limits and a start there could not leave.
+  /// ends, because the map's derivative vanishes at the limits and a start there could not leave.
   /// @param inset  Fraction of the range, in [0, 0.5).
   void inverse(VectorIn q, Eigen::VectorXd& omega, double inset = 0.01) const;
 

@@ -10,6 +10,7 @@ namespace pdoik {
 /// from 0.1 microseconds up. Fixed memory; adding to it takes nanoseconds.
 class LatencyHistogram {
  public:
+  /// Count one more.
   void add(double seconds) {
     ++count_;
     max_ = seconds > max_ ? seconds : max_;
@@ -17,8 +18,10 @@ class LatencyHistogram {
     const auto k = static_cast<std::size_t>(bin);
     ++bins_[k < kBins ? k : kBins - 1];
   }
+  /// As if nothing had been added.
   void clear() { *this = {}; }
 
+  /// How many were added.
   std::uint64_t count() const { return count_; }
   double max() const { return max_; }  ///< [s]; 0 if nothing was added
 
@@ -36,11 +39,12 @@ class LatencyHistogram {
     return max_;
   }
 
-  static constexpr std::size_t kBins = 320;
+  static constexpr std::size_t kBins = 320;  ///< up to 10 s
   /// The upper end of a bin [s]; all that is longer falls into the last.
   static double upper_edge(std::size_t bin) {
     return kLeast * std::exp2(static_cast<double>(bin + 1) / kPerOctave);
   }
+  /// Counts, bin by bin.
   const std::array<std::uint64_t, kBins>& bins() const { return bins_; }
 
  private:

@@ -9,6 +9,7 @@
 
 namespace pdoik {
 
+/// Of L-BFGS.
 struct LbfgsOptions {
   int memory = 10;                   ///< pairs (s, y) kept
   int max_iterations = 200;          ///< per minimisation
@@ -24,6 +25,7 @@ struct LbfgsOptions {
   double curvature = 0.9;                       ///< c2 of the Wolfe conditions
 };
 
+/// Why a minimisation ended.
 enum class LbfgsStatus {
   GradientSmall,     ///< the gradient tolerance is met
   DecreaseSmall,     ///< f no longer falls
@@ -32,18 +34,21 @@ enum class LbfgsStatus {
   Stopped,           ///< the caller's stop condition held (a deadline, say)
 };
 
+/// How a minimisation ended, and what it took.
 struct LbfgsResult {
-  LbfgsStatus status = LbfgsStatus::IterationLimit;
-  double value = 0.0;
-  int iterations = 0;
-  int evaluations = 0;
+  LbfgsStatus status = LbfgsStatus::IterationLimit;  ///< why it ended
+  double value = 0.0;                                ///< f at the point that is returned
+  int iterations = 0;                                ///< steps taken
+  int evaluations = 0;                               ///< of f and its gradient
 };
 
 /// Limited-memory BFGS (Nocedal and Wright, Numerical Optimization, Algorithms 7.4 and 7.5).
 ///
 /// The direction comes from the two-loop recursion with initial scaling s.y / y.y. The step
 /// satisfies the weak Wolfe conditions
+///
 ///     f(x + t d) <= f(x) + c1 t g.d     and     g(x + t d).d >= c2 g.d,
+///
 /// found by bracketing and safeguarded cubic interpolation (Lewis and Overton's bracket, which also
 /// copes with a kink). A pair enters the memory only when s.y > 1e-10 |s| |y|, so the matrix stays
 /// positive definite. Knows nothing of robots. All memory is taken at construction; `minimize`
@@ -62,15 +67,18 @@ class Lbfgs {
   /// evaluation is not used. For deadlines, where an iteration is too long to wait for.
   template <class Evaluate, class Stop, class Cut>
   LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop, Cut&& cut);
+  /// The same without `cut`.
   template <class Evaluate, class Stop>
   LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x, Stop&& stop) {
     return minimize(evaluate, x, stop, [] { return false; });
   }
+  /// The same to the end.
   template <class Evaluate>
   LbfgsResult minimize(Evaluate&& evaluate, Eigen::VectorXd& x) {
     return minimize(evaluate, x, [](const Eigen::VectorXd&, double) { return false; });
   }
 
+  /// Those it was made with.
   const LbfgsOptions& options() const { return options_; }
 
  private:

@@ -9,6 +9,7 @@
 
 namespace pdoik {
 
+/// Of Levenberg and Marquardt's method.
 struct LevenbergMarquardtOptions {
   int max_iterations = 60;        ///< linearisations per run
   double first_damping = 0.3;     ///< lambda, relative to the largest diagonal entry of the Hessian
@@ -17,21 +18,23 @@ struct LevenbergMarquardtOptions {
   double max_damping = 1e6;       ///< beyond it the run has stalled
   double stall_ratio =
       0.95;  ///< the run has stalled when `stall_window` steps leave more of f than this
-  int stall_window = 4;
+  int stall_window = 4;  ///< steps, see stall_ratio
 };
 
+/// Why a minimisation ended.
 enum class LevenbergMarquardtStatus {
-  Done,     ///< the problem says so
-  Stalled,  ///< f falls too slowly to go on: a local minimum, most likely
-  IterationLimit,
-  Stopped,  ///< the caller's stop condition held
+  Done,            ///< the problem says so
+  Stalled,         ///< f falls too slowly to go on: a local minimum, most likely
+  IterationLimit,  ///< max_iterations reached
+  Stopped,         ///< the caller's stop condition held
 };
 
+/// How a minimisation ended, and what it took.
 struct LevenbergMarquardtResult {
-  LevenbergMarquardtStatus status = LevenbergMarquardtStatus::IterationLimit;
-  double value = 0.0;
-  int iterations = 0;
-  int evaluations = 0;
+  LevenbergMarquardtStatus status = LevenbergMarquardtStatus::IterationLimit;  ///< why it ended
+  double value = 0.0;   ///< f at the point that is returned
+  int iterations = 0;   ///< linearisations
+  int evaluations = 0;  ///< of f
 };
 
 namespace detail {
@@ -87,16 +90,19 @@ class LevenbergMarquardt {
   explicit LevenbergMarquardt(Eigen::Index variables,
                               const LevenbergMarquardtOptions& options = {});
 
-  /// A Problem provides
-  ///     double evaluate(const VectorXd& x)           f at x; the following calls speak of this x
-  ///     bool done() const                            x is good enough
-  ///     void linearise(MatrixXd& H, VectorXd& g)     upper triangle of J^T J, and J^T r
+  /// Minimise from x, in place. A Problem provides
+  ///
+  ///     double evaluate(const VectorXd& x);         // f at x; the following calls speak of this x
+  ///     bool done() const;                          // x is good enough
+  ///     void linearise(MatrixXd& H, VectorXd& g);   // upper triangle of J^T J, and J^T r
+  ///
   /// @param stop  bool(), asked before every iteration.
   template <class Problem, class Stop>
   LevenbergMarquardtResult minimize(Problem& problem, Eigen::VectorXd& x,
                                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                                     Stop&& stop);
 
+  /// Those it was made with.
   const LevenbergMarquardtOptions& options() const { return options_; }
 
  private:

@@ -10,7 +10,7 @@ namespace pdoik {
 
 /// A ball fixed to a link (Eq. joint_coll_avoid): no obstacle point within `radius` of `center`.
 struct Sphere {
-  std::string link;
+  std::string link;                                  ///< by name
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< in the link frame [m]
   double radius = 0.0;                               ///< [m]
 };
@@ -19,9 +19,9 @@ struct Sphere {
 /// obstacle point's distances to both foci is at least `semi_major`. The foci may sit on different
 /// links; where they come to be farther apart than twice semi_major the spheroid holds nothing.
 struct Spheroid {
-  std::string link_a;
+  std::string link_a;                                 ///< by name
   Eigen::Vector3d focus_a = Eigen::Vector3d::Zero();  ///< in link_a's frame [m]
-  std::string link_b;
+  std::string link_b;                                 ///< by name
   Eigen::Vector3d focus_b = Eigen::Vector3d::Zero();  ///< in link_b's frame [m]
   double semi_major = 0.0;                            ///< [m]
 };
@@ -29,9 +29,10 @@ struct Spheroid {
 /// What lies within `radius` of the segment from a to b, fixed to a link; a ball where they
 /// coincide.
 struct Capsule {
-  std::string link;
-  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();  ///< link frame [m]
-  double radius = 0.0;                                                       ///< [m]
+  std::string link;                             ///< by name
+  Eigen::Vector3d a = Eigen::Vector3d::Zero();  ///< in the link frame [m]
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();  ///< in the link frame [m]
+  double radius = 0.0;                          ///< [m]
   /// How far its surface stands beyond the link itself at most, 0 where nobody knows: so much less
   /// of it is certainly the link's [m].
   double overhang = 0.0;
@@ -43,12 +44,13 @@ struct Capsule {
 /// capsules as well is what these fill: its spheres and spheroids then only say where to look, and
 /// are all that Method::Paper and InnerMethod::Lbfgs know.
 struct Occupancy {
-  std::vector<Sphere> spheres = {};
-  std::vector<Spheroid> spheroids = {};
-  std::vector<Capsule> capsules = {};
+  std::vector<Sphere> spheres = {};      ///< balls
+  std::vector<Spheroid> spheroids = {};  ///< between two points each
+  std::vector<Capsule> capsules = {};    ///< close hulls
 
+  /// Whether there are no hulls.
   bool empty() const { return size() == 0; }
-  /// Hulls are numbered spheres first, then spheroids, then capsules.
+  /// The number of hulls. They are numbered spheres first, then spheroids, then capsules.
   std::size_t size() const { return spheres.size() + spheroids.size() + capsules.size(); }
 };
 

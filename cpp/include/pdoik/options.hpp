@@ -16,6 +16,7 @@ namespace pdoik {
 
 class Robot;
 
+/// Which algorithm solves.
 enum class Method {
   Default,  ///< restarts from a low-discrepancy sequence, Levenberg-Marquardt and L-BFGS inside
   /// Algorithm IK with its misprints corrected, from one start. L-BFGS ends as soon as goal and
@@ -37,7 +38,7 @@ enum class Prefer {
 
 /// Points by which a link stands on the ground.
 struct Contact {
-  std::string link;
+  std::string link;                     ///< by name
   std::vector<Eigen::Vector3d> points;  ///< corners of the sole, in the link frame [m]
 };
 
@@ -45,12 +46,14 @@ struct Contact {
 struct BalanceOptions {
   /// A box along the base frame's axes [m].
   Eigen::Vector3d com_lower = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  /// Its upper corner [m].
   Eigen::Vector3d com_upper = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   /// Over the convex hull of these, seen along `up`; empty for anywhere.
   std::vector<Contact> contacts;
   double support_margin = 0.0;                    ///< at least this far inside the hull's edges [m]
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< against gravity, in the base frame
 
+  /// Whether anything is asked of the centre of mass.
   bool wanted() const {
     return !contacts.empty() ||
            !(com_lower.array() == -std::numeric_limits<double>::infinity()).all() ||
@@ -67,14 +70,21 @@ struct TouchOptions {
   std::vector<std::string> links = {};
 };
 
-/// Metres, radians, seconds.
+/// What a solver aims at and how. Metres, radians, seconds.
 struct Options {
-  GoalType goal = GoalType::Pose;
+  /// @name What is asked
+  /// @{
+
+  GoalType goal = GoalType::Pose;                        ///< of targets that are bare poses
   Eigen::Vector3d goal_axis = Eigen::Vector3d::UnitZ();  ///< in the tip frame, for GoalType::Axis
-  Method method = Method::Default;
+  Method method = Method::Default;                       ///< which algorithm
 
   double position_tolerance = 1e-5;  ///< largest position error of a success [m]
   double rotation_tolerance = 1e-5;  ///< largest rotation (or axis) error of a success [rad]
+  /// @}
+  /// @name Obstacles
+  /// @{
+
   /// Least distance wanted between obstacle points and hulls; negative: how deep they may lie
   /// inside, for Method::Default with InnerMethod::LevenbergMarquardt [m].
   double clearance = 0.0;
@@ -88,28 +98,43 @@ struct Options {
   /// capsules then count as thinner by their overhang, so that a hand may be at an object and a
   /// base on its table by as much as its hull cannot tell; never by more than half their radius.
   bool forgive_overhang = true;
-  TouchOptions touch = {};
+  TouchOptions touch = {};  ///< what may be touched at the target
+  /// @}
+  /// @name Balance and self-collision
+  /// @{
 
-  BalanceOptions balance = {};
+  BalanceOptions balance = {};  ///< where the centre of mass has to be
   /// Keep hulls of links that are not adjacent off one another; nothing for where this says
   /// something of the links: it is known which pairs may touch (the robot has ignored pairs) and
   /// hulls are close (it has capsules). Not with the paper's method.
   std::optional<bool> self_collision = std::nullopt;
   double self_clearance = 0.0;  ///< by at least this much [m]
+  /// @}
 
-  Prefer prefer = Prefer::First;
+  /// @name Which solution
+  /// @{
+
+  Prefer prefer = Prefer::First;  ///< which of several solutions
   /// Of the squared distance to the posture, where one is given, against goals and constraints,
   /// which are met first [m^2/rad^2].
   double posture_weight = 1e-3;
   /// What each joint's distance to the posture counts beside the others', shape (n,), not negative;
   /// empty for all alike. Also what "nearest" means.
   Eigen::VectorXd joint_weights = {};
+  /// @}
+
+  /// @name Budget
+  /// @{
 
   /// Deadline of a solve, which taking in obstacles is not part of [s]. What the last verdicts
   /// took, but no more than half, is kept for the verdict at the end.
   double max_time = 0.01;
   int max_restarts = 1000;  ///< starts after the first; Method::Paper has none
   std::uint64_t seed = 0;   ///< of the restarts' sequence
+  /// @}
+
+  /// @name Inside the method
+  /// @{
 
   InnerMethod inner = InnerMethod::LevenbergMarquardt;  ///< for Method::Default
   int max_obstacles = 1024;  ///< obstacle points that fit without a further allocation
@@ -123,12 +148,15 @@ struct Options {
   double point_distance =
       0.5;  ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
 
+  /// Of the paper's inner minimiser.
   LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 4.0, .curvature = 0.5};
-  AugmentedLagrangianOptions augmented_lagrangian = {};
+  AugmentedLagrangianOptions augmented_lagrangian = {};  ///< of Algorithm IK's outer loop
+  /// Of the least-squares minimiser.
   LevenbergMarquardtOptions levenberg_marquardt{.stall_ratio = 0.8, .stall_window = 2};
 
   /// What self_collision comes to for a robot.
   bool keeps_off_itself(const Robot& robot) const;
+  /// @}
 };
 
 }  // namespace pdoik

@@ -1,6 +1,8 @@
 #pragma once
 
-/// Everything: constrained inverse kinematics among point clouds.
+/// @namespace pdoik
+/// Constrained inverse kinematics among point clouds. Metres, radians and seconds throughout; poses
+/// name both frames, T_base_tip takes tip points to base. This header includes all others.
 
 #include "pdoik/abi.hpp"
 #include "pdoik/augmented_lagrangian.hpp"

@@ -19,8 +19,8 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// empty.
 /// @param leaf  Edge of the cubic cells [m].
 /// @throws std::invalid_argument if leaf is not positive and finite, if the shape is wrong, or if
-/// the grid
-///     would have more cells than PCL's 32-bit index holds (PCL returns such a cloud unfiltered).
+/// the grid would have more cells than PCL's 32-bit index holds (PCL returns such a cloud
+/// unfiltered).
 Points voxel_downsample(const Obstacles& points, double leaf);
 
 /// For each kept point the radius of a ball about it, such that the balls hold every point of the

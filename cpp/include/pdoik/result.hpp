@@ -8,6 +8,7 @@
 
 namespace pdoik {
 
+/// Why a solve ended.
 enum class Status {
   Solved,         ///< pose, limits and clearance hold to their tolerances
   TimeLimit,      ///< max_time struck first; q is the best found
@@ -27,20 +28,21 @@ const char* to_string(Status status);
 
 /// What keeps a configuration from being a solution by most, or comes nearest to that.
 struct WorstConstraint {
+  /// Which kind of constraint.
   enum class Kind {
-    None,
-    Position,
-    Rotation,
-    Limit,
-    Clearance,
-    Balance,
-    SelfCollision,
-    Shape,
-    HeldPoint,
-    HeldShape,
-    HeldHull,
+    None,           ///< nothing was asked
+    Position,       ///< of a tip
+    Rotation,       ///< of a tip
+    Limit,          ///< of a joint
+    Clearance,      ///< of a hull to a point
+    Balance,        ///< of the centre of mass
+    SelfCollision,  ///< of two hulls
+    Shape,          ///< of a hull to a shape
+    HeldPoint,      ///< of what is carried to a point
+    HeldShape,      ///< of what is carried to a shape
+    HeldHull,       ///< of what is carried to a hull
   };
-  Kind kind = Kind::None;
+  Kind kind = Kind::None;  ///< which kind of constraint
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
   /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's
   /// lower and upper x, y, z, then 6 the support polygon. For HeldPoint, HeldShape and HeldHull the
@@ -65,9 +67,9 @@ struct ObstacleClearance {
 /// The outcome of a solve, with what is needed to judge it without trusting the solver: every error
 /// is recomputed from q alone.
 struct Result {
-  Eigen::VectorXd q;  ///< [rad] or [m]
-  bool success = false;
-  Status status = Status::Exhausted;
+  Eigen::VectorXd q;                  ///< [rad] or [m]
+  bool success = false;               ///< goals, limits and constraints hold to their tolerances
+  Status status = Status::Exhausted;  ///< why the solve ended
   double position_error = std::numeric_limits<double>::infinity();  ///< largest over goals [m]
   double rotation_error =
       std::numeric_limits<double>::infinity();  ///< largest over goals [rad]; 0 for position goals
@@ -79,11 +81,11 @@ struct Result {
   /// Least distance between hulls of links that are not adjacent, where that is asked for: between
   /// the capsules that hold them, which is never more [m].
   double self_distance = std::numeric_limits<double>::infinity();
-  WorstConstraint worst;
-  int iterations = 0;   ///< of the inner minimisers
-  int evaluations = 0;  ///< rollouts
-  int restarts = 0;     ///< starts beyond the first
-  double time = 0.0;    ///< [s]
+  WorstConstraint worst;  ///< what is missed by most, or comes nearest to that
+  int iterations = 0;     ///< of the inner minimisers
+  int evaluations = 0;    ///< rollouts
+  int restarts = 0;       ///< starts beyond the first
+  double time = 0.0;      ///< [s]
   /// What taking the obstacles in took, the last time that they changed: it is in no budget and not
   /// in `time` [s].
   double intake = 0.0;

@@ -13,8 +13,10 @@
 
 namespace pdoik {
 
+/// A vector that is read in place: joint positions, shape (n,), most often.
 using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 
+/// How a joint moves.
 enum class JointType {
   Fixed,       ///< does not move
   Revolute,    ///< turns about its axis between two limits [rad]
@@ -24,29 +26,29 @@ enum class JointType {
 
 /// "This joint follows another": position = multiplier * position(joint) + offset.
 struct Mimic {
-  std::string joint;
-  double multiplier = 1.0;
-  double offset = 0.0;
+  std::string joint;        ///< the one that is followed, by name
+  double multiplier = 1.0;  ///< of its position
+  double offset = 0.0;      ///< [rad] or [m]
 };
 
 /// One joint as a URDF gives it.
 struct JointDescription {
-  std::string name;
-  JointType type = JointType::Fixed;
-  std::string parent_link;
-  std::string child_link;
+  std::string name;                                                  ///< of its own
+  JointType type = JointType::Fixed;                                 ///< how it moves
+  std::string parent_link;                                           ///< by name
+  std::string child_link;                                            ///< by name
   Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();  ///< at position zero
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();                   ///< in the child frame
   double lower = -std::numeric_limits<double>::infinity();           ///< [rad] or [m]
   double upper = std::numeric_limits<double>::infinity();            ///< [rad] or [m]
   double velocity = std::numeric_limits<double>::infinity();         ///< [rad/s] or [m/s]
   double effort = std::numeric_limits<double>::infinity();           ///< [N m] or [N]
-  std::optional<Mimic> mimic;
+  std::optional<Mimic> mimic;  ///< whom it follows; none for a joint of its own
 };
 
 /// One link as a URDF gives it. The solver of arms ignores masses; they are kept for balance.
 struct LinkDescription {
-  std::string name;
+  std::string name;                                          ///< of its own
   double mass = 0.0;                                         ///< [kg]
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  ///< in the link frame [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();         ///< about the centre of mass [kg m^2]
@@ -54,9 +56,9 @@ struct LinkDescription {
 
 /// A robot before it has a base: links and joints in any order.
 struct RobotDescription {
-  std::string name;
-  std::vector<LinkDescription> links;
-  std::vector<JointDescription> joints;
+  std::string name;                      ///< of the whole
+  std::vector<LinkDescription> links;    ///< one of which is no joint's child, the root
+  std::vector<JointDescription> joints;  ///< each joins two of the links
   std::vector<std::string> warnings;  ///< of what was assumed; the Robot made of it has them, too
 };
 
@@ -77,13 +79,13 @@ using LinkPair = std::pair<std::string, std::string>;
 /// A row of a proximal Denavit-Hartenberg table (Craig; Eq. DH_matrix with entry (2,4) = -d
 /// sin(alpha)): T = Rx(alpha) Tx(a) Rz(theta) Tz(d). For a prismatic row the variable adds to d.
 struct DhRow {
-  double alpha = 0.0;         ///< [rad]
-  double a = 0.0;             ///< [m]
-  double d = 0.0;             ///< [m]
-  double theta_offset = 0.0;  ///< added to the joint angle [rad]
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
-  bool prismatic = false;
+  double alpha = 0.0;                                       ///< [rad]
+  double a = 0.0;                                           ///< [m]
+  double d = 0.0;                                           ///< [m]
+  double theta_offset = 0.0;                                ///< added to the joint angle [rad]
+  double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m]
+  double upper = std::numeric_limits<double>::infinity();   ///< [rad] or [m]
+  bool prismatic = false;                                   ///< slides along z, else turns about it
 };
 
 /// A moving frame: its z axis is the axis of the joint that moves it, so that every joint turns
@@ -92,11 +94,11 @@ struct DhRow {
 struct Body {
   int parent = -1;  ///< a smaller index; -1 for the base
   Eigen::Isometry3d T_parent_joint = Eigen::Isometry3d::Identity();  ///< at position zero
-  bool prismatic = false;
-  int dof = -1;  ///< the entry of q that moves it
+  bool prismatic = false;  ///< slides along z, else turns about it
+  int dof = -1;            ///< the entry of q that moves it
   double multiplier =
       1.0;  ///< position = multiplier * q[dof] + offset: other than 1, 0 for mimic joints
-  double offset = 0.0;
+  double offset = 0.0;  ///< [rad] or [m], see multiplier
 };
 
 /// A robot as the solver sees it: a tree of bodies from a chosen base, with links attached to them.
@@ -107,6 +109,10 @@ struct Body {
 /// they are called on, and none of its copies.
 class Robot {
  public:
+  /// @name Making one
+  /// @{
+
+  /// A robot from links and joints in any order.
   /// @param base_link  Any link of the tree; empty takes the description's root.
   /// @param tip_links  Links that goals may be given for; empty takes every leaf.
   /// @throws LoadError naming a missing link, a tip named twice, a second parent, a loop, limits
@@ -127,22 +133,35 @@ class Robot {
 
   /// A robot shipped with the library: "panda", "ur10", "iiwa14" or "h1", with its occupancy and
   /// ignored pairs. In pdoik::io.
-  /// @throws std::invalid_argument listing the names there are; LoadError as the constructor.
+  /// @throws std::invalid_argument listing the names there are.
+  /// @throws LoadError as the constructor.
   static Robot builtin(const std::string& name, const std::string& base_link = {},
                        const std::vector<std::string>& tip_links = {});
-  /// Their names, sorted. In pdoik::io.
+  /// Names of the shipped robots, sorted. In pdoik::io.
   static std::vector<std::string> builtin_names();
+  /// @}
 
+  /// @name Joints, links and limits
+  /// @{
+
+  /// The description's.
   const std::string& name() const { return parts_->name; }
+  /// n, the number of joints that q has entries for.
   int dof() const { return static_cast<int>(parts_->joint_names.size()); }
+  /// Of the n joints, in q's order.
   const std::vector<std::string>& joint_names() const { return parts_->joint_names; }
+  /// All links, depth first from the base.
   const std::vector<std::string>& link_names() const { return parts_->link_names; }
+  /// The link whose frame is the base frame.
   const std::string& base_link() const { return parts_->link_names.front(); }
+  /// Indices of the links that goals may be given for, into link_names.
   const std::vector<int>& tips() const { return parts_->tips; }
+  /// Their names.
   std::vector<std::string> tip_links() const;
 
-  /// Joint limits, shape (n,), [rad] or [m]; infinite for continuous joints.
+  /// Lower joint limits, shape (n,), [rad] or [m]; minus infinity for continuous joints.
   const Eigen::VectorXd& lower() const { return parts_->lower; }
+  /// Upper joint limits, shape (n,), [rad] or [m]; infinity for continuous joints.
   const Eigen::VectorXd& upper() const { return parts_->upper; }
   /// Speed limits of the joints, shape (n,), [rad/s] or [m/s]; infinite where the description gives
   /// none.
@@ -150,15 +169,21 @@ class Robot {
   /// Effort limits of the joints, shape (n,), [N m] or [N]; infinite where the description gives
   /// none.
   const Eigen::VectorXd& effort() const { return parts_->effort; }
+  /// How each of the n joints moves.
   const std::vector<JointType>& joint_types() const { return parts_->joint_types; }
   /// The middle of each joint's range, 0 for joints without limits, shape (n,).
   Eigen::VectorXd mid_configuration() const;
+  /// @}
+
+  /// @name Kinematics
+  /// @{
 
   /// Pose of a link in the base frame.
   /// @param q  shape (n,), [rad] or [m].
   /// @param link  An index from `link_index`, or -1 for the (first) tip.
   /// @throws std::invalid_argument on a wrong length.
   Eigen::Isometry3d fk(VectorIn q, int link = -1) const;
+  /// The same of a link by name.
   Eigen::Isometry3d fk(VectorIn q, const std::string& link) const {
     return fk(q, link_index(link));
   }
@@ -173,27 +198,40 @@ class Robot {
   /// frame [m].
   /// @throws std::invalid_argument if the masses do not sum up to a positive number.
   Eigen::Vector3d center_of_mass(VectorIn q) const;
-  /// Its derivative with respect to q, shape (3, n).
+  /// Derivative of the centre of mass with respect to q, shape (3, n).
   Eigen::Matrix3Xd center_of_mass_jacobian(VectorIn q) const;
 
   /// Poses of all bodies in the base frame, into a vector sized beforehand. Allocates nothing.
   void body_poses(VectorIn q, std::vector<Eigen::Isometry3d>& T_base_body) const;
+  /// @}
 
+  /// @name Links and bodies
+  /// @{
+
+  /// A link's place in link_names.
   /// @throws std::invalid_argument that names the link and the robot's links.
   int link_index(std::string_view name) const;
+  /// The same; none where there is no such link.
   std::optional<int> find_link(std::string_view name) const;
   /// Mass, centre of mass and inertia of each link, ordered as link_names.
   const std::vector<LinkDescription>& links() const { return parts_->links; }
 
+  /// The frames that move, each after its parent; the base first.
   const std::vector<Body>& bodies() const { return parts_->bodies; }
-  /// The body a link is attached to, and how: T_base_link = T_base_body * T_body_link.
+  /// The body a link is attached to: T_base_link = T_base_body * T_body_link.
   int body_of_link(int link) const { return parts_->link_body[static_cast<std::size_t>(link)]; }
+  /// How a link is attached to its body.
   const Eigen::Isometry3d& T_body_link(int link) const {
     return parts_->T_body_link[static_cast<std::size_t>(link)];
   }
+  /// @}
+
+  /// @name What it fills
+  /// @{
 
   /// What the robot fills, as seen by the solver. Empty until set, except for built-in robots.
   const Occupancy& occupancy() const { return parts_->occupancy; }
+  /// Say what the robot fills, for solvers that are made afterwards.
   /// @throws std::invalid_argument naming an unknown link, a radius that is not positive or is
   /// beyond 1e6 m, or a semi-major axis that is not longer than half the distance between foci on
   /// one link.
@@ -202,8 +240,13 @@ class Robot {
   /// Links whose hulls may touch each other, besides those that are joined (see
   /// collision_pairs.hpp). Empty until set.
   const std::vector<LinkPair>& ignored_pairs() const { return parts_->ignored_pairs; }
+  /// Say what may touch, for solvers that are made afterwards.
   /// @throws std::invalid_argument naming an unknown link.
   void set_ignored_pairs(std::vector<LinkPair> pairs);
+  /// @}
+
+  /// @name Its description
+  /// @{
 
   /// What the robot was made of: Robot(description(), base_link(), tip_links()) is another like it,
   /// but for occupancy and ignored pairs.
@@ -211,6 +254,7 @@ class Robot {
 
   /// Oddities of the description that do not stop kinematics (inertias that are not physical, ...).
   const std::vector<std::string>& warnings() const { return parts_->warnings; }
+  /// @}
 
  private:
   struct Parts {

@@ -26,13 +26,17 @@ struct AllowedContact {
 /// solvers on any number of threads may share it.
 class Shapes {
  public:
+  /// None.
   Shapes();
+  /// Take shapes in, of different names, and what may touch them.
   /// @throws std::invalid_argument  As check_shape; two shapes of one name; an allowed contact with
   /// a shape that is not there or to a negative depth. Whether there is such a link says who takes
   /// them in.
   explicit Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed = {});
 
+  /// In the order that they were given.
   std::span<const Shape> shapes() const;
+  /// What may touch.
   std::span<const AllowedContact> allowed() const;
 
  private:

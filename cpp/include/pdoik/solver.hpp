@@ -52,22 +52,34 @@ struct Request {
 /// over the obstacles near the robot, for which it strikes early by what the last ones took.
 class Solver {
  public:
+  /// @name Making one
+  /// @{
+
+  /// A solver for a robot as it is now. All memory is taken here.
   /// @throws std::invalid_argument naming the option out of range; or if the robot has no joints or
   /// more than 64.
   explicit Solver(const Robot& robot, const Options& options = {});
-  Solver(Solver&&) noexcept;
-  Solver& operator=(Solver&&) noexcept;
+  Solver(Solver&&) noexcept;             ///< moved
+  Solver& operator=(Solver&&) noexcept;  ///< moved
+  /// With the other's obstacles, which they share, and what it carries. Allocates.
   Solver(const Solver& other);
-  ~Solver();
+  ~Solver();  ///< frees what it holds
 
+  /// As it was at construction.
   const Robot& robot() const;
+  /// Those it was made with.
   const Options& options() const;
+  /// @}
 
-  /// The obstacles of the solves that follow; empty for none.
+  /// @name Obstacles and what the robot carries
+  /// @{
+
+  /// The obstacles of the solves that follow; empty for none. Allocates only when there are more
+  /// points than ever before, options.max_obstacles to begin with, or when a copy of this solver
+  /// still has the last ones: copies share them. What it took is in the results that follow, as
+  /// `intake`.
   /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number
-  /// beyond 1e6, naming the row. Allocates only when there are more points than ever before,
-  /// options.max_obstacles to begin with, or when a copy of this solver still has the last ones:
-  /// copies share them. What it took is in the results that follow, as `intake`.
+  /// beyond 1e6, naming the row.
   void set_obstacles(const Obstacles& points);
   /// Those of a cloud, as they are whenever a solve begins. Solvers share it.
   void set_obstacles(const Cloud& cloud);
@@ -82,12 +94,17 @@ class Solver {
   /// half-space; a name that something carried has already.
   void attach(const std::string& link, std::span<const Shape> shapes,
               std::span<const std::string> may_touch = {});
-  /// Let a link, or all of them, carry nothing any more.
+  /// Let a link carry nothing any more.
   void detach(const std::string& link);
+  /// Let no link carry anything any more.
   void detach();
 
   /// Neither points nor solids.
   void clear_obstacles();
+  /// @}
+
+  /// @name Solving
+  /// @{
 
   /// Ask `wanted` about ten times a second whether to end a solve early, with the status TimeLimit:
   /// for Ctrl-C where max_time is long. Copies of the solver do not ask.
@@ -105,6 +122,7 @@ class Solver {
   /// @throws std::invalid_argument additionally if the robot has several tips.
   Result solve(const Eigen::Isometry3d& T_base_tip,
                const std::optional<Eigen::VectorXd>& q0 = std::nullopt);
+  /// The same in the real-time form.
   /// @param q0  May be null.
   void solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result);
 
@@ -119,10 +137,15 @@ class Solver {
   std::vector<Result> solve_goals_batch(std::span<const std::vector<Goal>> goals,
                                         std::span<const Eigen::VectorXd> q0 = {},
                                         int threads = 0) const;
+  /// @}
+
+  /// @name Judging
+  /// @{
 
   /// Errors, clearance, limits and verdict of a configuration, recomputed from q by plain forward
   /// kinematics. It uses the solver's own memory, as `solve` does.
   void judge(const Eigen::Isometry3d& T_base_tip, VectorIn q, Result& result);
+  /// The same for several goals.
   void judge(std::span<const Goal> goals, VectorIn q, Result& result);
 
   /// The goal of the options' type for the tip, or for one of several.
@@ -140,6 +163,7 @@ class Solver {
   std::string part_name(const ObstacleClearance& of) const;
   /// A shape's name by its place.
   std::string shape_name(int shape) const;
+  /// @}
 
  private:
   struct Implementation;

@@ -24,6 +24,7 @@ struct SinkOptions {
 /// The balls of voxel_downsample and covering_radii, sunk into the solids whose surface a cloud
 /// shows: a ball that lies on the surface stands a whole radius r beyond it, one of the same patch
 /// whose centre is at depth d only
+///
 ///     R - d,  R = max over its points p of |p - c + d n|,  about r^2 / (2 d).
 ///
 /// What holds: each point of the cloud is in a ball as it was before, to rounding, whatever was

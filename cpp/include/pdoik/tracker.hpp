@@ -11,7 +11,7 @@
 
 namespace pdoik {
 
-/// Metres, radians, seconds.
+/// Of a tracker. Metres, radians, seconds.
 struct TrackerOptions {
   double period = 0.001;  ///< between steps [s]
   /// Hard deadline of a step [s]; 0 for 0.8 of the period.
@@ -43,7 +43,7 @@ const char* to_string(TrackerStatus status);
 /// out how far the far is. q is always a configuration that may be sent to the motors, never
 /// farther from the last one than the step limits.
 struct TrackerResult : Result {
-  TrackerStatus tracking = TrackerStatus::InvalidInput;
+  TrackerStatus tracking = TrackerStatus::InvalidInput;  ///< what became of the step
   int step_limited = -1;  ///< the first joint that its step limit holds back, -1 for none
   /// Why the input was refused; empty otherwise. It points to text that lives until the next step.
   const char* complaint = "";
@@ -58,6 +58,7 @@ struct TrackerResult : Result {
 ///       if (new_cloud) tracker.set_obstacles(points);
 ///       send(tracker.step(goals).q);
 ///     }
+///
 /// Every step goes downhill from the last answer inside a box of speed limits times period, cut
 /// with the joint limits, so it cannot jump; there are no restarts. A joint without a speed limit
 /// may go as far as it likes; a step that moves hulls by more than 2 cm, or half the thinnest
@@ -67,18 +68,29 @@ struct TrackerResult : Result {
 /// A tracker belongs to one thread; after construction nothing allocates, locks or prints.
 class Tracker {
  public:
+  /// @name Making one
+  /// @{
+
+  /// A tracker for a robot as it is now, at the middle of its ranges. All memory is taken here.
   /// @param solver_options  Goals' type, tolerances, clearance, balance and self-collision count;
   /// the budget of a solve does not. `max_obstacles` is the largest cloud that is taken.
   /// @throws std::invalid_argument as Solver's constructor does, naming the option out of range.
   explicit Tracker(const Robot& robot, const Options& solver_options = {},
                    const TrackerOptions& options = {});
-  Tracker(Tracker&&) noexcept;
-  Tracker& operator=(Tracker&&) noexcept;
-  ~Tracker();
+  Tracker(Tracker&&) noexcept;             ///< moved, not copied
+  Tracker& operator=(Tracker&&) noexcept;  ///< moved, not copied
+  ~Tracker();                              ///< frees what it holds
 
+  /// As it was at construction.
   const Robot& robot() const;
+  /// Those it was made with.
   const Options& solver_options() const;
+  /// Those it was made with.
   const TrackerOptions& options() const;
+  /// @}
+
+  /// @name Where it is
+  /// @{
 
   /// Where the next step starts from, shape (n,): the measured configuration, most often. Moved
   /// inside the limits.
@@ -90,6 +102,10 @@ class Tracker {
   /// A posture to stay near from now on, shape (n,); empty for none.
   /// @throws std::invalid_argument on a wrong length, NaN or infinity.
   void set_posture(VectorIn posture);
+  /// @}
+
+  /// @name Obstacles and what the robot carries
+  /// @{
 
   /// The obstacles from now on, as Solver::set_obstacles takes them. NaN, infinity, a wrong shape
   /// or more rows than max_obstacles: the cloud before stays, and steps say InvalidInput until a
@@ -110,12 +126,17 @@ class Tracker {
   /// half-space; a name that something carried has already.
   void attach(const std::string& link, std::span<const Shape> shapes,
               std::span<const std::string> may_touch = {});
-  /// Let a link, or all of them, carry nothing any more.
+  /// Let a link carry nothing any more.
   void detach(const std::string& link);
+  /// Let no link carry anything any more.
   void detach();
 
   /// What set_obstacles does with a cloud that makes no sense, for one that is refused outside.
   void refuse_obstacles(const std::string& complaint);
+  /// @}
+
+  /// @name Stepping
+  /// @{
 
   /// One step towards the goals. Throws nothing. The result is the tracker's own, until the next
   /// step.
@@ -126,11 +147,13 @@ class Tracker {
   /// What a step does with input that makes no sense: the last answer once more, and why.
   const TrackerResult& hold(const std::string& complaint);
 
-  /// Of all steps so far.
+  /// How long steps took, all so far.
   const LatencyHistogram& latency() const;
+  /// Count them anew.
   void clear_latency();
   /// The worst constraint of a result by name, see Solver::describe.
   std::string describe(const WorstConstraint& worst) const;
+  /// @}
 
  private:
   struct Implementation;

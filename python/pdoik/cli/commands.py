@@ -22,6 +22,7 @@ from .pairs import pairs
 from .predict import predict
 from .propose import propose
 from .replay import replay
+from .reports import report
 from .solve import solve
 from .study import app as study
 from .thresholds import thresholds
@@ -50,6 +51,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(solve)
+app.command()(report)
 app.command()(info)
 app.command()(occupancy)
 app.command()(pairs)

@@ -219,4 +219,5 @@ def advice(solution: Solution) -> list[str]:
     if solution.obstacles is not None and result.status not in {"out_of_reach", "base_collision"}:
         given = "--cloud" if solution.obstacles.scene is None else "--scene"
         tips.append(f"the same without {given}, which tells whether obstacles are in the way")
+    tips.append("--report case.json, if it should have been solved: a file to send with an issue")
     return tips

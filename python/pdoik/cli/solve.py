@@ -12,8 +12,9 @@ import typer
 
 import pdoik
 from pdoik._extras import asks_for
+from pdoik.reports import ending_of
 
-from .messages import NOT_SOLVED, fail, misuse_fails, out, warn
+from .messages import NOT_SOLVED, fail, misuse_fails, out, tell, warn
 from .obstacles import Obstacles, load_obstacles
 from .options import (
     GOAL,
@@ -33,7 +34,7 @@ from .options import (
     SrdfFile,
 )
 from .report import Solution, facts, print_report
-from .robots import ANY_ROBOT, load_robot, numbers
+from .robots import ANY_ROBOT, BUILTIN, load_robot, numbers
 from .tables import json_text
 from .target import FORMS, parse_target
 
@@ -112,6 +113,13 @@ def solve(
         Path | None,
         typer.Option(help="Draw the outcome into this .png file.", rich_help_panel=_OUTPUT),
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write question and answer into this .json or .json.gz file, for pdoik report.",
+            rich_help_panel=_OUTPUT,
+        ),
+    ] = None,
 ) -> None:
     """Find joint positions that put the tip on a target, inside limits, clear of obstacles.
 
@@ -120,6 +128,7 @@ def solve(
     [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
     """
     _check_picture(picture)
+    _check_report(report)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
     loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
@@ -158,6 +167,8 @@ def solve(
         print_report(solution)
     if picture is not None:
         _draw(picture, solution)
+    if report is not None:
+        _write(report, solution, start, robot)
     if not solution.result.success:
         raise typer.Exit(NOT_SOLVED)
 
@@ -194,6 +205,29 @@ def _check_picture(picture: Path | None) -> None:
         fail(f"--picture: expected a name that ends in .png, got {picture.name!r}")
     if not picture.parent.is_dir():
         fail(f"--picture: there is no folder {picture.parent}")
+
+
+def _check_report(report: Path | None) -> None:
+    if report is None:
+        return
+    with misuse_fails("--report"):
+        ending_of(report)
+    if not report.parent.is_dir():
+        fail(f"--report: there is no folder {report.parent}")
+
+
+def _write(report: Path, solution: Solution, q0: FloatArray | None, robot: str) -> None:
+    with misuse_fails("--report"):
+        pdoik.write_report(
+            report,
+            pdoik.Solver(solution.robot, solution.options),
+            solution.T_base_tip,
+            q0=q0,
+            obstacles=None if solution.obstacles is None else solution.obstacles.kept(),
+            result=solution.result,
+            urdf=None if robot in BUILTIN else pdoik.urdf_text(robot),
+        )
+    tell(f"{report}: say in its note what is wrong, and send it; pdoik report {report} asks again")
 
 
 def _draw(picture: Path, solution: Solution) -> None:

@@ -1,0 +1,123 @@
+"""Obstacles as a report has them: points to the bit, shapes, what may touch what."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .._core import Cloud, Scene, Shape
+from .values import Entry, FloatArray, plain
+
+SHAPE_KINDS = ("sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh")  # C++'s order
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacles:
+    """What a solver gets, and what a judge looks at.
+
+    Attributes:
+        given: For `obstacles=`.
+        points: Centres and radii, (N, 4) [m].
+        shapes: Solids.
+        allowed: (link, shape) or (link, shape, depth) that may touch.
+    """
+
+    given: Any
+    points: FloatArray
+    shapes: tuple[Shape, ...] = ()
+    allowed: tuple[tuple[Any, ...], ...] = ()
+
+
+def obstacles_entry(obstacles: Any) -> dict[str, Any] | None:
+    """What `read_obstacles` reads, of whatever a solve takes as obstacles."""
+    if obstacles is None:
+        return None
+    if isinstance(obstacles, Cloud):
+        return {"cloud": _rows(obstacles)}
+    if isinstance(obstacles, Scene):
+        return {
+            "shapes": [shape_entry(shape) for shape in obstacles.shapes],
+            "allowed": plain(obstacles.allowed),
+            "cloud": None if obstacles.cloud is None else _rows(obstacles.cloud),
+        }
+    if isinstance(obstacles, Sequence) and obstacles and isinstance(obstacles[0], Shape):
+        return obstacles_entry(Scene(list(obstacles)))
+    return {"points": plain(np.asarray(obstacles, dtype=np.float64))}
+
+
+def _rows(cloud: Cloud) -> list[list[float]]:
+    """Of x y z radius, in the order that the points came in, which is that of their ids."""
+    rows: list[list[float]] = plain(cloud.points[np.argsort(cloud.ids)])
+    return rows
+
+
+def read_obstacles(entry: Entry) -> Obstacles:
+    """The same obstacles again.
+
+    Raises:
+        LoadError: Names the entry and what is wrong with it.
+    """
+    if entry.value is None:
+        return Obstacles(None, np.empty((0, 4)))
+    if "points" in entry.names():
+        points = entry["points"].array(None, None)
+        points = points if points.size else np.empty((0, 3))
+        if points.shape[1] not in (3, 4):
+            raise entry["points"].wrong(f"expected 3 or 4 numbers a row, got {points.shape[1]}")
+        radii = np.zeros((len(points), 4 - points.shape[1]))
+        return Obstacles(points, np.column_stack([points, radii]))
+    points, cloud = np.empty((0, 4)), None
+    try:
+        if entry["cloud"].value is not None:
+            points = entry["cloud"].array(None, 4)
+            cloud = Cloud(points)
+        if "shapes" not in entry.names():
+            return Obstacles(cloud, points)
+        shapes = [read_shape(each) for each in entry["shapes"].items()]
+        allowed = [_contact(each) for each in entry["allowed"].items()]
+        scene = Scene(shapes, cloud=cloud, allowed=allowed)
+    except ValueError as error:
+        if type(error) is not ValueError:  # it names its entry already
+            raise
+        raise entry.wrong(str(error)) from error
+    return Obstacles(scene, points, tuple(shapes), tuple(allowed))
+
+
+def shape_entry(shape: Shape) -> dict[str, Any]:
+    """What `read_shape` reads."""
+    entry = {
+        "name": shape.name,
+        "kind": shape.kind,
+        "T_base_shape": plain(shape.T_base_shape),
+        "size": plain(shape.__getstate__()[3]),
+    }
+    if shape.kind == "convex_mesh":
+        entry |= {"vertices": plain(shape.vertices), "triangles": plain(shape.triangles)}
+    return entry
+
+
+def read_shape(entry: Entry) -> Shape:
+    """The same shape again; a scene or a solver looks whether it makes sense."""
+    kind = entry["kind"].text(*SHAPE_KINDS)
+    vertices, triangles = np.empty((0, 3)), np.empty((0, 3), np.int32)
+    if kind == "convex_mesh":
+        vertices = entry["vertices"].array(None, 3)
+        places = entry["triangles"].array(None, 3)
+        if places.size and not (places.min() >= 0 and places.max() < len(vertices)):
+            raise entry["triangles"].wrong("a triangle has a vertex that is not there")
+        triangles = places.astype(np.int32)
+    shape = Shape.__new__(Shape)
+    pose, size = entry["T_base_shape"].array(4, 4), entry["size"].array(3)
+    name = entry["name"].text()
+    shape.__setstate__((name, SHAPE_KINDS.index(kind), pose, size, vertices, triangles))
+    return shape
+
+
+def _contact(entry: Entry) -> tuple[Any, ...]:
+    parts = entry.items()
+    if len(parts) not in (2, 3):
+        raise entry.expected("a link, a shape and perhaps a depth")
+    return (parts[0].text(), parts[1].text(), *(part.number() for part in parts[2:]))
