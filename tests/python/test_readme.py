@@ -59,9 +59,16 @@ def test_the_readme_is_read_in_minutes() -> None:
 
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
-    assert pages == ["README", "solve", "obstacles", "humanoid", "your_robot", "diagnose", "watch"]
-    assert sum(len(blocks(page, "python")) for page in PAGES) == 12
-    for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
+    solving = ["getting_started", "solve", "obstacles", "humanoid", "your_robot"]
+    assert pages == ["README", *solving, "diagnose", "watch"]
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 19
+    for name in (
+        "first.png",
+        "arm.urdf",
+        "scene.yaml",
+        "report/diagnosis.json",
+        "report/model.json",
+    ):
         assert (examples / name).is_file(), name
 
 
