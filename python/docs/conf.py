@@ -12,11 +12,19 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from jupyter_client.connect import ConnectionFileMixin
 from sphinx.errors import ExtensionError
+
+ConnectionFileMixin.transport.default_value = "ipc"  # notebooks' kernels open no port
 
 project = "pdoik"
 author = "the pdoik developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "breathe"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "breathe"]
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300  # [s] a cell
+nb_merge_streams = True
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 myst_heading_anchors = 3

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
 import shlex
 import shutil
@@ -14,8 +16,14 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "python" / "docs"
+TUTORIAL = DOCS / "tutorial.md"  # on a recording that is not in the repository
+SHARED = Path(os.environ.get("PDOIK_SHARED", REPOSITORY.parent / "shared"))
 INDEX = re.findall(r"^[a-z_]+$", (DOCS / "index.md").read_text(), re.MULTILINE)
-PAGES = [REPOSITORY / "README.md", *(DOCS / f"{name}.md" for name in INDEX)]
+PAGES = [
+    page
+    for page in (REPOSITORY / "README.md", *(DOCS / f"{name}.md" for name in INDEX))
+    if page != TUTORIAL
+]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -51,9 +59,16 @@ def test_the_readme_is_read_in_minutes() -> None:
 
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
-    assert pages == ["README", "solve", "obstacles", "humanoid", "your_robot", "diagnose", "watch"]
-    assert sum(len(blocks(page, "python")) for page in PAGES) == 13
-    for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
+    solving = ["getting_started", "solve", "obstacles", "humanoid", "your_robot"]
+    assert pages == ["README", *solving, "diagnose", "watch"]
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 20
+    for name in (
+        "first.png",
+        "arm.urdf",
+        "scene.yaml",
+        "report/diagnosis.json",
+        "report/model.json",
+    ):
         assert (examples / name).is_file(), name
 
 
@@ -94,6 +109,35 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     assert (tmp_path / "arm.occupancy.yaml").exists()
 
 
+def test_the_tutorial_runs_on_its_recording(tmp_path: Path) -> None:
+    pytest.importorskip("rosbags", reason="the extra sim2real is not installed")
+    recording = SHARED / "recordings" / "ur10_unisa" / "run1.csv"
+    if not recording.is_file():
+        pytest.skip(f"the tutorial's recording is not there: {recording}")
+    shutil.copy(recording, tmp_path / "ur10.csv")
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path, "MPLBACKEND": "agg"}
+    program, printed = "", ""
+    for language, code in re.findall(
+        r"^```(python|bash)\n(.*?)^```", TUTORIAL.read_text(), re.DOTALL | re.MULTILINE
+    ):
+        program += code if language == "python" else ""
+        command = ["bash", "-ec", code]
+        if language == "python":
+            command = [sys.executable, "-W", "error", "-c", program]
+        printed = subprocess.run(
+            command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.PIPE, text=True
+        ).stdout
+    diagnosis = json.loads((tmp_path / "report" / "diagnosis.json").read_text())
+    rough = {f["joints"][0] for f in diagnosis["findings"] if f["effect"] == "coulomb_friction"}
+    assert len(rough) == 6
+    assert all(joint["after"] < 0.5 * joint["before"] for joint in diagnosis["joints"].values())
+    errors = [re.findall(r"[\d.]+(?= ->| N m)", line) for line in printed.splitlines()]
+    assert len(errors) == 6
+    assert all(float(improved) < 0.7 * float(given) for given, improved in errors)
+    assert (tmp_path / "ur10_torque.png").is_file()
+
+
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "cpp")], ids=named)
 def test_the_cpp_example_is_the_one_that_the_consumer_compiles(page: Path) -> None:
     (example,) = blocks(page, "cpp")
@@ -105,7 +149,7 @@ def test_the_cpp_example_is_the_one_that_the_consumer_compiles(page: Path) -> No
     assert program[at : at + len(lines) - 1] == lines[1:]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=named)
+@pytest.mark.parametrize("page", [*PAGES, TUTORIAL], ids=named)
 def test_every_link_into_the_repository_leads_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#]+)\)", page.read_text())
     assert links or page is not PAGES[0]

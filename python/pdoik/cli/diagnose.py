@@ -117,7 +117,7 @@ def _joints(diagnosis: Diagnosis, matrix: Matrix) -> Table:
     table.add_column("unit", no_wrap=True)
     for effect in matrix.effects:
         table.add_column(escape(heading(effect)), justify="right", min_width=13)
-    table.add_column("", no_wrap=True)
+    table.add_column("", min_width=16)
     for name, fit in diagnosis.joints.items():
         numbers = [number(value) for value in (fit.before, fit.after, fit.noise_floor)]
         found = [cell(matrix.cells[name].get(effect)) for effect in matrix.effects]

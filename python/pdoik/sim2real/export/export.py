@@ -36,6 +36,8 @@ from ..simulation.plant import build_plant, unphysical
 from ..study.recording import FloatArray
 from .urdf import improve_urdf
 
+_WIDTH_OF_REST = 0.05  # [rad/s] over which friction changes its sign, that is worth a word
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Export:
@@ -83,6 +85,7 @@ def export_mjcf(model: Model) -> Export:
         gravity=model.gravity,
         tip=model.tip or described.links_of(model.joints)[-1],
     )
+    left_out += _smooth_friction(model)
     left_out += _evened_out(described, model, [*corrected, *parts])
     left_out += tuple(
         f"link {link}: its moments of inertia break A + B >= C; MuJoCo evens them out on loading"
@@ -108,6 +111,7 @@ def export_urdf(model: Model) -> Export:
     kept, left_out = _parted(model, _urdf_has_words)
     if model.rotor_inertia is not None and np.any(model.rotor_inertia):
         left_out += ("rotor inertias known before the diagnosis",)
+    left_out += _smooth_friction(model)
     parts = _placed(kept, robot)
     changes = [*_corrected(model), *parts]
     left_out += _evened_out(read_description(robot), model, changes)
@@ -120,6 +124,16 @@ def _evened_out(described: Description, model: Model, parts: list[Part]) -> tupl
     return tuple(
         f"link {link}: the inertia that was found is no body's; that of the nearest body is in here"
         for link in links
+    )
+
+
+def _smooth_friction(model: Model) -> tuple[str, ...]:
+    """Dry friction that changes its sign over a range of speed; URDF and MJCF know a step only."""
+    return tuple(
+        f"the width of {f.joints[0]}'s dry friction: it changes its sign within"
+        f" {f.shape[0]:.2g} rad/s of rest, here at once"
+        for f in model.findings
+        if f.effect == "coulomb_friction" and f.shape and f.shape[0] > _WIDTH_OF_REST
     )
 
 
