@@ -12,10 +12,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from jupyter_client.connect import ConnectionFileMixin
 from sphinx.errors import ExtensionError
-
-ConnectionFileMixin.transport.default_value = "ipc"  # notebooks' kernels open no port
 
 project = "pdoik"
 author = "the pdoik developers"
