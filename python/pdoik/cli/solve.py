@@ -33,7 +33,7 @@ from .options import (
     SrdfFile,
 )
 from .report import Solution, facts, print_report
-from .robots import ANY_ROBOT, load_robot, numbers
+from .robots import ANY_ROBOT, PackageDirs, XacroArguments, load_robot, numbers
 from .tables import json_text
 from .target import FORMS, parse_target
 
@@ -82,6 +82,8 @@ def solve(
     base_collision: BaseCollision = _DEFAULTS.base_collision,
     clearance: Clearance = _DEFAULTS.clearance,
     self_collision: SelfCollision = None,
+    package_dir: PackageDirs = None,
+    xacro_arg: XacroArguments = None,
     q0: Annotated[
         str | None,
         typer.Option(
@@ -122,7 +124,9 @@ def solve(
     _check_picture(picture)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
-    loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
+    loaded = load_robot(
+        robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
+    )
     with misuse_fails("--target"):
         T_base_tip = parse_target(target, goal)
     start = None
