@@ -182,8 +182,8 @@ def test_installed_descriptions_are_found_by_name() -> None:
         pytest.skip("example-robot-data is not installed")
     assert pdoik.load_robot("panda").occupancy.spheroids  # the shipped one
     assert pdoik.load_robot("ur5_robot").joint_names == pdoik.load_robot("ur5").joint_names
-    with pytest.raises(LoadError, match=r"no robot 'g1'.*nearest: g1_29dof_rev_1_0"):
-        pdoik.load_robot("g1")
+    with pytest.raises(LoadError, match=r"no robot 'g1_29dof'.*nearest: g1_29dof_rev_1_0"):
+        pdoik.load_robot("g1_29dof")
     assert pdoik.load_robot("go2", tip_link=["FL_foot", "RR_foot"]).dof == 12
     with pytest.raises(LoadError, match=r"no robot 'ur5_robott'.*nearest: ur5_robot"):
         pdoik.load_robot("ur5_robott")
