@@ -138,6 +138,33 @@ class Peer(Protocol):
         ...
 
 
+def followers(urdf: str) -> dict[str, tuple[str, float, float]]:
+    """Of each joint that mimics another: that one, the factor and the offset."""
+    return {
+        str(joint.get("name")): (
+            m.attrib["joint"],
+            float(m.get("multiplier", 1.0)),
+            float(m.get("offset", 0.0)),
+        )
+        for joint in ElementTree.fromstring(urdf).findall("joint")
+        if (m := joint.find("mimic")) is not None and joint.get("type") != "fixed"
+    }
+
+
+def whole(
+    q: Mapping[str, float], following: Mapping[str, tuple[str, float, float]]
+) -> dict[str, float]:
+    """The values of all joints, those that follow others included."""
+
+    def value(name: str) -> float:
+        if name in q:
+            return q[name]
+        leader, factor, offset = following[name]
+        return factor * value(leader) + offset
+
+    return {name: value(name) for name in [*q, *following]}
+
+
 class Pinocchio:
     """Of a URDF."""
 
@@ -154,19 +181,11 @@ class Pinocchio:
             for k, frame in enumerate(self._model.frames)
             if frame.type == pinocchio.FrameType.BODY
         }
-        self._mimics = [
-            (str(joint.get("name")), m.attrib)
-            for joint in ElementTree.fromstring(urdf).findall("joint")
-            if (m := joint.find("mimic")) is not None
-        ]
+        self._followers = followers(urdf)
 
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
-        values = dict(q)
-        for name, m in self._mimics:
-            factor, offset = float(m.get("multiplier", 1.0)), float(m.get("offset", 0.0))
-            values[name] = factor * q[m["joint"]] + offset
         position = self._pin.neutral(self._model)
-        for name, value in values.items():
+        for name, value in whole(q, self._followers).items():
             joint = self._model.joints[self._model.getJointId(name)]
             turns = joint.nq == 2
             position[joint.idx_q] = np.cos(value) if turns else value
@@ -208,16 +227,16 @@ class Mujoco:
 
     name = "MuJoCo"
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, urdf: str) -> None:
         import mujoco
 
-        self._mj = mujoco
+        self._mj, self._followers = mujoco, followers(urdf)
         self._model = mujoco.MjModel.from_xml_path(str(path))
         self._data = mujoco.MjData(self._model)
 
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
         model, data = self._model, self._data
-        for name, value in q.items():
+        for name, value in whole(q, self._followers).items():
             data.qpos[model.joint(name).qposadr[0]] = value
         self._mj.mj_kinematics(model, data)
         found = {}
@@ -228,7 +247,7 @@ class Mujoco:
             for k in range(count):
                 T = np.eye(4)
                 T[:3, :3], T[:3, 3] = R[k].reshape(3, 3), x[k]
-                found[of(k).name] = T
+                found.setdefault(of(k).name, T)
         return found
 
     def surfaces(self, *, touching: bool) -> Iterator[tuple[str, FloatArray]]:
@@ -346,7 +365,8 @@ def row(source: Source, poses: int) -> list[str]:
         print(f"  {line}")
     known = Given.of(given, packages=packages)
     mjcf = known.kind == "mjcf" and known.path is not None
-    peer: Peer = Mujoco(known.path) if mjcf and known.path else Pinocchio(known.urdf())
+    urdf = known.urdf()
+    peer: Peer = Mujoco(known.path, urdf) if mjcf and known.path else Pinocchio(urdf)
     return [
         source.robot,
         f"`{source.given.rpartition('/')[2]}`",

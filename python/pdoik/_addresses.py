@@ -51,7 +51,7 @@ class Places:
                 if not folder.is_dir():
                     raise LoadError(f"package {name!r} is told to be in {folder}: no such folder")
             return cls(named=named, file=file)
-        folders = [told] if isinstance(told, str | os.PathLike) else told
+        folders = [told] if isinstance(told, str | os.PathLike) else told or ()
         holding = tuple(at_home(folder) for folder in folders)
         for folder in holding:
             if not folder.is_dir():
@@ -141,7 +141,7 @@ class Places:
         )
 
 
-Packages = Mapping[str, StrPath] | Sequence[StrPath] | Places
+Packages = Mapping[str, StrPath] | Sequence[StrPath] | Places | None
 """Folders of packages by their names, or folders that hold packages."""
 
 

@@ -52,7 +52,7 @@ def test_the_readme_is_read_in_minutes() -> None:
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
     assert pages == ["README", "solve", "obstacles", "humanoid", "your_robot", "diagnose", "watch"]
-    assert sum(len(blocks(page, "python")) for page in PAGES) == 12
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 13
     for name in ("arm.urdf", "scene.yaml", "report/diagnosis.json", "report/model.json"):
         assert (examples / name).is_file(), name
 

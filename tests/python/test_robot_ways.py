@@ -121,6 +121,7 @@ def test_who_takes_the_wrong_way_is_told_the_right_one(loop: Path, package: Path
         pdoik.Robot.from_urdf("ur5e")
     with pytest.raises(LoadError, match=r"no robot 'pamda'.*nearest: panda"):
         pdoik.Robot.from_description("pamda")
+    assert pdoik.Robot.from_description("Panda").name == "panda"
     with pytest.raises(LoadError, match="arguments are of xacro files"):
         pdoik.Robot.from_urdf(urdf, arguments={"a": "b"})
     with pytest.raises(LoadError, match=r"no hulls: none of the links .*; hulls=False leaves"):

@@ -48,7 +48,7 @@ def occupancy(
     from pdoik.errors import OverhangWarning
     from pdoik.occupancy_fit import AIM, fit_occupancy  # SciPy and trimesh take long to import
 
-    if robot in BUILTIN:
+    if robot.lower() in BUILTIN:
         fail(f"{robot} is shipped and has its hulls; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")

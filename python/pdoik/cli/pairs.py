@@ -53,7 +53,7 @@ def pairs(
     """
     from pdoik.link_pairs import sample_pairs  # SciPy and trimesh take long to import
 
-    if robot in BUILTIN:
+    if robot.lower() in BUILTIN:
         fail(f"{robot} is shipped and has its pairs; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")

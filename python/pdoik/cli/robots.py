@@ -15,7 +15,7 @@ import pdoik
 from pdoik._addresses import Places
 from pdoik.errors import RobotWarning
 
-from .messages import fail, misuse_fails
+from .messages import fail, misuse_fails, warn
 from .options import ROBOT
 
 BUILTIN = tuple(pdoik.Robot.builtin_names())
@@ -55,12 +55,16 @@ def load_robot(
 ) -> pdoik.Robot:
     """A robot by name, or of a URDF, xacro or MJCF file; leaves with status 2 otherwise."""
     places, values = package_places(packages), xacro_arguments(arguments)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RobotWarning)  # pdoik info tells them
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", RobotWarning)
         with misuse_fails():
             robot = pdoik.load_robot(
                 name, base_link, tip_link or None, arguments=values, packages=places
             )
+    for each in said:
+        if str(each.message) not in robot.warnings:  # those are for pdoik info to tell
+            warn(str(each.message))
     if occupancy is not None:
         with misuse_fails(f"--occupancy {occupancy}"):
             robot.occupancy = pdoik.Occupancy.load(str(occupancy))

@@ -137,7 +137,7 @@ def solve(
         for option in ["--cloud"] * (cloud is not None) + ["--scene"] * (scene is not None):
             fail(
                 f"{option}: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
-                " (pdoik occupancy FILE.urdf --out FILE.yaml makes one)"
+                " (pdoik occupancy ROBOT --out FILE.yaml makes one)"
             )
     obstacles = load_obstacles(cloud, leaf, radii, scene)
     with misuse_fails():

@@ -140,7 +140,7 @@ def view(
         robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
     )
     with misuse_fails():
-        if robot in BUILTIN:
+        if robot.lower() in BUILTIN:
             model = shipped_model(loaded)
         else:
             places = package_places(package_dir)

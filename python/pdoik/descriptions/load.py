@@ -17,7 +17,7 @@ from .._core import Occupancy, Robot, load_srdf_pairs
 from .._files import write_whole
 from ..errors import LoadError
 from .root_joint import standing
-from .text import Given, cache
+from .text import Given, cache, shipped_name
 
 Placement = npt.ArrayLike | None
 FloatingBase = tuple[npt.ArrayLike, npt.ArrayLike] | None
@@ -56,9 +56,9 @@ def load_robot(
     Raises:
         LoadError: It is not there or cannot be read.
     """
-    if str(robot) in Robot.builtin_names():
+    if (shipped := shipped_name(robot)) is not None:
         loaded = Robot.builtin(
-            str(robot), base_link, tip_link, T_world_base=T_world_base, floating_base=floating_base
+            shipped, base_link, tip_link, T_world_base=T_world_base, floating_base=floating_base
         )
         if srdf is not None:
             loaded.ignored_pairs = load_srdf_pairs(srdf, loaded)

@@ -35,7 +35,7 @@ def standing(urdf: str) -> str:
             f"joint {joint.get('name')!r} is {joint.get('type')}: the robot stands at its origin;"
             " base_link= below it and floating_base= let it go about"
         )
-        warnings.warn(message, RobotWarning, stacklevel=5)
+        warnings.warn(message, RobotWarning, stacklevel=4)
         joint.set("type", "fixed")
     return ElementTree.tostring(robot, encoding="unicode") if free else urdf
 

@@ -158,10 +158,10 @@ class Given:
         Raises:
             LoadError: There is none of that name, or its package cannot get it.
         """
-        if name in Robot.builtin_names():
-            shipped = Path(__file__).parents[1] / "robots" / f"{name}.urdf"
-            return cls.of_file(shipped, arguments=arguments, packages=packages)
-        found = description_of(name)
+        if (shipped := shipped_name(name)) is not None:
+            file = Path(__file__).parents[1] / "robots" / f"{shipped}.urdf"
+            return cls.of_file(file, arguments=arguments, packages=packages)
+        found = description_of(name) or description_of(name.lower())
         if found is None:
             raise LoadError(_unknown(name))
         return cls.of_file(
@@ -197,6 +197,12 @@ class Given:
         return with_paths(self.text, self.packages)
 
 
+def shipped_name(robot: str | os.PathLike[str]) -> str | None:
+    """A shipped robot's name, in whatever case it is given; None of another."""
+    name = str(robot).lower()
+    return name if name in Robot.builtin_names() else None
+
+
 def _kind(path: Path | None, text: str) -> Kind:
     root = _ROOT.search(text)
     if root is not None and root.group(1) == "mujoco":
@@ -206,10 +212,10 @@ def _kind(path: Path | None, text: str) -> Kind:
 
 
 def _unknown(name: str) -> str:
-    shipped = Robot.builtin_names()
+    shipped, lower = Robot.builtin_names(), name.lower()
     known = [*dict.fromkeys([*shipped, *names()])]
-    longer = [each for each in known if each.startswith(name)]  # with a version, or of a variant
-    near = longer[:5] or difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    longer = [each for each in known if each.startswith(lower)]  # with a version, or of a variant
+    near = longer[:5] or difflib.get_close_matches(lower, known, n=3, cutoff=0.5)
     said = f"; nearest: {', '.join(near)}" if near else ""
     return (
         f"no robot {name!r}: expected a file, one of {', '.join(shipped)}, or a description of"

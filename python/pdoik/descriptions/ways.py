@@ -18,7 +18,7 @@ from .._addresses import at_home
 from .._core import Robot
 from ..errors import LoadError
 from .load import load_given, load_robot
-from .text import Given, Kind
+from .text import Given, Kind, shipped_name
 
 _SAYS: dict[Kind, str] = {
     "urdf": "a URDF, which Robot.from_urdf reads",
@@ -173,7 +173,7 @@ def from_description(
     Raises:
         LoadError: As there; or no robot has this name, or its package cannot get the files.
     """
-    if name in Robot.builtin_names():
+    if shipped_name(name) is not None:
         return load_robot(
             name,
             base_link,

@@ -33,7 +33,11 @@ def expanded(path: Path, arguments: Mapping[str, str], places: Places) -> str:
     before = substitution_args._eval_find
     substitution_args._eval_find = find
     try:
-        return str(xacro.process_file(str(path), mappings=dict(arguments)).toxml())
+        return str(
+            xacro.process_file(
+                str(path), mappings={k: str(v) for k, v in arguments.items()}
+            ).toxml()
+        )
     except Exception as error:  # whatever its expressions meet
         said = missing[0] if missing else f"xacro: {error}"  # xacro makes one of its own of any
         raise LoadError(f"{path}: {said}") from error
