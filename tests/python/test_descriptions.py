@@ -193,10 +193,10 @@ def test_installed_descriptions_are_found_by_name() -> None:
 
 def test_hulls_are_fitted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("mujoco")
-    path = tmp_path / "box.xml"
+    path = tmp_path / "ball.xml"
     path.write_text(
         '<mujoco><worldbody><body name="arm"><joint name="turn"/>'
-        '<geom type="box" size="0.1 0.02 0.02"/></body></worldbody></mujoco>'
+        '<geom pos="0.1 0 0" size="0.05"/></body></worldbody></mujoco>'
     )
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     first = pdoik.load_robot(path, hulls=True)
