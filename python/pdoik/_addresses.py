@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from urllib.parse import unquote
 from xml.sax.saxutils import escape, unescape
@@ -35,6 +36,9 @@ class Places:
     named: Mapping[str, Path] = field(default_factory=dict)
     holding: tuple[Path, ...] = ()
     file: Path | None = None
+    _manifests: dict[Path, list[tuple[str, Path]]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @classmethod
     def of(cls, told: Packages = (), file: Path | None = None) -> Places:
@@ -82,27 +86,29 @@ class Places:
         Raises:
             LoadError: It is nowhere.
         """
+        candidates: Iterator[Path]
         scheme = _SCHEME.fullmatch(address)
         kind, rest = scheme.groups() if scheme else ("", address)
-        beside = self._by_last_parts(rest)
         if kind in ("package", "model"):
             name, _, inside = rest.partition("/")
-            paths = [folder / inside for folder in self._packages(name)]
-            reason = f"{' and '.join(map(str, paths))}: no such file"
-            if not paths:
-                reason = self._missing(name)
-            elif name in self.named:  # what is told is not overruled
-                beside = []
+            candidates = (folder / inside for folder in self._packages(name))
         else:
-            texts = [rest, unquote(rest)] if kind else [rest]
-            paths = [place / text for text in texts for place in self._around()]
-            paths += [Path(text) for text in texts if Path(text).is_absolute()]
+            name = inside = ""
+            texts = (rest, unquote(rest))
+            whole = (Path(text) for text in texts if Path(text).is_absolute())
+            candidates = chain(whole, (p / text for text in texts for p in self._around()))
+        strict = name in self.named  # what is told is not overruled
+        for path in chain(candidates, () if strict else self._by_last_parts(rest)):
+            if _is_file(path):
+                return path
+        raise LoadError(f"{address!r}: {self._why_not(name, inside)}")
+
+    def _why_not(self, package: str, inside: str) -> str:
+        if not package:
             around = " or ".join(map(str, self._around()))
-            reason = f"no such file{' in ' if around else ''}{around}"
-        for candidate in [*paths, *beside]:
-            if _is_file(candidate):
-                return candidate
-        raise LoadError(f"{address!r}: {reason}")
+            return f"no such file{' in ' if around else ''}{around}"
+        tried = [str(folder / inside) for folder in self._packages(package)]
+        return f"{' and '.join(tried)}: no such file" if tried else self._missing(package)
 
     def _packages(self, name: str) -> Iterator[Path]:
         """The folders that may be a package's, the likeliest first."""
@@ -110,12 +116,26 @@ class Places:
             yield self.named[name]
             return
         for place in self.holding:
-            yield from _within(place, name, deep=True)
+            yield from self._within(place, name, deep=True)
         for variable in _VARIABLES:
             for text in filter(None, os.environ.get(variable, "").split(os.pathsep)):
-                yield from _within(Path(text), name, deep=variable != "AMENT_PREFIX_PATH")
+                yield from self._within(Path(text), name, deep=variable != "AMENT_PREFIX_PATH")
         for above in self._above():
-            yield from _within(above, name, deep=False)
+            yield from self._within(above, name, deep=False)
+
+    def _within(self, place: Path, name: str, *, deep: bool) -> Iterator[Path]:
+        """A folder that is the package, or packages of that name in it; deep: some folders down."""
+        if place.name == name and place.is_dir():
+            yield place
+        for folder in (place / name, place / "share" / name):
+            if name and folder.is_dir():
+                yield folder
+        if _name_in(place / "package.xml") == name:  # folders need not be called as the package
+            yield place
+        if deep:
+            if place not in self._manifests:
+                self._manifests[place] = _packages_below(place)
+            yield from (folder for named, folder in self._manifests[place] if named == name)
 
     def _around(self) -> list[Path]:
         return [*([] if self.file is None else [self.file.parent]), *self.holding]
@@ -173,23 +193,16 @@ def with_paths(text: str, places: Places) -> str:
     return _IN_URDF.sub(replaced, text)
 
 
-def _within(place: Path, name: str, *, deep: bool) -> Iterator[Path]:
-    """A folder that is the package, or packages of that name in it; deep: some folders down."""
-    if place.name == name and place.is_dir():
-        yield place
-    for folder in (place / name, place / "share" / name):
-        if name and folder.is_dir():
-            yield folder
-    manifests = [place / "package.xml"]
-    for pattern in ("*", "*/*", "*/*/*") if deep else ():
-        manifests += sorted(place.glob(f"{pattern}/package.xml"))
-    for manifest in manifests:  # folders need not be called as the package in them
-        if manifest.is_file() and _name_in(manifest) == name:
-            yield manifest.parent
+def _packages_below(place: Path) -> list[tuple[str, Path]]:
+    found = [each for stars in ("*", "*/*", "*/*/*") for each in place.glob(f"{stars}/package.xml")]
+    return [(name, each.parent) for each in sorted(found) if (name := _name_in(each))]
 
 
 def _name_in(manifest: Path) -> str | None:
-    named = _NAMED.search(manifest.read_text("utf-8", errors="replace"))
+    try:
+        named = _NAMED.search(manifest.read_text("utf-8", errors="replace"))
+    except OSError:
+        return None
     return None if named is None else named.group(1)
 
 

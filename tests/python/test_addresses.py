@@ -79,6 +79,7 @@ def test_paths_are_beside_the_file_and_others_by_their_last_parts(tmp_path: Path
         "model://unknown/meshes/a b.stl",
     ):
         assert places.find(address).resolve() == mesh, address
+    assert Places.of().find(str(mesh)) == mesh  # of a text, too
 
 
 def test_what_is_nowhere_is_said_with_how_to_tell_it(tmp_path: Path) -> None:
