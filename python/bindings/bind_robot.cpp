@@ -151,25 +151,7 @@ void def_constructors(py::class_<Robot>& robot) {
                   py::arg("base_link") = py::none(), py::arg("tip_link") = py::none(),
                   py::kw_only(), py::arg("T_world_base") = py::none(),
                   py::arg("floating_base") = py::none(), py::arg("srdf") = py::none(),
-                  R"(Read a URDF.
-
-Args:
-    path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
-    base_link: Any link of the tree, which becomes the base frame. None takes the description's root.
-    tip_link: The link that goals are given for, or several. None takes every leaf.
-    T_world_base: Where the base link stands, shape (4, 4) [m]: targets, obstacles and centre of mass are then
-        in the frame of a link "world" that is put under it.
-    floating_base: Instead, how far the base link may go in the world: lower and upper bounds of x, y, z [m],
-        yaw, pitch and roll [rad], each of shape (6,). They are the first six joints, base_x to base_roll.
-    srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers keep the robot's
-        hulls off one another unless told otherwise.
-
-Raises:
-    LoadError: A file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
-        of order, an axis is zero.
-
-Warns:
-    RobotWarning: Oddities that do not stop kinematics, such as inertias no body can have.)")
+                  "Read a URDF; pdoik.descriptions.ways puts xacro, packages and hulls before it.")
       .def_static(
           "from_dh", &from_dh, py::arg("rows"), py::arg("T_last_tool") = py::none(),
           R"(A serial arm from DH rows: links link0 ... linkM and `tool`, joints joint1 ... jointM.

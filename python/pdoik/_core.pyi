@@ -6,6 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import os
+import pdoik._addresses
 import typing
 __all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'ObstacleClearance', 'Occupancy', 'Options', 'Result', 'Robot', 'Scene', 'Shape', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
@@ -403,6 +404,27 @@ class Robot:
         The robots that `builtin` knows.
         """
     @staticmethod
+    def from_description(name: str, base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None, hulls: bool = True, arguments: collections.abc.Mapping[str, str] | None = None, packages: pdoik._addresses.Packages = tuple()) -> Robot:
+        """
+        A shipped robot, or a description that another package brings, by name.
+        
+        Args:
+            name: Such as "panda" (shipped); "ur5", "xarm7" (package example-robot-data); "ur10e",
+                "panda_mj_description" (robot_descriptions); "unitree_g1" (mujoco-menagerie). The last
+                two get their files from the network the first time.
+            base_link: As for `from_urdf`, like the others.
+            tip_link: As there.
+            T_world_base: As there.
+            floating_base: As there.
+            srdf: As there.
+            hulls: As there, but fitted unless told otherwise. Shipped robots have theirs.
+            arguments: Of a xacro file, beside those that the description has.
+            packages: As there.
+        
+        Raises:
+            LoadError: As there; or no robot has this name, or its package cannot get the files.
+        """
+    @staticmethod
     def from_dh(rows: collections.abc.Sequence[DhRow], T_last_tool: numpy.typing.ArrayLike | None = None) -> Robot:
         """
         A serial arm from DH rows: links link0 ... linkM and `tool`, joints joint1 ... jointM.
@@ -412,27 +434,77 @@ class Robot:
             T_last_tool: Pose of `tool` in the last link's frame, shape (4, 4). None for the identity.
         """
     @staticmethod
-    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None) -> Robot:
+    def from_mjcf(path: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None, hulls: bool = False) -> Robot:
         """
-        Read a URDF.
+        Read a model of MuJoCo, by the package `mujoco`.
+        
+        Bodies are links, and a joint's value is its `qpos`. Ball joints are refused; a body that floats
+        stands where the model has it; joint equalities that are lines become mimic joints, and other
+        equalities are left out, so closed loops are open. Speeds are without limit.
         
         Args:
-            path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
-            base_link: Any link of the tree, which becomes the base frame. None takes the description's root.
-            tip_link: The link that goals are given for, or several. None takes every leaf.
-            T_world_base: Where the base link stands, shape (4, 4) [m]: targets, obstacles and centre of mass are then
-                in the frame of a link "world" that is put under it.
-            floating_base: Instead, how far the base link may go in the world: lower and upper bounds of x, y, z [m],
-                yaw, pitch and roll [rad], each of shape (6,). They are the first six joints, base_x to base_roll.
-            srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers keep the robot's
-                hulls off one another unless told otherwise.
+            path: A file's path.
+            base_link: As for `from_urdf`, like the others. The root is the link "world".
+            tip_link: As there.
+            T_world_base: As there.
+            floating_base: As there.
+            srdf: As there.
+            hulls: As there; of the geometry that can touch.
         
         Raises:
-            LoadError: A file cannot be read, the XML or the tree is malformed, a link is missing, limits are out
-                of order, an axis is zero.
+            LoadError: As there; or MuJoCo is not installed or refuses the file, or a joint is a ball.
+        """
+    @staticmethod
+    def from_urdf(path_or_xml: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None, hulls: bool = False, arguments: collections.abc.Mapping[str, str] | None = None, packages: pdoik._addresses.Packages = tuple()) -> Robot:
+        """
+        Read a URDF, or a xacro file, which the package `xacro` expands.
+        
+        Args:
+            path_or_xml: A file's path, or the XML text of a URDF itself (recognised by its leading
+                "<").
+            base_link: Any link of the tree, which becomes the base frame. None takes the description's
+                root.
+            tip_link: The link that goals are given for, or several. None takes every leaf.
+            T_world_base: Where the base link stands, shape (4, 4) [m]: targets, obstacles and centre of
+                mass are then in the frame of a link "world" that is put under it.
+            floating_base: Instead, how far the base link may go in the world: lower and upper bounds of
+                x, y, z [m], yaw, pitch and roll [rad], each of shape (6,). They are the first six
+                joints, base_x to base_roll.
+            srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers
+                keep the robot's hulls off one another unless told otherwise.
+            hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
+                kept in the user's cache (XDG_CACHE_HOME), and taken from there the next time.
+            arguments: Of a xacro file.
+            packages: Folders by the name of the package, for `package://NAME/...` and `$(find NAME)`;
+                or folders that hold packages. See `pdoik.urdf_text` for where else they are looked for.
+        
+        Raises:
+            LoadError: A file cannot be read, the XML or the tree is malformed, a link is missing,
+                limits are out of order, an axis is zero, a mesh is missing that hulls are asked for.
         
         Warns:
-            RobotWarning: Oddities that do not stop kinematics, such as inertias no body can have.
+            RobotWarning: Oddities that do not stop kinematics, such as missing velocity limits, which
+                are taken as none, and inertias no body can have.
+        """
+    @staticmethod
+    def from_xacro(path: str | os.PathLike[str], base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None, hulls: bool = False, arguments: collections.abc.Mapping[str, str] | None = None, packages: pdoik._addresses.Packages = tuple()) -> Robot:
+        """
+        Read a xacro file, by the package `xacro`.
+        
+        Args:
+            path: A file's path.
+            base_link: As for `from_urdf`, like the others.
+            tip_link: As there.
+            T_world_base: As there.
+            floating_base: As there.
+            srdf: As there.
+            hulls: As there.
+            arguments: What `xacro FILE NAME:=VALUE` takes.
+            packages: As there.
+        
+        Raises:
+            LoadError: As there; or xacro refuses the file.
+            MissingExtraError: The package xacro is not installed.
         """
     def __copy__(self) -> Robot:
         ...

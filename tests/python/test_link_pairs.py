@@ -233,5 +233,5 @@ def test_the_command_line_writes_the_pairs(tmp_path: Path) -> None:
     assert blind.exit_code == 0, blind.output
     assert "Listed" in blind.stdout
     misuse(run(*common, "--out", tmp_path / "no" / "a.srdf"), "--out")
-    misuse(run("pairs", "panda", "--occupancy", hulls), "built in")
+    misuse(run("pairs", "panda", "--occupancy", hulls), "shipped")
     misuse(run("pairs", urdf, "--occupancy", tmp_path / "none.yaml"), "none.yaml")

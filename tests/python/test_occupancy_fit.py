@@ -109,7 +109,7 @@ def test_hulls_hold_surface_and_inside_of_a_ring(tmp_path: Path) -> None:
     ring = trimesh.creation.torus(0.2, 0.05, major_sections=16, minor_sections=8)
     ring.export(tmp_path / "ring.stl")
     urdf = one_link(collision('<mesh filename="ring.stl"/>'))
-    fit = fit_occupancy(urdf, package_dirs=[tmp_path], max_volume_factor=1.0, max_parts=3)
+    fit = fit_occupancy(urdf, packages=[tmp_path], max_volume_factor=1.0, max_parts=3)
     assert fit.report.links[0].n_hulls > 1
 
     surface, _ = trimesh.sample.sample_surface(ring, 8000, seed=SEED)
@@ -390,7 +390,7 @@ def test_bad_descriptions_are_refused_by_name(urdf: str, message: str) -> None:
 def test_a_missing_mesh_names_the_file_and_where_it_was_sought(tmp_path: Path) -> None:
     urdf = one_link(collision('<mesh filename="package://arm/link.stl"/>'))
     with pytest.raises(LoadError, match=r"package://arm/link\.stl") as caught:
-        fit_occupancy(urdf, package_dirs=[tmp_path])
+        fit_occupancy(urdf, packages=[tmp_path])
     assert str(tmp_path) in str(caught.value)
 
 
@@ -398,7 +398,7 @@ def test_an_unreadable_mesh_is_named(tmp_path: Path) -> None:
     (tmp_path / "broken.stl").write_bytes(b"solid nothing\nendsolid nothing\n")
     urdf = one_link(collision('<mesh filename="broken.stl"/>'))
     with pytest.raises(LoadError, match=r"broken\.stl"):
-        fit_occupancy(urdf, package_dirs=[tmp_path])
+        fit_occupancy(urdf, packages=[tmp_path])
 
 
 @pytest.mark.parametrize(

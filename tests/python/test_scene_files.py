@@ -239,12 +239,13 @@ def test_a_named_frame_is_the_base_and_others_are_refused(tmp_path: Path) -> Non
 def test_meshes_are_found_beside_the_scene_or_in_packages(tmp_path: Path, beside: bool) -> None:
     folder = tmp_path / "scenes" if beside else tmp_path / "packages/things"
     (folder / "meshes").mkdir(parents=True)
-    (tmp_path / "scenes").mkdir(exist_ok=True)
+    for name in ("scenes", "packages"):
+        (tmp_path / name).mkdir(exist_ok=True)
     trimesh.creation.box((1, 1, 1)).export(folder / "meshes/part.stl")
     mesh = {"resource": "package://things/meshes/part.stl", "dimensions": [0.1, 0.2, 0.3]}
     item = {"id": "part", "meshes": [mesh], "mesh_poses": [{"position": [1, 0, 0]}]}
     path = written(tmp_path / "scenes", {"world": {"collision_objects": [item]}})
-    (part,) = pdoik.load_scene(path, package_dirs=[tmp_path / "packages"]).shapes
+    (part,) = pdoik.load_scene(path, packages=[tmp_path / "packages"]).shapes
     np.testing.assert_allclose(np.ptp(part.vertices, axis=0), (0.1, 0.2, 0.3))
 
 

@@ -12,28 +12,26 @@ from rich.table import Table
 import pdoik
 
 from .messages import out, warn
-from .robots import ANY_ROBOT, load_robot
+from .robots import PackageDirs, RobotArgument, XacroArguments, load_robot
 from .tables import json_text, limit_text
 
 
 def info(
-    robot: Annotated[
-        str,
-        typer.Argument(
-            help=f"{ANY_ROBOT}.",
-            metavar="ROBOT",
-        ),
-    ],
+    robot: RobotArgument,
     base_link: Annotated[str | None, typer.Option(help="First link; the root otherwise.")] = None,
     tip_link: Annotated[str | None, typer.Option(help="Last link; every leaf otherwise.")] = None,
     occupancy: Annotated[Path | None, typer.Option(help="Hulls of the robot, YAML.")] = None,
+    package_dir: PackageDirs = None,
+    xacro_arg: XacroArguments = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
 ) -> None:
     """Show a robot's joints, limits, links, tips and hulls.
 
     [bold]Example[/]: pdoik info arm.urdf --tip-link tool0
     """
-    loaded = load_robot(robot, base_link, tip_link, occupancy)
+    loaded = load_robot(
+        robot, base_link, tip_link, occupancy, packages=package_dir, arguments=xacro_arg
+    )
     if json:
         out.print(json_text(_facts(loaded)), highlight=False, markup=False)
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,22 +12,19 @@ from rich.markup import escape
 from rich.table import Table
 
 from .messages import err, fail, misuse_fails, out, warn
+from .robots import BUILTIN, PackageDirs, RobotArgument, XacroArguments, described
 
 if TYPE_CHECKING:
     from pdoik.occupancy_fit import FitReport
 
 
 def occupancy(
-    urdf: Annotated[
-        Path, typer.Argument(help="Robot with collision geometry.", metavar="FILE.urdf")
-    ],
+    robot: RobotArgument,
     out_file: Annotated[
         Path | None, typer.Option("--out", help="Write the hulls into this YAML file.")
     ] = None,
-    package_dir: Annotated[
-        list[Path] | None,
-        typer.Option(help="Folder that holds the packages of package:// addresses; repeatable."),
-    ] = None,
+    package_dir: PackageDirs = None,
+    xacro_arg: XacroArguments = None,
     base_link: Annotated[str | None, typer.Option(help="First link; the root otherwise.")] = None,
     tip_link: Annotated[str | None, typer.Option(help="Last link; all of them otherwise.")] = None,
     max_volume_factor: Annotated[
@@ -50,26 +48,31 @@ def occupancy(
     from pdoik.errors import OverhangWarning
     from pdoik.occupancy_fit import AIM, fit_occupancy  # SciPy and trimesh take long to import
 
-    if not urdf.is_file():
-        fail(f"{urdf}: no such file")
+    if robot.lower() in BUILTIN:
+        fail(f"{robot} is shipped and has its hulls; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")
-    with misuse_fails(), err.status("fitting hulls"), warnings.catch_warnings():
+    with (
+        misuse_fails(),
+        TemporaryDirectory(prefix="pdoik-meshes-") as folder,
+        err.status("fitting hulls"),
+        warnings.catch_warnings(),
+    ):
         warnings.simplefilter("ignore", OverhangWarning)  # told under the table
         fit = fit_occupancy(
-            urdf,
-            package_dir or (),
-            max_volume_factor,
-            base_link,
-            tip_link,
+            described(robot, package_dir, xacro_arg, folder),
+            max_volume_factor=max_volume_factor,
+            base_link=base_link,
+            tip_link=tip_link,
             max_parts=max_parts,
             max_hulls=max_hulls,
             paper=paper,
             capsules=capsules,
         )
 
+    named = Path(robot).name
     table = Table(
-        "link", "hull", title=f"{escape(urdf.name)}: what the hulls add", title_justify="left"
+        "link", "hull", title=f"{escape(named)}: what the hulls add", title_justify="left"
     )
     for name in ("geometry [l]", "hull [l]", "empty [l]", "factor"):
         table.add_column(name, justify="right")
@@ -101,7 +104,7 @@ def occupancy(
         out.print(f"{escape(name)}: no collision geometry, skipped", highlight=False)
     if out_file is not None:
         with misuse_fails("--out"):
-            fit.write(out_file, comment=f"Hulls of {urdf.name}, made by pdoik occupancy.")
+            fit.write(out_file, comment=f"Hulls of {named}, made by pdoik occupancy.")
         err.print(f"wrote {escape(str(out_file))}", highlight=False)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,16 +13,21 @@ from rich.table import Table
 import pdoik
 
 from .messages import err, fail, misuse_fails, out
-from .robots import BUILTIN, load_robot
+from .robots import (
+    BUILTIN,
+    PackageDirs,
+    RobotArgument,
+    XacroArguments,
+    described,
+    load_robot,
+)
 
 if TYPE_CHECKING:
     from pdoik.link_pairs import PairReport
 
 
 def pairs(
-    urdf: Annotated[
-        Path, typer.Argument(help="Robot with collision geometry.", metavar="FILE.urdf")
-    ],
+    robot: RobotArgument,
     occupancy: Annotated[Path, typer.Option(help="Its hulls, as pdoik occupancy writes them.")],
     out_file: Annotated[
         Path | None, typer.Option("--out", help="Write the pairs into this SRDF.")
@@ -29,10 +35,8 @@ def pairs(
     srdf: Annotated[
         Path | None, typer.Option(help="SRDF whose pairs are left out in any case.")
     ] = None,
-    package_dir: Annotated[
-        list[Path] | None,
-        typer.Option(help="Folder that holds the packages of package:// addresses; repeatable."),
-    ] = None,
+    package_dir: PackageDirs = None,
+    xacro_arg: XacroArguments = None,
     base_link: Annotated[str | None, typer.Option(help="First link; the root otherwise.")] = None,
     tip_link: Annotated[
         list[str] | None, typer.Option(help="Last link; repeatable. Needed where several end.")
@@ -49,22 +53,18 @@ def pairs(
     """
     from pdoik.link_pairs import sample_pairs  # SciPy and trimesh take long to import
 
-    if str(urdf) in BUILTIN:
-        fail(f"{urdf} is built in and has its pairs; expected a URDF file")
+    if robot.lower() in BUILTIN:
+        fail(f"{robot} is shipped and has its pairs; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")
-    with misuse_fails():
-        robot = load_robot(str(urdf), base_link, tip_link, occupancy)
-        listed = [] if srdf is None else pdoik.load_srdf_pairs(srdf, robot)
+    loaded = load_robot(
+        robot, base_link, tip_link, occupancy, packages=package_dir, arguments=xacro_arg
+    )
+    with misuse_fails(), TemporaryDirectory(prefix="pdoik-meshes-") as folder:
+        listed = [] if srdf is None else pdoik.load_srdf_pairs(srdf, loaded)
+        text = described(robot, package_dir, xacro_arg, folder) if meshes else None
         with err.status("sampling configurations"):
-            report = sample_pairs(
-                robot,
-                urdf if meshes else None,
-                package_dir or (),
-                listed=listed,
-                samples=samples,
-                seed=seed,
-            )
+            report = sample_pairs(loaded, text, listed=listed, samples=samples, seed=seed)
     _print(report)
     if out_file is not None:
         with misuse_fails("--out"):

@@ -25,7 +25,7 @@ from .options import (
     SceneFile,
     SrdfFile,
 )
-from .robots import load_robot
+from .robots import BUILTIN, load_robot
 from .story import story
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def propose(
                 _of_text(text, tip, occupancy, srdf)
                 if robot is None
                 else load_robot(
-                    robot, None, tip if robot.endswith("urdf") else None, occupancy, srdf
+                    robot, None, None if robot.lower() in BUILTIN else tip, occupancy, srdf
                 )
             )
             return _clear(loaded, joints, None if obstacles is None else obstacles.kept(), options)

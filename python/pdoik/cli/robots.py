@@ -5,17 +5,42 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
+import typer
 
 import pdoik
+from pdoik._addresses import Places
 from pdoik.errors import RobotWarning
 
-from .messages import misuse_fails
+from .messages import fail, misuse_fails, warn
+from .options import ROBOT
 
 BUILTIN = tuple(pdoik.Robot.builtin_names())
 ANY_ROBOT = f"{', '.join(BUILTIN)}, a URDF, xacro or MJCF file, or an installed description"
+
+RobotArgument = Annotated[str, typer.Argument(help=f"{ANY_ROBOT}.", metavar="ROBOT")]
+PackageDirs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--package-dir",
+        help="NAME=FOLDER of a package of package:// addresses or $(find), or a folder that holds"
+        " packages; repeatable.",
+        metavar="[NAME=]FOLDER",
+        rich_help_panel=ROBOT,
+    ),
+]
+XacroArguments = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--xacro-arg",
+        help="Argument of a xacro file; repeatable.",
+        metavar="NAME:=VALUE",
+        rich_help_panel=ROBOT,
+    ),
+]
 
 
 def load_robot(
@@ -24,12 +49,22 @@ def load_robot(
     tip_link: str | Sequence[str] | None = None,
     occupancy: Path | None = None,
     srdf: Path | None = None,
+    *,
+    packages: Sequence[str] | None = None,
+    arguments: Sequence[str] | None = None,
 ) -> pdoik.Robot:
     """A robot by name, or of a URDF, xacro or MJCF file; leaves with status 2 otherwise."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RobotWarning)  # pdoik info tells them
+    places, values = package_places(packages), xacro_arguments(arguments)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", RobotWarning)
         with misuse_fails():
-            robot = pdoik.load_robot(name, base_link, tip_link or None)
+            robot = pdoik.load_robot(
+                name, base_link, tip_link or None, arguments=values, packages=places
+            )
+    for each in said:
+        if str(each.message) not in robot.warnings:  # those are for pdoik info to tell
+            warn(str(each.message))
     if occupancy is not None:
         with misuse_fails(f"--occupancy {occupancy}"):
             robot.occupancy = pdoik.Occupancy.load(str(occupancy))
@@ -37,6 +72,36 @@ def load_robot(
         with misuse_fails(f"--srdf {srdf}"):
             robot.ignored_pairs = pdoik.load_srdf_pairs(srdf, robot)
     return robot
+
+
+def described(
+    robot: str, packages: Sequence[str] | None, arguments: Sequence[str] | None, meshes: str
+) -> str:
+    """Its URDF, the meshes of an MJCF put into a folder."""
+    return pdoik.urdf_text(
+        robot,
+        arguments=xacro_arguments(arguments),
+        packages=package_places(packages),
+        meshes=meshes,
+    )
+
+
+def package_places(told: Sequence[str] | None) -> Places:
+    """What --package-dir tells."""
+    pairs = [text.partition("=") for text in told or () if "=" in text]
+    folders = [text for text in told or () if "=" not in text]
+    with misuse_fails("--package-dir"):
+        named = Places.of({name: folder for name, _, folder in pairs})
+        return named.before(Places.of(folders))
+
+
+def xacro_arguments(told: Sequence[str] | None) -> dict[str, str]:
+    """What --xacro-arg tells."""
+    pairs = [(text, *text.partition(":=")) for text in told or ()]
+    for text, name, sign, _ in pairs:
+        if not (name and sign):
+            fail(f"--xacro-arg: expected NAME:=VALUE, got {text!r}")
+    return {name: value for _, name, _, value in pairs}
 
 
 def numbers(text: str, robot: pdoik.Robot) -> npt.NDArray[np.float64]:

@@ -34,7 +34,7 @@ from .options import (
     SrdfFile,
 )
 from .report import Solution, facts, print_report
-from .robots import ANY_ROBOT, BUILTIN, load_robot, numbers
+from .robots import ANY_ROBOT, BUILTIN, PackageDirs, XacroArguments, load_robot, numbers
 from .tables import json_text
 from .target import FORMS, parse_target
 
@@ -83,6 +83,8 @@ def solve(
     base_collision: BaseCollision = _DEFAULTS.base_collision,
     clearance: Clearance = _DEFAULTS.clearance,
     self_collision: SelfCollision = None,
+    package_dir: PackageDirs = None,
+    xacro_arg: XacroArguments = None,
     q0: Annotated[
         str | None,
         typer.Option(
@@ -131,7 +133,9 @@ def solve(
     _check_report(report)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
-    loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
+    loaded = load_robot(
+        robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
+    )
     with misuse_fails("--target"):
         T_base_tip = parse_target(target, goal)
     start = None
@@ -142,7 +146,7 @@ def solve(
         for option in ["--cloud"] * (cloud is not None) + ["--scene"] * (scene is not None):
             fail(
                 f"{option}: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
-                " (pdoik occupancy FILE.urdf --out FILE.yaml makes one)"
+                " (pdoik occupancy ROBOT --out FILE.yaml makes one)"
             )
     obstacles = load_obstacles(cloud, leaf, radii, scene)
     with misuse_fails():

@@ -31,20 +31,23 @@ from .options import (
     SelfCollision,
     SrdfFile,
 )
-from .robots import ANY_ROBOT, BUILTIN, load_robot, numbers
+from .robots import (
+    BUILTIN,
+    PackageDirs,
+    RobotArgument,
+    XacroArguments,
+    load_robot,
+    numbers,
+    package_places,
+    xacro_arguments,
+)
 
 _DEFAULTS = pdoik.Options()
 _PAGE = "Page"  # panel
 
 
 def view(
-    robot: Annotated[
-        str,
-        typer.Argument(
-            help=f"{ANY_ROBOT}.",
-            metavar="ROBOT",
-        ),
-    ] = "panda",
+    robot: RobotArgument = "panda",
     base_link: BaseLink = None,
     tip_link: Annotated[
         list[str] | None,
@@ -55,13 +58,8 @@ def view(
     ] = None,
     occupancy: HullsFile = None,
     srdf: SrdfFile = None,
-    package_dir: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Folder that holds the packages of package:// addresses; repeatable.",
-            rich_help_panel=ROBOT,
-        ),
-    ] = None,
+    package_dir: PackageDirs = None,
+    xacro_arg: XacroArguments = None,
     q0: Annotated[
         str | None,
         typer.Option(
@@ -138,13 +136,16 @@ def view(
     from pdoik.view.server import open_browser, start_server
     from pdoik.view.viewer import Viewer
 
-    loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
+    loaded = load_robot(
+        robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
+    )
     with misuse_fails():
-        if robot in BUILTIN:
+        if robot.lower() in BUILTIN:
             model = shipped_model(loaded)
         else:
-            places = (*(package_dir or ()), Path(robot).resolve().parent)
-            model = urdf_model(loaded, urdf_file(robot), places)
+            places = package_places(package_dir)
+            file = urdf_file(robot, arguments=xacro_arguments(xacro_arg), packages=places)
+            model = urdf_model(loaded, file, places)
         options = pdoik.Options(
             goal=goal or "pose",
             goal_axis=goal_axis,

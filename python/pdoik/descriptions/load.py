@@ -5,23 +5,38 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy.typing as npt
+
+from .._addresses import Packages
 from .._core import Occupancy, Robot, load_srdf_pairs
 from .._files import write_whole
-from .text import Given, cache, urdf_of
+from ..errors import LoadError
+from .root_joint import standing
+from .text import Given, cache, shipped_name
+
+Placement = npt.ArrayLike | None
+FloatingBase = tuple[npt.ArrayLike, npt.ArrayLike] | None
+TipLinks = str | Sequence[str] | None
+
+_read_urdf = Robot.from_urdf  # the compiled one: `ways` puts another one in front of it
 
 
 def load_robot(
     robot: str | os.PathLike[str],
     base_link: str | None = None,
-    tip_link: str | Sequence[str] | None = None,
+    tip_link: TipLinks = None,
     *,
+    T_world_base: Placement = None,
+    floating_base: FloatingBase = None,
     srdf: str | os.PathLike[str] | None = None,
     hulls: bool = False,
     arguments: Mapping[str, str] | None = None,
-    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    packages: Packages = (),
 ) -> Robot:
     """A robot from a URDF, xacro or MJCF file, or by name.
 
@@ -30,43 +45,79 @@ def load_robot(
             `urdf_text`. A shipped one goes first, and has its hulls.
         base_link: First link of the chain; None for the root.
         tip_link: Its end, or several; None for the only leaf.
+        T_world_base: As in `Robot.from_urdf`.
+        floating_base: As there.
         srdf: Pairs of links that may touch.
         hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
             kept in the user's cache (XDG_CACHE_HOME), and taken from there the next time.
         arguments: Of a xacro file.
-        packages: Folders of packages, by name.
+        packages: Folders of packages, by name, or folders that hold packages: see `urdf_text`.
 
     Raises:
         LoadError: It is not there or cannot be read.
     """
-    if str(robot) in Robot.builtin_names():
-        loaded = Robot.builtin(str(robot), base_link=base_link, tip_link=tip_link)
-    else:
-        with TemporaryDirectory(prefix="pdoik-meshes-") as folder:
-            meshes = Path(folder) if hulls else None
-            given = Given.of(robot)
-            text = urdf_of(given, arguments or {}, packages or {}, meshes)
-            source = given.path if given.kind == "urdf" else text  # messages name a file
-            loaded = Robot.from_urdf(source, base_link=base_link, tip_link=tip_link)
-            if hulls:
-                loaded.occupancy = _hulls(text, given.path.resolve().parent, folder)
-    if srdf is not None:
-        loaded.ignored_pairs = load_srdf_pairs(srdf, loaded)
-    return loaded
+    if (shipped := shipped_name(robot)) is not None:
+        loaded = Robot.builtin(
+            shipped, base_link, tip_link, T_world_base=T_world_base, floating_base=floating_base
+        )
+        if srdf is not None:
+            loaded.ignored_pairs = load_srdf_pairs(srdf, loaded)
+        return loaded
+    given = Given.of(robot, arguments=arguments, packages=packages)
+    return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
-def _hulls(text: str, beside: Path, meshes: str) -> Occupancy:
+def load_given(
+    given: Given,
+    base_link: str | None,
+    tip_link: TipLinks,
+    T_world_base: Placement,
+    floating_base: FloatingBase,
+    srdf: str | os.PathLike[str] | None,
+    hulls: bool,
+) -> Robot:
+    """`load_robot` of a description that was found."""
+    with TemporaryDirectory(prefix="pdoik-meshes-") as folder:
+        plain = given.kind == "urdf"
+        text = given.text if plain and not hulls else given.urdf(Path(folder) if hulls else None)
+        stands = standing(text)
+        plain = plain and stands is text
+        source = given.path or given.text if plain else stands  # messages name a file
+        try:
+            robot = _read_urdf(
+                source,
+                base_link,
+                tip_link,
+                T_world_base=T_world_base,
+                floating_base=floating_base,
+                srdf=srdf,
+            )
+        except LoadError as error:
+            raise error if plain else LoadError(f"{given.place}: {error}") from error
+        if hulls:
+            try:
+                robot.occupancy = _hulls(text)
+            except LoadError as error:
+                said = f"{given.place}: no hulls: {error}; hulls=False leaves them out"
+                raise LoadError(said) from error
+    return robot
+
+
+def _hulls(urdf: str) -> Occupancy:
     """Of the geometry, from the cache if it was fitted before."""
     from ..occupancy_fit import fit_occupancy
     from ..occupancy_fit.geometry import load_geometry
 
-    links = load_geometry(text, [beside])
-    digest = hashlib.sha256(text.replace(meshes, "").encode())
-    for link in links:
+    digest = hashlib.sha256(version("pdoik").encode())
+    for link in load_geometry(urdf):
+        digest.update(f"\n{link.name} {link.child_joints} ".encode())
         digest.update(link.triangles.tobytes())
     kept = cache() / "hulls" / f"{digest.hexdigest()[:24]}.occupancy.yaml"
-    if not kept.is_file():
-        fitted = fit_occupancy(text, [beside])
+    if kept.is_file():
+        with suppress(LoadError):  # what another program left there is made anew
+            return Occupancy.load(kept)
+    fitted = fit_occupancy(urdf).to_yaml()
+    with suppress(OSError):  # a home that cannot be written to only costs the time again
         kept.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(kept, fitted.to_yaml())
-    return Occupancy.load(str(kept))
+        write_whole(kept, fitted)
+    return Occupancy.load(fitted)

@@ -19,6 +19,7 @@ from ..errors import LoadError
 
 Array = npt.NDArray[np.float64]
 
+_NAMELESS = ("", "MuJoCo Model")  # what it calls models that are not named
 _UNKNOWN = 1e9  # a limit that the model does not have: no limit
 _SAID = "{:.12g}".format
 
@@ -51,7 +52,8 @@ class _Writer:
         import mujoco
 
         self._mj, self._model, self._path, self._meshes = mujoco, model, path, meshes
-        self._robot = Element("robot", name=path.stem)
+        named = model.names.partition(b"\0")[0].decode()
+        self._robot = Element("robot", name=path.stem if named in _NAMELESS else named)
         self._written: set[int] = set()  # meshes
 
     def text(self) -> str:
@@ -60,6 +62,7 @@ class _Writer:
         self._link("world", 0)
         for body in range(1, self._model.nbody):
             links[body] = self._body(body, links[int(self._model.body_parentid[body])])
+        self._sites(links)
         self._couple()
         ElementTree.indent(self._robot)
         return ElementTree.tostring(self._robot, encoding="unicode")
@@ -92,6 +95,20 @@ class _Writer:
             _origin(self._joint(f"{name}/fixed", "fixed", parent, name), xyz - at, rotation)
         self._link(name, body)
         return name
+
+    def _sites(self, links: dict[int, str]) -> None:
+        """Sites that have names, as links without mass: goals are often given for them."""
+        model = self._model
+        for s in range(model.nsite):
+            name = self._mj.mj_id2name(model, self._mj.mjtObj.mjOBJ_SITE, s)
+            body = int(model.site_bodyid[s])
+            if not name or body == 0:
+                continue
+            link = f"{name}/site" if name in links.values() else str(name)
+            rotation = _matrix(self._mj, model.site_quat[s])
+            joint = self._joint(f"{name}/fixed_site", "fixed", links[body], link)
+            _origin(joint, model.site_pos[s], rotation)
+            SubElement(self._robot, "link", name=link)
 
     def _moves(self, j: int) -> bool:
         kinds = self._mj.mjtJoint

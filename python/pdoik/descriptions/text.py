@@ -7,76 +7,68 @@ import hashlib
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
+from .._addresses import Packages, Places, at_home, with_paths
 from .._core import Robot
 from .._files import write_whole
 from ..errors import LoadError
-from .installed import installed, path_of
-from .packages import with_packages
-from .xacro_file import expanded
+from .installed import description_of, names
+
+Kind = Literal["urdf", "xacro", "mjcf"]
 
 _ROOT = re.compile(r"<\s*(mujoco|robot)\b")
-_XACRO = "http://www.ros.org/wiki/xacro"
+_MACROS = re.compile(r"<\s*xacro:")
 
 
 def urdf_text(
     robot: str | os.PathLike[str],
     *,
     arguments: Mapping[str, str] | None = None,
-    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    packages: Packages = (),
     meshes: str | os.PathLike[str] | None = None,
 ) -> str:
-    """A robot's URDF.
+    """A robot's URDF, its meshes named by absolute paths as far as they are found.
 
     Args:
-        robot: A URDF, xacro or MJCF file, or the name of an installed description: `ur5_robot`,
-            `go2` (the package example-robot-data), `panda_mj_description` (robot_descriptions).
+        robot: A URDF, xacro or MJCF file, a shipped robot ("panda"), or the name of an installed
+            description: `ur5`, `go2` (the package example-robot-data), `ur10e`,
+            `panda_mj_description` (robot_descriptions), `unitree_g1` (mujoco-menagerie).
         arguments: Of a xacro file.
-        packages: Folders by the name of the package, for `package://NAME/...` and `$(find NAME)`.
-            Those that are not here are looked for in the folders of ROS_PACKAGE_PATH,
-            AMENT_PREFIX_PATH and PDOIK_PACKAGE_PATH, and above the file itself.
+        packages: Folders by the name of the package, for `package://NAME/...` and `$(find NAME)`;
+            or folders that hold packages. Those that are not here are looked for in the folders of
+            PDOIK_PACKAGE_PATH, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and above the file itself,
+            by the name of their folder or that in their package.xml.
         meshes: Folder for the meshes of an MJCF, which its URDF names; without it, it has none.
 
     Raises:
         LoadError: There is no such file or description, or it cannot be read.
     """
-    return urdf_of(Given.of(robot), arguments or {}, packages or {}, meshes)
+    given = Given.of(robot, arguments=arguments, packages=packages)
+    return given.urdf(None if meshes is None else Path(meshes))
 
 
-def urdf_of(
-    given: Given,
-    arguments: Mapping[str, str],
-    packages: Mapping[str, str | os.PathLike[str]],
-    meshes: str | os.PathLike[str] | None,
-) -> str:
-    """`urdf_text` of a file that was found and read."""
-    if arguments and given.kind != "xacro":
-        raise LoadError(f"{given.path}: arguments are of xacro files, and this is none")
-    if given.kind == "mjcf":
-        from .mjcf import urdf_of_mjcf
-
-        return urdf_of_mjcf(given.path, None if meshes is None else Path(meshes))
-    plain = given.kind == "urdf"
-    text = given.text if plain else expanded(given.path, arguments, packages)
-    return with_packages(text, given.path, packages)
-
-
-def urdf_file(robot: str | os.PathLike[str]) -> Path:
+def urdf_file(
+    robot: str | os.PathLike[str],
+    *,
+    arguments: Mapping[str, str] | None = None,
+    packages: Packages = (),
+) -> Path:
     """A URDF of `urdf_text` as a file: the robot's own, or one in the user's cache with its meshes.
 
     Raises:
         LoadError: As there.
     """
-    given = Given.of(robot)
-    if given.kind == "urdf":
+    given = Given.of(robot, arguments=arguments, packages=packages)
+    if given.kind == "urdf" and given.path is not None:
         return given.path
-    digest = hashlib.sha256(f"{given.path.resolve()}\n{given.text}".encode()).hexdigest()
-    folder = cache() / "urdf" / digest[:16]
+    source = f"{given.place}\n{sorted(given.arguments.items())}\n{given.text}"
+    folder = cache() / "urdf" / hashlib.sha256(source.encode()).hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / f"{given.path.name.partition('.')[0]}.urdf"
-    write_whole(file, urdf_of(given, {}, {}, folder))
+    file = folder / f"{given.place.name.partition('.')[0]}.urdf"
+    write_whole(file, given.urdf(folder))
     return file
 
 
@@ -85,48 +77,148 @@ def cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "pdoik"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
-    """A robot's file as it was found."""
+    """A robot's description as it was found.
 
-    path: Path
+    Attributes:
+        path: Its file; None for text.
+        text: What is in it.
+        kind: As far as one look tells.
+        arguments: Of a xacro file.
+        packages: Where packages are, the folders around the file among them.
+    """
+
+    path: Path | None
     text: str
-    kind: str  # mjcf, xacro or, as far as one look tells, urdf
+    kind: Kind
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    packages: Places = field(default_factory=Places)
 
     @classmethod
-    def of(cls, robot: str | os.PathLike[str]) -> Given:
+    def of(
+        cls,
+        robot: str | os.PathLike[str],
+        *,
+        arguments: Mapping[str, str] | None = None,
+        packages: Packages = (),
+    ) -> Given:
         """Of a file or a name.
 
         Raises:
             LoadError: There is none, or it cannot be read.
         """
-        path = _found(robot)
+        path = at_home(robot)
+        if path.is_file():
+            return cls.of_file(path, arguments=arguments, packages=packages)
+        name = str(robot)
+        if path.suffix or os.sep in name:
+            raise LoadError(f"no such {'file, but a folder' if path.is_dir() else 'file'}: {path}")
+        return cls.of_name(name, arguments=arguments, packages=packages)
+
+    @classmethod
+    def of_file(
+        cls,
+        path: Path,
+        *,
+        arguments: Mapping[str, str] | None = None,
+        packages: Packages = (),
+    ) -> Given:
+        """Of a file.
+
+        Raises:
+            LoadError: It cannot be read, or takes no arguments.
+        """
         try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise LoadError(f"cannot read {path}: {error}") from error
-        root = _ROOT.search(text)
-        if root is not None and root.group(1) == "mujoco":
-            return cls(path, text, "mjcf")
-        return cls(path, text, "xacro" if path.suffix == ".xacro" or _XACRO in text else "urdf")
+            text = path.read_bytes().decode("utf-8-sig", errors="replace")
+        except (OSError, ValueError) as error:  # a NUL in the path is a ValueError
+            reason = getattr(error, "strerror", None) or error
+            raise LoadError(f"cannot read {path}: {reason}") from error
+        kind = _kind(path, text)
+        if arguments and kind != "xacro":
+            raise LoadError(f"{path}: arguments are of xacro files, and this is none")
+        return cls(
+            path=path,
+            text=text,
+            kind=kind,
+            arguments=arguments or {},
+            packages=Places.of(packages, path),
+        )
+
+    @classmethod
+    def of_name(
+        cls,
+        name: str,
+        *,
+        arguments: Mapping[str, str] | None = None,
+        packages: Packages = (),
+    ) -> Given:
+        """Of a shipped robot or an installed description.
+
+        Raises:
+            LoadError: There is none of that name, or its package cannot get it.
+        """
+        if (shipped := shipped_name(name)) is not None:
+            file = Path(__file__).parents[1] / "robots" / f"{shipped}.urdf"
+            return cls.of_file(file, arguments=arguments, packages=packages)
+        found = description_of(name) or description_of(name.lower())
+        if found is None:
+            raise LoadError(_unknown(name))
+        return cls.of_file(
+            found.path,
+            arguments={**found.arguments, **(arguments or {})},
+            packages=Places.of(packages).before(found.packages),
+        )
+
+    @classmethod
+    def of_text(cls, xml: str, *, packages: Packages = ()) -> Given:
+        """Of a URDF's text."""
+        return cls(path=None, text=xml, kind=_kind(None, xml), packages=Places.of(packages))
+
+    @property
+    def place(self) -> Path:
+        """The file, or what stands for it in names."""
+        return Path("text") if self.path is None else self.path.resolve()
+
+    def urdf(self, meshes: Path | None = None) -> str:
+        """Its URDF; meshes of an MJCF go into the folder, or are left out without one.
+
+        Raises:
+            LoadError: It cannot be read.
+        """
+        if self.path is not None and self.kind == "mjcf":
+            from .mjcf import urdf_of_mjcf
+
+            return urdf_of_mjcf(self.path, meshes)
+        if self.path is not None and self.kind == "xacro":
+            from .xacro_file import expanded
+
+            return with_paths(expanded(self.path, self.arguments, self.packages), self.packages)
+        return with_paths(self.text, self.packages)
 
 
-def _found(robot: str | os.PathLike[str]) -> Path:
-    path = Path(robot).expanduser()
-    if path.is_file():
-        return path
-    name = str(robot)
-    if path.suffix or os.sep in name:
-        raise LoadError(f"no such file: {path}")
-    named = path_of(name)
-    if named is not None:
-        return named
-    shipped = Robot.builtin_names()
-    known = [*shipped, *installed()]
-    longer = [each for each in known if each.startswith(name)]  # with a version, or of a variant
-    near = longer[:5] or difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+def shipped_name(robot: str | os.PathLike[str]) -> str | None:
+    """A shipped robot's name, in whatever case it is given; None of another."""
+    name = str(robot).lower()
+    return name if name in Robot.builtin_names() else None
+
+
+def _kind(path: Path | None, text: str) -> Kind:
+    root = _ROOT.search(text)
+    if root is not None and root.group(1) == "mujoco":
+        return "mjcf"
+    suffix = "" if path is None else path.suffix
+    return "xacro" if suffix == ".xacro" or _MACROS.search(text) else "urdf"
+
+
+def _unknown(name: str) -> str:
+    shipped, lower = Robot.builtin_names(), name.lower()
+    known = [*dict.fromkeys([*shipped, *names()])]
+    longer = [each for each in known if each.startswith(lower)]  # with a version, or of a variant
+    near = longer[:5] or difflib.get_close_matches(lower, known, n=3, cutoff=0.5)
     said = f"; nearest: {', '.join(near)}" if near else ""
-    raise LoadError(
+    return (
         f"no robot {name!r}: expected a file, one of {', '.join(shipped)}, or a description of"
-        f" example-robot-data or robot_descriptions, where they are installed{said}"
+        " example-robot-data, robot_descriptions or mujoco-menagerie, where they are installed"
+        f"{said}"
     )

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from .._addresses import Places
 from .._extras import asks_for
 from ..errors import LoadError
-from .packages import package_folder
 
 
-def expanded(
-    path: Path, arguments: Mapping[str, str], packages: Mapping[str, str | os.PathLike[str]]
-) -> str:
+def expanded(path: Path, arguments: Mapping[str, str], places: Places) -> str:
     """The URDF that a xacro file stands for.
 
     Raises:
@@ -24,22 +21,25 @@ def expanded(
         import xacro
         from xacro import substitution_args
 
+    missing: list[LoadError] = []
+
     def find(name: str) -> str:
-        folder = package_folder(name, path, packages)
-        if folder is None:
-            raise LoadError(
-                f"{path}: package {name!r} is nowhere: tell its folder, packages={{{name!r}: ...}},"
-                " or the folder above it in PDOIK_PACKAGE_PATH"
-            )
-        return str(folder)
+        try:
+            return str(places.package(name))
+        except LoadError as error:
+            missing.append(error)
+            raise
 
     before = substitution_args._eval_find
     substitution_args._eval_find = find
     try:
-        return str(xacro.process_file(str(path), mappings=dict(arguments)).toxml())
-    except LoadError:
-        raise
+        return str(
+            xacro.process_file(
+                str(path), mappings={k: str(v) for k, v in arguments.items()}
+            ).toxml()
+        )
     except Exception as error:  # whatever its expressions meet
-        raise LoadError(f"{path}: xacro: {error}") from error
+        said = missing[0] if missing else f"xacro: {error}"  # xacro makes one of its own of any
+        raise LoadError(f"{path}: {said}") from error
     finally:
         substitution_args._eval_find = before

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 import pdoik
 
+from .._addresses import Packages
 from ..occupancy_fit.geometry import load_geometry
 from .meshes import Mesh, meet
 from .report import ClearanceCount, Pair, PairCount, PairReport, Verdict
@@ -25,7 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 def sample_pairs(
     robot: pdoik.Robot,
     urdf: str | Path | Mapping[str, FloatArray] | None = None,
-    package_dirs: Sequence[str | Path] = (),
+    packages: Packages = (),
     *,
     listed: Collection[Pair] = (),
     free: Sequence[npt.ArrayLike] = (),
@@ -49,7 +50,7 @@ def sample_pairs(
         robot: With its hulls; its own ignored pairs count as listed.
         urdf: The robot's description, a file or XML text, whose collision geometry the hulls
             hold; or that geometry, triangles (T, 3, 3) by link in its frame [m]; None for none.
-        package_dirs: As in `fit_occupancy`.
+        packages: As in `fit_occupancy`.
         listed: Pairs that are ignored in any case, such as an SRDF's.
         free: Configurations that are known to be free, each (n,).
         samples: How many configurations.
@@ -63,7 +64,7 @@ def sample_pairs(
         raise ValueError("robot has no occupancy, so no hulls that could touch")
     if samples < 1:
         raise ValueError(f"samples is {samples}, expected at least 1")
-    meshes = None if urdf is None else _meshes(urdf, package_dirs)
+    meshes = None if urdf is None else _meshes(urdf, packages)
     given = {_pair(*links) for links in [*robot.ignored_pairs, *listed]}
     drawn = _configurations(robot, samples, seed)
     hulls_touch = [_touching(robot, q) for q in drawn]
@@ -168,11 +169,9 @@ def _between(robot: pdoik.Robot, q: FloatArray, pairs: Collection[Pair]) -> dict
     return {(a, b): np.linalg.inv(poses[a]) @ poses[b] for a, b in pairs}
 
 
-def _meshes(
-    urdf: str | Path | Mapping[str, FloatArray], package_dirs: Sequence[str | Path]
-) -> dict[str, Mesh]:
+def _meshes(urdf: str | Path | Mapping[str, FloatArray], packages: Packages) -> dict[str, Mesh]:
     if not isinstance(urdf, Mapping):
-        urdf = {link.name: link.triangles for link in load_geometry(urdf, package_dirs)}
+        urdf = {link.name: link.triangles for link in load_geometry(urdf, packages)}
     return {link: Mesh(triangles) for link, triangles in urdf.items() if len(triangles)}
 
 

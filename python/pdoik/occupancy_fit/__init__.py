@@ -1,6 +1,6 @@
 """Find the hulls that hold a robot's collision geometry (Sec. coll_avoid), and closer capsules.
 
->>> fit = fit_occupancy("robot.urdf", package_dirs=["share"])  # doctest: +SKIP
+>>> fit = fit_occupancy("robot.urdf", packages=["share"])  # doctest: +SKIP
 >>> print(fit.report)  # doctest: +SKIP
 >>> fit.write("robot.occupancy.yaml")  # doctest: +SKIP
 """

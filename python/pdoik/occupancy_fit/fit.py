@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from .._addresses import Packages
 from ..errors import LoadError
 from .capsules import Capsule, fit_link
 from .geometry import LinkGeometry, load_geometry
@@ -30,7 +30,7 @@ class _LinkFit(NamedTuple):
 
 def fit_occupancy(
     urdf: str | Path,
-    package_dirs: Sequence[str | Path] = (),
+    packages: Packages = (),
     max_volume_factor: float = 2.0,
     base_link: str | None = None,
     tip_link: str | None = None,
@@ -57,7 +57,8 @@ def fit_occupancy(
 
     Args:
         urdf: Robot description with collision primitives or meshes: a file, or XML text.
-        package_dirs: Folders that hold the packages named in `package://` addresses.
+        packages: Folders by the names of packages in `package://` addresses, or folders that hold
+            packages; see `pdoik.urdf_text` for where else they are looked for.
         max_volume_factor: Hull volume over geometry volume that is good enough, at least 1.
         base_link: First link of the chain to fit; None for the root.
         tip_link: Last link of the chain; None for every link below the base.
@@ -79,7 +80,7 @@ def fit_occupancy(
         raise ValueError(f"max_volume_factor must be at least 1, got {max_volume_factor}")
     if max_parts < 1:
         raise ValueError(f"max_parts must be at least 1, got {max_parts}")
-    links = load_geometry(urdf, package_dirs, base_link, tip_link)
+    links = load_geometry(urdf, packages, base_link, tip_link)
     solid = [link for link in links if len(link.triangles)]
     skipped = tuple(link.name for link in links if not len(link.triangles))
     if not solid:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,6 +11,7 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from .._addresses import Packages, Places
 from ..errors import LoadError
 from .hulls import FloatArray, Point
 
@@ -29,7 +30,7 @@ class LinkGeometry:
 
 def load_geometry(
     urdf: str | Path,
-    package_dirs: Sequence[str | Path] = (),
+    packages: Packages = (),
     base_link: str | None = None,
     tip_link: str | None = None,
 ) -> list[LinkGeometry]:
@@ -37,8 +38,8 @@ def load_geometry(
 
     Args:
         urdf: A file, or XML text (recognised by its leading `<`).
-        package_dirs: Folders that hold the packages named in `package://` addresses; relative
-            mesh paths are looked up beside the URDF, then here.
+        packages: Folders by the names of packages in `package://` addresses, or folders that hold
+            packages; see `pdoik.urdf_text` for where else they are looked for.
         base_link: First link to keep; None for the root.
         tip_link: Last link to keep; None keeps all links below the base.
 
@@ -46,15 +47,15 @@ def load_geometry(
         LoadError: The description, a mesh or a number in them cannot be read.
         ValueError: `base_link` or `tip_link` is not in the description or not on one chain.
     """
-    root, folder = _parse(urdf)
-    search = [Path(directory) for directory in package_dirs]
+    root, file = _parse(urdf)
+    places = Places.of(packages, file)
     joints = [_read_joint(element) for element in root.findall("joint")]
     links = {_attribute(element, "name"): element for element in root.findall("link")}
     keep = _chain(links, joints, base_link, tip_link)
     return [
         LinkGeometry(
             name=name,
-            triangles=_link_triangles(element, folder, search),
+            triangles=_link_triangles(element, places),
             child_joints=tuple((child, xyz) for parent, child, xyz in joints if parent == name),
         )
         for name, element in links.items()
@@ -66,7 +67,7 @@ def _parse(urdf: str | Path) -> tuple[ElementTree.Element, Path | None]:
     try:
         if isinstance(urdf, str) and urdf.lstrip().startswith("<"):
             return ElementTree.fromstring(urdf.lstrip()), None
-        return ElementTree.parse(urdf).getroot(), Path(urdf).parent
+        return ElementTree.parse(urdf).getroot(), Path(urdf)
     except (OSError, ElementTree.ParseError) as error:
         raise LoadError(f"cannot read robot description {str(urdf)[:80]!r}: {error}") from error
 
@@ -106,24 +107,20 @@ def _chain(
     return {link for link in chain if base_link in path_to_root(link)}
 
 
-def _link_triangles(
-    link: ElementTree.Element, folder: Path | None, search: list[Path]
-) -> FloatArray:
+def _link_triangles(link: ElementTree.Element, places: Places) -> FloatArray:
     pieces = [np.empty((0, 3, 3))]
     for collision in link.findall("collision"):
         where = f"link {link.get('name')!r}"
         shape = collision.find("geometry/*")
         if shape is None:
             raise LoadError(f"{where} has a collision element without geometry")
-        triangles = _shape_triangles(shape, where, folder, search)
+        triangles = _shape_triangles(shape, where, places)
         T = _pose(collision)
         pieces.append(triangles @ T[:3, :3].T + T[:3, 3])
     return np.concatenate(pieces)
 
 
-def _shape_triangles(
-    shape: ElementTree.Element, where: str, folder: Path | None, search: list[Path]
-) -> FloatArray:
+def _shape_triangles(shape: ElementTree.Element, where: str, places: Places) -> FloatArray:
     """Triangles of a polyhedron that contains the shape: round ones are circumscribed."""
     if shape.tag == "box":
         mesh = trimesh.creation.box(extents=_numbers(shape, "size", 3, where))
@@ -138,7 +135,7 @@ def _shape_triangles(
         plane_distances = np.einsum("ij,ij->i", mesh.face_normals, mesh.triangles[:, 0])
         mesh.apply_scale(radius / plane_distances.min())
     elif shape.tag == "mesh":
-        mesh = _load_mesh(_find_mesh(_attribute(shape, "filename"), where, folder, search))
+        mesh = _load_mesh(_find_mesh(_attribute(shape, "filename"), where, places))
         scale = _numbers(shape, "scale", 3, where, default="1 1 1", positive=False)
         return np.asarray(mesh.triangles, dtype=np.float64) * scale
     else:
@@ -146,21 +143,11 @@ def _shape_triangles(
     return np.asarray(mesh.triangles, dtype=np.float64)
 
 
-def _find_mesh(filename: str, where: str, folder: Path | None, search: list[Path]) -> Path:
-    beside = [] if folder is None else [folder]
-    if filename.startswith("package://"):
-        relative = filename.removeprefix("package://")
-        places = search
-    else:
-        relative = filename.removeprefix("file://")
-        places = beside + search
-    for place in places:
-        if (place / relative).is_file():
-            return place / relative
-    if Path(relative).is_file() and Path(relative).is_absolute():
-        return Path(relative)
-    tried = [str(place) for place in places]
-    raise LoadError(f"{where}: mesh {filename!r} not found; looked in package_dirs {tried}")
+def _find_mesh(address: str, where: str, places: Places) -> Path:
+    try:
+        return places.find(address)
+    except LoadError as error:
+        raise LoadError(f"{where}: mesh {error}") from error
 
 
 def _load_mesh(path: Path) -> trimesh.Trimesh:

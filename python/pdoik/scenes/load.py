@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pdoik._addresses import Packages
 from pdoik._core import Cloud, Scene, Shape, voxel_downsample
 from pdoik._extras import asks_for
 from pdoik.clouds import load_cloud
@@ -58,7 +59,7 @@ class SceneFile:
 def load_scene(
     path: str | os.PathLike[str],
     *,
-    package_dirs: Sequence[str | os.PathLike[str]] = (),
+    packages: Packages = (),
     frame: str | None = None,
 ) -> Scene:
     """The obstacles of a file.
@@ -70,22 +71,23 @@ def load_scene(
 
     Args:
         path: .scene, .yaml or .yml.
-        package_dirs: Folders that hold the packages of package:// addresses of meshes; they are
-            also looked for beside the scene, by their last parts.
+        packages: Folders by the names of packages in `package://` addresses of meshes, or folders
+            that hold packages; see `pdoik.urdf_text` for where else they are looked for. Meshes may
+            also be beside the scene, by the last parts of their addresses.
         frame: In MoveIt's YAML, what it calls the robot's base frame, when that is not the frame
             that its objects are in but one that fixed_frame_transforms place.
 
     Raises:
         LoadError: Names the file, the entry, and what is wrong with it.
     """
-    return read_scene_file(path, package_dirs=package_dirs, frame=frame).scene()
+    return read_scene_file(path, packages=packages, frame=frame).scene()
 
 
 @asks_for("files")
 def read_scene_file(
     path: str | os.PathLike[str],
     *,
-    package_dirs: Sequence[str | os.PathLike[str]] = (),
+    packages: Packages = (),
     frame: str | None = None,
 ) -> SceneFile:
     """As `load_scene`, with the cloud's points before thinning.
@@ -93,28 +95,28 @@ def read_scene_file(
     Raises:
         LoadError: As `load_scene`.
     """
-    file, folders = Path(path), [Path(folder) for folder in package_dirs]
+    file = Path(path)
     suffix = file.suffix.lower()
     if suffix not in (".scene", ".yaml", ".yml"):
         raise EntryError(file, f"expected a scene (.scene, .yaml, .yml), got {suffix!r}")
     content = None if suffix == ".scene" else read_yaml(file)
     if content is not None and "world" in content:
-        things = moveit_yaml.read_world(content, file, frame=frame, package_dirs=folders)
+        things = moveit_yaml.read_world(content, file, frame=frame, packages=packages)
         parts = {thing.name: thing.shape_names for thing in things}
         return _scene_file(file, things, moveit_yaml.read_allowed(content, file, parts))
     if frame is not None:
         raise EntryError(file, f"names no frames, expected one that has {frame!r}")
     if content is None:
         return _scene_file(file, read_moveit_text(file), [])
-    return _read_own(content, file, folders)
+    return _read_own(content, file, packages)
 
 
-def _read_own(content: dict[str, Any], file: Path, package_dirs: Sequence[Path]) -> SceneFile:
+def _read_own(content: dict[str, Any], file: Path, packages: Packages) -> SceneFile:
     unknown = [str(key) for key in content if key not in own_yaml.TOP_KEYS]
     if unknown or not content:
         got = f"got {unknown[0]!r}" if unknown else "got nothing"
         raise EntryError(file, f"expected {', '.join(own_yaml.TOP_KEYS)}, or MoveIt's world; {got}")
-    things = own_yaml.read_shapes(content, file, package_dirs)
+    things = own_yaml.read_shapes(content, file, packages)
     allowed = own_yaml.read_allowed(content, file)
     cloud, radii = content.get("cloud"), content.get("radii", False)
     leaf = float(numbers([content.get("leaf", 0.0)], "l", file, "leaf")[0])

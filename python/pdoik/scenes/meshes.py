@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from pdoik._addresses import Places
+from pdoik.errors import LoadError
 from pdoik.scenes.values import EntryError
 
 FloatArray = npt.NDArray[np.float64]
@@ -16,28 +17,16 @@ Faces = npt.NDArray[np.int64]
 _HOLLOW = 0.01  # of its hull's volume that a mesh may lack and still counts as convex
 
 
-def find_mesh(address: str, file: Path, package_dirs: Sequence[Path], entry: str) -> Path:
+def find_mesh(address: str, places: Places, file: Path, entry: str) -> Path:
     """The file that an address means.
 
-    Args:
-        address: A path, absolute or relative to the scene's folder; file://, package://.
-        file: The scene.
-        package_dirs: Folders that hold packages.
-        entry: For the message.
-
     Raises:
-        EntryError: It is nowhere: neither in the packages nor, by its last parts, beside the scene.
+        EntryError: It is nowhere.
     """
-    plain = file.parent / address.removeprefix("file://")
-    if "://" not in str(plain) and plain.is_file():
-        return plain
-    parts = Path(address.split("://", 1)[-1]).parts
-    packages = [Path(folder) / Path(*parts) for folder in package_dirs if parts]
-    beside = [file.parent / Path(*parts[first:]) for first in range(len(parts))]
-    for path in [*packages, *beside]:
-        if path.is_file():
-            return path
-    raise EntryError(file, f"mesh {address!r} is neither in package_dirs nor beside it", entry)
+    try:
+        return places.find(address)
+    except LoadError as error:
+        raise EntryError(file, f"mesh {error}", entry) from error
 
 
 def read_mesh(path: Path, file: Path, entry: str) -> tuple[FloatArray, Faces]:

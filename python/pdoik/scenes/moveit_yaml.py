@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pdoik._addresses import Packages, Places
 from pdoik.scenes.meshes import find_mesh, read_mesh
 from pdoik.scenes.pieces import Kind, Piece, Thing, cone, plane
 from pdoik.scenes.values import EntryError, numbers, read_pose, rows
@@ -27,7 +28,7 @@ def read_world(
     *,
     links: Collection[str] = (),
     frame: str | None = None,
-    package_dirs: Sequence[Path] = (),
+    packages: Packages = (),
 ) -> list[Thing]:
     """The objects of world.collision_objects, in the frame of the robot's base.
 
@@ -37,7 +38,7 @@ def read_world(
         links: The robot's; an object in the frame of one that moves is refused.
         frame: The name of the base's frame: objects are to be in it, or in a frame that
             fixed_frame_transforms place. None: names that nobody knows are other words for it.
-        package_dirs: Folders that hold the packages of meshes.
+        packages: As in `load_scene`.
 
     Raises:
         EntryError: An entry cannot be read; attached objects and octomaps are not supported.
@@ -53,7 +54,7 @@ def read_world(
     if isinstance(octomap, Mapping) and (octomap.get("octomap") or {}).get("data"):
         raise EntryError(file, "octomaps are not supported; give a cloud", "world.octomap")
     frames = _fixed_frames(scene, file, frame)
-    things = []
+    places, things = Places.of(packages, file), []
     for k, item in enumerate(objects):
         entry = f"world.collision_objects[{k}]"
         if not isinstance(item, Mapping):
@@ -63,7 +64,7 @@ def read_world(
         T = _frame(item, frames, links, frame, file, entry)
         T = T @ read_pose(item.get("pose"), file, f"{entry}.pose")
         pieces = [
-            _READ[kind](thing, T_piece, file, where, package_dirs)
+            _READ[kind](thing, T_piece, file, where, places)
             for kind, thing, T_piece, where in _parts(item, T, file, entry)
         ]
         things.append(Thing(name=name, pieces=tuple(pieces)))
@@ -157,9 +158,7 @@ def _parts(
     return parts
 
 
-def _primitive(
-    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Sequence[Path]
-) -> Piece:
+def _primitive(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Places) -> Piece:
     kind = item.get("type")
     kind = _KINDS.get(kind, kind) if isinstance(kind, int) else str(kind).lower()
     if kind not in _COUNTS:
@@ -177,11 +176,9 @@ def _primitive(
     return Piece(kind=_SOLIDS[kind], size=tuple(values.tolist()), T=T, entry=entry)
 
 
-def _mesh(
-    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, package_dirs: Sequence[Path]
-) -> Piece:
+def _mesh(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, places: Places) -> Piece:
     if item.get("resource"):
-        path = find_mesh(str(item["resource"]), file, package_dirs, entry)
+        path = find_mesh(str(item["resource"]), places, file, entry)
         points, corners = read_mesh(path, file, entry)
         if item.get("dimensions"):
             points = points * numbers(item["dimensions"], "xyz", file, f"{entry}.dimensions")
@@ -199,9 +196,7 @@ def _mesh(
     return Piece(kind="mesh", T=T, vertices=points, faces=corners, entry=entry)
 
 
-def _plane(
-    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Sequence[Path]
-) -> Piece:
+def _plane(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Places) -> Piece:
     try:
         return plane(numbers(item.get("coef"), "abcd", file, f"{entry}.coef"), T, entry)
     except EntryError:

@@ -14,13 +14,14 @@ allowed: [[base_link, table]]
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from pdoik._addresses import Packages, Places
 from pdoik._core import Scene, Shape
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
@@ -35,9 +36,7 @@ _KINDS = ("box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh")
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
 
 
-def read_shapes(
-    content: Mapping[str, Any], file: Path, package_dirs: Sequence[Path] = ()
-) -> list[Thing]:
+def read_shapes(content: Mapping[str, Any], file: Path, packages: Packages = ()) -> list[Thing]:
     """What `shapes` lists.
 
     Raises:
@@ -46,7 +45,7 @@ def read_shapes(
     items = content.get("shapes") or []
     if not isinstance(items, list):
         raise EntryError(file, f"expected a list, got {items!r}", "shapes")
-    things = []
+    places, things = Places.of(packages, file), []
     for k, item in enumerate(items):
         entry = f"shapes[{k}]"
         if not isinstance(item, Mapping):
@@ -55,7 +54,7 @@ def read_shapes(
         if not name:
             raise EntryError(file, "has no name", entry)
         entry = f"{entry} ({name})"
-        piece = _read_piece(item, file, entry, package_dirs)
+        piece = _read_piece(item, file, entry, places)
         things.append(Thing(name=name, pieces=(piece,)))
     return things
 
@@ -105,9 +104,7 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     write_whole(path, text)
 
 
-def _read_piece(
-    item: Mapping[str, Any], file: Path, entry: str, package_dirs: Sequence[Path]
-) -> Piece:
+def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places) -> Piece:
     kinds = [kind for kind in _KINDS if kind in item]
     unknown = [str(key) for key in item if key not in ("name", *_KINDS, *_POSE_KEYS)]
     if unknown:
@@ -130,7 +127,7 @@ def _read_piece(
             raise EntryError(file, "the normal is zero", f"{where}.normal") from error
     T = _read_pose(item, file, entry)
     if kind == "convex_mesh":
-        return _read_mesh(value, T, file, where, package_dirs)
+        return _read_mesh(value, T, file, where, places)
     size = _read_size(kind, value, file, where)
     solid: dict[str, Kind] = {
         "box": "box", "sphere": "sphere", "cylinder": "cylinder", "capsule": "capsule"
@@ -171,12 +168,10 @@ def _read_pose(item: Mapping[str, Any], file: Path, entry: str) -> FloatArray:
     return T
 
 
-def _read_mesh(
-    value: Any, T: FloatArray, file: Path, entry: str, package_dirs: Sequence[Path]
-) -> Piece:
+def _read_mesh(value: Any, T: FloatArray, file: Path, entry: str, places: Places) -> Piece:
     if isinstance(value, Mapping) and "file" in value:
         given = _fields(value, ("file",), (), file, entry)
-        path = find_mesh(str(given["file"]), file, package_dirs, entry)
+        path = find_mesh(str(given["file"]), places, file, entry)
         vertices, faces = read_mesh(path, file, entry)
         return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, entry=entry)
     given = _fields(value, ("vertices",), ("triangles",), file, entry)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pdoik
+from pdoik._addresses import Packages
 from pdoik.errors import RobotWarning
 
 from .body import body_visuals
@@ -22,14 +23,14 @@ class Model:
     Attributes:
         robot: Kinematics and hulls.
         urdf: Its file; None for a built-in robot.
-        package_dirs: Folders that hold the packages named in `package://` addresses.
+        packages: As in `pdoik.urdf_text`.
         visuals: A GLB file by link.
         notes: What could not be had.
     """
 
     robot: pdoik.Robot
     urdf: Path | None = None
-    package_dirs: Sequence[Path] = ()
+    packages: Packages = ()
     visuals: dict[str, bytes] = field(default_factory=dict)
     notes: Sequence[str] = ()
 
@@ -65,18 +66,18 @@ def shipped_model(robot: pdoik.Robot) -> Model:
     return Model(robot=robot, visuals=body_visuals(robot) if is_h1(robot) else {})
 
 
-def urdf_model(robot: pdoik.Robot, urdf: Path, package_dirs: Sequence[Path] = ()) -> Model:
+def urdf_model(robot: pdoik.Robot, urdf: Path, packages: Packages = ()) -> Model:
     """A robot that was read from a file, with the meshes that can be found.
 
     Raises:
         LoadError: The file cannot be read.
     """
-    visuals, missing = load_visuals(urdf, package_dirs)
+    visuals, missing = load_visuals(urdf, packages)
     known = set(robot.link_names)
     return Model(
         robot=robot,
         urdf=urdf,
-        package_dirs=tuple(package_dirs),
+        packages=packages,
         visuals={link: glb for link, glb in visuals.items() if link in known},
         notes=missing,
     )

@@ -185,7 +185,7 @@ class Viewer:
         with self.complaints():
             path = self._keep(file)
             robot = read_robot(path)
-            model = urdf_model(robot, path, self.model.package_dirs)
+            model = urdf_model(robot, path, self.model.packages)
             try:
                 self._replace_robot(model)
             except ValueError:  # several tips, which the solver may refuse
@@ -209,7 +209,7 @@ class Viewer:
             return
         with self.complaints():
             self.status.say("fitting hulls ...")
-            fit = fit_occupancy(model.urdf, model.package_dirs, capsules=False)
+            fit = fit_occupancy(model.urdf, model.packages, capsules=False)
             known = set(model.robot.link_names)
             text = fit.to_yaml()
             if model is self.model:
@@ -229,7 +229,7 @@ class Viewer:
 
     def take_scene(self, file: viser.UploadedFile) -> None:
         with self.complaints():
-            scene = read_scene_file(self._keep(file), package_dirs=self.model.package_dirs)
+            scene = read_scene_file(self._keep(file), packages=self.model.packages)
             self.session.set_shapes(scene.shapes, scene.allowed)
             if len(scene.surface):
                 self.session.set_cloud(scene.surface)

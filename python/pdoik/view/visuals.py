@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,6 +12,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh.visual.material import PBRMaterial
 
+from pdoik._addresses import Packages, Places
 from pdoik.errors import LoadError
 
 FloatArray = npt.NDArray[np.float64]
@@ -20,9 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 _GREY = (0.78, 0.80, 0.83, 1.0)
 
 
-def load_visuals(
-    urdf: Path, package_dirs: Sequence[Path] = ()
-) -> tuple[dict[str, bytes], list[str]]:
+def load_visuals(urdf: Path, packages: Packages = ()) -> tuple[dict[str, bytes], list[str]]:
     """GLB files of the links that have geometry, and why others lack theirs.
 
     Of each link its <visual> elements are taken, or its <collision> elements where one of those
@@ -30,8 +28,7 @@ def load_visuals(
 
     Args:
         urdf: The description.
-        package_dirs: Folders that hold the packages named in `package://` addresses; the folders
-            above the URDF are looked through, too.
+        packages: As in `pdoik.urdf_text`.
 
     Raises:
         LoadError: The URDF cannot be read.
@@ -40,7 +37,7 @@ def load_visuals(
         root = ElementTree.parse(urdf).getroot()
     except (OSError, ElementTree.ParseError) as error:
         raise LoadError(f"{urdf}: not a robot description: {error}") from error
-    places = [*package_dirs, *urdf.resolve().parents]
+    places = Places.of(packages, urdf)
     colors = {
         str(material.get("name")): _rgba(material)
         for material in root.findall("material")
@@ -68,7 +65,7 @@ def load_visuals(
 def _glb(
     elements: list[ElementTree.Element],
     colors: dict[str, tuple[float, ...]],
-    places: Sequence[Path],
+    places: Places,
 ) -> bytes:
     scene = trimesh.Scene()
     for element in elements:
@@ -93,7 +90,7 @@ def painted(rgba: tuple[float, ...]) -> Any:
     return trimesh.visual.TextureVisuals(material=material)  # type: ignore[no-untyped-call]
 
 
-def _shape(element: ElementTree.Element, places: Sequence[Path]) -> list[trimesh.Trimesh]:
+def _shape(element: ElementTree.Element, places: Places) -> list[trimesh.Trimesh]:
     shape = element.find("geometry/*")
     if shape is None:
         raise LoadError("an element without geometry")
@@ -107,17 +104,9 @@ def _shape(element: ElementTree.Element, places: Sequence[Path]) -> list[trimesh
     if shape.tag != "mesh":
         raise LoadError(f"unknown shape <{shape.tag}>")
     scale = np.diag([*_numbers(shape, "scale", "1 1 1"), 1.0])
-    loaded = trimesh.load_scene(_find(str(shape.get("filename")), places))
+    loaded = trimesh.load_scene(places.find(str(shape.get("filename"))))
     meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
     return [mesh.apply_transform(scale) for mesh in meshes]
-
-
-def _find(filename: str, places: Sequence[Path]) -> Path:
-    relative = filename.removeprefix("package://").removeprefix("file://")
-    for place in places:
-        if (place / relative).is_file():
-            return place / relative
-    raise LoadError(f"mesh {filename} not found; give --package-dir")
 
 
 def _has_color(mesh: trimesh.Trimesh) -> bool:

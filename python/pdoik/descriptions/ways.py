@@ -1,0 +1,210 @@
+"""The ways to a robot that `Robot` itself offers; what they do is `load_robot`'s.
+
+Their types are written with their modules, as the stub of the compiled module has them.
+"""
+
+from __future__ import annotations
+
+import collections.abc
+import inspect
+import os
+from dataclasses import replace
+
+import numpy.typing
+
+import pdoik._addresses
+
+from .._addresses import at_home
+from .._core import Robot
+from ..errors import LoadError
+from .load import load_given, load_robot
+from .text import Given, Kind, shipped_name
+
+_SAYS: dict[Kind, str] = {
+    "urdf": "a URDF, which Robot.from_urdf reads",
+    "xacro": "a xacro file, which Robot.from_urdf and Robot.from_xacro read",
+    "mjcf": "an MJCF, which Robot.from_mjcf reads",
+}
+
+
+def from_urdf(
+    path_or_xml: str | os.PathLike[str],
+    base_link: str | None = None,
+    tip_link: str | collections.abc.Sequence[str] | None = None,
+    *,
+    T_world_base: numpy.typing.ArrayLike | None = None,
+    floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    hulls: bool = False,
+    arguments: collections.abc.Mapping[str, str] | None = None,
+    packages: pdoik._addresses.Packages = (),
+) -> Robot:
+    """Read a URDF, or a xacro file, which the package `xacro` expands.
+
+    Args:
+        path_or_xml: A file's path, or the XML text of a URDF itself (recognised by its leading
+            "<").
+        base_link: Any link of the tree, which becomes the base frame. None takes the description's
+            root.
+        tip_link: The link that goals are given for, or several. None takes every leaf.
+        T_world_base: Where the base link stands, shape (4, 4) [m]: targets, obstacles and centre of
+            mass are then in the frame of a link "world" that is put under it.
+        floating_base: Instead, how far the base link may go in the world: lower and upper bounds of
+            x, y, z [m], yaw, pitch and roll [rad], each of shape (6,). They are the first six
+            joints, base_x to base_roll.
+        srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers
+            keep the robot's hulls off one another unless told otherwise.
+        hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
+            kept in the user's cache (XDG_CACHE_HOME), and taken from there the next time.
+        arguments: Of a xacro file.
+        packages: Folders by the name of the package, for `package://NAME/...` and `$(find NAME)`;
+            or folders that hold packages. See `pdoik.urdf_text` for where else they are looked for.
+
+    Raises:
+        LoadError: A file cannot be read, the XML or the tree is malformed, a link is missing,
+            limits are out of order, an axis is zero, a mesh is missing that hulls are asked for.
+
+    Warns:
+        RobotWarning: Oddities that do not stop kinematics, such as missing velocity limits, which
+            are taken as none, and inertias no body can have.
+    """
+    text = str(path_or_xml)
+    if text.lstrip().startswith("<"):
+        given = Given.of_text(text, packages=packages)
+        _check(given, "the text", "urdf")
+    else:
+        given = _file(path_or_xml, arguments, packages, "urdf", "xacro")
+    return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
+
+
+def from_xacro(
+    path: str | os.PathLike[str],
+    base_link: str | None = None,
+    tip_link: str | collections.abc.Sequence[str] | None = None,
+    *,
+    T_world_base: numpy.typing.ArrayLike | None = None,
+    floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    hulls: bool = False,
+    arguments: collections.abc.Mapping[str, str] | None = None,
+    packages: pdoik._addresses.Packages = (),
+) -> Robot:
+    """Read a xacro file, by the package `xacro`.
+
+    Args:
+        path: A file's path.
+        base_link: As for `from_urdf`, like the others.
+        tip_link: As there.
+        T_world_base: As there.
+        floating_base: As there.
+        srdf: As there.
+        hulls: As there.
+        arguments: What `xacro FILE NAME:=VALUE` takes.
+        packages: As there.
+
+    Raises:
+        LoadError: As there; or xacro refuses the file.
+        MissingExtraError: The package xacro is not installed.
+    """
+    given = replace(_file(path, None, packages, "urdf", "xacro"), kind="xacro")
+    given = replace(given, arguments=arguments or {})
+    return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
+
+
+def from_mjcf(
+    path: str | os.PathLike[str],
+    base_link: str | None = None,
+    tip_link: str | collections.abc.Sequence[str] | None = None,
+    *,
+    T_world_base: numpy.typing.ArrayLike | None = None,
+    floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    hulls: bool = False,
+) -> Robot:
+    """Read a model of MuJoCo, by the package `mujoco`.
+
+    Bodies are links, and a joint's value is its `qpos`. Ball joints are refused; a body that floats
+    stands where the model has it; joint equalities that are lines become mimic joints, and other
+    equalities are left out, so closed loops are open. Speeds are without limit.
+
+    Args:
+        path: A file's path.
+        base_link: As for `from_urdf`, like the others. The root is the link "world".
+        tip_link: As there.
+        T_world_base: As there.
+        floating_base: As there.
+        srdf: As there.
+        hulls: As there; of the geometry that can touch.
+
+    Raises:
+        LoadError: As there; or MuJoCo is not installed or refuses the file, or a joint is a ball.
+    """
+    given = _file(path, None, (), "mjcf")
+    return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
+
+
+def from_description(
+    name: str,
+    base_link: str | None = None,
+    tip_link: str | collections.abc.Sequence[str] | None = None,
+    *,
+    T_world_base: numpy.typing.ArrayLike | None = None,
+    floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    hulls: bool = True,
+    arguments: collections.abc.Mapping[str, str] | None = None,
+    packages: pdoik._addresses.Packages = (),
+) -> Robot:
+    """A shipped robot, or a description that another package brings, by name.
+
+    Args:
+        name: Such as "panda" (shipped); "ur5", "xarm7" (package example-robot-data); "ur10e",
+            "panda_mj_description" (robot_descriptions); "unitree_g1" (mujoco-menagerie). The last
+            two get their files from the network the first time.
+        base_link: As for `from_urdf`, like the others.
+        tip_link: As there.
+        T_world_base: As there.
+        floating_base: As there.
+        srdf: As there.
+        hulls: As there, but fitted unless told otherwise. Shipped robots have theirs.
+        arguments: Of a xacro file, beside those that the description has.
+        packages: As there.
+
+    Raises:
+        LoadError: As there; or no robot has this name, or its package cannot get the files.
+    """
+    if shipped_name(name) is not None:
+        return load_robot(
+            name,
+            base_link,
+            tip_link,
+            T_world_base=T_world_base,
+            floating_base=floating_base,
+            srdf=srdf,
+        )
+    given = Given.of_name(name, arguments=arguments, packages=packages)
+    return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
+
+
+def _file(
+    path: str | os.PathLike[str],
+    arguments: collections.abc.Mapping[str, str] | None,
+    packages: pdoik._addresses.Packages,
+    *kinds: Kind,
+) -> Given:
+    file = at_home(path)
+    if not file.suffix and not file.exists():
+        raise LoadError(f"no such file: {file}; names are for Robot.from_description")
+    given = Given.of_file(file, arguments=arguments, packages=packages)
+    _check(given, str(file), *kinds)
+    return given
+
+
+def _check(given: Given, name: str, *kinds: Kind) -> None:
+    if given.kind not in kinds:
+        raise LoadError(f"{name} is {_SAYS[given.kind]}")
+
+
+for way in (from_urdf, from_xacro, from_mjcf, from_description):
+    way.__doc__ = inspect.cleandoc(way.__doc__ or "")  # as it stands in the stub
+    setattr(Robot, way.__name__, staticmethod(way))
