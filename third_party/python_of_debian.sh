@@ -13,5 +13,9 @@ bash third_party/unpack_debian.sh "$root.new" "$release" "$(dpkg --print-archite
 loader=$(patchelf --print-interpreter "$root.new/usr/bin/python$version")
 libraries=$(cd "$root.new" && find usr/lib -name 'libc.so.6' -printf '%h')
 patchelf --set-interpreter "$root$loader" --force-rpath --set-rpath "$root/$libraries" "$root.new/usr/bin/python$version"
+# Its pyconfig.h includes that of the architecture by where Debian installs it.
+architecture=$(basename "$libraries")
+mkdir "$root.new/usr/include/python$version/$architecture"
+ln -s "../../$architecture/python$version" "$root.new/usr/include/python$version/$architecture/"
 mv "$root.new" "$root"
 "$root/usr/bin/python$version" --version
