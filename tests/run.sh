@@ -204,6 +204,36 @@ stage_fuzz() { bash tests/fuzz.sh "${1:-15}"; }
 # One worker per core, and one thread each: the files are many and the numerics small. python_all has the long ones too.
 stage_python() { stage_python_all -m "not long" "$@"; }
 
+# Cross-compiled for aarch64 and run by qemu: the core and a program of its own, then the tests and the other programs.
+# The library is compiled as users compile it, a dozen files at once; its tests in less time.
+stage_aarch64() {
+  bash third_party/debian.sh third_party/aarch64/debian.txt
+  bash third_party/aarch64/root.sh
+  local root=$PWD/build/aarch64/root here=$PWD/build/aarch64/build
+  local cross=(-D "CMAKE_TOOLCHAIN_FILE=$PWD/third_party/aarch64/toolchain.cmake" -D "CMAKE_SYSROOT=$root"
+    -D "CMAKE_FIND_ROOT_PATH=$PWD/build/aarch64/install")
+  cross_build() {
+    configure_and_build "$here" "${cross[@]}" -D CMAKE_UNITY_BUILD=ON -D CMAKE_UNITY_BUILD_BATCH_SIZE=12 \
+      -D CMAKE_CXX_FLAGS=-Wno-subobject-linkage -D PDOIK_TESTS_OPTIONS=-O1 "$@"
+  }
+  run_installed() {  # PROGRAM CMAKE_ARGUMENT...
+    cmake --install "$here" --prefix build/aarch64/install --component cpp >/dev/null
+    build_consumer aarch64 "${cross[@]}" "${@:2}"
+    qemu-aarch64-static -L "$root" "build/consumer/aarch64/$1"
+  }
+  cross_build -D PDOIK_IO=OFF -D PDOIK_BUILD_TESTS=OFF
+  run_installed core -D PDOIK_IO=OFF
+  cross_build -D PDOIK_IO=ON
+  run_ctest "$here" "$@"
+  run_installed readme -D PDOIK_IO=ON
+}
+
+# A wheel for each Python told, .venv's unless told, tried in a new environment where nothing of this tree is.
+stage_wheel() {
+  bash third_party/wheel.sh "$@"
+  bash tests/wheel/venvs.sh "$@"
+}
+
 stage_python_all() {
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
 }
@@ -212,7 +242,7 @@ stage_python_all() {
 stage_docs() { bash python/docs/build.sh test,bench; }
 
 stages=(lint cpp simd asan consumer docs python)
-others=(python_all consumer_all asan_all tsan clang native fuzz)  # by name only: they take long
+others=(python_all consumer_all asan_all tsan clang native fuzz aarch64 wheel)  # by name only: they take long
 if (($#)); then
   [[ " ${stages[*]} ${others[*]} " == *" $1 "* ]] ||
     { echo "run.sh: no stage $1; there are: ${stages[*]} ${others[*]}" >&2; exit 2; }

@@ -18,24 +18,6 @@ esac
 
 say() { printf '== %s\n' "$*"; }
 
-install_debian_packages() {
-  local package missing=() sudo=()
-  while read -r package; do
-    [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
-  done < <(grep -v '^#' third_party/debian.txt)
-  ((${#missing[@]})) || return 0
-  [[ $(id -u) == 0 ]] || sudo=(sudo)
-  say "installing Debian packages, which takes some minutes: ${missing[*]}"
-  local log quiet=(-qq -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=600)
-  log=$(mktemp)
-  {
-    "${sudo[@]}" apt-get "${quiet[@]}" update &&
-      "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
-        apt-get "${quiet[@]}" install -y --no-install-recommends "${missing[@]}"
-  } >"$log" 2>&1 || { tail -n 40 "$log" >&2; return 1; }
-  rm -f "$log"
-}
-
 make_venv() {
   local at_least_311='import sys; sys.exit(sys.version_info < (3, 11))'
   if grep -qsF "$venv" "$venv/bin/activate" && "$venv/bin/python" -c "$at_least_311; import pip"; then
@@ -78,6 +60,6 @@ print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], s
   echo "$sources" >"$sources_stamp"
 }
 
-install_debian_packages
+bash third_party/debian.sh third_party/debian.txt
 make_venv
 install_pdoik

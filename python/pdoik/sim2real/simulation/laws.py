@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal, Self
+from typing import Literal
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Dahl(StatefulLaw):
         self.stiffness = 2.0 * level / self.displacement  # just after a reversal
         self.z = 0.0
 
-    def fresh(self) -> Self:
+    def fresh(self) -> Dahl:
         return type(self)(self.level, self.displacement)
 
     def __call__(self, t: float, q: float, dq: float, load: float) -> float:
@@ -41,7 +41,7 @@ class GatedMemory(StatefulLaw):
         self.law, self.gate, self.stiffness = law, gate, law.stiffness
         self.clock = gate.of == "time"
 
-    def fresh(self) -> Self:
+    def fresh(self) -> GatedMemory:
         return type(self)(self.law.fresh(), self.gate)
 
     def __call__(self, t: float, q: float, dq: float, load: float) -> float:

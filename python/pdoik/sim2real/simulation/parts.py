@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Self
+from typing import Literal
 
 from .inertial import Inertial
 
@@ -27,7 +27,7 @@ class StatefulLaw(ABC):
     stiffness: float = 0.0  # largest change of torque with position, for the step's length
 
     @abstractmethod
-    def fresh(self) -> Self:
+    def fresh(self) -> StatefulLaw:
         """The same law before anything happened."""
 
     @abstractmethod

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from ..key import Keys
 from ..recording import FloatArray
@@ -85,7 +85,7 @@ class Log(ABC):
     def close(self) -> None:  # noqa: B027  most have nothing to close
         """Let go of the file."""
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Log:
         return self
 
     def __exit__(
