@@ -44,6 +44,7 @@ _PAGE = "Page"  # panel
 
 
 def view(
+    context: typer.Context,
     what: Annotated[
         str | None,
         typer.Argument(
@@ -147,10 +148,19 @@ def view(
             _view_report(folder, host, port, no_open=no_open)
             return
     from pdoik.view import Session, load_log
+    from pdoik.view.examples import EXAMPLES
     from pdoik.view.model import shipped_model, urdf_model
     from pdoik.view.reach import load_map
     from pdoik.view.viewer import Viewer
 
+    if _nothing_asked(context):
+        example = EXAMPLES[0]
+        model, session = example.make()
+        with _page(host, port, no_open=no_open) as (server, hold):
+            viewer = Viewer(server, model, session, example)
+            hold()
+            viewer.forget_uploads()
+        return
     robot = what or "panda"
     loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
     with misuse_fails():
@@ -191,6 +201,16 @@ def view(
             viewer.reach_tab.map.show(reach_map, f"from {reach.name}")
         hold()
         viewer.forget_uploads()  # all that would outlive the process
+
+
+def _nothing_asked(context: typer.Context) -> bool:
+    """Whether no option says what to show: those of the page alone do not."""
+    given = {
+        name
+        for name in context.params
+        if (source := context.get_parameter_source(name)) is None or source.name != "DEFAULT"
+    }
+    return given <= {"host", "port", "no_open"}
 
 
 def _view_report(folder: Path, host: str, port: int | None, *, no_open: bool) -> None:

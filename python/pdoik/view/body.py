@@ -50,9 +50,7 @@ def _mesh(shape: Shape) -> Any:  # trimesh's own stubs say no more
     return mesh
 
 
-def segment_mesh(
-    a: FloatArray, b: FloatArray, radius: float, sections: int = 24
-) -> Any:
+def segment_mesh(a: FloatArray, b: FloatArray, radius: float, sections: int = 24) -> Any:
     """A capsule about the segment from a to b, (3,) each [m]; a ball where they are one."""
     length = float(np.linalg.norm(b - a))
     if length < 1e-9:

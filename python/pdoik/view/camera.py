@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import viser
 
+_FARTHEST = 2.2  # times as far
 _WIDE = 1.3  # width over height from which nothing is done
 
 
@@ -12,16 +14,21 @@ def fit_to_window(server: viser.ViserServer) -> None:
     """Do so for each page that is opened."""
 
     def fit(client: viser.ClientHandle) -> None:
-        camera, first = client.camera, server.initial_camera
-        if camera.aspect >= _WIDE:
-            return
-        look_at = np.asarray(first.look_at, dtype=np.float64)
-        way = np.asarray(first.position, dtype=np.float64) - look_at
-        way *= min(_WIDE / camera.aspect, 2.2)
-        down = 0.5 * np.tan(camera.fov / 2) * float(np.linalg.norm(way))
-        shift = np.array([0.0, 0.0, -down if camera.aspect < 1.0 else 0.0])
-        with client.atomic():
-            camera.position = look_at + way + shift
-            camera.look_at = look_at + shift
+        if client.camera.aspect < _WIDE:
+            look(client, server.initial_camera.look_at, server.initial_camera.position)
 
     server.on_client_connect(fit)
+
+
+def look(client: viser.ClientHandle, look_at: npt.ArrayLike, position: npt.ArrayLike) -> None:
+    """Move a page's camera there, (3,) each [m], as its window needs it."""
+    camera = client.camera
+    target = np.array(look_at, dtype=np.float64)
+    way = np.array(position, dtype=np.float64) - target
+    if camera.aspect < _WIDE:
+        way *= min(_WIDE / camera.aspect, _FARTHEST)
+    if camera.aspect < 1.0:
+        target[2] -= 0.5 * np.tan(camera.fov / 2) * float(np.linalg.norm(way))
+    with client.atomic():
+        camera.position = target + way
+        camera.look_at = target

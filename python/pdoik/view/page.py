@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import viser
 
+from .examples import Example
 from .model import Model
 from .obstacle_scene import ObstacleScene
 from .scene import RobotScene
@@ -37,6 +38,9 @@ class Page(Protocol):
 
     def move_cloud(self, on: bool) -> None:
         """Give the cloud its gizmo, or take that away."""
+
+    def take_example(self, example: Example) -> None:
+        """Something to play with instead of what is there."""
 
     def take_builtin(self, name: str) -> None:
         """One of pdoik's own robots."""

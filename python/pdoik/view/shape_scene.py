@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,9 @@ _PLANE_EDGE = 4.0  # of the square that stands for a half-space [m]
 class ShapeScene:
     """The nodes below /shapes."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    def __init__(self, server: viser.ViserServer, on_click: Callable[[str], None]) -> None:
         self._server = server
+        self._on_click = on_click
         self._root = server.scene.add_frame("/shapes", show_axes=False)
         self._drawn: tuple[pdoik.Shape, ...] = ()
         self._nodes: dict[str, Any] = {}  # by the shape's name
@@ -36,7 +38,7 @@ class ShapeScene:
     def show(self, shown: Shown) -> None:
         """Draw them if they are others; the binding one turns orange, or red if it fails."""
         if self._drawn is not shown.cloud.shapes:
-            self._draw(shown.cloud.shapes)
+            self._follow(shown.cloud.shapes)
         names = [shape.name for shape in self._drawn]
         tight = binding(shown.result, shown.robot, names).shape
         for name, node in self._nodes.items():
@@ -45,6 +47,18 @@ class ShapeScene:
                 color = _SHAPE_TIGHT if shown.result.success else _SHAPE_BROKEN
             if tuple(node.color) != color:
                 node.color = color
+
+    def _follow(self, shapes: tuple[pdoik.Shape, ...]) -> None:
+        """Move those that are elsewhere; draw all anew if they are others."""
+        pairs = list(zip(self._drawn, shapes, strict=False))
+        if len(self._drawn) != len(shapes) or not all(_alike(a, b) for a, b in pairs):
+            self._draw(shapes)
+            return
+        for before, shape in pairs:
+            if shape is not before:
+                T, node = np.asarray(shape.T_base_shape), self._nodes[shape.name]
+                node.wxyz, node.position = wxyz_of(T[:3, :3]), T[:3, 3]
+        self._drawn = shapes
 
     def _draw(self, shapes: tuple[pdoik.Shape, ...]) -> None:
         for node in self._nodes.values():
@@ -65,7 +79,21 @@ class ShapeScene:
                 wxyz=wxyz_of(T[:3, :3]),
                 position=T[:3, 3],
             )
+            if not flat:
+                self._nodes[shape.name].on_click(self._callback(shape.name))
         self._drawn = shapes
+
+    def _callback(self, name: str) -> Callable[[object], None]:
+        return lambda _: self._on_click(name)
+
+
+def _alike(a: pdoik.Shape, b: pdoik.Shape) -> bool:
+    """Whether one is the other, perhaps elsewhere."""
+    if a is b:
+        return True
+    if (a.name, a.kind) != (b.name, b.kind) or a.kind == "half_space":
+        return False
+    return np.array_equal(a.size, b.size) and np.array_equal(a.vertices, b.vertices)
 
 
 def shape_mesh(shape: pdoik.Shape) -> tuple[trimesh.Trimesh, FloatArray]:

@@ -58,9 +58,7 @@ class SolveTab:
                 "Wide hulls", False, hint="Those that only say where to look for capsules"
             )
             self.meshes = gui.add_checkbox("Meshes", True)
-            self.skeleton = gui.add_checkbox(
-                "Skeleton", not page.model.visuals, hint="Inside the meshes, if any"
-            )
+            self.skeleton: Any = gui.add_checkbox("Skeleton", False, hint="Inside the links")
             self.cloud = gui.add_checkbox("Cloud", True)
             self.shapes = gui.add_checkbox("Shapes", True)
 
@@ -125,6 +123,7 @@ class SolveTab:
         self.self_collision.visible = len(robot.occupancy) > 0
         self.wide_hulls.visible = len(wide_hulls(robot)) > 0
         self.self_collision.value = session.options.keeps_off_itself(robot)
+        self.skeleton.value = not self._page.model.visuals and not len(robot.occupancy)
         self.balance.visible = can_balance(robot)
         self.balance.value = bool(session.options.balance.contacts)
 
