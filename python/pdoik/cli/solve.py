@@ -43,14 +43,6 @@ _SEARCH, _OUTPUT = "Search", "Output"  # panels
 
 
 def solve(
-    robot: Annotated[
-        str,
-        typer.Option(
-            help=f"{ANY_ROBOT}.",
-            metavar="ROBOT",
-            rich_help_panel=ROBOT,
-        ),
-    ],
     target: Annotated[
         str,
         typer.Option(
@@ -59,6 +51,13 @@ def solve(
             rich_help_panel=GOAL,
         ),
     ],
+    robot: Annotated[
+        str | None, typer.Argument(help=f"{ANY_ROBOT}.", metavar="ROBOT", show_default=False)
+    ] = None,
+    robot_option: Annotated[
+        str | None,
+        typer.Option("--robot", help="The same as an option.", metavar="ROBOT", hidden=True),
+    ] = None,
     occupancy: HullsFile = None,
     srdf: SrdfFile = None,
     base_link: BaseLink = None,
@@ -117,12 +116,12 @@ def solve(
 
     Exit status: 0 solved, 1 not solved, 2 misuse.
 
-    [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
+    [bold]Example[/]: pdoik solve panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
     """
     _check_picture(picture)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
-    loaded = load_robot(robot, base_link, tip_link, occupancy, srdf)
+    loaded = load_robot(_one_of(robot, robot_option), base_link, tip_link, occupancy, srdf)
     with misuse_fails("--target"):
         T_base_tip = parse_target(target, goal)
     start = None
@@ -212,3 +211,13 @@ def _draw(picture: Path, solution: Solution) -> None:
             cloud=None if obstacles is None else obstacles.cloud[:, :3],
             surface=None if obstacles is None or obstacles.leaf == 0 else obstacles.surface,
         )
+
+
+def _one_of(argument: str | None, option: str | None) -> str:
+    """The robot that was given in one way or the other."""
+    if argument is not None and option is not None:
+        fail(f"ROBOT {argument} and --robot {option}: expected one of them")
+    robot = argument or option
+    if robot is None:
+        fail('no robot given: pdoik solve ROBOT --target "x y z qx qy qz qw"')
+    return robot

@@ -30,12 +30,14 @@ class Example:
         try_this: What to do with it, in a sentence.
         make: Gives the robot as it looks, and its session.
         maps: Whether what it reaches is computed at once.
+        grip: The shape that has arrows at first.
     """
 
     name: str
     try_this: str
     make: Callable[[], tuple[Model, Session]]
     maps: bool = False
+    grip: str | None = None
 
 
 def _panda_among_shapes() -> tuple[Model, Session]:
@@ -72,8 +74,9 @@ def _h1_standing() -> tuple[Model, Session]:
 EXAMPLES: Sequence[Example] = (
     Example(
         name="Panda among shapes",
-        try_this="Pull the hand behind the box; then click a shape and push it into the arm.",
+        try_this="Pull the hand, or push the box into the arm; Move shape has the other shapes.",
         make=_panda_among_shapes,
+        grip="box",
     ),
     Example(
         name="UR10 and a scanned table",

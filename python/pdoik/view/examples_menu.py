@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 OWN = "your own"
 _MOUSE = (
-    "Pull the arrows: the robot follows. Click a shape and it gets arrows, too. Elsewhere the mouse"
-    " turns the view, the wheel zooms."
+    "Pull arrows: the robot follows, and gives way. Elsewhere the mouse turns the view, the wheel"
+    " zooms."
 )
 
 

@@ -36,6 +36,9 @@ class Page(Protocol):
     def show_ball(self, on: bool, radius: float) -> None:
         """Put the ball where its gizmo is, or take it away [m]."""
 
+    def grip(self, name: str | None) -> None:
+        """Give the shape of that name a gizmo, and no other one."""
+
     def move_cloud(self, on: bool) -> None:
         """Give the cloud its gizmo, or take that away."""
 

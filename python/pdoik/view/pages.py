@@ -16,6 +16,8 @@ class PagesLine:
 
     def _count(self) -> None:
         n = len(self._server.get_clients())
+        if not n:  # nobody looks, or the server ends
+            return
         self.line.content = (
             f'<div style="padding:0 1em 0.5em;font-size:0.8em;color:#8a5a00">{n} pages are open.'
             " They share one robot: what is done on one is seen on all.</div>"

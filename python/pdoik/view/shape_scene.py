@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -25,9 +24,8 @@ _PLANE_EDGE = 4.0  # of the square that stands for a half-space [m]
 class ShapeScene:
     """The nodes below /shapes."""
 
-    def __init__(self, server: viser.ViserServer, on_click: Callable[[str], None]) -> None:
+    def __init__(self, server: viser.ViserServer) -> None:
         self._server = server
-        self._on_click = on_click
         self._root = server.scene.add_frame("/shapes", show_axes=False)
         self._drawn: tuple[pdoik.Shape, ...] = ()
         self._nodes: dict[str, Any] = {}  # by the shape's name
@@ -79,12 +77,7 @@ class ShapeScene:
                 wxyz=wxyz_of(T[:3, :3]),
                 position=T[:3, 3],
             )
-            if not flat:
-                self._nodes[shape.name].on_click(self._callback(shape.name))
         self._drawn = shapes
-
-    def _callback(self, name: str) -> Callable[[object], None]:
-        return lambda _: self._on_click(name)
 
 
 def _alike(a: pdoik.Shape, b: pdoik.Shape) -> bool:

@@ -88,8 +88,8 @@ class Viewer:
         server.initial_camera.look_at, server.initial_camera.position = look_at, position
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
-        self.shape_scene = ShapeScene(server, self._grip)
-        self._gripping = threading.Lock()  # clicks come from threads of their own
+        self.shape_scene = ShapeScene(server)
+        self._gripping = threading.Lock()  # choices come from threads of their own
         self._gripped: tuple[str, Gizmo] | None = None  # a shape and what it is dragged by
         self._grips = 0
         self.obstacle_scene.ball.place(_at(np.array([0.25, -0.4, 0.3]) * size))
@@ -114,6 +114,7 @@ class Viewer:
             self.files_tab = FilesTab(gui, self)
         self.joints_tab: JointsTab | None = None
         self._follow_robot()
+        self.grip(None if example is None else example.grip)
         self.worker = Worker(self._step, lambda error: self.status.say(_words(error), bad=True))
         self.worker.wake()
 
@@ -161,26 +162,24 @@ class Viewer:
         self.session.set_cloud_pose(T_base_cloud)
         self.worker.wake()
 
-    def _grip(self, name: str) -> None:
-        """Give a shape a gizmo, or take it away where it has one."""
+    def grip(self, name: str | None) -> None:
+        """Give the shape of that name a gizmo, and no other one."""
         with self._gripping:
-            had = self._gripped
             self._let_go()
-            shape = next((s for s in self.session.obstacles.shapes if s.name == name), None)
-            if shape is None or (had is not None and had[0] == name):
-                return
-            T = np.asarray(shape.T_base_shape)
-            scale, turns = 0.6 * self._gizmo_size(), shape.kind != "sphere"
-            gizmo = Gizmo(
-                self.server,
-                f"/gripped/{self._grips}",
-                T,
-                scale,
-                lambda T: self._drag_shape(name, T),
-                turns=turns,
-            )
-            self._grips += 1
-            self._gripped = name, gizmo
+            for shape in self.session.obstacles.shapes:
+                if shape.name == name:
+                    gizmo = Gizmo(
+                        self.server,
+                        f"/gripped/{self._grips}",
+                        np.asarray(shape.T_base_shape),
+                        0.6 * self._gizmo_size(),
+                        lambda T: self._drag_shape(shape.name, T),  # noqa: B023  # the last one
+                        turns=shape.kind != "sphere",
+                    )
+                    self._grips += 1
+                    self._gripped = shape.name, gizmo
+                    break
+        self.solve_tab.follow_shapes(self.session, name)
 
     def _let_go(self) -> None:
         if self._gripped is not None:
@@ -229,7 +228,7 @@ class Viewer:
             for client in self.server.get_clients().values():
                 look(client, look_at, position)
             if example.maps:
-                self.reach_tab.start()
+                self.reach_tab.start_coarse()
 
     def take_builtin(self, name: str) -> None:
         if name in pdoik.Robot.builtin_names() and (
@@ -287,18 +286,16 @@ class Viewer:
     def take_scene(self, file: viser.UploadedFile) -> None:
         with self.complaints():
             scene = read_scene_file(self._keep(file), package_dirs=self.model.package_dirs)
-            with self._gripping:
-                self._let_go()
             self.session.set_shapes(scene.shapes, scene.allowed)
+            self.grip(None)
             if len(scene.surface):
                 self.session.set_cloud(scene.surface)
             self.status.say(f"{file.name}: {len(scene.shapes)} shapes, {len(scene.surface)} points")
             self.worker.wake()
 
     def drop_shapes(self) -> None:
-        with self._gripping:
-            self._let_go()
         self.session.set_shapes(())
+        self.grip(None)
         self.worker.wake()
 
     def take_log(self, file: viser.UploadedFile) -> None:
@@ -332,8 +329,6 @@ class Viewer:
             options = replace(self.session.options, balance=pdoik.Balance())  # over other links
             session = Session(model.robot, options, obstacles=self.session.obstacles)
         with self.server.atomic():
-            with self._gripping:
-                self._let_go()
             self.examples.follow(example)
             self.targets.remove()
             self.balance_scene.remove()
@@ -342,6 +337,7 @@ class Viewer:
             self._add_robot()
             self.replay_tab.unload()
             self._follow_robot()
+            self.grip(None if example is None else example.grip)
         self.worker.wake()
 
     def _add_robot(self) -> None:
