@@ -1,4 +1,4 @@
-"""The table of command_line.md, made of the commands themselves: python python/docs/command_table.py.
+"""The table of command_line.md, made of the commands: python python/docs/command_table.py.
 
 It is the part of the page between its two marks; a test says when it is out of date.
 """
@@ -43,16 +43,16 @@ def table() -> str:
     """Markdown.
 
     Raises:
-        KeyError: There is a command that `USEFUL` does not have, or it has an option that is gone.
+        KeyError: `USEFUL` has an option that is gone.
     """
     lines = ["| command | what for | most useful options |", "| --- | --- | --- |"]
     for name, command in _commands(typer.main.get_command(app)):
         options = {flag for each in command.params for flag in each.opts}
-        if gone := set(USEFUL[name]) - options:
+        if gone := set(USEFUL.get(name, ())) - options:
             raise KeyError(f"pdoik {name} has no option {min(gone)}")
         arguments = [_argument(each) for each in command.params if _is_argument(each)]
         called = " ".join(["pdoik", name, *arguments])
-        useful = " ".join(f"`{each}`" for each in USEFUL[name])
+        useful = " ".join(f"`{each}`" for each in USEFUL.get(name, ()))
         first = re.split(r"\n\s*\n", (command.help or "").strip())[0]
         what_for = " ".join(first.split())
         lines.append(f"| `{called}` | {what_for} | {useful} |")
@@ -75,7 +75,7 @@ def _commands(group: Any, above: str = "") -> list[tuple[str, Any]]:
             found += _commands(command, f"{above}{name} ")
         else:
             found.append((f"{above}{name}", command))
-    return sorted(found, key=lambda each: list(USEFUL).index(each[0]) if each[0] in USEFUL else 0)
+    return sorted(found, key=lambda each: list(USEFUL).index(each[0]) if each[0] in USEFUL else 99)
 
 
 def _is_argument(parameter: Any) -> bool:

@@ -41,9 +41,9 @@ def diagnose(
     (session): what changes from day to day is given as a spread.
 
     Writes diagnosis.json as soon as it is known, then model.json, the improved model, motions.npz
-    for `pdoik view`, the figures and report.html; what of these cannot be made is said in the diagnosis's notes. No file is ever
-    half written. A study in which nothing can be found, as `pdoik study check` says it, is refused
-    with status 1.
+    for `pdoik view`, the figures and report.html; what of these cannot be made is said in the
+    diagnosis's notes. No file is ever half written. A study in which nothing can be found, as
+    `pdoik study check` says it, is refused with status 1.
 
     [bold]Example[/]: pdoik diagnose study.yaml --out report
     """

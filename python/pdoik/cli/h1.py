@@ -91,7 +91,9 @@ def h1(
     ] = False,
     figure: Annotated[
         bool,
-        typer.Option("--picture", "--figure", help="Write figure.png of a dodge.", rich_help_panel=_OUTPUT),
+        typer.Option(
+            "--picture", "--figure", help="Write figure.png of a dodge.", rich_help_panel=_OUTPUT
+        ),
     ] = False,
 ) -> None:
     """Throw things at a Unitree H1 in MuJoCo and see whether it dodges and stands.
