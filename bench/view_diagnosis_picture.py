@@ -19,7 +19,7 @@ from pdoik.view.server import start_server
 from view_page import opened, save
 
 AT = 0.45  # of the recording's length
-TIMES = "10"  # by which differences of positions are drawn larger
+TIMES = "1"  # by which differences of positions are drawn larger
 
 
 def main(report: Path, out: Path) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import numpy.typing as npt
 import viser
 
 _FARTHEST = 2.2  # times as far
+_PATIENCE = 20.0  # with a page that loads slowly [s]
 _WIDE = 1.3  # width over height from which nothing is done
 
 
@@ -14,8 +17,18 @@ def fit_to_window(server: viser.ViserServer) -> None:
     """Do so for each page that is opened."""
 
     def fit(client: viser.ClientHandle) -> None:
-        if client.camera.aspect < _WIDE:
-            look(client, server.initial_camera.look_at, server.initial_camera.position)
+        if client.camera.aspect >= _WIDE:
+            return
+        first = server.initial_camera
+        deadline = time.monotonic() + _PATIENCE
+        look(client, first.look_at, first.position)
+
+        def again(camera: viser.CameraHandle) -> None:  # a page that loads slowly may undo it
+            nearer = np.allclose(camera.position, first.position, atol=1e-3)
+            if nearer and time.monotonic() < deadline:
+                look(client, first.look_at, first.position)
+
+        client.camera.on_update(again)
 
     server.on_client_connect(fit)
 

@@ -19,7 +19,7 @@ from .shapes import capsule_instances, spheroid_instances
 FloatArray = npt.NDArray[np.float64]
 
 _HULL, _TIGHT, _BROKEN = (38, 98, 184), (240, 140, 20), (224, 20, 20)
-_SHELLS = ((172, 192, 222), (104, 134, 182))
+_SHELLS = ((112, 152, 214), (62, 98, 160))
 _OPACITY = 0.38
 
 
