@@ -1,7 +1,7 @@
 """Robots that people ask for, as packages bring them: read, checked, given hulls, solved.
 
-.venv/bin/python bench/descriptions.py            all that are installed
-.venv/bin/python bench/descriptions.py UR5e G1    some of them
+    python -m bench.ik.descriptions            all that are installed
+    python -m bench.ik.descriptions UR5e G1    some of them
 
 Kinematics and geometry are Pinocchio's where the source is a URDF or a xacro file, and MuJoCo's
 where it is an MJCF: link poses at random configurations, the surface that the hulls must hold, and

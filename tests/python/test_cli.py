@@ -1,5 +1,6 @@
 """The command line: exit status, tables, JSON, files, and what bad input gets."""
 
+import importlib.util
 import json
 import math
 import subprocess
@@ -307,12 +308,33 @@ def test_occupancy_refuses_what_it_cannot_fit(tmp_path: Path, urdf: Path) -> Non
     assert not out.exists()
 
 
+def test_the_table_of_the_commands_page_is_that_of_the_commands() -> None:
+    docs = Path(__file__).parents[2] / "python" / "docs"
+    spec = importlib.util.spec_from_file_location("command_table", docs / "command_table.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    text = module.PAGE.read_text(encoding="utf-8")
+    assert text == module.page(text), "python python/docs/command_table.py writes it anew"
+
+
+def test_earlier_names_still_work() -> None:
+    target = ("--target", REACHABLE, "--max-time", "1", "--json")
+    answers = [run("solve", *robot, *target) for robot in (("panda",), ("--robot", "panda"))]
+    first, second = (json.loads(each.stdout)["q"] for each in answers)
+    assert first == second
+    assert "pdoik simulate" in run("replay", "--help").stdout
+    misuse(run("solve", "panda", "--robot", "ur10", *target), "--robot ur10")
+    misuse(run("solve", *target), "no robot")
+
+
 def test_nothing_asked_for_is_told_what_to_do_first() -> None:
     outcome = run()
     assert outcome.exit_code == 0
     told = [line.partition("pdoik ")[2].split() for line in outcome.stdout.splitlines()]
     commands = [words[0] for words in told if words and not words[0].startswith(("-", "COMMAND"))]
-    assert commands == ["view", "solve", "info", "occupancy", "study"]
+    assert commands == ["view", "solve", "info", "occupancy", "study", "view"]
     for command in commands:
         assert run(command, "--help").exit_code == 0
 

@@ -22,7 +22,8 @@ from pdoik import _files
 from pdoik.sim2real import Diagnosis
 
 FILES = {
-    "report.html", "overview.png", "diagnosis.json", "model.json", "improved.xml", "improved.urdf",
+    "report.html", "overview.png", "diagnosis.json", "model.json",
+    "motions.npz", "improved.xml", "improved.urdf",
 }  # fmt: skip
 
 

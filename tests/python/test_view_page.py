@@ -22,7 +22,8 @@ CHROMIUM = shutil.which("chromium")
 if CHROMIUM is None:
     pytest.skip("apt-get install chromium", allow_module_level=True)
 
-from pdoik.view.gizmos import Gizmo  # noqa: E402  # these need viser
+from pdoik.view.examples import EXAMPLES, Example  # noqa: E402  # these need viser
+from pdoik.view.gizmos import Gizmo  # noqa: E402
 from pdoik.view.model import shipped_model  # noqa: E402
 from pdoik.view.reach_cells import ReachCells  # noqa: E402
 from pdoik.view.server import start_server  # noqa: E402
@@ -79,16 +80,17 @@ class Page:
 
     def pixel(self, point: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Where a point of the base frame is on the page, (2,)."""
-        (client,) = self.viewer.server.get_clients().values()
-        camera = client.camera
+        camera = next(iter(self.viewer.server.get_clients().values())).camera
         forward = camera.look_at - camera.position
         forward /= np.linalg.norm(forward)
         right = np.cross(forward, camera.up_direction)
         right /= np.linalg.norm(right)
         offset = point - camera.position
-        focal = HEIGHT / 2 / np.tan(camera.fov / 2)  # fov is the vertical one
+        size = self.page.viewport_size
+        width, height = size["width"], size["height"]
+        focal = height / 2 / np.tan(camera.fov / 2)  # fov is the vertical one
         across = np.array([offset @ right, -offset @ np.cross(right, forward)])
-        return np.array([WIDTH / 2, HEIGHT / 2]) + focal * across / (offset @ forward)
+        return np.array([width / 2, height / 2]) + focal * across / (offset @ forward)
 
     def shot(self) -> np.ndarray[Any, np.dtype[np.int_]]:
         """The colours of the page, (HEIGHT, WIDTH, 3)."""
@@ -148,11 +150,16 @@ def browser() -> Iterator[Any]:
 
 
 @contextmanager
-def page_of(browser: Any, session: Session) -> Iterator[Page]:
+def page_of(
+    browser: Any,
+    session: Session,
+    example: Example | None = None,
+    window: tuple[int, int] = (WIDTH, HEIGHT),
+) -> Iterator[Page]:
     """A page that must stay quiet, and ask nothing of anything but this machine."""
     server = start_server("127.0.0.1", 0)
-    viewer = Viewer(server, shipped_model(session.robot), session)
-    tab = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+    viewer = Viewer(server, shipped_model(session.robot), session, example)
+    tab = browser.new_page(viewport={"width": window[0], "height": window[1]})
     try:
         page = Page(viewer, tab)
         yield page
@@ -415,6 +422,63 @@ def test_one_tip_of_the_h1_is_dragged_while_its_foot_stays_until_it_is_let_go(
     page.get_by_role("option", name="free", exact=True).click()
     standing.wait(lambda: session.goals[RIGHT] == "free", "the foot to be free")
     standing.settled()
+
+
+def test_the_front_door_moves_shapes_changes_robots_and_outlives_a_page_closed_in_mid_drag(
+    browser: Any,
+) -> None:
+    _, session = EXAMPLES[0].make()
+    with page_of(browser, session, EXAMPLES[0]) as first:
+        first.settled()
+        viewer, page = first.viewer, first.page
+        (box,) = (shape for shape in session.obstacles.shapes if shape.name == "box")
+        T_before = np.asarray(box.T_base_shape)
+        first.drag(viewer._gripped[1], axis=2, pixels=40)
+        first.settled()
+        (box,) = (shape for shape in session.obstacles.shapes if shape.name == "box")
+        T_after = np.asarray(box.T_base_shape)
+        np.testing.assert_allclose((T_after - T_before)[:2, 3], 0, atol=1e-4)
+        assert T_after[2, 3] - T_before[2, 3] > 0.03
+        np.testing.assert_allclose(viewer.shape_scene._nodes["box"].position, T_after[:3, 3])
+
+        second = browser.new_page(viewport={"width": 600, "height": 400})
+        second.goto(viewer.server.url)
+        page.get_by_text("2 pages are open").wait_for(timeout=1e3 * PATIENCE)
+        gizmo = viewer.targets.by_tip[TIP]
+        T = gizmo.pose
+        grip = first.pixel(T[:3, 3] + 0.85 * gizmo.scale * T[:3, 1])
+
+        def is_lit() -> bool:
+            page.mouse.move(*(grip + 1))
+            page.mouse.move(*grip)
+            return first.is_yellow(grip)
+
+        first.wait(is_lit, "the arrow to see the mouse")
+        page.mouse.down()
+        page.mouse.move(grip[0] - 25, grip[1] + 12)
+        first.wait(lambda: not np.array_equal(gizmo.pose, T), "the drag")
+        page.close()
+
+        first.page = second  # which saw it all, and goes on
+        second.get_by_text("solved", exact=True).wait_for(timeout=1e3 * PATIENCE)
+        first.wait(lambda: len(viewer.server.get_clients()) == 1, "the page to be gone")
+        second.get_by_label("Look at", exact=True).click()
+        second.get_by_role("option", name="H1 on its feet").click()
+        first.wait(lambda: viewer.session.robot.name == "h1", "the H1")
+        first.wait(lambda: viewer._gripped is None, "no arrows of a shape that is gone")
+        first.settled()
+        second.close()
+
+
+def test_on_a_narrow_window_the_target_is_seen_above_the_panel_and_dragged(browser: Any) -> None:
+    _, session = EXAMPLES[0].make()
+    with page_of(browser, session, EXAMPLES[0], window=(400, 800)) as page:
+        page.settled()
+        page.wait(lambda: page.pixel(session.targets[TIP][:3, 3])[1] < 320, "the camera")
+        page.drag(page.viewer.targets.by_tip[TIP], axis=1, pixels=25)
+        page.settled()
+        reached = session.robot.fk(session.q)
+        np.testing.assert_allclose(reached, session.targets[TIP], atol=5e-5)
 
 
 ARM = """<robot name="arm">

@@ -67,7 +67,7 @@ def computed(viewer: Viewer) -> pdoik.Reachability:
 
 
 def message(viewer: Viewer) -> str:
-    return viewer.status._message.content
+    return viewer.status._message.text
 
 
 def uploaded(path: Path) -> viser.UploadedFile:

@@ -15,6 +15,8 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from pdoik.view import Session
+from pdoik.view.diagnosis.viewer import DiagnosisViewer
+from pdoik.view.examples import Example
 from pdoik.view.model import Model
 from pdoik.view.server import start_server
 from pdoik.view.viewer import Viewer
@@ -32,10 +34,10 @@ FLAGS = [
 
 
 @contextmanager
-def served(model: Model, session: Session) -> Iterator[Viewer]:
+def served(model: Model, session: Session, example: Example | None = None) -> Iterator[Viewer]:
     """A viewer on a port of its own."""
     server = start_server("127.0.0.1", 0)
-    viewer = Viewer(server, model, session)
+    viewer = Viewer(server, model, session, example)
     try:
         yield viewer
     finally:
@@ -44,16 +46,17 @@ def served(model: Model, session: Session) -> Iterator[Viewer]:
 
 
 @contextmanager
-def opened(viewer: Viewer, height: int) -> Iterator[Page]:
+def opened(viewer: Viewer | DiagnosisViewer, height: int, width: int = WIDTH) -> Iterator[Page]:
     """Its page, with a first answer on it and nothing in front of it."""
     chromium = shutil.which("chromium")
     with (
         sync_playwright() as driver,
         driver.chromium.launch(executable_path=chromium, args=FLAGS) as browser,
     ):
-        page = browser.new_page(viewport={"width": WIDTH, "height": height})
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.set_default_timeout(120_000)  # software rendering on a busy machine
         page.goto(viewer.server.url)
-        page.get_by_text("worst constraint").wait_for()
+        page.get_by_text("worst constraint").or_(page.get_by_text("rms over")).first.wait_for()
         page.locator(".mantine-Notification-closeButton").first.click()  # about software rendering
         yield page
 

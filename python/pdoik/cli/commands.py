@@ -50,32 +50,35 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(solve)
-app.command()(report)
-app.command()(info)
-app.command()(occupancy)
-app.command()(pairs)
-app.command()(bench)
-app.command()(view)
-app.command()(h1)
-app.command()(diagnose)
-app.command()(compare)
-app.command()(predict)
-app.command()(replay)
-app.command()(watch)
-app.command()(propose)
-app.add_typer(effects)
-app.add_typer(study)
-app.command()(thresholds)
+_ARM, _MACHINE, _WITHIN = "Inverse kinematics", "Simulation and machine", "What is behind it"
+app.command(rich_help_panel=_ARM)(view)
+app.command(rich_help_panel=_ARM)(solve)
+app.command(rich_help_panel=_ARM)(report)
+app.command(rich_help_panel=_ARM)(info)
+app.command(rich_help_panel=_ARM)(occupancy)
+app.command(rich_help_panel=_ARM)(pairs)
+app.command(rich_help_panel=_ARM)(bench)
+app.command(rich_help_panel=_ARM)(h1)
+app.add_typer(study, rich_help_panel=_MACHINE)
+app.command(rich_help_panel=_MACHINE)(diagnose)
+app.command(rich_help_panel=_MACHINE)(propose)
+app.command(rich_help_panel=_MACHINE)(predict)
+app.command("simulate", rich_help_panel=_MACHINE)(replay)
+app.command("replay", hidden=True)(replay)  # its name before
+app.command(rich_help_panel=_MACHINE)(watch)
+app.command(rich_help_panel=_MACHINE)(compare)
+app.add_typer(effects, rich_help_panel=_WITHIN)
+app.command(rich_help_panel=_WITHIN)(thresholds)
 
 
 _FIRST = """pdoik: constrained inverse kinematics, and why a simulation and its robot disagree.
 
-[bold]Play[/]      pdoik view                           a robot in the browser: drag its target
-[bold]Solve[/]     pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0"
+[bold]Play[/]      pdoik view                           robots in the browser: drag targets, shapes
+[bold]Solve[/]     pdoik solve panda --target "0.4 0.1 0.5 1 0 0 0"
 [bold]Your arm[/]  pdoik info robot.urdf                what pdoik makes of it; URDF, xacro or MJCF
           pdoik occupancy robot.urdf           hulls around its meshes, which obstacles need
-[bold]Your log[/]  pdoik study new robot.urdf log.csv   then: pdoik diagnose study.yaml
+[bold]Your log[/]  pdoik study new robot.urdf log.csv   then: pdoik diagnose study.yaml,
+                                               pdoik view report
 
 pdoik --help lists all commands, pdoik COMMAND --help the options of one."""
 
@@ -96,11 +99,11 @@ def main(
         ),
     ] = False,
 ) -> None:
-    """Constrained inverse kinematics: joint limits and obstacle points, for arms.
+    """Constrained inverse kinematics, and why a simulation and its robot disagree.
 
     Exit status: 0 solved (or done), 1 not solved, 2 misuse or a file that cannot be read.
 
-    [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0"
+    [bold]Example[/]: pdoik solve panda --target "0.4 0.1 0.5 1 0 0 0"
     """
     if context.invoked_subcommand is None:
         out.print(_FIRST, highlight=False)

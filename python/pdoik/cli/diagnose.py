@@ -40,10 +40,10 @@ def diagnose(
     A recording's entry may say what was held (payload), other gains (controller), the day
     (session): what changes from day to day is given as a spread.
 
-    Writes diagnosis.json as soon as it is known, then model.json, the improved model, the figures
-    and report.html; what of these cannot be made is said in the diagnosis's notes. No file is ever
-    half written. A study in which nothing can be found, as `pdoik study check` says it, is refused
-    with status 1.
+    Writes diagnosis.json as soon as it is known, then model.json, the improved model, motions.npz
+    for `pdoik view`, the figures and report.html; what of these cannot be made is said in the
+    diagnosis's notes. No file is ever half written. A study in which nothing can be found, as
+    `pdoik study check` says it, is refused with status 1.
 
     [bold]Example[/]: pdoik diagnose study.yaml --out report
     """
@@ -68,6 +68,7 @@ def diagnose(
                 raise typer.Exit(NOT_SOLVED) from error
             path = write(out_folder, examination, quick=quick, tell=tell)
         print_diagnosis(examination.diagnosis)
+    err.print(f"pdoik view {escape(str(out_folder))} shows the robot moving", highlight=False)
     out.print(escape(str(path)), highlight=False)
 
 

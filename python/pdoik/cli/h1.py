@@ -91,7 +91,9 @@ def h1(
     ] = False,
     figure: Annotated[
         bool,
-        typer.Option("--figure", help="Write figure.png of a dodge.", rich_help_panel=_OUTPUT),
+        typer.Option(
+            "--picture", "--figure", help="Write figure.png of a dodge.", rich_help_panel=_OUTPUT
+        ),
     ] = False,
 ) -> None:
     """Throw things at a Unitree H1 in MuJoCo and see whether it dodges and stands.
@@ -99,7 +101,7 @@ def h1(
     Writes report.md, report.json and a log of each run's joints: pdoik view h1 --replay. Once
     stopped, the same command goes on where it was.
 
-    [bold]Example[/]: pdoik h1 --mode predict --setup welded --out h1 --film --figure
+    [bold]Example[/]: pdoik h1 --mode predict --setup welded --out h1 --film --picture
     """
     if film or figure:
         os.environ.setdefault("MUJOCO_GL", "egl")  # read when mujoco is imported

@@ -1,4 +1,4 @@
-"""pdoik replay: the motion that a diagnosed model makes of commands."""
+"""pdoik simulate: the motion that a diagnosed model makes of commands."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def replay(
 
     Writes the channels of a recording: time, q, dq, tau and the commands.
 
-    [bold]Example[/]: pdoik replay report/model.json commands.csv --out replay.csv
+    [bold]Example[/]: pdoik simulate report/model.json commands.csv --out replay.csv
     """
     check_files(model, commands, output)
     with asks_for("sim2real"), misuse_fails():

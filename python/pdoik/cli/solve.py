@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -34,7 +35,16 @@ from .options import (
     SrdfFile,
 )
 from .report import Solution, facts, print_report
-from .robots import ANY_ROBOT, BUILTIN, PackageDirs, XacroArguments, load_robot, numbers
+from .robots import (
+    ANY_ROBOT,
+    BUILTIN,
+    PackageDirs,
+    XacroArguments,
+    load_robot,
+    numbers,
+    package_places,
+    xacro_arguments,
+)
 from .tables import json_text
 from .target import FORMS, parse_target
 
@@ -44,14 +54,6 @@ _SEARCH, _OUTPUT = "Search", "Output"  # panels
 
 
 def solve(
-    robot: Annotated[
-        str,
-        typer.Option(
-            help=f"{ANY_ROBOT}.",
-            metavar="ROBOT",
-            rich_help_panel=ROBOT,
-        ),
-    ],
     target: Annotated[
         str,
         typer.Option(
@@ -60,6 +62,13 @@ def solve(
             rich_help_panel=GOAL,
         ),
     ],
+    robot: Annotated[
+        str | None, typer.Argument(help=f"{ANY_ROBOT}.", metavar="ROBOT", show_default=False)
+    ] = None,
+    robot_option: Annotated[
+        str | None,
+        typer.Option("--robot", help="The same as an option.", metavar="ROBOT", hidden=True),
+    ] = None,
     occupancy: HullsFile = None,
     srdf: SrdfFile = None,
     base_link: BaseLink = None,
@@ -127,12 +136,13 @@ def solve(
 
     Exit status: 0 solved, 1 not solved, 2 misuse.
 
-    [bold]Example[/]: pdoik solve --robot panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
+    [bold]Example[/]: pdoik solve panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
     """
     _check_picture(picture)
     _check_report(report)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
+    robot = _one_of(robot, robot_option)
     loaded = load_robot(
         robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
     )
@@ -172,7 +182,7 @@ def solve(
     if picture is not None:
         _draw(picture, solution)
     if report is not None:
-        _write(report, solution, start, robot)
+        _write(report, solution, start, _description(robot, package_dir, xacro_arg))
     if not solution.result.success:
         raise typer.Exit(NOT_SOLVED)
 
@@ -220,7 +230,19 @@ def _check_report(report: Path | None) -> None:
         fail(f"--report: there is no folder {report.parent}")
 
 
-def _write(report: Path, solution: Solution, q0: FloatArray | None, robot: str) -> None:
+def _description(
+    robot: str, packages: Sequence[str] | None, arguments: Sequence[str] | None
+) -> str | None:
+    """The URDF that a report holds; a shipped robot needs none."""
+    if robot.lower() in BUILTIN:
+        return None
+    with misuse_fails():
+        return pdoik.urdf_text(
+            robot, packages=package_places(packages), arguments=xacro_arguments(arguments)
+        )
+
+
+def _write(report: Path, solution: Solution, q0: FloatArray | None, urdf: str | None) -> None:
     with misuse_fails("--report"):
         pdoik.write_report(
             report,
@@ -229,7 +251,7 @@ def _write(report: Path, solution: Solution, q0: FloatArray | None, robot: str) 
             q0=q0,
             obstacles=None if solution.obstacles is None else solution.obstacles.kept(),
             result=solution.result,
-            urdf=None if robot in BUILTIN else pdoik.urdf_text(robot),
+            urdf=urdf,
         )
     tell(f"{report}: say in its note what is wrong, and send it; pdoik report {report} asks again")
 
@@ -250,3 +272,13 @@ def _draw(picture: Path, solution: Solution) -> None:
             cloud=None if obstacles is None else obstacles.cloud[:, :3],
             surface=None if obstacles is None or obstacles.leaf == 0 else obstacles.surface,
         )
+
+
+def _one_of(argument: str | None, option: str | None) -> str:
+    """The robot that was given in one way or the other."""
+    if argument is not None and option is not None:
+        fail(f"ROBOT {argument} and --robot {option}: expected one of them")
+    robot = argument or option
+    if robot is None:
+        fail('no robot given: pdoik solve ROBOT --target "x y z qx qy qz qw"')
+    return robot

@@ -100,7 +100,8 @@ def _pair(text: str) -> tuple[str, object]:
 def check(
     study: Annotated[Path, typer.Argument(help="YAML: robot, joints, recordings.")],
     json: Annotated[
-        Path | None, typer.Option("--json", help="Write all of it into this file, too.")
+        Path | None,
+        typer.Option("--out", "--json", help="Write all of it into this JSON file, too."),
     ] = None,
 ) -> None:
     """Say what a study's channels and motions can show, and what is missing for the rest.

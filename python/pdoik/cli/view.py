@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -31,10 +33,11 @@ from .options import (
     SelfCollision,
     SrdfFile,
 )
+from .report_folders import report_folder
 from .robots import (
+    ANY_ROBOT,
     BUILTIN,
     PackageDirs,
-    RobotArgument,
     XacroArguments,
     load_robot,
     numbers,
@@ -42,12 +45,22 @@ from .robots import (
     xacro_arguments,
 )
 
+if TYPE_CHECKING:
+    from pdoik.view.server import PageServer
+
 _DEFAULTS = pdoik.Options()
 _PAGE = "Page"  # panel
 
 
 def view(
-    robot: RobotArgument = "panda",
+    context: typer.Context,
+    what: Annotated[
+        str | None,
+        typer.Argument(
+            help=f"{ANY_ROBOT}; or the folder of a diagnosis. Without: a Panda among shapes.",
+            metavar="[ROBOT or REPORT]",
+        ),
+    ] = None,
     base_link: BaseLink = None,
     tip_link: Annotated[
         list[str] | None,
@@ -120,22 +133,39 @@ def view(
         bool, typer.Option("--no-open", help="Do not open a browser.", rich_help_panel=_PAGE)
     ] = False,
 ) -> None:
-    """Open a page to drag targets and obstacles, while the solver follows live.
+    """Open a page to drag a robot's target and its obstacles, or to see a diagnosis.
 
-    Where there are several tips, each has its target, and the others hold while one is dragged.
+    Without arguments there is something to play with at once, and a menu of what else there is.
+    Where a robot has several tips, each has its target, and the others hold while one is dragged.
     Sliders pose the joints; robots, clouds, scenes and logs can be uploaded there, and maps of
-    what the robot reaches computed. Ctrl-C ends it.
+    what the robot reaches computed. A diagnosis shows the robot as recorded beside as simulated.
+    Ctrl-C ends it.
 
-    [bold]Example[/]: pdoik view panda --cloud scan.pcd
+    [bold]Examples[/]: pdoik view, pdoik view panda --cloud scan.pcd, pdoik view report
     """
     with asks_for("view"):
         import viser  # noqa: F401
+    if what is not None:
+        with misuse_fails():
+            folder = report_folder(what)
+        if folder is not None:
+            _view_report(folder, host, port, no_open=no_open)
+            return
     from pdoik.view import Session, load_log
+    from pdoik.view.examples import EXAMPLES
     from pdoik.view.model import shipped_model, urdf_model
     from pdoik.view.reach import load_map
-    from pdoik.view.server import open_browser, start_server
     from pdoik.view.viewer import Viewer
 
+    if _nothing_asked(context):
+        example = EXAMPLES[0]
+        model, session = example.make()
+        with _page(host, port, no_open=no_open) as (server, hold):
+            viewer = Viewer(server, model, session, example)
+            hold()
+            viewer.forget_uploads()
+        return
+    robot = what or "panda"
     loaded = load_robot(
         robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
     )
@@ -170,17 +200,54 @@ def view(
         log = None if replay is None else load_log(replay, loaded.joint_names)
     with misuse_fails("--reach" if reach is not None else ""):
         reach_map = None if reach is None else load_map(reach, loaded)
-    with noted() as stop:  # from before it listens: the page answers before start_server returns
-        with misuse_fails(f"--host {host}" if port is None else f"--host {host} --port {port}"):
-            server = start_server(host, port)
+    with _page(host, port, no_open=no_open) as (server, hold):
         viewer = Viewer(server, model, session)
         if log is not None:
             viewer.replay_tab.load(log)
         if reach is not None and reach_map is not None:
             viewer.reach_tab.map.show(reach_map, f"from {reach.name}")
-        out.print(f"{server.url}  (Ctrl-C ends it)", highlight=False)
-        if not no_open and stop.empty():
-            open_browser(server.url)
-        stop.get()
+        hold()
         viewer.forget_uploads()  # all that would outlive the process
+
+
+def _nothing_asked(context: typer.Context) -> bool:
+    """Whether no option says what to show: those of the page alone do not."""
+    given = {
+        name
+        for name in context.params
+        if (source := context.get_parameter_source(name)) is None or source.name != "DEFAULT"
+    }
+    return given <= {"host", "port", "no_open"}
+
+
+def _view_report(folder: Path, host: str, port: int | None, *, no_open: bool) -> None:
+    """The page of a diagnosis."""
+    with asks_for("sim2real"), misuse_fails():
+        from pdoik.view.diagnosis.report import load_report
+        from pdoik.view.diagnosis.viewer import DiagnosisViewer
+
+        report = load_report(folder)
+    with _page(host, port, no_open=no_open) as (server, hold):
+        DiagnosisViewer(server, report)
+        hold()
+
+
+@contextmanager
+def _page(
+    host: str, port: int | None, *, no_open: bool
+) -> Iterator[tuple[PageServer, Callable[[], None]]]:
+    """A server, and what to call once its page is there: it returns when Ctrl-C comes."""
+    from pdoik.view.server import open_browser, start_server
+
+    with noted() as stop:  # from before it listens: the page answers before start_server returns
+        with misuse_fails(f"--host {host}" if port is None else f"--host {host} --port {port}"):
+            server = start_server(host, port)
+
+        def hold() -> None:
+            out.print(f"{server.url}  (Ctrl-C ends it)", highlight=False)
+            if not no_open and stop.empty():
+                open_browser(server.url)
+            stop.get()
+
+        yield server, hold
         end_now()

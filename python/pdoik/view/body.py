@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import trimesh
 
 import pdoik
 from pdoik.h1.shapes import SHAPES, Shape
 
 from .visuals import painted
+
+FloatArray = npt.NDArray[np.float64]
 
 _SHELL, _DARK = (0.80, 0.81, 0.84, 1.0), (0.20, 0.21, 0.24, 1.0)
 _DARK_LINKS = ("hip_yaw", "hip_roll", "shoulder_roll", "ankle")
@@ -37,19 +40,28 @@ def _mesh(shape: Shape) -> Any:  # trimesh's own stubs say no more
     if shape.kind == "sphere":
         return _ball(shape.a, shape.radius)
     ends = np.array([shape.a, shape.b])
-    axis = ends[1] - ends[0]
-    length = float(np.linalg.norm(axis))
     if shape.kind == "cylinder":
         mesh = trimesh.creation.cylinder(radius=shape.radius, segment=ends, sections=32)
     else:
-        mesh = trimesh.creation.capsule(height=length, radius=shape.radius, count=[24, 24])
-        mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
-        T = trimesh.geometry.align_vectors([0, 0, 1], axis / length)  # type: ignore[no-untyped-call]
-        T[:3, 3] = ends.mean(axis=0)
-        mesh.apply_transform(T)
+        mesh = segment_mesh(ends[0], ends[1], shape.radius)
     is_limb_end = shape.radius == 0.025 and "elbow" in shape.link
     dark = is_limb_end or any(part in shape.link for part in _DARK_LINKS)
     mesh.visual = painted(_DARK if dark else _SHELL)
+    return mesh
+
+
+def segment_mesh(a: FloatArray, b: FloatArray, radius: float, sections: int = 24) -> Any:
+    """A capsule about the segment from a to b, (3,) each [m]; a ball where they are one."""
+    length = float(np.linalg.norm(b - a))
+    if length < 1e-9:
+        mesh = trimesh.creation.icosphere(subdivisions=3, radius=radius)
+        mesh.apply_translation(a)
+        return mesh
+    mesh = trimesh.creation.capsule(height=length, radius=radius, count=[sections, sections])
+    mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])  # differs by version
+    T = trimesh.geometry.align_vectors([0, 0, 1], (b - a) / length)  # type: ignore[no-untyped-call]
+    T[:3, 3] = (a + b) / 2
+    mesh.apply_transform(T)
     return mesh
 
 

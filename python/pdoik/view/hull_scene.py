@@ -19,6 +19,7 @@ from .shapes import capsule_instances, spheroid_instances
 FloatArray = npt.NDArray[np.float64]
 
 _HULL, _TIGHT, _BROKEN = (38, 98, 184), (240, 140, 20), (224, 20, 20)
+_SHELLS = ((112, 152, 214), (62, 98, 160))
 _OPACITY = 0.38
 
 
@@ -30,13 +31,18 @@ class HullScene:
     Args:
         server: Where to draw.
         robot: Whose hulls.
+        solid: Whether they are all that there is to see of the robot.
     """
 
-    def __init__(self, server: viser.ViserServer, robot: pdoik.Robot) -> None:
+    def __init__(
+        self, server: viser.ViserServer, robot: pdoik.Robot, *, solid: bool = False
+    ) -> None:
         self._server, self._robot = server, robot
         occupancy = robot.occupancy
         n_spheroids = len(occupancy.spheres) + len(occupancy.spheroids)
         n_capsules = len(occupancy.capsules)
+        self._solid = solid
+        self._colors = _colors(robot) if solid else np.tile(_HULL, (n_spheroids + n_capsules, 1))
         self._wide = np.zeros(n_spheroids, dtype=bool)
         self._wide[sorted(wide_hulls(robot))] = True
         n_wide = int(self._wide.sum())
@@ -64,7 +70,7 @@ class HullScene:
             fails: Whether it is violated.
         """
         hulls = placed_hulls(self._robot, q)
-        colors = np.tile(np.array(_HULL, dtype=np.uint8), (len(hulls), 1))
+        colors = self._colors.astype(np.uint8)
         colors[list(tight)] = _BROKEN if fails else _TIGHT
         n = len(self._wide)
         spheroids = [hull for hull in hulls if isinstance(hull, PlacedSpheroid)]
@@ -94,11 +100,19 @@ class HullScene:
             mesh,
             n,
             _HULL,
-            opacity=_OPACITY,
+            opacity=None if self._solid and not wireframe else _OPACITY,
             wireframe=wireframe,
             cast_shadow=False,
             receive_shadow=False,
         )
+
+
+def _colors(robot: pdoik.Robot) -> npt.NDArray[np.int_]:
+    """Of solid hulls in the order of `placed_hulls`: one link lighter, the next one darker."""
+    occupancy = robot.occupancy
+    hulls = (*occupancy.spheres, *occupancy.spheroids, *occupancy.capsules)
+    place = {link: k for k, link in enumerate(dict.fromkeys(hull[0] for hull in hulls))}
+    return np.array([_SHELLS[place[hull[0]] % 2] for hull in hulls], dtype=int).reshape(-1, 3)
 
 
 def _place(

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import viser
 
+from .examples import Example
 from .model import Model
 from .obstacle_scene import ObstacleScene
 from .scene import RobotScene
@@ -35,8 +36,14 @@ class Page(Protocol):
     def show_ball(self, on: bool, radius: float) -> None:
         """Put the ball where its gizmo is, or take it away [m]."""
 
+    def grip(self, name: str | None) -> None:
+        """Give the shape of that name a gizmo, and no other one."""
+
     def move_cloud(self, on: bool) -> None:
         """Give the cloud its gizmo, or take that away."""
+
+    def take_example(self, example: Example) -> None:
+        """Something to play with instead of what is there."""
 
     def take_builtin(self, name: str) -> None:
         """One of pdoik's own robots."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _STEPS = 20  # of the default grid along the box's longest edge
 _ORIENTATIONS = 30
+_COARSE_STEP, _COARSE_ORIENTATIONS = 100.0, 8  # [mm]
 
 
 class ReachTab:
@@ -31,7 +32,7 @@ class ReachTab:
             self.low: Any = gui.add_vector3("Low [m]", (-1.0, -1.0, -1.0), step=0.01)
             self.high: Any = gui.add_vector3("High [m]", (1.0, 1.0, 1.0), step=0.01)
             self.step: Any = gui.add_number("Step [mm]", 100.0, step=1.0)
-            self.orientations = gui.add_number(
+            self.orientations: Any = gui.add_number(
                 "Orientations", _ORIENTATIONS, step=1, hint="At each place, spread evenly"
             )
             self.obstacles = gui.add_checkbox(
@@ -63,6 +64,11 @@ class ReachTab:
         self.step.value = max(5.0 * round(longest / _STEPS / 5), 5.0)
         self.obstacles.visible = len(robot.occupancy) > 0
         self._show_size()
+
+    def start_coarse(self) -> None:
+        """Compute a map in seconds, to see what one is."""
+        self.step.value, self.orientations.value = _COARSE_STEP, _COARSE_ORIENTATIONS
+        self.start()
 
     def start(self) -> None:
         """Compute the map of the grid; the map that is there stays until then."""

@@ -56,7 +56,7 @@ class RobotScene:
             )
             for tip in model.robot.tip_links
         }
-        self._hulls = HullScene(server, model.robot)
+        self._hulls = HullScene(server, model.robot, solid=not model.visuals)
         self._bones, self._joints = self._add_skeleton(0.011 * size)
 
     def remove(self) -> None:

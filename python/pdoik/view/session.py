@@ -16,6 +16,7 @@ from pdoik.scenes.pieces import AllowedContact
 
 from .humanoid import first_posture, is_h1
 from .obstacles import Ball, Obstacles
+from .shapes import moved_shape
 
 FloatArray = npt.NDArray[np.float64]
 Origin = Literal["target", "joints", "log"]
@@ -198,6 +199,20 @@ class Session:
         if missing:
             raise ValueError(f"allowed: {self.robot.name} has no link {min(missing)!r}")
         self._change_obstacles(shapes=tuple(shapes), allowed=tuple(allowed))
+
+    def move_shape(self, name: str, T_base_shape: npt.ArrayLike) -> None:
+        """Move the shape of that name; others stay.
+
+        Raises:
+            ValueError: It is a half-space.
+        """
+        T = np.array(T_base_shape, dtype=np.float64)
+        with self._lock:
+            shapes = tuple(
+                moved_shape(each, T) if each.name == name else each
+                for each in self._obstacles.shapes
+            )
+        self._change_obstacles(shapes=shapes)
 
     def set_thinning(self, leaf: float, radii: bool) -> None:
         """How the cloud is thinned, see `Obstacles`."""

@@ -36,7 +36,7 @@ class ShapeScene:
     def show(self, shown: Shown) -> None:
         """Draw them if they are others; the binding one turns orange, or red if it fails."""
         if self._drawn is not shown.cloud.shapes:
-            self._draw(shown.cloud.shapes)
+            self._follow(shown.cloud.shapes)
         names = [shape.name for shape in self._drawn]
         tight = binding(shown.result, shown.robot, names).shape
         for name, node in self._nodes.items():
@@ -45,6 +45,18 @@ class ShapeScene:
                 color = _SHAPE_TIGHT if shown.result.success else _SHAPE_BROKEN
             if tuple(node.color) != color:
                 node.color = color
+
+    def _follow(self, shapes: tuple[pdoik.Shape, ...]) -> None:
+        """Move those that are elsewhere; draw all anew if they are others."""
+        pairs = list(zip(self._drawn, shapes, strict=False))
+        if len(self._drawn) != len(shapes) or not all(_alike(a, b) for a, b in pairs):
+            self._draw(shapes)
+            return
+        for before, shape in pairs:
+            if shape is not before:
+                T, node = np.asarray(shape.T_base_shape), self._nodes[shape.name]
+                node.wxyz, node.position = wxyz_of(T[:3, :3]), T[:3, 3]
+        self._drawn = shapes
 
     def _draw(self, shapes: tuple[pdoik.Shape, ...]) -> None:
         for node in self._nodes.values():
@@ -66,6 +78,15 @@ class ShapeScene:
                 position=T[:3, 3],
             )
         self._drawn = shapes
+
+
+def _alike(a: pdoik.Shape, b: pdoik.Shape) -> bool:
+    """Whether one is the other, perhaps elsewhere."""
+    if a is b:
+        return True
+    if (a.name, a.kind) != (b.name, b.kind) or a.kind == "half_space":
+        return False
+    return np.array_equal(a.size, b.size) and np.array_equal(a.vertices, b.vertices)
 
 
 def shape_mesh(shape: pdoik.Shape) -> tuple[trimesh.Trimesh, FloatArray]:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
+import pdoik
 from pdoik._hulls import PlacedCapsule, PlacedHull, PlacedSpheroid, gaps
 
 FloatArray = npt.NDArray[np.float64]
@@ -73,6 +74,30 @@ def segments(origins: Sequence[FloatArray]) -> FloatArray:
     """Lines from each origin (3,) to the next, (K - 1, 2, 3) [m]."""
     pairs = list(pairwise(origins))
     return np.array(pairs).reshape(-1, 2, 3)
+
+
+def moved_shape(shape: pdoik.Shape, T_base_shape: FloatArray) -> pdoik.Shape:
+    """The same solid elsewhere.
+
+    Raises:
+        ValueError: It is a half-space.
+    """
+    size = list(shape.size)
+    match shape.kind:
+        case "box":
+            return pdoik.Shape.box(shape.name, size, T_base_shape)
+        case "sphere":
+            return pdoik.Shape.sphere(shape.name, T_base_shape[:3, 3], size[0])
+        case "cylinder":
+            return pdoik.Shape.cylinder(shape.name, size[0], size[1], T_base_shape)
+        case "capsule":
+            return pdoik.Shape.capsule(shape.name, size[0], size[1], T_base_shape)
+        case "convex_mesh":
+            return pdoik.Shape.convex_mesh(
+                shape.name, shape.vertices, T_base_shape, np.asarray(shape.triangles).tolist()
+            )
+        case _:
+            raise ValueError(f"{shape.name}: a {shape.kind} cannot be moved")
 
 
 def gap_colors(hulls: list[PlacedHull], obstacles: FloatArray) -> ByteArray:

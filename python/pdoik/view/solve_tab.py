@@ -14,9 +14,11 @@ from .humanoid import balance_over_feet, can_balance
 
 if TYPE_CHECKING:
     from .page import Page
+    from .session import Session
 
 AXES = ("x", "y", "z")
 METHODS = ("default", "paper")
+NOTHING = "none"
 
 
 class SolveTab:
@@ -51,6 +53,9 @@ class SolveTab:
         with gui.add_folder("Obstacles"):
             self.ball = gui.add_checkbox("Ball", obstacles.ball is not None)
             self.radius = gui.add_slider("Radius [mm]", 10.0, 250.0, 5.0, 60.0)
+            self.move_shape: Any = gui.add_dropdown(
+                "Move shape", (NOTHING,), visible=False, hint="Which shape has arrows"
+            )
             self.move_cloud = gui.add_checkbox("Move cloud", False)
         with gui.add_folder("Show"):
             self.hulls = gui.add_checkbox("Hulls", True)
@@ -58,9 +63,7 @@ class SolveTab:
                 "Wide hulls", False, hint="Those that only say where to look for capsules"
             )
             self.meshes = gui.add_checkbox("Meshes", True)
-            self.skeleton = gui.add_checkbox(
-                "Skeleton", not page.model.visuals, hint="Inside the meshes, if any"
-            )
+            self.skeleton: Any = gui.add_checkbox("Skeleton", False, hint="Inside the links")
             self.cloud = gui.add_checkbox("Cloud", True)
             self.shapes = gui.add_checkbox("Shapes", True)
 
@@ -99,6 +102,12 @@ class SolveTab:
         for control in (self.ball, self.radius):
             control.on_update(on_ball)
 
+        def on_move_shape(event: viser.GuiEvent[Any]) -> None:
+            if event.client is not None:  # a hand, not `follow_shapes`
+                name = self.move_shape.value
+                page.grip(None if name == NOTHING else name)
+
+        self.move_shape.on_update(on_move_shape)
         self.move_cloud.on_update(lambda _: page.move_cloud(self.move_cloud.value))
 
         def on_parts(_: object) -> None:
@@ -125,8 +134,16 @@ class SolveTab:
         self.self_collision.visible = len(robot.occupancy) > 0
         self.wide_hulls.visible = len(wide_hulls(robot)) > 0
         self.self_collision.value = session.options.keeps_off_itself(robot)
+        self.skeleton.value = not self._page.model.visuals and not len(robot.occupancy)
         self.balance.visible = can_balance(robot)
         self.balance.value = bool(session.options.balance.contacts)
+
+    def follow_shapes(self, session: Session, gripped: str | None) -> None:
+        """Offer the shapes that there are now, and name the one that has arrows."""
+        names = [each.name for each in session.obstacles.shapes if each.kind != "half_space"]
+        self.move_shape.options = (NOTHING, *names)
+        self.move_shape.value = gripped if gripped in names else NOTHING
+        self.move_shape.visible = bool(names)
 
     def _goal_chosen(self, tip: str, kind: str) -> None:
         assert self.goals is not None

@@ -12,6 +12,7 @@ import viser
 import pdoik
 
 from .binding import margin_text
+from .message import Message
 from .session import Shown
 
 _WINDOW = 2.0  # [s]
@@ -49,7 +50,7 @@ class Status:
         self.meter = Meter()
         self.text = ""  # what is on the page, as HTML
         self._numbers = gui.add_html("")
-        self._message = gui.add_html("")
+        self._message = Message(gui)
 
     def show(self, shown: Shown) -> None:
         if shown.origin == "target":
@@ -59,11 +60,7 @@ class Status:
 
     def say(self, message: str, *, bad: bool = False) -> None:
         """A line below the numbers, until the next one."""
-        color = _BAD if bad else _POSED
-        self._message.content = (
-            f'<div style="padding:0 1em 0.5em;font-size:0.8em;color:{color};'
-            f'overflow-wrap:anywhere">{escape(message)}</div>'
-        )
+        self._message.say(message, bad=bad)
 
 
 def status_html(shown: Shown, meter: Meter) -> str:

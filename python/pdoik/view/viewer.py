@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,13 +21,17 @@ from pdoik.errors import PdoikError
 from pdoik.scenes import read_scene_file
 
 from .balance_scene import BalanceScene
+from .camera import fit_to_window, look
+from .examples import Example
+from .examples_menu import ExamplesMenu
 from .files_tab import FilesTab
-from .gizmos import TargetGizmos
+from .gizmos import Gizmo, TargetGizmos
 from .humanoid import floor_height
 from .joints_tab import JointsTab
 from .log import load_log
 from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
 from .obstacle_scene import ObstacleScene
+from .pages import PagesLine
 from .reach import load_map
 from .reach_tab import ReachTab
 from .replay_tab import ReplayTab
@@ -54,7 +59,13 @@ class Viewer:
         ValueError: The solver refuses the robot, or the model does not fit the session.
     """
 
-    def __init__(self, server: viser.ViserServer, model: Model, session: Session) -> None:
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        model: Model,
+        session: Session,
+        example: Example | None = None,
+    ) -> None:
         self.server = server
         self.session = session
         self.model = model
@@ -78,12 +89,18 @@ class Viewer:
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.shape_scene = ShapeScene(server)
+        self._gripping = threading.Lock()  # choices come from threads of their own
+        self._gripped: tuple[str, Gizmo] | None = None  # a shape and what it is dragged by
+        self._grips = 0
         self.obstacle_scene.ball.place(_at(np.array([0.25, -0.4, 0.3]) * size))
         self._add_robot()
 
         gui = server.gui
         gui.set_panel_label("pdoik view")
+        self.examples = ExamplesMenu(gui, self, example)
         self.status = Status(gui)
+        self.pages = PagesLine(server)
+        fit_to_window(server)
         tabs = gui.add_tab_group()
         self._solve_container = tabs.add_tab("Solve")
         with self._solve_container:
@@ -97,6 +114,7 @@ class Viewer:
             self.files_tab = FilesTab(gui, self)
         self.joints_tab: JointsTab | None = None
         self._follow_robot()
+        self.grip(None if example is None else example.grip)
         self.worker = Worker(self._step, lambda error: self.status.say(_words(error), bad=True))
         self.worker.wake()
 
@@ -144,6 +162,34 @@ class Viewer:
         self.session.set_cloud_pose(T_base_cloud)
         self.worker.wake()
 
+    def grip(self, name: str | None) -> None:
+        """Give the shape of that name a gizmo, and no other one."""
+        with self._gripping:
+            self._let_go()
+            for shape in self.session.obstacles.shapes:
+                if shape.name == name:
+                    gizmo = Gizmo(
+                        self.server,
+                        f"/gripped/{self._grips}",
+                        np.asarray(shape.T_base_shape),
+                        0.6 * self._gizmo_size(),
+                        lambda T: self._drag_shape(shape.name, T),  # noqa: B023  # the last one
+                        turns=shape.kind != "sphere",
+                    )
+                    self._grips += 1
+                    self._gripped = shape.name, gizmo
+                    break
+        self.solve_tab.follow_shapes(self.session, name)
+
+    def _let_go(self) -> None:
+        if self._gripped is not None:
+            self._gripped[1].remove()
+            self._gripped = None
+
+    def _drag_shape(self, name: str, T_base_shape: FloatArray) -> None:
+        self.session.move_shape(name, T_base_shape)
+        self.worker.wake()
+
     def _slide(self, index: int, position: float) -> None:
         self.session.set_joint(index, position)
         self.worker.wake()
@@ -173,6 +219,16 @@ class Viewer:
         self.obstacle_scene.cloud.show(on and len(self.session.obstacles.surface) > 0)
 
     # What comes from files.
+
+    def take_example(self, example: Example) -> None:
+        with self.complaints():
+            model, session = example.make()
+            self._replace_robot(model, session, example)
+            look_at, position = camera_of(model, session.q)
+            for client in self.server.get_clients().values():
+                look(client, look_at, position)
+            if example.maps:
+                self.reach_tab.start_coarse()
 
     def take_builtin(self, name: str) -> None:
         if name in pdoik.Robot.builtin_names() and (
@@ -231,6 +287,7 @@ class Viewer:
         with self.complaints():
             scene = read_scene_file(self._keep(file), packages=self.model.packages)
             self.session.set_shapes(scene.shapes, scene.allowed)
+            self.grip(None)
             if len(scene.surface):
                 self.session.set_cloud(scene.surface)
             self.status.say(f"{file.name}: {len(scene.shapes)} shapes, {len(scene.surface)} points")
@@ -238,6 +295,7 @@ class Viewer:
 
     def drop_shapes(self) -> None:
         self.session.set_shapes(())
+        self.grip(None)
         self.worker.wake()
 
     def take_log(self, file: viser.UploadedFile) -> None:
@@ -264,10 +322,14 @@ class Viewer:
 
     # Robots.
 
-    def _replace_robot(self, model: Model) -> None:
-        options = replace(self.session.options, balance=pdoik.Balance())  # over other links
-        session = Session(model.robot, options, obstacles=self.session.obstacles)
+    def _replace_robot(
+        self, model: Model, session: Session | None = None, example: Example | None = None
+    ) -> None:
+        if session is None:
+            options = replace(self.session.options, balance=pdoik.Balance())  # over other links
+            session = Session(model.robot, options, obstacles=self.session.obstacles)
         with self.server.atomic():
+            self.examples.follow(example)
             self.targets.remove()
             self.balance_scene.remove()
             self.robot_scene.remove()
@@ -275,6 +337,7 @@ class Viewer:
             self._add_robot()
             self.replay_tab.unload()
             self._follow_robot()
+            self.grip(None if example is None else example.grip)
         self.worker.wake()
 
     def _add_robot(self) -> None:

@@ -12,9 +12,12 @@ from pdoik._files import write_whole
 from ..export.checked import improved_mjcf, improved_urdf
 from ..model.model import FILE_NAME, Model
 from .gather import evidence_of, model_of
+from .motions import FILE_NAME as MOTIONS
+from .motions import Motions
 
 if TYPE_CHECKING:
     from ..infer.conclude import Examination
+    from ..report.data import ReportData
 
 Tell = Callable[[str, str, float], None]
 Files = Mapping[str, str | bytes]
@@ -25,7 +28,7 @@ DIAGNOSIS, PAGE = "diagnosis.json", "report.html"
 def write(
     folder: str | Path, examination: Examination, *, quick: bool = False, tell: Tell | None = None
 ) -> Path:
-    """Write diagnosis.json, then model.json, the improved model, and last the report.
+    """Write diagnosis.json, then model.json, the improved model, motions.npz, and last the report.
 
     Each stands by itself: what cannot be made is left out and said in the diagnosis's notes.
 
@@ -44,7 +47,8 @@ def write(
     folder, say = Path(folder), tell or (lambda stage, text, share: None)
     diagnosis = examination.diagnosis
     page = folder / PAGE
-    page.unlink(missing_ok=True)  # where it stands, all of it is of this diagnosis
+    for name in (PAGE, MOTIONS):  # where they stand, all of it is of this diagnosis
+        (folder / name).unlink(missing_ok=True)
     write_files(folder, {DIAGNOSIS: diagnosis.to_json()})
     lost: list[str] = []
 
@@ -63,19 +67,31 @@ def write(
         models.append(model_of(examination))
         return {FILE_NAME: models[0].to_json()}
 
+    evidences: list[ReportData] = []
+
+    def gathered() -> Files:
+        evidences.append(evidence_of(examination, quick=quick, tell=tell))
+        return {}
+
+    def motions() -> Files:
+        recordings = examination.prepared.study.recordings
+        return {MOTIONS: Motions.of(evidences[0], recordings).to_bytes()}
+
     def report() -> Files:
         from ..report import render_report
 
-        evidence = evidence_of(examination, quick=quick, tell=tell)
         say("report", "drawing the figures", 0.97)
         noted = replace(diagnosis, notes=(*diagnosis.notes, *lost))
-        return render_report(noted, evidence)
+        return render_report(noted, evidences[0])
 
     attempt(FILE_NAME, model_file)
     if models and models[0].robot is not None:
         for name, export in (("improved.xml", improved_mjcf), ("improved.urdf", improved_urdf)):
             attempt(name, lambda name=name, export=export: _exported(name, export(models[0])))  # type: ignore[misc]
-    attempt("The report", report)
+    attempt("The report", gathered)
+    if evidences:
+        attempt(MOTIONS, motions)
+        attempt("The report", report)
     if lost:
         noted = replace(diagnosis, notes=(*diagnosis.notes, *lost))
         write_files(folder, {DIAGNOSIS: noted.to_json()})

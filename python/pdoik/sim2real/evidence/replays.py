@@ -34,13 +34,25 @@ def replays_of(
     for recording in (study.validate or study.fit)[:MOST]:
         try:
             setup = study.setup_of(recording)
-            replays.append(_replay(model, setup, _shortened(recording), notes))
+            replays.append(replay_of(model, setup, recording, notes))
         except (PdoikError, ValueError) as error:
             notes.append(f"No replay of {recording.name}: {error}.")
     return tuple(replays), tuple(dict.fromkeys(notes))
 
 
-def _replay(model: Model, setup: Setup, recording: Recording, notes: list[str]) -> Replay:
+def replay_of(model: Model, setup: Setup, recording: Recording, notes: list[str]) -> Replay:
+    """A recording's first minute simulated with and without the findings.
+
+    Args:
+        model: with the findings.
+        setup: how the recording was made.
+        recording: of the study.
+        notes: what was assumed is added to them.
+
+    Raises:
+        PdoikError, ValueError: it cannot be simulated.
+    """
+    recording = _shortened(recording)
     runs = []
     for findings in (False, True):
         simulator = simulator_in(model, setup, findings=findings)
