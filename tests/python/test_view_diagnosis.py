@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("viser", reason="pip install 'pdoik[view]'")
 
+from bench.sim2real import example
 from pdoik.cli.report_folders import report_folder
 from pdoik.errors import LoadError
 from pdoik.sim2real import examine, write
@@ -25,18 +24,10 @@ from pdoik.view.diagnosis.timeline import Timeline
 from pdoik.view.diagnosis.viewer import DiagnosisViewer
 from pdoik.view.server import start_server
 
-BENCH = Path(__file__).resolve().parents[2] / "bench"
-
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An arm whose elbow rubs and whose hand holds something."""
-    spec = importlib.util.spec_from_file_location("diagnose_example", BENCH / "diagnose_example.py")
-    assert spec is not None
-    assert spec.loader is not None
-    example = importlib.util.module_from_spec(spec)
-    sys.modules["diagnose_example"] = example
-    spec.loader.exec_module(example)
     folder = tmp_path_factory.mktemp("arm_study")
     example.main(folder)
     content = yaml.safe_load((folder / "study.yaml").read_text())
