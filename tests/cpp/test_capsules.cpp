@@ -89,7 +89,7 @@ Deepest deepest_of(const Workbench& bench, const Hull& hull, const Eigen::Vector
   const auto hulls = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());
   std::vector<double> all;
   for (int k = 0; k < 4 * hull.blocks; ++k) {
-    const int source = bench.ik.hulls.__main__.capsules(hull)[k / 4].source[k % 4];
+    const int source = bench.hulls.capsules(hull)[k / 4].source[k % 4];
     if (source < 0) continue;
     const Capsule& capsule = occupancy.capsules[static_cast<std::size_t>(source - hulls)];
     const Eigen::Isometry3d T = bench.robot.fk(q, capsule.link);
@@ -139,10 +139,10 @@ TEST(Capsules, constraints_are_of_the_deepest_one_and_their_rows_are_central_dif
       ++checked;
     }
     // None that is nearer than the reach is missed, although the wide hulls may not hold it.
-    for (std::size_t h = 0; h < bench.ik.hulls.__main__.moving.size(); ++h) {
-      if (!bench.ik.hulls.__main__.moving[h].has_capsules()) continue;
+    for (std::size_t h = 0; h < bench.hulls.moving.size(); ++h) {
+      if (!bench.hulls.moving[h].has_capsules()) continue;
       for (Eigen::Index j = 0; j < bench.obstacles.rows(); ++j) {
-        if (deepest_of(bench, bench.ik.hulls.__main__.moving[h], q, j).c < 1e-9 - kReach) continue;
+        if (deepest_of(bench, bench.hulls.moving[h], q, j).c < 1e-9 - kReach) continue;
         EXPECT_TRUE(found.contains({static_cast<int>(h), static_cast<int>(j)}));
       }
     }

@@ -83,7 +83,7 @@ TEST(ObstacleSet, what_is_within_a_distance_is_visited_and_little_else) {
     for (const double distance : {0.01, 0.1, 0.4}) {
       visited += pairs_of(bench.moving, set, distance).size();
       by_half_sums += near_pairs(bench.moving, set, distance).size();
-      for (std::size_t h = 0; h < bench.ik.hulls.__main__.moving.size(); ++h) {
+      for (std::size_t h = 0; h < bench.hulls.moving.size(); ++h) {
         // Wherever it is expected: along the axis, aside, anywhere.
         const double supports[] = {0.0, 0.02, 0.1, 0.5};
         bench.moving.expect_at(h, supports[(h + static_cast<std::size_t>(seed)) % 4]);
@@ -92,8 +92,8 @@ TEST(ObstacleSet, what_is_within_a_distance_is_visited_and_little_else) {
       const std::set<std::pair<int, int>> visits(found.begin(), found.end());
       EXPECT_EQ(visits.size(), found.size()) << "twice";
       bench.moving.expect_anywhere();
-      for (std::size_t h = 0; h < bench.ik.hulls.__main__.moving.size(); ++h) {
-        const Hull& hull = bench.ik.hulls.__main__.moving[h];
+      for (std::size_t h = 0; h < bench.hulls.moving.size(); ++h) {
+        const Hull& hull = bench.hulls.moving[h];
         const Eigen::Vector3d a = to_vector3(bench.moving.position(hull.a)),
                               b = to_vector3(bench.moving.position(hull.b));
         if (!hull.is_sphere() && (a - b).norm() >= 2.0 * hull.semi_major) continue;

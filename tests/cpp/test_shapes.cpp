@@ -314,8 +314,8 @@ TEST(Shapes, their_constraints_rows_are_central_differences_in_both_forms) {
       EXPECT_LT((rows[n] - *slope).cwiseAbs().maxCoeff(), 5e-4)
           << rows[n].transpose() << "\n"
           << slope->transpose() << "\nhull " << nears[n].hull << " source "
-          << bench.ik.hulls.__main__.moving[static_cast<std::size_t>(nears[n].hull)].source << " rigid "
-          << bench.ik.hulls.__main__.moving[static_cast<std::size_t>(nears[n].hull)].rigid << " shape "
+          << bench.hulls.moving[static_cast<std::size_t>(nears[n].hull)].source << " rigid "
+          << bench.hulls.moving[static_cast<std::size_t>(nears[n].hull)].rigid << " shape "
           << static_cast<int>(shapes[static_cast<std::size_t>(nears[n].shape)].kind) << " c "
           << nears[n].c << " pulls " << nears[n].pulls.count << " body "
           << nears[n].pulls.each[0].body;
