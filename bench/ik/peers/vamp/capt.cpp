@@ -1,4 +1,5 @@
-// VAMP's point clouds for the Python of bench/ik/clouds/__main__.py: its headers, our few functions about them.
+// VAMP's point clouds for the Python of bench/ik/clouds/__main__.py: its headers, our few functions
+// about them.
 #include <chrono>
 #include <cstddef>
 #include <vamp/collision/filter.hh>
