@@ -52,7 +52,8 @@ void OverSubAngles(benchmark::State& state, Evaluate run) {
 /// everywhere and a goal at each limb's end; as a robot to be balanced.
 Robot star(int limbs) {
   constexpr double kLength = 0.15, kRadius = 0.05;
-  RobotDescription star{.name = "star", .links = {{.name = "base", .mass = 1.0}}, .joints = {}};
+  RobotDescription star{
+      .name = "star", .links = {{.name = "base", .mass = 1.0}}, .joints = {}, .warnings = {}};
   Occupancy occupancy;
   std::vector<std::string> tips;
   for (int limb = 0; limb < limbs; ++limb) {
