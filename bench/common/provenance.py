@@ -9,21 +9,21 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import pdoik
 from bench.common.peer_library import ROOT
+from pdoik.reports.write import this_build
 
 
-def provenance(build: Path) -> dict[str, str]:
+def provenance(folder: Path) -> dict[str, str]:
     """Machine, load, compiler, flags, versions and commit.
 
     Args:
-        build: CMake's folder, which knows the compiler and its flags.
+        folder: CMake's folder, which knows the compiler and its flags.
     """
-    cache = _cmake_cache(build)
+    cache, build = _cmake_cache(folder), this_build()
     load = os.getloadavg()[0]
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "processor": _processor(),
+        "processor": build["processor"],
         "processors": str(os.cpu_count()),
         "load before": f"{load:.2f}"
         + (" (other programs were running: times are noisy)" if load > 0.5 else ""),
@@ -31,8 +31,8 @@ def provenance(build: Path) -> dict[str, str]:
         "compiler": _first_line(cache.get("CMAKE_CXX_COMPILER", "c++"), "--version"),
         "build": cache.get("CMAKE_BUILD_TYPE", "Release") or "Release",
         "flags": cache.get("CMAKE_CXX_FLAGS_RELEASE", ""),
-        "kernels": pdoik.simd_name(),
-        "python": platform.python_version(),
+        "kernels": build["simd"],
+        "python": build["python"],
         **{name: _version(name) for name in ("pdoik", "pin", "numpy")},
         "liborocos-kdl-dev": _first_line(
             "dpkg-query", "-W", "-f", "${Version}", "liborocos-kdl-dev"
@@ -46,13 +46,6 @@ def _cmake_cache(build: Path) -> dict[str, str]:
     lines = path.read_text().splitlines() if path.is_file() else []
     entries = (line.split("=", 1) for line in lines if ":" in line and "=" in line)
     return {name.split(":")[0]: value for name, value in entries}
-
-
-def _processor() -> str:
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor()
 
 
 def _system() -> str:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 from urllib.parse import unquote
-from xml.sax.saxutils import escape, unescape
 
 from .errors import LoadError
 
@@ -179,6 +178,7 @@ def at_home(path: StrPath) -> Path:
 
 def with_paths(text: str, places: Places) -> str:
     """A URDF whose meshes are named by absolute paths, as far as they are found."""
+    from xml.sax.saxutils import escape, unescape  # imports HTTP, which takes long
 
     def replaced(match: re.Match[str]) -> str:
         address = unescape(

@@ -7,13 +7,13 @@ hulls.
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import pdoik
+from bench.common.whole_files import write_text
 from bench.ik.experiment import Arm
 from bench.ik.judges.arm_meshes import arm_meshes
 from pdoik.occupancy_fit.hulls import tidy_point
@@ -42,9 +42,7 @@ def hull_stages(arm: Arm, folder: Path) -> Stages:
         for link, triangles in arm_meshes(arm).items()
     }
     folder.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(f".{os.getpid()}")
-    temporary.write_text(json.dumps(stages, indent=1) + "\n")
-    temporary.replace(path)
+    write_text(path, json.dumps(stages, indent=1) + "\n")
     return json.loads(path.read_text())  # type: ignore[no-any-return]
 
 

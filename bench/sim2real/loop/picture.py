@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from bench.common.whole_files import write_whole
 from bench.sim2real.loop.report import per_world
 
 COLORS = {"pd": "0.6", "given": "tab:red", "diagnosed": "tab:blue", "floor": "black"}
@@ -42,10 +43,8 @@ def write_picture(rows: pd.DataFrame, path: Path) -> None:
         _over_time(axes[-1], rows[rows.effect == effect], effect)
         axes[-1].tick_params(labelbottom=k == len(shown) - 1)
     axes[-1].set_xlabel("time since the arm set out on a path the diagnosis never saw [s]")
-    temporary = path.with_name(f".{path.name}")
-    figure.savefig(temporary, dpi=110, format="png")
+    write_whole(path, lambda temporary: figure.savefig(temporary, dpi=110, format="png"))
     plt.close(figure)
-    temporary.replace(path)
 
 
 def _by_effect(axes: Axes, worlds: pd.DataFrame, effects: list[str]) -> None:

@@ -17,6 +17,7 @@ from bench.common.campaign import CampaignError, Job, Row, dask_client
 from bench.common.commands import BUILD, console, run_stage, show
 from bench.common.digests import digest_of, digest_of_files, digest_of_folder, tool_digest
 from bench.common.provenance import provenance
+from bench.common.whole_files import write_text
 from bench.sim2real.machines.build import make_study
 from bench.sim2real.machines.plan import spec_of
 from bench.sim2real.machines.score import score
@@ -24,7 +25,6 @@ from bench.sim2real.machines.spec import FIRST_PROOF_SEED, WorldSpec
 from bench.sim2real.machines.tables import all_tables, summary
 from bench.sim2real.proof.conceal import SEALED, STUDIES
 from bench.sim2real.proof.diagnose import diagnose
-from bench.sim2real.proof.run import write
 from bench.sim2real.proof.seal import seals
 
 HERE = Path(__file__).parent
@@ -129,7 +129,7 @@ class Run:
             **seals(self.out, there),
             "digests": now,
         }
-        write(path, json.dumps(seal, indent=1) + "\n")
+        write_text(path, json.dumps(seal, indent=1) + "\n")
 
     def _seal(self) -> dict[str, Any]:
         path = self.out / "seal.json"
@@ -153,7 +153,7 @@ class Run:
             rows = run_stage(self.out, f"diagnose-{tool[:12]}", settings, diagnose, jobs, client)
         folder.mkdir(exist_ok=True)
         for row in rows.itertuples():
-            write(folder / f"{row.name}.json", row.said)
+            write_text(folder / f"{row.name}.json", row.said)
         return folder
 
     def score(self) -> None:
@@ -181,7 +181,7 @@ class Run:
         tables = all_tables(worlds)
         head = {**provenance(BUILD), **seal["digests"], "tool": tool, "worlds": len(worlds)}
         lines = "".join(f"- {name}: {value}\n" for name, value in head.items())
-        write(self.out / f"tables-{tool[:12]}.md", f"# Machines\n\n{lines}\n{tables}\n")
+        write_text(self.out / f"tables-{tool[:12]}.md", f"# Machines\n\n{lines}\n{tables}\n")
         if self.seed >= FIRST_PROOF_SEED:
             self._record(seal, tool, worlds)
         show(tables)

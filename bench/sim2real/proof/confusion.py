@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 
+from bench.common.whole_files import write_whole
 from bench.sim2real.concealed.catalogue import EFFECTS
 
 mpl.use("agg")
@@ -64,10 +65,8 @@ def draw(studies: pd.DataFrame, path: Path) -> None:
     title = f"{total} studies: counts, shaded by share of the row; blue right, red wrong"
     axes.set_title(title, fontsize=11)
     figure.tight_layout()
-    temporary = path.with_name(f".{path.name}")
-    figure.savefig(temporary, format="png")
+    write_whole(path, lambda temporary: figure.savefig(temporary, format="png"))
     plt.close(figure)
-    temporary.replace(path)
 
 
 def _table(studies: pd.DataFrame, values: pd.Series[float] | None = None) -> pd.DataFrame:

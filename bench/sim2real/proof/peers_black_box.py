@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from bench.sim2real.proof.peers_data import Array, Track, stacked
+from bench.sim2real.proof.peers_regressions import Predictor
 from pdoik.sim2real import Study
-
-from .peers_data import Array, Track, stacked
-from .peers_regressions import Predictor
 
 STEP = 0.02  # between rows that enter a fit [s]
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from bench.sim2real.proof.peers_data import Array, Track
+from bench.sim2real.proof.peers_regressions import Predictor
 from pdoik.sim2real import Model, Study, examine, model_of, predict
-
-from .peers_data import Array, Track
-from .peers_regressions import Predictor
 
 
 def nothing(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:

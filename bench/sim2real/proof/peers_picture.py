@@ -10,9 +10,10 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 
-from .peers_data import Array, smooth
-from .peers_report import TITLES
-from .peers_study import METHODS, Case, WorldSpec, affected, nothing, one_thread
+from bench.common.whole_files import write_whole
+from bench.sim2real.proof.peers_data import Array, smooth
+from bench.sim2real.proof.peers_report import TITLES
+from bench.sim2real.proof.peers_study import METHODS, Case, WorldSpec, affected, nothing, one_thread
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -47,10 +48,8 @@ def picture(path: Path, rows: pd.DataFrame, seed: int, *, quick: bool) -> None:
         draw_curve(axes[index], curve(spec, column, name), label, title)
     draw_boxes(axes[-1], rows)
     figure.tight_layout()
-    temporary = path.with_name(f".{path.name}")
-    figure.savefig(temporary, dpi=130, format="png")
+    write_whole(path, lambda temporary: figure.savefig(temporary, dpi=130, format="png"))
     plt.close(figure)
-    temporary.replace(path)
 
 
 def curve(spec: WorldSpec, column: str, name: str) -> Curve:

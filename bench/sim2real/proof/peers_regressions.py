@@ -7,9 +7,16 @@ from collections.abc import Callable
 
 import numpy as np
 
+from bench.sim2real.proof.peers_data import (
+    REST,
+    Array,
+    Believed,
+    Track,
+    joint_columns,
+    smooth,
+    stacked,
+)
 from pdoik.sim2real import Study
-
-from .peers_data import REST, Array, Believed, Track, joint_columns, smooth, stacked
 
 STEP = 0.02  # between rows that enter a fit [s]
 CUTS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)  # of singular values, relative

@@ -17,13 +17,12 @@ import numpy as np
 from bench.sim2real.concealed.beyond import CONDITIONS, make_beyond
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.proof.peers_black_box import boosting, network
+from bench.sim2real.proof.peers_data import Array, Track, beyond_track, smooth, study_tracks
+from bench.sim2real.proof.peers_ours import nothing, ours
+from bench.sim2real.proof.peers_regressions import Predictor, least_squares, pysindy
+from bench.sim2real.proof.peers_sysid import sysid
 from pdoik.sim2real import Study, load_study
-
-from .peers_black_box import boosting, network
-from .peers_data import Array, Track, beyond_track, smooth, study_tracks
-from .peers_ours import nothing, ours
-from .peers_regressions import Predictor, least_squares, pysindy
-from .peers_sysid import sysid
 
 Method = Callable[[Study, list[Track], list[Track]], Predictor]
 

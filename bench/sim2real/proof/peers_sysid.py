@@ -11,10 +11,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from bench.sim2real.proof.peers_data import Array, Track
+from bench.sim2real.proof.peers_regressions import Predictor, error_of
 from pdoik.sim2real import Study
-
-from .peers_data import Array, Track
-from .peers_regressions import Predictor, error_of
 
 STEP = 0.05  # between rows that enter the fit [s]
 LATEST = 0.05  # delay that the fit may find [s]

@@ -13,10 +13,17 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+from bench.sim2real.proof.peers_data import Array, Believed
+from bench.sim2real.proof.peers_sysid import (
+    LATEST,
+    WORTH,
+    carried,
+    parameters,
+    sensed,
+    set_body,
+    specification,
+)
 from pdoik.sim2real import Recording, Study
-
-from .peers_data import Array, Believed
-from .peers_sysid import LATEST, WORTH, carried, parameters, sensed, set_body, specification
 
 TIMESTEP = 2e-3  # of all simulations [s]
 CHUNK = 4.0  # begun at the recorded state and simulated at a stretch [s]

@@ -11,6 +11,7 @@ from bench.common.commands import BUILD, console
 from bench.common.digests import tool_digest
 from bench.common.markdown import markdown_table
 from bench.common.provenance import provenance
+from bench.common.whole_files import write_text
 from bench.sim2real.proof.diagnose import as_diagnosis, blind
 from bench.sim2real.proof.real_studies import MACHINES, Machine, write_study
 
@@ -38,9 +39,7 @@ def diagnose_real(recordings: Path, out: Path) -> None:
         parts.append(section(machine, said))
     heads = ["machine", "known to be true", "said", "agrees"]
     parts.insert(2, "## What is known\n\n" + markdown_table(heads, rows))
-    temporary = out / ".real.md"
-    temporary.write_text("\n".join(parts))
-    temporary.replace(out / "real.md")
+    write_text(out / "real.md", "\n".join(parts))
     console.print(f"real machines: {out}/real.md")
 
 
@@ -53,9 +52,7 @@ def _said(machine: Machine, recordings: Path, kept: Path) -> dict[str, Any]:
         if kept.is_file() and (old := json.loads(kept.read_text()))["tool"] == key:
             return dict(old)
         said = {"tool": key, **blind(study)}
-    temporary = kept.with_name(f".{kept.name}")
-    temporary.write_text(json.dumps(said, indent=1) + "\n")
-    temporary.replace(kept)
+    write_text(kept, json.dumps(said, indent=1) + "\n")
     return said
 
 

@@ -14,6 +14,7 @@ from bench.common.campaign import CampaignError, dask_client
 from bench.common.commands import BUILD, console, run_stage, show
 from bench.common.digests import digest_of_files
 from bench.common.provenance import provenance
+from bench.common.whole_files import write_text
 from bench.sim2real.proof import confusion, failures, record, seal, true_model
 from bench.sim2real.proof.conceal import SEALED, STUDIES, conceal, conceal_jobs
 from bench.sim2real.proof.diagnose import diagnose
@@ -52,7 +53,7 @@ class Run:
                 )
         else:
             content = {"digests": self.frozen, "plan": self.plan.facts()}
-            write(path, json.dumps(content, indent=1) + "\n")
+            write_text(path, json.dumps(content, indent=1) + "\n")
         for name, digest in self.frozen.items():
             console.print(f"{name:9} sha256 {digest}", highlight=False)
 
@@ -90,7 +91,7 @@ class Run:
         folder = self.out / "diagnoses"
         folder.mkdir(exist_ok=True)
         for row in rows.itertuples():
-            write(folder / f"{row.name}.json", row.said)
+            write_text(folder / f"{row.name}.json", row.said)
 
     def score(self, scheduler: str | None, workers: int | None) -> None:
         """Opens the truths, if they are those that were sealed, and scores what was said.
@@ -124,7 +125,7 @@ class Run:
         confusion.draw(studies, self.out / "confusion.png")
         count = failures.write_pages(studies, self.out / "failures")
         tables = all_tables(studies, notes_of(studies))
-        write(self.out / "tables.md", f"# The proof\n\n{self.head(sealed)}\n{tables}")
+        write_text(self.out / "tables.md", f"# The proof\n\n{self.head(sealed)}\n{tables}")
         if self.plan.proof:
             record.append(record.scored_line(sealed, self.frozen["scoring"], studies))
         show(tables)
@@ -170,10 +171,3 @@ class Run:
         if seen:
             raise CampaignError(f"{name}: its diagnosis opened {seen[0]}: nothing is scored")
         return dict(said)
-
-
-def write(path: Path, text: str) -> None:
-    """Whole or not at all."""
-    temporary = path.with_name(f".{path.name}")
-    temporary.write_text(text)
-    temporary.replace(path)

@@ -10,6 +10,7 @@ from typing import Any
 
 from bench.common.campaign import CampaignError
 from bench.common.digests import digest_of_files, digest_of_folder, tool_digest
+from bench.common.whole_files import write_text
 from bench.sim2real.proof.conceal import SEALED, STUDIES
 from bench.sim2real.proof.digests import generator_digest, scoring_digest
 from bench.sim2real.proof.plan import Plan
@@ -60,9 +61,7 @@ def write_seal(
         **seals(out, there),
         "digests": frozen,
     }
-    temporary = out / f".{FILE}"
-    temporary.write_text(json.dumps(seal, indent=1) + "\n")
-    temporary.replace(out / FILE)
+    write_text(out / FILE, json.dumps(seal, indent=1) + "\n")
     return seal
 
 

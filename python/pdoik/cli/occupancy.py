@@ -11,8 +11,10 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
+from pdoik.descriptions.text import shipped_name
+
 from .messages import err, fail, misuse_fails, out, warn
-from .robots import BUILTIN, PackageDirs, RobotArgument, XacroArguments, described
+from .robots import PackageDirs, RobotArgument, XacroArguments, described
 
 if TYPE_CHECKING:
     from pdoik.occupancy_fit import FitReport
@@ -48,7 +50,7 @@ def occupancy(
     from pdoik.errors import OverhangWarning
     from pdoik.occupancy_fit import AIM, fit_occupancy  # SciPy and trimesh take long to import
 
-    if robot.lower() in BUILTIN:
+    if shipped_name(robot) is not None:
         fail(f"{robot} is shipped and has its hulls; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")

@@ -11,10 +11,10 @@ from rich.markup import escape
 from rich.table import Table
 
 import pdoik
+from pdoik.descriptions.text import shipped_name
 
 from .messages import err, fail, misuse_fails, out
 from .robots import (
-    BUILTIN,
     PackageDirs,
     RobotArgument,
     XacroArguments,
@@ -53,7 +53,7 @@ def pairs(
     """
     from pdoik.link_pairs import sample_pairs  # SciPy and trimesh take long to import
 
-    if robot.lower() in BUILTIN:
+    if shipped_name(robot) is not None:
         fail(f"{robot} is shipped and has its pairs; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")

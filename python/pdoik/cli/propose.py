@@ -11,6 +11,7 @@ from rich.markup import escape
 
 import pdoik
 from pdoik._extras import asks_for
+from pdoik.descriptions.text import shipped_name
 
 from .messages import err, fail, misuse_fails, out, warn
 from .obstacles import load_obstacles
@@ -25,7 +26,7 @@ from .options import (
     SceneFile,
     SrdfFile,
 )
-from .robots import BUILTIN, load_robot
+from .robots import load_robot
 from .story import story
 
 if TYPE_CHECKING:
@@ -123,9 +124,7 @@ def propose(
             loaded = (
                 _of_text(text, tip, occupancy, srdf)
                 if robot is None
-                else load_robot(
-                    robot, None, None if robot.lower() in BUILTIN else tip, occupancy, srdf
-                )
+                else load_robot(robot, None, None if shipped_name(robot) else tip, occupancy, srdf)
             )
             return _clear(loaded, joints, None if obstacles is None else obstacles.kept(), options)
 

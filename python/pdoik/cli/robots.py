@@ -75,9 +75,12 @@ def load_robot(
 
 
 def described(
-    robot: str, packages: Sequence[str] | None, arguments: Sequence[str] | None, meshes: str
+    robot: str,
+    packages: Sequence[str] | None,
+    arguments: Sequence[str] | None,
+    meshes: str | None = None,
 ) -> str:
-    """Its URDF, the meshes of an MJCF put into a folder."""
+    """Its URDF; the meshes of an MJCF are put into a folder, or left out."""
     return pdoik.urdf_text(
         robot,
         arguments=xacro_arguments(arguments),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +12,7 @@ import typer
 
 import pdoik
 from pdoik._extras import asks_for
+from pdoik.descriptions.text import shipped_name
 from pdoik.reports import ending_of
 
 from .messages import NOT_SOLVED, fail, misuse_fails, out, tell, warn
@@ -37,13 +37,11 @@ from .options import (
 from .report import Solution, facts, print_report
 from .robots import (
     ANY_ROBOT,
-    BUILTIN,
     PackageDirs,
     XacroArguments,
+    described,
     load_robot,
     numbers,
-    package_places,
-    xacro_arguments,
 )
 from .tables import json_text
 from .target import FORMS, parse_target
@@ -182,7 +180,9 @@ def solve(
     if picture is not None:
         _draw(picture, solution)
     if report is not None:
-        _write(report, solution, start, _description(robot, package_dir, xacro_arg))
+        with misuse_fails():
+            urdf = None if shipped_name(robot) else described(robot, package_dir, xacro_arg)
+        _write(report, solution, start, urdf)
     if not solution.result.success:
         raise typer.Exit(NOT_SOLVED)
 
@@ -228,18 +228,6 @@ def _check_report(report: Path | None) -> None:
         ending_of(report)
     if not report.parent.is_dir():
         fail(f"--report: there is no folder {report.parent}")
-
-
-def _description(
-    robot: str, packages: Sequence[str] | None, arguments: Sequence[str] | None
-) -> str | None:
-    """The URDF that a report holds; a shipped robot needs none."""
-    if robot.lower() in BUILTIN:
-        return None
-    with misuse_fails():
-        return pdoik.urdf_text(
-            robot, packages=package_places(packages), arguments=xacro_arguments(arguments)
-        )
 
 
 def _write(report: Path, solution: Solution, q0: FloatArray | None, urdf: str | None) -> None:

@@ -11,7 +11,7 @@ import typer
 
 import pdoik
 from pdoik._extras import asks_for
-from pdoik.descriptions.text import urdf_file
+from pdoik.descriptions.text import shipped_name, urdf_file
 
 from .interrupts import end_now, noted
 from .messages import misuse_fails, out
@@ -36,7 +36,6 @@ from .options import (
 from .report_folders import report_folder
 from .robots import (
     ANY_ROBOT,
-    BUILTIN,
     PackageDirs,
     XacroArguments,
     load_robot,
@@ -170,7 +169,7 @@ def view(
         robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
     )
     with misuse_fails():
-        if robot.lower() in BUILTIN:
+        if shipped_name(robot) is not None:
             model = shipped_model(loaded)
         else:
             places = package_places(package_dir)
