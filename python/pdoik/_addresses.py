@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -98,7 +99,7 @@ class Places:
             candidates = chain(whole, (p / text for text in texts for p in self._around()))
         strict = name in self.named  # what is told is not overruled
         for path in chain(candidates, () if strict else self._by_last_parts(rest)):
-            if _is_file(path):
+            if is_file(path):
                 return path
         raise LoadError(f"{address!r}: {self._why_not(name, inside)}")
 
@@ -206,8 +207,15 @@ def _name_in(manifest: Path) -> str | None:
     return None if named is None else named.group(1)
 
 
-def _is_file(path: Path) -> bool:
-    try:
+def is_file(path: Path) -> bool:
+    """Whether it is there as a file; no name is too long to ask."""
+    with suppress(OSError):
         return path.is_file()
-    except OSError:  # a name too long for one
-        return False
+    return False
+
+
+def is_folder(path: Path) -> bool:
+    """The same of a folder."""
+    with suppress(OSError):
+        return path.is_dir()
+    return False

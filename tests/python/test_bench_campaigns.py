@@ -70,7 +70,7 @@ def test_the_first_experiment_in_small_goes_on_where_it_was_stopped(tmp_path: Pa
 
 
 def test_the_second_experiment_in_small(tmp_path: Path) -> None:
-    run("precision", tmp_path, "--scenarios", "5", "--slow-scenarios", "1", *YCB)
+    run("success.precision", tmp_path, "--scenarios", "5", "--slow-scenarios", "1", *YCB)
     trials = pd.read_parquet(tmp_path / "trials.parquet")
     assert is_picture(tmp_path / "precision.png")
     ours = trials[trials.method == "pdoik"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from .._addresses import Packages, Places, at_home, with_paths
+from .._addresses import Packages, Places, at_home, is_file, is_folder, with_paths
 from .._core import Robot
 from .._files import write_whole
 from ..errors import LoadError
@@ -109,11 +109,13 @@ class Given:
             LoadError: There is none, or it cannot be read.
         """
         path = at_home(robot)
-        if path.is_file():
+        if is_file(path):
             return cls.of_file(path, arguments=arguments, packages=packages)
         name = str(robot)
         if path.suffix or os.sep in name:
-            raise LoadError(f"no such {'file, but a folder' if path.is_dir() else 'file'}: {path}")
+            raise LoadError(
+                f"no such {'file, but a folder' if is_folder(path) else 'file'}: {path}"
+            )
         return cls.of_name(name, arguments=arguments, packages=packages)
 
     @classmethod

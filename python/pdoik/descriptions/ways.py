@@ -193,9 +193,13 @@ def _file(
     *kinds: Kind,
 ) -> Given:
     file = at_home(path)
-    if not file.suffix and not file.exists():
-        raise LoadError(f"no such file: {file}; names are for Robot.from_description")
-    given = Given.of_file(file, arguments=arguments, packages=packages)
+    try:
+        given = Given.of_file(file, arguments=arguments, packages=packages)
+    except LoadError as error:
+        if isinstance(error.__cause__, FileNotFoundError) and not file.suffix:
+            said = f"no such file: {file}; names are for Robot.from_description"
+            raise LoadError(said) from error
+        raise
     _check(given, str(file), *kinds)
     return given
 
