@@ -9,10 +9,6 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from jupyter_client.connect import ConnectionFileMixin
-
-ConnectionFileMixin.transport.default_value = "ipc"  # notebooks' kernels open no port
-
 project = "pdoik"
 author = "the pdoik developers"
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
