@@ -31,6 +31,7 @@ include_patterns = [
 ]
 html_theme = "furo"
 html_title = "pdoik"
+html_show_copyright = False
 
 
 def setup(app: Any) -> None:
