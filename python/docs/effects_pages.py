@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -54,7 +55,7 @@ def page(effect: Effect, caption: str) -> str:
         lines += [f"What decides between them: {effect.decided_by}.", ""]
     if effect.beside:
         names = ", ".join(CATALOGUE[name].words for name in effect.beside if name in CATALOGUE)
-        lines += [f"It is only tried at a place where this was found: {names}.", ""]
+        lines += [f"It is only tried at a place where one of these was found: {names}.", ""]
     if effect.source:
         lines += ["## Source", "", f"{effect.source}.", ""]
     lines.append(f"`pdoik effects show {effect.id}` prints the same in a terminal.")
@@ -62,10 +63,13 @@ def page(effect: Effect, caption: str) -> str:
 
 
 def effect_words(effect: Effect) -> str:
-    """Its class's first lines, then where it acts."""
-    said = " ".join((type(effect).__doc__ or "").split())
+    """What it is, then where it acts."""
+    cls = type(effect)
+    alone = sum(type(each).__module__ == cls.__module__ for each in CATALOGUE.values()) == 1
+    module = sys.modules[cls.__module__].__doc__ if alone else ""
+    said = "\n\n".join(" ".join(doc.split()) for doc in (module, cls.__doc__) if doc)
     part = " It may act in a part of the time only, or between two positions." * effect.gated
-    return f"{said}\n\nIt acts on a {effect.on}. Family: {effect.family}.{part}"
+    return f"{said}\n\nIt acts on: {effect.on}. Family: {effect.family}.{part}"
 
 
 def capital(words: str) -> str:

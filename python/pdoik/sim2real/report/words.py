@@ -132,7 +132,7 @@ def suspected_words(diagnosis: Diagnosis) -> str:
         return ""
     said = [f"{effect_name(f.effect)} at {place(f)}" for f in diagnosis.suspected[:3]]
     more = f" and {len(diagnosis.suspected) - 3} more" if len(diagnosis.suspected) > 3 else ""
-    return f"Suspected only, too little speaks for it: {'; '.join(said)}{more}."
+    return f"Suspected only, with too little evidence: {'; '.join(said)}{more}."
 
 
 def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]:
