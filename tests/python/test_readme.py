@@ -109,6 +109,7 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     assert (tmp_path / "arm.occupancy.yaml").exists()
 
 
+@pytest.mark.long
 def test_the_tutorial_runs_on_its_recording(tmp_path: Path) -> None:
     pytest.importorskip("rosbags", reason="the extra sim2real is not installed")
     recording = SHARED / "recordings" / "ur10_unisa" / "run1.csv"
