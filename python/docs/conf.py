@@ -40,7 +40,10 @@ include_patterns = [
     "tests/fuzz/README.md",
 ]
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 html_title = "pdoik"
+html_show_copyright = False
 
 
 def setup(app: Any) -> None:

@@ -301,7 +301,7 @@ def test_a_voltage_driven_motor_is_found_beside_friction_and_rotor(driven: Diagn
     assert estimate.load["reduced_length"].value == pytest.approx(reduced, rel=0.02)
     said = " ".join(driven.notes)
     assert "lets go in swing1.csv" in said
-    assert "a wrong mass cannot be told" in said
+    assert "a wrong mass looks like another torque per volt" in said
 
 
 def test_a_firmware_gain_told_wrong_is_said(driven: Diagnosis) -> None:
@@ -347,6 +347,6 @@ def test_without_effort_or_gains_it_is_said_what_can_be_told(tmp_path: Path) -> 
         tell=lambda stage, text, share: told.append(f"{stage}: {text}"),
     )
     first = next(text for text in told if text.startswith("controllers"))
-    assert "What can be told: how late" in first
+    assert "What can be found: how late" in first
     assert "What cannot: torques, friction, masses" in first
     assert any("neither effort nor" in note for note in examination.diagnosis.notes)

@@ -26,7 +26,7 @@ def compare(
     """Hold your simulator against the machine under the same commands, and say what differs.
 
     The study has `simulator: {mjcf: model.xml}`, which is run as it is, or `simulation:`, logs of
-    any simulator; with `robot:` too, what the simulator has beyond the description is told apart.
+    any simulator; with `robot:` too, what the simulator has beyond the description is listed apart.
 
     Writes comparison.json, patched.xml (the MJCF with what the machine has beyond it), patch.md
     (the same in the words of Isaac and Gazebo), figures and compare.html.

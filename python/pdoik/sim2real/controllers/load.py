@@ -78,7 +78,8 @@ def in_words(joint: str, load: Load, rotor_told: bool) -> str:
             f"{name} is {factor.value:.3g} ± {1.96 * factor.std:.2g} times the model's"
             for name, factor in (("mass", load.mass), ("length", load.length))
         ]
-        return f"{joint}: with the drive's figures as told, its load's {', its '.join(factors)}."
+        said = ", its ".join(factors)
+        return f"{joint}: with the drive's parameters in the study, its load's {said}."
     whole, own = load.reduced_length, load.own_length
     said = (
         f"{joint}: whatever the load weighs, load and rotor together swing like a pendulum of"
@@ -87,12 +88,10 @@ def in_words(joint: str, load: Load, rotor_told: bool) -> str:
     )
     if own > whole.value + 3.0 * whole.std:
         least = 100.0 * (own / whole.value - 1.0)
-        return (
-            f"{said}: it is told too long, by {least:.2g} % at least, since no rotor shortens it."
-        )
+        return f"{said}: it is too long by {least:.2g} % at least, since no rotor shortens it."
     if rotor_told:
         return f"{said}."
     return (
-        f"{said}, and the rest was put down to the rotor. A load of another length with another"
-        f" rotor swings alike; none longer than {whole.value + 1.96 * whole.std:.3g} m does."
+        f"{said}, and the rest was attributed to the rotor. A load of another length with another"
+        f" rotor moves alike; none longer than {whole.value + 1.96 * whole.std:.3g} m does."
     )

@@ -54,9 +54,9 @@ def contradictions(estimate: ControllerEstimate) -> list[str]:
         found = estimate.gains[name]
         by = f" ({100 * (told / found.value - 1.0):+.0f} %)" if found.value > 0.0 else ""
         said.append(
-            f"{estimate.joint}: the study tells {name} = {told:.4g}, its"
-            f" {_EFFORTS[estimate.effort].removeprefix('the ')} says {_figure(found)}: what is told"
-            f" is wrong{by}, and what the effort says was used."
+            f"{estimate.joint}: the study says {name} = {told:.4g}, its"
+            f" {_EFFORTS[estimate.effort].removeprefix('the ')} shows {_figure(found)}: the study's"
+            f" value is wrong{by}, and the estimate was used."
         )
     return said
 
@@ -69,7 +69,7 @@ def of_load(estimate: ControllerEstimate) -> list[str]:
         if factor is not None and not factor.interval95[0] <= 1.0 <= factor.interval95[1]:
             said.append(
                 f"{estimate.joint}: the load's {name} is {_figure(factor)} times the model's, by"
-                " the drive's figures as told."
+                " the drive's parameters in the study."
             )
     return said
 
@@ -82,12 +82,12 @@ def drive_in_words(estimate: ControllerEstimate, told: bool) -> str:
         f"{name.replace('_', ' ')} {_figure(each)}" for name, each in estimate.drive.items()
     )
     scale = (
-        "the torque per volt is the study's, so masses can be told"
+        "the torque per volt is the study's, so masses can be estimated"
         if told
         else "they were fitted to the model's own masses: of a model twice as heavy all torques"
-        " would be twice as large, so a wrong mass cannot be told from another torque per volt"
+        " would be twice as large, so a wrong mass looks like another torque per volt"
     )
-    return f"{estimate.joint}: torques are duties times a motor's figures ({figures}); {scale}."
+    return f"{estimate.joint}: torques are duties times a motor's parameters ({figures}); {scale}."
 
 
 def with_untellable(
@@ -105,30 +105,28 @@ def with_untellable(
         )
     if estimate.effort in ("tau_cmd", "duty"):
         said.append(
-            "the effort is what was asked for: a drive's gain cannot be told from masses that are"
-            " all off by the same factor"
+            "the effort is a command: a gain of the drive looks like masses that are all wrong by"
+            " the same factor"
         )
     if "gravity" in gains or "inertia" in gains:
         said.append(
-            "the factor of what it feeds forward is of its own model: it says nothing of the"
+            "the factor of its feed-forward is of its own model: it says nothing about the"
             " machine's masses"
         )
     if "limit" in gains:
-        said.append("while it is cut off at its limit, its gains act on nothing")
+        said.append("while its output is at its limit, its gains have no effect")
     if estimate.effort == "duty" and not _told_scale(study):
         rotor = study.rotor_inertia is None
         said.append(
-            "of load and drive only ratios are seen: the load's mass and the torque per volt"
+            "only ratios of load and drive are seen: the load's mass and the torque per volt"
             + (", its length and the rotor's inertia" if rotor else "")
-            + " cannot be told apart"
+            + " cannot be separated"
         )
         if not released:
-            said.append(
-                "a back-EMF and viscous friction look the same while the drive never lets go"
-            )
+            said.append("a back-EMF and viscous friction look the same while the drive stays on")
     if estimate.law == "pid":
         said.append(
-            "a position loop around a speed loop that is told the desired speed is the same"
+            "a position loop around a speed loop that gets the desired speed is the same law"
         )
     if estimate.law == "pd" and study.told is not None and study.told.type == "cascade":
         said.append("a position loop around a speed loop without an integral is the same PD law")
@@ -149,12 +147,12 @@ def nothing_known(study: Study, joints: list[str]) -> str:
             " against one another."
         )
     return (
-        f"{where}: neither effort nor the controller's gains are known. What can be told: how late"
+        f"{where}: neither effort nor the controller's gains are known. What can be found: how late"
         " and how slowly positions follow their commands, by how much they droop under load, the"
-        " width at reversals in which they do not follow (play or stiction, one figure for both),"
+        " width at reversals in which they do not follow (play or stiction, one value for both),"
         " offsets. What cannot: torques, friction, masses and inertias, gains of the drive, and"
         " whether play or stiction makes the width. A duty, a current or a torque in the log, or"
-        " the controller's gains in the study, would tell more."
+        " the controller's gains in the study, would show more."
     )
 
 

@@ -60,7 +60,7 @@ class AsymmetricFriction(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (
-            f"{where} rubs differently in its two directions: forwards less backwards"
+            f"Friction of {where} differs between the two directions: forwards less backwards"
             f" {values['level_difference']:.3g} N m and {values['viscous_difference']:.3g} N m per"
             " rad/s."
         )

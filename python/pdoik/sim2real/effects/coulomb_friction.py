@@ -61,8 +61,8 @@ class CoulombFriction(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (
-            f"{where} needs {values['level']:.3g} N m more than the model says whichever way it"
-            " turns, at any speed: dry friction."
+            f"{where} has Coulomb friction of {values['level']:.3g} N m that is not in the model:"
+            " the same torque against the motion at any speed."
         )
 
     def regime(self, where: str) -> str:

@@ -76,7 +76,7 @@ class FrictionDrift(Effect):
         """In words."""
         return (
             f"Friction of {where} is {values['extra']:.3g} N m higher at the start of a recording"
-            f" and fades over about {values['time_constant']:.2g} s: it warms up."
+            f" and decreases over about {values['time_constant']:.2g} s: it warms up."
         )
 
     def regime(self, where: str) -> str:

@@ -52,7 +52,7 @@ class _OfImu(Effect):
 
 
 class ImuTilt(_OfImu):
-    """Its axes are turned against what is told of them, by a small rotation."""
+    """Its axes are rotated by a small angle against those that the study gives."""
 
     id = "imu_tilt"
     name = "an IMU that is tilted"

@@ -103,7 +103,7 @@ class LinkInertials(Effect):
         """In words."""
         h = np.linalg.norm([values[f"d_first_moment_{axis}"] for axis in "xyz"])
         return (
-            f"{where} is not as heavy as the model says: {values['d_mass']:+.3g} kg and"
+            f"The inertia of {where} is not the model's: {values['d_mass']:+.3g} kg and"
             f" {h:.3g} kg m of first moment, or a combination of links that amounts to the same."
         )
 
@@ -205,6 +205,6 @@ class Payload(LinkInertials):
         """In words."""
         com = ", ".join(f"{1e3 * values[f'com_{axis}']:.3g}" for axis in "xyz")
         return (
-            f"{where} carries {values['mass']:.3g} kg that the model does not know, at"
+            f"{where} carries {values['mass']:.3g} kg that is not in the model, at"
             f" ({com}) mm in its frame."
         )

@@ -72,7 +72,7 @@ class JointOffset(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         degrees = np.degrees(values["offset"])
-        return f"The zero of {where} is off: it truly stands {degrees:.2g} degrees further."
+        return f"The zero of {where} is wrong: its true position is {degrees:.2g} degrees further."
 
     def regime(self, where: str) -> str:
         """When it shows."""

@@ -51,8 +51,8 @@ class LoadDependentFriction(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (
-            f"{where} rubs more the more it carries: {100 * values['coefficient']:.2g} % of the"
-            " torque it transmits is lost to friction."
+            f"Friction of {where} grows with its load: {100 * values['coefficient']:.2g} % of the"
+            " torque that it transmits is lost."
         )
 
     def regime(self, where: str) -> str:

@@ -81,7 +81,7 @@ class PayloadError(LinkInertials):
         """In words."""
         h = np.linalg.norm([values[f"d_first_moment_{axis}"] for axis in "xyz"])
         return (
-            f"{where} is not what the study says: {values['d_mass']:+.3g} kg and {h:.3g} kg m of"
+            f"{where} is not as the study says: {values['d_mass']:+.3g} kg and {h:.3g} kg m of"
             " first moment."
         )
 

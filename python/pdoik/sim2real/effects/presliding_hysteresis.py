@@ -87,8 +87,8 @@ class PreslidingHysteresis(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (
-            f"Friction of {where} ({values['level']:.3g} N m) does not flip at a reversal but"
-            f" builds up over {values['displacement']:.2g} rad, as a spring does before it slides."
+            f"Friction of {where} ({values['level']:.3g} N m) does not change sign at once: after"
+            f" a reversal it builds up over {values['displacement']:.2g} rad, as a spring does."
         )
 
     def regime(self, where: str) -> str:

@@ -108,7 +108,7 @@ class SensorGain(Effect):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
-        return f"A sensor of {where} reads {values['gain']:.3g} times what is true."
+        return f"A sensor of {where} reads {values['gain']:.3g} times the true value."
 
 
 def channel_of(variant: str, default: SensedChannel) -> SensedChannel:

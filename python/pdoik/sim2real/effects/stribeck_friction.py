@@ -79,8 +79,8 @@ class StribeckFriction(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (
-            f"{where} has {values['extra']:.3g} N m more dry friction when it creeps than when it"
-            f" runs; the surplus is gone above about {values['speed']:.2g} rad/s (Stribeck)."
+            f"{where} has {values['extra']:.3g} N m more dry friction near rest than at speed; the"
+            f" difference disappears above about {values['speed']:.2g} rad/s (Stribeck)."
         )
 
     def regime(self, where: str) -> str:

@@ -69,7 +69,7 @@ class TorqueGain(TorqueChannel):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
-        return f"The torque of {where} reads {values['gain']:.3g} times what it is."
+        return f"The torque reading of {where} is {values['gain']:.3g} times the true torque."
 
     def regime(self, where: str) -> str:
         """When it shows."""

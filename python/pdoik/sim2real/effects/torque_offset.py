@@ -57,7 +57,7 @@ class TorqueOffset(TorqueChannel):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
-        return f"The torque of {where} is off by {values['offset']:.3g} N m, always the same."
+        return f"The torque of {where} has a constant offset of {values['offset']:.3g} N m."
 
     def regime(self, where: str) -> str:
         """When it shows."""

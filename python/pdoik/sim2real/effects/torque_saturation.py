@@ -129,7 +129,9 @@ class TorqueSaturation(Effect):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
-        return f"The drive of {where} gives at most {values['level']:.3g} N m, whatever is asked."
+        return (
+            f"The drive of {where} gives at most {values['level']:.3g} N m, whatever the command."
+        )
 
     def regime(self, where: str) -> str:
         """When it shows."""

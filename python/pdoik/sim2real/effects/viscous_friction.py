@@ -41,6 +41,6 @@ class ViscousFriction(Effect):
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
         return (
-            f"{where} needs {values['coefficient']:.3g} N m more for every rad/s of speed than the"
-            " model says: its friction grows with speed."
+            f"{where} has viscous friction of {values['coefficient']:.3g} N m for every rad/s of"
+            " speed that is not in the model."
         )

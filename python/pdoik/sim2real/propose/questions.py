@@ -89,7 +89,7 @@ def beyond_motion(finding: Finding) -> str:
     effect = CATALOGUE.get(finding.effect)
     name = finding.effect.replace("_", " ")
     if effect is None or effect.sought == "last":
-        return f"{name}: it has no name whose torque could be foretold"
+        return f"{name}: it has no name whose torque could be predicted"
     if effect.sought == "windows":
         return f"{name}: it happened once"
     if effect.sought == "channels":

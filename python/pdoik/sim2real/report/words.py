@@ -16,20 +16,20 @@ VERDICTS: dict[Verdict, tuple[str, str]] = {
         "The residual is no larger than the recordings' own noise.",
     ),
     "mismatch_explained": (
-        "Model and machine differ, and what was found explains it",
-        "With the findings below, the model predicts recordings it never saw down to their noise.",
+        "Model and machine differ; the findings explain it",
+        "With the findings below, the model predicts held-out recordings down to their noise.",
     ),
     "mismatch_partly_explained": (
-        "Model and machine differ, and what was found explains a part of it",
+        "Model and machine differ; the findings explain a part of it",
         "The findings below explain a part of the residual; the rest of it has no known cause.",
     ),
     "mismatch_unexplained": (
-        "Model and machine differ, and no known effect explains it",
-        "Every effect that was tried failed on data it was not fitted to. Where the mismatch"
-        " sits is known, what causes it is not.",
+        "Model and machine differ; no known effect explains it",
+        "Every effect that was tried failed on data it was not fitted to. The place of the mismatch"
+        " is known, its cause is not.",
     ),
     "cannot_tell": (
-        "These recordings cannot tell",
+        "These recordings cannot answer the question",
         "They hold too little motion, or too few channels, to judge the model by.",
     ),
 }
@@ -132,7 +132,7 @@ def suspected_words(diagnosis: Diagnosis) -> str:
         return ""
     said = [f"{effect_name(f.effect)} at {place(f)}" for f in diagnosis.suspected[:3]]
     more = f" and {len(diagnosis.suspected) - 3} more" if len(diagnosis.suspected) > 3 else ""
-    return f"Suspected only, too little speaks for it: {'; '.join(said)}{more}."
+    return f"Suspected only, with too little evidence: {'; '.join(said)}{more}."
 
 
 def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]:

@@ -13,7 +13,7 @@ VERDICTS: dict[Verdict, str] = {
     "mismatch_explained": "what differs is explained",
     "mismatch_partly_explained": "what differs is explained in part",
     "mismatch_unexplained": "what differs is not explained by any property of the simulator",
-    "cannot_tell": "no joint moves, so nothing can be told",
+    "cannot_tell": "no joint moves, so nothing can be found",
 }
 
 

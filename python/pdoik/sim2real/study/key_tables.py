@@ -10,12 +10,15 @@ _PER_JOINT = "a list in the joints' order, or by name"
 
 STUDY: Keys = {
     "robot": Key(
-        "a path", "URDF or MJCF of the machine", "arm.urdf", "no description: less is told"
+        "a path", "URDF or MJCF of the machine", "arm.urdf", "no description: less can be found"
     ),
-    "base": Key("`floating`, or a mapping", "a base that nothing holds", "floating", "fixed"),
-    "tip": Key("a link", "whose pose `tip.x` ... `tip.qw` are", "tool", "the last link"),
+    "base": Key("`floating`, or a mapping", "a base that is not fixed", "floating", "fixed"),
+    "tip": Key("a link", "the link whose pose is `tip.x` ... `tip.qw`", "tool", "the last link"),
     "joints": Key(
-        "a list of names", "those to look at, in this order", "[j1, j2]", "all that have a position"
+        "a list of names",
+        "the joints to diagnose, in this order",
+        "[j1, j2]",
+        "all that have a position",
     ),
     "recordings": Key(
         "a list of paths or mappings",
@@ -24,7 +27,7 @@ STUDY: Keys = {
     ),
     "controller": Key(
         "a mapping",
-        "what is known of the drives' law",
+        "what is known of the control law",
         "{type: pd, kp: [300, 300], kd: [20, 20]}",
         "not known",
     ),
@@ -38,7 +41,10 @@ STUDY: Keys = {
         "a mapping", "your simulator's model, which `pdoik compare` runs", "{mjcf: go2.xml}", _NONE
     ),
     "trust": Key(
-        "a mapping", "how far model and torques may be off", "{rigid_body: 0.05}", "see below"
+        "a mapping",
+        "how large errors of model and torques may be",
+        "{rigid_body: 0.05}",
+        "see below",
     ),
     "rotor_inertia": Key(
         _PER_JOINT, "of each drive's rotor, seen at the joint [kg m^2]", "[0.05, 0.02]", "fitted"
@@ -55,24 +61,25 @@ STUDY: Keys = {
         '{q: "enc_{index}", time: stamp}',
         "by their names",
     ),
-    "ignore": Key("a list of names", "columns to pass over", "[torque_raw]", _NONE),
-    "max_rows": Key(
-        "a whole number", "rows of a file from which it is refused", "1000000", f"{MAX_ROWS}"
-    ),
+    "ignore": Key("a list of names", "columns to ignore", "[torque_raw]", _NONE),
+    "max_rows": Key("a whole number", "a file with more rows is refused", "1000000", f"{MAX_ROWS}"),
 }
 
 ENTRY: Keys = {
     "file": Key("a path", "of the log, from the study's folder", "monday.csv"),
     "role": Key(
         "`fit` or `validate`",
-        "to learn from, or only to judge by",
+        "used for fitting, or only to judge the result",
         "validate",
-        "fit; where no entry says, the last third judges",
+        "`fit`; if no entry has a role, the last third judges",
     ),
     "window": Key("two times [s]", "the part to read", "[2.0, 30.0]", "all of it"),
-    "every": Key("a whole number", "one row of so many", "2", "1"),
+    "every": Key("a whole number", "read one row of this many", "2", "1"),
     "rate": Key(
-        "a number [Hz]", "of rows, where no column is the time", "100", "by the column `time`"
+        "a number [Hz]",
+        "rows per second, if there is no column of times",
+        "100",
+        "by the column `time`",
     ),
     "columns": Key(
         "as of the study", "of this file instead of the study's", "{time: stamp}", "the study's"
@@ -98,18 +105,20 @@ SETUP: Keys = {
     ),
     "controller": Key(
         "a mapping",
-        "keys of the study's controller that were others here",
+        "keys of the study's controller that were different here",
         "{kp: [200, 200]}",
         "the study's",
     ),
     "session": Key(
         "text, a number or a date",
-        "the day, or whatever else was the same",
+        "the day, or other conditions that recordings share",
         "monday",
-        "one, with all others that say none",
+        "one session, with all other entries without one",
     ),
-    "temperature": Key("a number, or one for each joint [deg C]", "kept and shown", "31.5", _NONE),
-    "surface": Key("text", "kept and shown", "rubber mat", _NONE),
+    "temperature": Key(
+        "a number, or one for each joint [deg C]", "stored and shown", "31.5", _NONE
+    ),
+    "surface": Key("text", "stored and shown", "rubber mat", _NONE),
 }
 
 PAYLOAD: Keys = {
@@ -132,12 +141,12 @@ LAW: Keys = {
         "true or false",
         "it knows the model's gravity",
         "true",
-        "false where gains are told; else estimated",
+        "false if gains are given, else estimated",
     ),
-    "torque_limit": Key(_PER_JOINT, "of what it commands [N m]", "[87, 12]", _NONE),
+    "torque_limit": Key(_PER_JOINT, "largest torque that it commands [N m]", "[87, 12]", _NONE),
     "period": Key(
         "a number [s]",
-        "of the controller, which holds its command so long",
+        "of the controller, which holds its command for this time",
         "0.001",
         "that of the log",
     ),

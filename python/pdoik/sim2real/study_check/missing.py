@@ -28,8 +28,8 @@ from .sizes import Size
 _PIECE = 6.0  # of a recording that stand-ins are put into [s]
 _AT_ONCE = 2  # channels that are asked for together, at most
 _SENSED = {
-    "channels": "no size is foretold: channels are held against those of the other joints",
-    "windows": "no size is foretold: what happens once is found by its own window",
+    "channels": "no size is predicted: channels are compared with those of the other joints",
+    "windows": "no size is predicted: a single event is found by its own window",
 }
 
 

@@ -45,7 +45,7 @@ def questions_of(facts: Facts) -> dict[str, str]:
     if study.rotor_inertia is None:
         asked["rotor_inertia"] = (
             "inertia of each drive's rotor, seen at the joint (times the gear ratio squared)?"
-            " Untold, it is fitted"
+            " Without it, it is fitted"
         )
     if "tip" in channels:
         asked["tip"] = "of which link was the pose measured? Without it, of the last one"
@@ -80,8 +80,8 @@ def _of_controller(facts: Facts) -> dict[str, str]:
     if facts.gains is not None:
         return {"controller": "are the MJCF's gains those of the recorded machine's controller?"}
     return {
-        "controller": "gains of the controller, and does it compensate gravity? Untold, they are"
-        " estimated where an effort was logged"
+        "controller": "gains of the controller, and does it compensate gravity? Without them, they"
+        " are estimated where an effort was logged"
     }
 
 

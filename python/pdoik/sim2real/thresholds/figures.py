@@ -21,8 +21,8 @@ class FigureThresholds(Group):
     )
     torque_scale: float = threshold(
         0.04,
-        "standard deviation of a torque's own scale, which intervals of all that is told by torques"
-        " include; 'trust: {torque: ...}' of a study says another",
+        "standard deviation of a torque's own scale, which intervals of all that follows from"
+        " torques include; 'trust: {torque: ...}' of a study says another",
         "",
         "gain errors of current sensors and torque constants: data sheets, 3 to 5 %",
     )
@@ -42,7 +42,7 @@ class FigureThresholds(Group):
         "chosen: from day to day it changes by 10 to 30 %",
     )
     least_clusters: int = threshold(
-        12, "clusters of rows in which a term acts, from which its error is told", "clusters"
+        12, "clusters of rows in which a term acts, from which its error is estimated", "clusters"
     )
     shortest_cluster: float = threshold(0.25, "length below which clusters are not parted", "s")
     position_delay: float = threshold(

@@ -14,7 +14,7 @@ class SelectionThresholds(Group):
     harmonic_power: float = threshold(
         20.0, "power of a harmonic in what is left, from which its effects are tried", "sigma^2"
     )
-    harmonic_rows: int = threshold(50, "rows from which a harmonic can be told", "rows")
+    harmonic_rows: int = threshold(50, "rows from which a harmonic can be found", "rows")
     rival_gain: float = threshold(
         0.8, "share of a term's gain that another must have in training to be held against it"
     )

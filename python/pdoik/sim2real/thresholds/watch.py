@@ -20,7 +20,7 @@ class WatchThresholds(Group):
         source="10 to 30 % from day to day, Simoni et al., IROS 2015, and the README",
     )
     told_within: float = threshold(
-        1.0, "time after which a change of the smallest size that is looked for is told", "s"
+        1.0, "time after which a change of the smallest size that is looked for is reported", "s"
     )
     shortest: float = threshold(0.15, "time that evidence lasts before it is an alarm", "s")
     slides: float = threshold(
@@ -38,7 +38,9 @@ class WatchThresholds(Group):
     learn: float = threshold(
         10.0, "motion of the joint after an alarm from which the cause is learnt", "s"
     )
-    learn_at_most: float = threshold(40.0, "time after an alarm at which the cause is told", "s")
+    learn_at_most: float = threshold(
+        40.0, "time after an alarm at which the cause is reported", "s"
+    )
     revise: float = threshold(
         120.0, "time after an onset within which its cause may be learnt anew", "s"
     )
