@@ -37,7 +37,7 @@ class LbfgsOptions:
         max_iterations: Per minimisation.
         max_line_search: Trial steps per iteration.
         gradient_tolerance: Stop when the gradient falls below this.
-        relative_decrease: Stop when f falls by less than this times |f|.
+        relative_decrease: Stop when f falls by less than this share of it.
         first_step: Length of the first step along the steepest descent, at most.
         max_step: Longest first trial of an iteration.
         armijo: c1 of the Wolfe conditions.

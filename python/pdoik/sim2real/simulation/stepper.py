@@ -39,7 +39,7 @@ class Stepper:
     `model` and `data` are MuJoCo's and may be read, and given other forces through `xfrc_applied`
     and `ctrl`, between steps; `qfrc_applied` is written by every step. MuJoCo moves positions by
     speeds of the step's end, so its `qpos` is kept half a step ahead of `qvel`, as leapfrog has
-    it: that makes the motion exact to second order. `q` is where the joints are now.
+    it: that makes the motion exact to second order. `q` is where the joints are now::
 
         stepper = load_model("report/model.json").stepper()
         stepper.reset(q0)
