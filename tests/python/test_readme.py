@@ -103,7 +103,7 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     lines = dict.fromkeys(tuple(words[1:]) for words in commands)  # each once
     assert {words[0] for words in lines} == {
         *("info", "solve", "report", "occupancy", "pairs", "bench", "view", "h1"),
-        *("study", "effects", "diagnose", "compare", "predict", "replay", "watch", "propose"),
+        *("study", "effects", "diagnose", "compare", "predict", "simulate", "watch", "propose"),
     }
     for line in lines:
         words = list(line)
