@@ -235,7 +235,7 @@ stage_wheel() {
 }
 
 stage_python_all() {
-  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile "$@"
+  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile --no-loadscope-reorder "$@"
 }
 
 # The documentation's site, whose warnings are errors. The code in its pages is run by the Python tests.

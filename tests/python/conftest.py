@@ -19,6 +19,14 @@ settings.register_profile("pdoik", deadline=None, derandomize=True, print_blob=T
 settings.load_profile("pdoik")
 
 
+SLOWEST = ("test_view_page", "test_readme", "test_soak", "test_sim2real_inference")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that take minutes come first, or one worker is left alone with one at the end."""
+    items.sort(key=lambda item: item.path.stem not in SLOWEST)
+
+
 def pytest_report_header() -> str:
     return "seeds: fixed, 0 upwards; hypothesis derandomized"
 

@@ -107,7 +107,8 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     }
     for line in lines:
         words = list(line)
-        if words[0] in ("view", "h1"):  # these go on and on: tested where they are written
+        # These take long: tested where they are written, and compare's line by a long test below.
+        if words[0] in ("view", "h1", "compare"):
             words = [words[0], "--help"]
         if words[0] == "watch" and "--once" not in words:
             words += ["--once"]
@@ -120,6 +121,13 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
         assert done.returncode in ((0, 3) if words[0] == "propose" else (0,)), line
     assert (tmp_path / "out.png").exists()
     assert (tmp_path / "arm.occupancy.yaml").exists()
+
+
+@pytest.mark.long
+def test_the_comparisons_line_runs(examples: Path) -> None:
+    (line,) = re.findall(r"^pdoik (compare .*)$", (DOCS / "compare.md").read_text(), re.MULTILINE)
+    command = [sys.executable, "-m", "pdoik.cli", *shlex.split(line, comments=True)]
+    subprocess.run(command, cwd=examples, check=True, stdout=subprocess.DEVNULL)
 
 
 @pytest.mark.long

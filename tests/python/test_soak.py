@@ -390,7 +390,7 @@ def test_the_command_makes_its_tables_goes_on_where_it_was_and_replays(tmp_path:
             command, cwd=REPOSITORY, capture_output=True, text=True, check=False, timeout=600
         )
 
-    out = ["--out", str(tmp_path / "soak"), "--solves", "1000", "--steps", "200", "--seed", "1"]
+    out = ["--out", str(tmp_path / "soak"), "--solves", "300", "--steps", "60", "--seed", "1"]
     first = run(*out)
     assert first.returncode == 0, first.stdout + first.stderr
     text = (tmp_path / "soak" / "soak.md").read_text()
