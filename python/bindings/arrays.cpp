@@ -21,7 +21,7 @@ void require_finite(const Array& array, const std::string& name) {
   if (!values.isFinite().all()) throw std::invalid_argument(name + " holds NaN or infinity");
 }
 
-Eigen::Isometry3d to_isometry(const double* rows, const std::string& name) {
+Eigen::Isometry3d from_rows(const double* rows, const std::string& name) {
   const ConstMatrix4 matrix(rows);
   if (!matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), 1e-6)) {
     throw std::invalid_argument(name + " has a last row other than [0, 0, 0, 1]");
@@ -81,7 +81,7 @@ Eigen::Isometry3d to_isometry(const ArrayLike& values, const std::string& name) 
   if (array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4)
     fail_shape(array, name, "(4, 4)");
   require_finite(array, name);
-  return to_isometry(array.data(), name);
+  return from_rows(array.data(), name);
 }
 
 std::vector<Eigen::Isometry3d> to_isometries(const ArrayLike& values, const std::string& name) {
@@ -91,7 +91,7 @@ std::vector<Eigen::Isometry3d> to_isometries(const ArrayLike& values, const std:
   require_finite(array, name);
   std::vector<Eigen::Isometry3d> result;
   for (py::ssize_t i = 0; i < array.shape(0); ++i) {
-    result.push_back(to_isometry(array.data() + 16 * i, name + "[" + std::to_string(i) + "]"));
+    result.push_back(from_rows(array.data() + 16 * i, name + "[" + std::to_string(i) + "]"));
   }
   return result;
 }

@@ -32,8 +32,9 @@ Capsule to_capsule(const std::string& link, const ArrayLike& a, const ArrayLike&
           overhang};
 }
 
-Occupancy make(const std::vector<SphereIn>& spheres, const std::vector<SpheroidIn>& spheroids,
-               const std::vector<CapsuleIn>& capsules) {
+Occupancy make_occupancy(const std::vector<SphereIn>& spheres,
+                         const std::vector<SpheroidIn>& spheroids,
+                         const std::vector<CapsuleIn>& capsules) {
   Occupancy result;
   for (const auto& [link, center, radius] : spheres) {
     result.spheres.push_back({link, to_vector3(center, "spheres: xyz"), radius});
@@ -72,7 +73,7 @@ std::vector<CapsuleOut> capsules_of(const Occupancy& occupancy) {
   return result;
 }
 
-AnyTuple state(const Occupancy& occupancy) {
+AnyTuple occupancy_state(const Occupancy& occupancy) {
   return py::make_tuple(py::tuple(py::cast(spheres_of(occupancy))),
                         py::tuple(py::cast(spheroids_of(occupancy))),
                         py::tuple(py::cast(capsules_of(occupancy))));
@@ -93,7 +94,7 @@ A capsule is what lies within its radius of a segment, on one link. A link that 
 spheres and spheroids only say where to look (and are what method "paper" and inner "lbfgs" know): few wide
 hulls for speed, many tight ones for the verdict. Hulls are numbered spheres first, then spheroids, then
 capsules. An occupancy does not change.)")
-      .def(py::init(&make), py::kw_only(), py::arg("spheres") = py::tuple(),
+      .def(py::init(&make_occupancy), py::kw_only(), py::arg("spheres") = py::tuple(),
            py::arg("spheroids") = py::tuple(), py::arg("capsules") = py::tuple(),
            R"(Args:
     spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
@@ -135,17 +136,17 @@ Raises:
           "__eq__",
           [](const Occupancy& self, const py::object& other) {
             return py::isinstance<Occupancy>(other) &&
-                   state(self).equal(state(other.cast<const Occupancy&>()));
+                   occupancy_state(self).equal(occupancy_state(other.cast<const Occupancy&>()));
           },
           py::arg("other"))
-      .def("__hash__", [](const Occupancy& self) { return py::hash(state(self)); })
+      .def("__hash__", [](const Occupancy& self) { return py::hash(occupancy_state(self)); })
       .def("__repr__",
            [](const Occupancy& self) {
              return py::str("<Occupancy of {} spheres, {} spheroids and {} capsules>")
                  .format(self.spheres.size(), self.spheroids.size(), self.capsules.size());
            })
-      .def(py::pickle(&state, [](const AnyTuple& state) {
-        return make(
+      .def(py::pickle(&occupancy_state, [](const AnyTuple& state) {
+        return make_occupancy(
             state[0].cast<std::vector<SphereIn>>(), state[1].cast<std::vector<SpheroidIn>>(),
             state.size() > 2 ? state[2].cast<std::vector<CapsuleIn>>() : std::vector<CapsuleIn>());
       }));

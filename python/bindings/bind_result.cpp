@@ -54,7 +54,7 @@ std::string batch_repr(const BatchResult& batch) {
   return py::str("<BatchResult: {} of {} solved>").format(solved, batch.results.size());
 }
 
-AnyTuple state(const NamedResult& r) {
+AnyTuple result_state(const NamedResult& r) {
   return py::make_tuple(r.q, r.success, static_cast<int>(r.status), r.position_error,
                         r.rotation_error, r.clearance, r.limit_violation, r.worst.violation,
                         r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time,
@@ -134,7 +134,7 @@ best found.)")
                     "Evaluations and looks at all obstacles begun after max_time had struck: the "
                     "verdict takes one.")
       .def("__repr__", &repr)
-      .def(py::pickle(&state, &from_state));
+      .def(py::pickle(&result_state, &from_state));
 }
 
 void bind_batch(py::module_& module) {

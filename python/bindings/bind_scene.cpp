@@ -22,8 +22,8 @@ std::optional<ThinnedCloud> to_cloud(const std::optional<ObstaclesLike>& cloud) 
   return ThinnedCloud{Cloud(points.in_double()), std::nullopt};
 }
 
-SceneObject make(const std::vector<Shape>& shapes, const std::optional<ObstaclesLike>& cloud,
-                 const std::vector<Contact>& allowed) {
+SceneObject make_scene(const std::vector<Shape>& shapes, const std::optional<ObstaclesLike>& cloud,
+                       const std::vector<Contact>& allowed) {
   std::vector<AllowedContact> contacts;
   const auto to_contact = [](const auto&... parts) { return AllowedContact{parts...}; };
   for (const Contact& contact : allowed) {
@@ -56,7 +56,7 @@ void bind_scene(py::module_& module) {
                           R"(Solids and points that are obstacles together, for `obstacles=`.
 
 It does not change, but its cloud may. Any number of solvers may share it.)")
-      .def(py::init(&make), py::arg("shapes") = py::tuple(), py::kw_only(),
+      .def(py::init(&make_scene), py::arg("shapes") = py::tuple(), py::kw_only(),
            py::arg("cloud") = py::none(), py::arg("allowed") = py::tuple(),
            R"(Put shapes and points together.
 

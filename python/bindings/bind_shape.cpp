@@ -87,7 +87,7 @@ std::vector<double> size_of(const Shape& shape) {
 
 using AnyTuple = py::typing::Tuple<py::object, py::ellipsis>;
 
-AnyTuple state(const Shape& shape) {
+AnyTuple shape_state(const Shape& shape) {
   return py::make_tuple(shape.name, static_cast<int>(shape.kind),
                         Matrix4(shape.T_base_shape.matrix()), shape.size, vertices_of(shape),
                         triangles_of(shape));
@@ -192,7 +192,7 @@ void bind_shape(py::module_& module) {
            [](const Shape& self) {
              return py::str("<Shape '{}', a {}>").format(self.name, to_name(self.kind));
            })
-      .def(py::pickle(&state, [](const AnyTuple& state) {
+      .def(py::pickle(&shape_state, [](const AnyTuple& state) {
         Shape shape;
         shape.name = state[0].cast<std::string>();
         shape.kind = static_cast<Shape::Kind>(state[1].cast<int>());

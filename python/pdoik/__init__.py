@@ -8,9 +8,10 @@
 True
 """
 
-from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
 
-import pdoik._import_core  # noqa: F401  # says what to install if a library is missing
+import pdoik._import_core  # says what to install if a library is missing
+import pdoik._ways  # noqa: F401  # puts Robot.from_urdf and its like on Robot
 from pdoik._core import (
     BatchResult,
     Cloud,
@@ -30,7 +31,6 @@ from pdoik._core import (
     simd_name,
     voxel_downsample,
 )
-from pdoik.descriptions import load_robot, urdf_text
 from pdoik.errors import LoadError, OverhangWarning, PdoikError, RobotWarning
 from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
@@ -41,13 +41,8 @@ from pdoik.options import (
     Options,
     Touch,
 )
-from pdoik.reach_map import Grid, Reachability, reachability
-from pdoik.reports import Replay, replay_report, write_report
-from pdoik.scenes import load_scene, save_scene
 from pdoik.solver import Solver
 from pdoik.tracker import Tracker
-
-__version__ = version("pdoik")
 
 __all__ = [
     "AugmentedLagrangianOptions",
@@ -91,3 +86,42 @@ __all__ = [
     "voxel_downsample",
     "write_report",
 ]
+
+if TYPE_CHECKING:
+    from pdoik.descriptions import load_robot, urdf_text
+    from pdoik.reach_map import Grid, Reachability, reachability
+    from pdoik.reports import Replay, replay_report, write_report
+    from pdoik.scenes import load_scene, save_scene
+
+    __version__: str
+else:
+    _LATER = {  # imported when asked for, so that a program that solves starts sooner
+        "Grid": "reach_map",
+        "Reachability": "reach_map",
+        "Replay": "reports",
+        "load_robot": "descriptions",
+        "load_scene": "scenes",
+        "reachability": "reach_map",
+        "replay_report": "reports",
+        "save_scene": "scenes",
+        "urdf_text": "descriptions",
+        "write_report": "reports",
+    }
+    _MODULES = {"clouds", *_LATER.values()}
+
+    def __getattr__(name: str) -> Any:
+        from importlib import import_module, metadata
+
+        if name == "__version__":
+            value = metadata.version("pdoik")
+        elif name in _MODULES:
+            value = import_module(f"pdoik.{name}")
+        elif name in _LATER:
+            value = getattr(import_module(f"pdoik.{_LATER[name]}"), name)
+        else:
+            raise AttributeError(f"module 'pdoik' has no attribute {name!r}")
+        globals()[name] = value
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *_LATER, *_MODULES, "__version__"})

@@ -105,3 +105,24 @@ def test_all_that_is_imported_is_in_the_extra_all() -> None:
                 found.add(node.module.partition(".")[0])
     found -= {*sys.stdlib_module_names, "pdoik", "numpy", *BY_CHOICE}
     assert {PACKAGE_OF.get(name, name) for name in found} <= told
+
+
+def test_what_solves_is_imported_alone_and_the_rest_when_asked_for() -> None:
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys, pdoik\n"
+            "pdoik.Solver(pdoik.Robot.builtin('panda'))\n"
+            "parts = {'reports', 'scenes', 'descriptions', 'reach_map', 'clouds', 'sim2real'}\n"
+            "early = sorted(part for part in parts if f'pdoik.{part}' in sys.modules)\n"
+            "assert {*pdoik.__all__, '__version__', 'scenes'} <= set(dir(pdoik))\n"
+            "from pdoik import *\n"
+            "print(early, load_scene is pdoik.scenes.load_scene, Grid.__name__)\n"
+            "pdoik.load_scenes",
+        ],
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout == "[] True Grid\n", done.stderr
+    assert "module 'pdoik' has no attribute 'load_scenes'" in done.stderr

@@ -1,12 +1,20 @@
 #!/usr/bin/env bash
 # The wheels of build/wheels, installed and tried where nothing but Debian's Python is:
-#   bash tests/wheel/roots.sh           in new roots of Debian 12 and 13, made by debootstrap; takes root's rights
+#   bash tests/wheel/roots.sh           in roots of Debian 12 and 13, made by debootstrap; takes root's rights
+# Debian 12 has Python 3.11 and Debian 13 has 3.13; a root whose Python has no wheel here is left out.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 command -v debootstrap >/dev/null || apt-get install -qq -y --no-install-recommends debootstrap >/dev/null
 mirror=$(apt-get indextargets --format '$(SITE)' | grep -m1 -v security)
 mkdir -p build/roots
+tried=0
 for release in bookworm trixie; do
+  if [[ $release == bookworm ]]; then tag=cp311; else tag=cp313; fi
+  if ! compgen -G "build/wheels/pdoik-*-$tag-$tag-*.whl" >/dev/null; then
+    printf -- '-- %s: no wheel of %s in build/wheels\n' "$release" "$tag"
+    continue
+  fi
+  tried=$((tried + 1))
   root=$PWD/build/roots/$release
   if [[ ! -d $root ]]; then
     rm -rf "$root.part"
@@ -20,7 +28,7 @@ for release in bookworm trixie; do
   fi
   rm -rf "$root/wheel" "$root/venv"
   mkdir "$root/wheel"
-  cp build/wheels/*.whl tests/wheel/smoke.py "$root/wheel/"
+  cp build/wheels/pdoik-*-"$tag-$tag"-*.whl tests/wheel/smoke.py "$root/wheel/"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   for file in /etc/pip.conf /etc/ssl/certs/ca-certificates.crt; do
     if [[ -f $file ]]; then cp "$file" "$root$file"; fi
@@ -35,3 +43,4 @@ for release in bookworm trixie; do
   inside "${pip[@]}" 'pdoik[all]'
   inside python /wheel/smoke.py all
 done
+((tried)) || { echo "roots.sh: build/wheels has no wheel for a Python of Debian 12 or 13" >&2; exit 1; }

@@ -3,7 +3,6 @@
 Comes in: a file or a name. Goes out: URDF text, or a `Robot` of it, with hulls where asked for.
 """
 
-from . import ways  # noqa: F401  # puts them on Robot
 from .load import load_robot
 from .text import urdf_text
 

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from .._addresses import Packages
 from .._core import Occupancy, Robot, load_srdf_pairs
 from .._files import write_whole
+from .._ways import read_urdf
 from ..errors import LoadError
 from .root_joint import standing
 from .text import Given, cache, shipped_name
@@ -22,8 +23,6 @@ from .text import Given, cache, shipped_name
 Placement = npt.ArrayLike | None
 FloatingBase = tuple[npt.ArrayLike, npt.ArrayLike] | None
 TipLinks = str | Sequence[str] | None
-
-_read_urdf = Robot.from_urdf  # the compiled one: `ways` puts another one in front of it
 
 
 def load_robot(
@@ -84,7 +83,7 @@ def load_given(
         plain = plain and stands is text
         source = given.path or given.text if plain else stands  # messages name a file
         try:
-            robot = _read_urdf(
+            robot = read_urdf(
                 source,
                 base_link,
                 tip_link,

@@ -1,5 +1,6 @@
-"""The ways to a robot that `Robot` itself offers; what they do is `load_robot`'s.
+"""The ways to a robot that `Robot` itself offers; what they do is that of `pdoik.descriptions`.
 
+That is imported when one is taken, for a program that takes none starts sooner without it.
 Their types are written with their modules, as the stub of the compiled module has them.
 """
 
@@ -9,16 +10,19 @@ import collections.abc
 import inspect
 import os
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy.typing
 
-import pdoik._addresses
+from ._core import Robot
+from .errors import LoadError
 
-from .._addresses import at_home
-from .._core import Robot
-from ..errors import LoadError
-from .load import load_given, load_robot
-from .text import Given, Kind, shipped_name
+if TYPE_CHECKING:
+    import pdoik._addresses
+
+    from .descriptions.text import Given, Kind
+
+read_urdf = Robot.from_urdf  # the compiled one, of text alone: below another is put in front of it
 
 _SAYS: dict[Kind, str] = {
     "urdf": "a URDF, which Robot.from_urdf reads",
@@ -68,6 +72,9 @@ def from_urdf(
         RobotWarning: Oddities that do not stop kinematics, such as missing velocity limits, which
             are taken as none, and inertias no body can have.
     """
+    from .descriptions.load import load_given
+    from .descriptions.text import Given
+
     text = str(path_or_xml)
     if text.lstrip().startswith("<"):
         given = Given.of_text(text, packages=packages)
@@ -106,8 +113,10 @@ def from_xacro(
         LoadError: As there; or xacro refuses the file.
         MissingExtraError: The package xacro is not installed.
     """
-    given = replace(_file(path, None, packages, "urdf", "xacro"), kind="xacro")
-    given = replace(given, arguments=arguments or {})
+    from .descriptions.load import load_given
+
+    given = _file(path, None, packages, "urdf", "xacro")
+    given = replace(given, kind="xacro", arguments=arguments or {})
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
@@ -139,6 +148,8 @@ def from_mjcf(
     Raises:
         LoadError: As there; or MuJoCo is not installed or refuses the file, or a joint is a ball.
     """
+    from .descriptions.load import load_given
+
     given = _file(path, None, (), "mjcf")
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
@@ -173,6 +184,9 @@ def from_description(
     Raises:
         LoadError: As there; or no robot has this name, or its package cannot get the files.
     """
+    from .descriptions.load import load_given, load_robot
+    from .descriptions.text import Given, shipped_name
+
     if shipped_name(name) is not None:
         return load_robot(
             name,
@@ -192,6 +206,9 @@ def _file(
     packages: pdoik._addresses.Packages,
     *kinds: Kind,
 ) -> Given:
+    from ._addresses import at_home
+    from .descriptions.text import Given
+
     file = at_home(path)
     try:
         given = Given.of_file(file, arguments=arguments, packages=packages)
