@@ -14,7 +14,7 @@ from pathlib import Path
 
 import typer
 
-from bench.ik.window.page import opened, save
+from bench.ik.window.page import opened, shoot
 from pdoik.view.diagnosis.report import load_report
 from pdoik.view.diagnosis.viewer import DiagnosisViewer
 from pdoik.view.server import start_server
@@ -34,10 +34,9 @@ def main(report: Path, out: Path) -> None:
         elapsed = round(AT * viewer.timeline.duration, 2)
         viewer.player.seek(elapsed)
         viewer.time.value = elapsed
-        with opened(viewer, height=900) as page:
+        with opened(viewer) as page:
             viewer.show(elapsed)
-            page.wait_for_timeout(8000)  # software rendering trails behind
-            save(page.screenshot(timeout=120_000), out)
+            shoot(page, out)
     finally:
         viewer.close()
         server.stop()

@@ -21,7 +21,7 @@ from pdoik.errors import PdoikError
 from pdoik.scenes import read_scene_file
 
 from .balance_scene import BalanceScene
-from .camera import fit_to_window, look
+from .camera import FittedCamera
 from .examples import Example
 from .examples_menu import ExamplesMenu
 from .files_tab import FilesTab
@@ -43,6 +43,8 @@ from .status import Status
 from .worker import Worker
 
 FloatArray = npt.NDArray[np.float64]
+
+_FOV = 0.7  # height of what the camera sees [rad]
 
 
 class Viewer:
@@ -83,9 +85,7 @@ class Viewer:
             section_color=(196, 202, 211),
             fade_distance=8 * size,
         )
-        server.initial_camera.fov = 0.7
-        look_at, position = camera_of(model, session.q)
-        server.initial_camera.look_at, server.initial_camera.position = look_at, position
+        self.camera = FittedCamera(server, *camera_of(model, session.q), _FOV)
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.shape_scene = ShapeScene(server)
@@ -100,7 +100,6 @@ class Viewer:
         self.examples = ExamplesMenu(gui, self, example)
         self.status = Status(gui)
         self.pages = PagesLine(server)
-        fit_to_window(server)
         tabs = gui.add_tab_group()
         self._solve_container = tabs.add_tab("Solve")
         with self._solve_container:
@@ -121,7 +120,7 @@ class Viewer:
     def close(self) -> None:
         """End the threads; the server is the caller's."""
         self.replay_tab.player.stop()
-        self.reach_tab.stop()
+        self.reach_tab.close()
         self.worker.stop()
         self.forget_uploads()
 
@@ -224,9 +223,6 @@ class Viewer:
         with self.complaints():
             model, session = example.make()
             self._replace_robot(model, session, example)
-            look_at, position = camera_of(model, session.q)
-            for client in self.server.get_clients().values():
-                look(client, look_at, position)
             if example.maps:
                 self.reach_tab.start_coarse()
 
@@ -328,6 +324,8 @@ class Viewer:
         if session is None:
             options = replace(self.session.options, balance=pdoik.Balance())  # over other links
             session = Session(model.robot, options, obstacles=self.session.obstacles)
+        if model.robot.name != self.model.robot.name or example is not None:
+            self.camera.go_to(*camera_of(model, session.q))
         with self.server.atomic():
             self.examples.follow(example)
             self.targets.remove()

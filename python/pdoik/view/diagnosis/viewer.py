@@ -17,9 +17,11 @@ import viser
 
 from pdoik.errors import PdoikError
 from pdoik.sim2real import load_study
+from pdoik.sim2real.evidence.motions import Motions
 from pdoik.sim2real.evidence.replays import replay_of
+from pdoik.sim2real.report.words import VERDICTS, number
 
-from ..camera import fit_to_window
+from ..camera import FittedCamera
 from ..message import Message
 from ..pages import PagesLine
 from ..player import Player
@@ -187,7 +189,9 @@ class DiagnosisViewer:
             self.simulate.visible = bool(self.copies) and not line.simulated
             self._arrange()
             self.point_at(self.joint)
-            self.message.say(_how(line) if self.copies else "The study has no robot to draw.")
+            self.numbers.follow(line)
+            how = _how(line, self.report.motions) if self.copies else "The study has no robot."
+            self.message.say(how)
 
     def _arrange(self) -> None:
         """Place the robots and show those that are ticked."""
@@ -233,11 +237,9 @@ class DiagnosisViewer:
         middle = (low + high) / 2
         wide = 2 * self._step + across
         away = max(wide, 1.7 * height) / (2 * np.tan(_FOV / 2)) + depth / 2
-        camera = self.server.initial_camera
-        camera.fov = _FOV
-        camera.look_at = middle + 0.15 * wide * self._across
-        camera.position = camera.look_at + away * (0.95 * ahead + np.array([0.0, 0.0, 0.3]))
-        fit_to_window(self.server)
+        look_at = middle + 0.15 * wide * self._across
+        position = look_at + away * (0.95 * ahead + np.array([0.0, 0.0, 0.3]))
+        FittedCamera(self.server, look_at, position, _FOV)
         return drawn.notes
 
     # The time.
@@ -317,16 +319,23 @@ def _worst(line: Timeline) -> int:
     return int(np.argmax(squares.mean(axis=0)))
 
 
-def _how(line: Timeline) -> str:
+def _how(line: Timeline, motions: Motions) -> str:
+    """How far the simulation goes off at the worst joint, and how it was made."""
     if line.motion.replay is None:
         return "Not simulated: all three move as recorded. Show, Simulate this recording."
+    off = line.departures
+    worst = int(np.argmax(np.nan_to_num(off["before"])))
+    before, after = (number(1e3 * float(off[which][worst])) for which in ("before", "after"))
+    small = "mm" if motions.position_units[worst] == "m" else "mrad"
     how = line.motion.replay.how
-    return f"{how[:1].upper()}{how[1:]}."
+    within = "the simulation is" if line.horizon is None else f"within {line.horizon:.2g} s it is"
+    return (
+        f"At {motions.joints[worst]} {within} off by {before} {small} before the findings and by"
+        f" {after} after. {how[:1].upper()}{how[1:]}."
+    )
 
 
 def _headline(report: Report) -> str:
-    from pdoik.sim2real.report.words import VERDICTS
-
     return (
         '<div style="padding:0.3em 1em;font-size:0.9em"><b>'
         f"{escape(VERDICTS[report.diagnosis.verdict][0])}</b><br>"
