@@ -36,6 +36,26 @@ def test_without_a_controller_the_recorded_torque_drives_and_the_notes_say_so() 
     assert "every 0.2 s" in again.notes[0]
 
 
+def test_a_joint_that_a_recorded_torque_drives_away_is_put_back() -> None:
+    run = commands(3.0, n=2, q_des=lambda t: np.stack([np.sin(2 * t), np.cos(3 * t) - 1], axis=1))
+    joints = ["joint1", "joint2"]
+    truth = parts("coulomb_friction", "joint2", level=8.0)
+    rotors = np.array([0.1, 0.5])
+    recorded = Simulator(arm_urdf(2), joints, pd(900.0, 60.0, 2), rotors, truth).replay(run)
+    bare = Simulator(arm_urdf(2), joints, rotor_inertia=np.array([0.1, 0.0]))
+    off = {
+        held: np.abs(bare.replay(recorded, leash=held).q - recorded.q).max(axis=0)
+        for held in (False, True)
+    }
+    assert off[False][1] > 1.0
+    assert 0.25 < off[True].max() < 0.6  # 0.3 rad, and what 4 ms more make of it
+    assert bare.put_back["joint2"] > 2 * bare.put_back.get("joint1", 0)  # which it pulls along
+    known = Simulator(arm_urdf(2), joints, rotor_inertia=rotors, parts=truth)
+    held = known.replay(recorded, leash=True)
+    assert known.put_back == {}
+    np.testing.assert_array_equal(held.q, known.replay(recorded).q)
+
+
 def test_the_same_commands_give_the_same_motion_to_the_last_bit() -> None:
     run = commands(1.0, n=2, q_des=lambda t: np.stack([np.sin(3 * t), np.cos(2 * t) - 1], axis=1))
     added = (

@@ -6,6 +6,7 @@ import itertools
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -132,6 +133,18 @@ def test_a_target_is_followed_while_a_map_is_computed_and_cancelling_keeps_the_o
     time.sleep(1.0)  # longer than a slice, after which nothing may come
     assert tab.progress.content == "cancelled"
     assert tab.map.result is old
+
+
+def test_closing_ends_the_run_and_its_thread() -> None:
+    server = start_server("127.0.0.1", 0)
+    viewer = Viewer(server, shipped_model(PANDA), Session(PANDA))
+    set_grid(viewer, [-1, -1, -0.5], [1, 1, 1.5], step=50, orientations=60)  # a minute or more
+    viewer.reach_tab.start()
+    wait(lambda: viewer.reach_tab.bar.value > 0)
+    viewer.close()
+    server.stop()
+    assert viewer.reach_tab.map.result is None
+    assert not [each for each in threading.enumerate() if each.name.startswith("pdoik view")]
 
 
 def test_another_robot_ends_the_run_takes_the_map_away_and_gets_a_grid(viewer: Viewer) -> None:

@@ -17,7 +17,7 @@ import typer
 
 import pdoik
 from bench.ik.judges.arm_meshes import _example_robot_data_share
-from bench.ik.window.page import drag, opened, save, served
+from bench.ik.window.page import drag, opened, served, shoot
 from pdoik.clouds import load_cloud
 from pdoik.view import Session
 from pdoik.view.model import Model
@@ -90,12 +90,10 @@ def main(out: Path) -> None:
     session = table_session(model.robot)
     with served(model, session) as viewer:
         viewer.obstacle_scene.ball.place(pose_of([1.0, 0.0, 0.0, 0.0], BALL))
-        with opened(viewer, height=850) as page:
+        with opened(viewer) as page:
             page.get_by_label("Ball", exact=True).check(force=True)
-            page.wait_for_timeout(4000)
             drag(viewer, TIP, way())
-            page.wait_for_timeout(6000)  # software rendering trails behind
-            save(page.screenshot(), out)
+            shoot(page, out)
 
 
 if __name__ == "__main__":

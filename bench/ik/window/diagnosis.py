@@ -11,10 +11,11 @@ recording, with the finding of most weight at one joint opened.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
-from bench.ik.window.page import opened, save
+from bench.ik.window.page import opened, shoot
 from pdoik.view.diagnosis.report import load_report
 from pdoik.view.diagnosis.viewer import DiagnosisViewer
 from pdoik.view.server import start_server
@@ -23,10 +24,12 @@ AT = 0.45  # of the recording's length
 TIMES = "1"  # by which differences of positions are drawn larger
 
 
-def main(report: Path, out: Path) -> None:
-    """Take the picture."""
+def main(
+    report: Path, out: Path, package_dir: Annotated[list[Path] | None, typer.Option()] = None
+) -> None:
+    """Take the picture; meshes of package:// addresses are looked for in PACKAGE_DIR."""
     server = start_server("127.0.0.1", 0)
-    viewer = DiagnosisViewer(server, load_report(report))
+    viewer = DiagnosisViewer(server, load_report(report), package_dir or ())
     try:
         findings = viewer.report.diagnosis.findings
         viewer.findings.choose(next((f for f in findings if len(f.joints) == 1), findings[0]))
@@ -34,10 +37,9 @@ def main(report: Path, out: Path) -> None:
         elapsed = round(AT * viewer.timeline.duration, 2)
         viewer.player.seek(elapsed)
         viewer.time.value = elapsed
-        with opened(viewer, height=900) as page:
+        with opened(viewer) as page:
             viewer.show(elapsed)
-            page.wait_for_timeout(8000)  # software rendering trails behind
-            save(page.screenshot(timeout=120_000), out)
+            shoot(page, out)
     finally:
         viewer.close()
         server.stop()

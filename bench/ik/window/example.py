@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import typer
 
-from bench.ik.window.page import WIDTH, FloatArray, drag, opened, save, served
+from bench.ik.window.page import HEIGHT, WIDTH, FloatArray, drag, opened, served, shoot
 from pdoik.view.examples import EXAMPLES
 
 TIP = "panda_link8"
 WAY = [0.03, 0.12, -0.16]  # of the hand [m]
-WINDOWS = ((WIDTH, 850), (400, 800))  # width and height, pixels
+WINDOWS = ((WIDTH, HEIGHT), (390, 844))  # width and height, pixels
 
 
 def way(start: FloatArray) -> Iterator[FloatArray]:
@@ -38,8 +38,7 @@ def main(wide: Path, narrow: Path) -> None:
             opened(viewer, height, width) as page,
         ):
             drag(viewer, TIP, way(session.targets[TIP]))
-            page.wait_for_timeout(8000)  # software rendering trails behind
-            save(page.screenshot(timeout=120_000), out)
+            shoot(page, out)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import numpy as np
 import typer
 
 import pdoik
-from bench.ik.window.page import FloatArray, drag, opened, save, served
+from bench.ik.window.page import FloatArray, drag, opened, served, shoot
 from pdoik.view import Session
 from pdoik.view.humanoid import balance_over_feet
 from pdoik.view.model import shipped_model
@@ -27,11 +27,9 @@ def main(out: Path) -> None:
     robot = pdoik.Robot.builtin("h1", BASE, [FOOT, ELBOW])
     options = pdoik.Options(max_time=0.02, self_collision=True, balance=balance_over_feet())
     session = Session(robot, options)
-    with served(shipped_model(robot), session) as viewer, opened(viewer, height=900) as page:
-        page.wait_for_timeout(4000)
+    with served(shipped_model(robot), session) as viewer, opened(viewer) as page:
         drag(viewer, ELBOW, way(session.targets[ELBOW]))
-        page.wait_for_timeout(12000)  # software rendering trails behind
-        save(page.screenshot(), out)
+        shoot(page, out)
 
 
 def way(start: FloatArray) -> Iterator[FloatArray]:

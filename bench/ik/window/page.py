@@ -23,7 +23,7 @@ from pdoik.view.viewer import Viewer
 
 FloatArray = npt.NDArray[np.float64]
 
-WIDTH = 1400  # pixels
+WIDTH, HEIGHT = 1440, 900  # pixels
 FLAGS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -31,6 +31,11 @@ FLAGS = [
     "--enable-unsafe-swiftshader",
     "--disable-background-networking",
 ]
+
+_FRAMES = """n => new Promise(done => {
+    const next = () => n-- > 0 ? requestAnimationFrame(next) : done();
+    next();
+})"""
 
 
 @contextmanager
@@ -46,7 +51,9 @@ def served(model: Model, session: Session, example: Example | None = None) -> It
 
 
 @contextmanager
-def opened(viewer: Viewer | DiagnosisViewer, height: int, width: int = WIDTH) -> Iterator[Page]:
+def opened(
+    viewer: Viewer | DiagnosisViewer, height: int = HEIGHT, width: int = WIDTH
+) -> Iterator[Page]:
     """Its page, with a first answer on it and nothing in front of it."""
     chromium = shutil.which("chromium")
     with (
@@ -57,7 +64,9 @@ def opened(viewer: Viewer | DiagnosisViewer, height: int, width: int = WIDTH) ->
         page.set_default_timeout(120_000)  # software rendering on a busy machine
         page.goto(viewer.server.url)
         page.get_by_text("worst constraint").or_(page.get_by_text("rms over")).first.wait_for()
-        page.locator(".mantine-Notification-closeButton").first.click()  # about software rendering
+        drawn(page)
+        for button in page.locator(".mantine-Notification-closeButton").all():
+            button.click()  # about software rendering
         yield page
 
 
@@ -70,8 +79,14 @@ def drag(viewer: Viewer, tip: str, poses: Iterable[FloatArray]) -> None:
         time.sleep(1 / 60)
 
 
-def save(png: bytes, out: Path) -> None:
-    """Colours in steps of 4, which compress better."""
-    with Image.open(io.BytesIO(png)) as image:
-        steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
+def drawn(page: Page, frames: int = 12) -> None:
+    """Wait until it has drawn so many pictures: software rendering trails behind."""
+    page.evaluate(_FRAMES, frames)
+
+
+def shoot(page: Page, out: Path) -> None:
+    """Take the picture once all is drawn; colours in steps of 8 compress better."""
+    drawn(page)
+    steps = [255 if v > 251 else round(v / 8) * 8 for v in range(256)]
+    with Image.open(io.BytesIO(page.screenshot(timeout=120_000))) as image:
         image.convert("RGB").point(3 * steps).save(out, optimize=True)

@@ -1,6 +1,6 @@
 """The picture of the Reach tab in the README: the page as headless Chromium shows it.
 
-PDOIK_YCB=DIR python -m bench.ik.window.reach FILE     (as view_picture.py)
+PDOIK_YCB=DIR python -m bench.ik.window.reach FILE     (as arm.py)
 
 What a Panda reaches around a table with objects, as the page computes it, cut open beside the arm.
 """
@@ -14,7 +14,7 @@ import numpy as np
 import typer
 
 from bench.ik.window.arm import panda_model, table_session
-from bench.ik.window.page import opened, save, served
+from bench.ik.window.page import opened, served, shoot
 
 STEP = 50.0  # of the grid [mm]
 CUT = 0.15  # y of the plane [m]
@@ -25,8 +25,7 @@ def main(out: Path) -> None:
     model = panda_model()
     with served(model, table_session(model.robot)) as viewer:
         viewer.solve_tab.hulls.value = False
-        viewer.server.initial_camera.look_at = LOOK_AT
-        viewer.server.initial_camera.position = CAMERA
+        viewer.camera.go_to(LOOK_AT, CAMERA)
         for target in viewer.targets.by_tip.values():
             target.show(False)
         tab = viewer.reach_tab
@@ -35,10 +34,9 @@ def main(out: Path) -> None:
         tab.start()  # before there is a browser, which would take its time
         while tab.computing:
             time.sleep(0.5)
-        with opened(viewer, height=930) as page:
+        with opened(viewer) as page:
             page.get_by_role("tab", name="Reach").click()
-            page.wait_for_timeout(12000)  # software rendering trails behind
-            save(page.screenshot(), out)
+            shoot(page, out)
 
 
 if __name__ == "__main__":

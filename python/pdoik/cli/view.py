@@ -57,7 +57,7 @@ def view(
         str | None,
         typer.Argument(
             help=f"{ANY_ROBOT}; or the folder of a diagnosis. Without: a Panda among shapes.",
-            metavar="[ROBOT or REPORT]",
+            metavar="ROBOT|REPORT",
         ),
     ] = None,
     base_link: BaseLink = None,
@@ -134,13 +134,22 @@ def view(
 ) -> None:
     """Open a page to drag a robot's target and its obstacles, or to see a diagnosis.
 
-    Without arguments there is something to play with at once, and a menu of what else there is.
-    Where a robot has several tips, each has its target, and the others hold while one is dragged.
-    Sliders pose the joints; robots, clouds, scenes and logs can be uploaded there, and maps of
-    what the robot reaches computed. A diagnosis shows the robot as recorded beside as simulated.
-    Ctrl-C ends it.
+    Without arguments: a Panda among shapes, and a menu of what else there is.
 
-    [bold]Examples[/]: pdoik view, pdoik view panda --cloud scan.pcd, pdoik view report
+    Pull the arrows at a tip or an obstacle, and the robot follows; with
+    several tips the others hold. Sliders pose the joints. Robots, clouds,
+    scenes and logs can be uploaded there, and maps of what the robot reaches
+    computed.
+
+    The folder that pdoik diagnose wrote shows the robot as recorded beside as
+    simulated, before and after the findings.
+
+    It listens on this machine alone. Ctrl-C ends it.
+
+    [bold]Examples[/]:
+    pdoik view
+    pdoik view arm.urdf --scene table.yaml --cloud scan.pcd
+    pdoik view report
     """
     with asks_for("view"):
         import viser  # noqa: F401
@@ -148,7 +157,7 @@ def view(
         with misuse_fails():
             folder = report_folder(what)
         if folder is not None:
-            _view_report(folder, host, port, no_open=no_open)
+            _view_report(folder, package_dir, host, port, no_open=no_open)
             return
     from pdoik.view import Session, load_log
     from pdoik.view.examples import EXAMPLES
@@ -219,15 +228,18 @@ def _nothing_asked(context: typer.Context) -> bool:
     return given <= {"host", "port", "no_open"}
 
 
-def _view_report(folder: Path, host: str, port: int | None, *, no_open: bool) -> None:
+def _view_report(
+    folder: Path, package_dir: list[str] | None, host: str, port: int | None, *, no_open: bool
+) -> None:
     """The page of a diagnosis."""
     with asks_for("sim2real"), misuse_fails():
         from pdoik.view.diagnosis.report import load_report
         from pdoik.view.diagnosis.viewer import DiagnosisViewer
 
         report = load_report(folder)
+        places = package_places(package_dir)
     with _page(host, port, no_open=no_open) as (server, hold):
-        DiagnosisViewer(server, report)
+        DiagnosisViewer(server, report, places)
         hold()
 
 

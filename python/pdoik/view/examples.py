@@ -112,13 +112,14 @@ def _arm(name: str, shapes: Sequence[pdoik.Shape] = ()) -> tuple[Model, Session]
 
 def _shapes() -> list[pdoik.Shape]:
     """A table, and on it one of each kind."""
+    top = 0.04  # [m]
     corners = [(x, y, 0.0) for x in (-0.07, 0.07) for y in (-0.07, 0.07)]
     return [
-        _box("table", (0.6, 1.0, 0.04), (0.62, 0.0, -0.02)),
-        _box("box", (0.12, 0.16, 0.26), (0.62, 0.26, 0.13)),
-        pdoik.Shape.cylinder("can", 0.06, 0.2, _at((0.62, -0.28, 0.1))),
-        pdoik.Shape.sphere("ball", (0.44, -0.36, 0.07), 0.07),
-        pdoik.Shape.convex_mesh("pyramid", [*corners, (0.0, 0.0, 0.16)], _at((0.42, 0.36, 0.0))),
+        _box("table", (0.6, 1.0, top), (0.62, 0.0, top / 2)),
+        _box("box", (0.12, 0.16, 0.26), (0.62, 0.26, top + 0.13)),
+        pdoik.Shape.cylinder("can", 0.06, 0.2, _at((0.62, -0.28, top + 0.1))),
+        pdoik.Shape.sphere("ball", (0.44, -0.36, top + 0.07), 0.07),
+        pdoik.Shape.convex_mesh("pyramid", [*corners, (0.0, 0.0, 0.16)], _at((0.42, 0.36, top))),
     ]
 
 

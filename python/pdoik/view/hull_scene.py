@@ -21,6 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 _HULL, _TIGHT, _BROKEN = (38, 98, 184), (240, 140, 20), (224, 20, 20)
 _SHELLS = ((112, 152, 214), (62, 98, 160))
 _OPACITY = 0.38
+_GLASS = 1.02  # by which hulls are drawn wider around meshes, which may lie in their surface
 
 
 class HullScene:
@@ -41,7 +42,7 @@ class HullScene:
         occupancy = robot.occupancy
         n_spheroids = len(occupancy.spheres) + len(occupancy.spheroids)
         n_capsules = len(occupancy.capsules)
-        self._solid = solid
+        self._solid, self._wider = solid, 1.0 if solid else _GLASS
         self._colors = _colors(robot) if solid else np.tile(_HULL, (n_spheroids + n_capsules, 1))
         self._wide = np.zeros(n_spheroids, dtype=bool)
         self._wide[sorted(wide_hulls(robot))] = True
@@ -77,8 +78,9 @@ class HullScene:
         capsules = [hull for hull in hulls if isinstance(hull, PlacedCapsule)]
         wxyz, centers, axes = spheroid_instances(spheroids)
         for node, mine in ((self._spheroids, ~self._wide), (self._wide_hulls, self._wide)):
-            _place(node, wxyz[mine], centers[mine], axes[mine], colors[:n][mine])
+            _place(node, wxyz[mine], centers[mine], self._wider * axes[mine], colors[:n][mine])
         wxyz, ends, lengths, radii = capsule_instances(capsules)
+        radii = self._wider * radii
         tube = np.column_stack([lengths, radii, radii])
         _place(self._tubes, wxyz, ends.mean(axis=1), tube, colors[n:])
         w, x, y, z = wxyz.T

@@ -5,6 +5,8 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
+import numpy as np
+import numpy.typing as npt
 import viser
 
 from .examples import Example
@@ -14,6 +16,8 @@ from .scene import RobotScene
 from .session import Session
 from .shape_scene import ShapeScene
 from .worker import Worker
+
+FloatArray = npt.NDArray[np.float64]
 
 
 class Page(Protocol):
@@ -32,6 +36,9 @@ class Page(Protocol):
 
     def change_goal(self, tip: str, kind: Any) -> None:
         """Another kind of goal for a tip."""
+
+    def type_target(self, tip: str, T_base_tip: FloatArray) -> None:
+        """Another target for a tip, (4, 4)."""
 
     def show_ball(self, on: bool, radius: float) -> None:
         """Put the ball where its gizmo is, or take it away [m]."""

@@ -20,7 +20,7 @@ from .session import Session
 FloatArray = npt.NDArray[np.float64]
 
 MOST_POSES = 5_000_000
-_CHUNK = 4096  # poses between two looks at whether to go on
+_CHUNK = 256  # poses between two looks at whether to go on; a hard one takes 10 ms and more
 _POSTURES = 2000  # that the default box is made from
 _BOX_STEP = 0.05  # [m]
 _MOST_CHECKED = 500  # answers of a file

@@ -33,7 +33,8 @@ class ReachRun:
         self._lock = threading.Lock()
         self._over = False
         self._began = time.monotonic()
-        threading.Thread(target=self._run, name="pdoik view: reach", daemon=True).start()
+        self._thread = threading.Thread(target=self._run, name="pdoik view: reach", daemon=True)
+        self._thread.start()
 
     @property
     def over(self) -> bool:
@@ -49,6 +50,10 @@ class ReachRun:
         with self._lock:
             was_over, self._over = self._over, True
             return not was_over
+
+    def wait(self) -> None:
+        """Until its thread has ended, which a cancelled one does after its slice."""
+        self._thread.join()
 
     def _run(self) -> None:
         outcome: pdoik.Reachability | Exception

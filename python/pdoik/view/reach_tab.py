@@ -90,6 +90,12 @@ class ReachTab:
             self._show_running(False)
             self.progress.content = "cancelled"
 
+    def close(self) -> None:
+        """Cancel what is being computed, and wait for its end."""
+        self.stop()
+        if self._run is not None:
+            self._run.wait()
+
     def _grid(self) -> pdoik.Grid:
         return box_grid(
             self.low.value, self.high.value, self.step.value / 1e3, int(self.orientations.value)

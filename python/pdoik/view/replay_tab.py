@@ -14,6 +14,7 @@ from .shapes import wxyz_of
 
 if TYPE_CHECKING:
     from .page import Page
+    from .session import Session
 
 _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 
@@ -23,7 +24,7 @@ class ReplayTab:
 
     def __init__(self, gui: viser.GuiApi, page: Page) -> None:
         self._page = page
-        self._log: Log | None = None
+        self._loaded: tuple[Log, Session] | None = None  # a log and the session of its robot
         self._marker: viser.FrameHandle | None = None
         self.player = Player(self.seek)
         self.upload = gui.add_upload_button("Log (.csv)", icon=viser.Icon.UPLOAD)
@@ -40,7 +41,7 @@ class ReplayTab:
 
     def load(self, log: Log) -> None:
         """Stand at the first row of a log."""
-        self._log = log
+        self._loaded = log, self._page.session
         self.player.load(log.duration)
         self.signal.options = tuple(log.postures)
         self.time.max = max(log.duration, 1e-3)
@@ -58,24 +59,23 @@ class ReplayTab:
     def unload(self) -> None:
         """Forget the log: it was of another robot."""
         self.player.pause()
-        self._log = None
+        self._loaded = None
         self._drop_marker()
         self.time.disabled = self.play.disabled = True
         self.facts.content = "No log."
 
     def seek(self, elapsed: float) -> None:
         """Pose the robot as it was, so many seconds after the first row."""
-        log = self._log
-        if log is None:
+        if self._loaded is None:
             return
+        log, session = self._loaded
         self.player.seek(elapsed)
         self.time.value = round(elapsed, 3)
         self.play.label = "Pause" if self.player.playing else "Play"
-        self._page.session.set_posture(log.at(elapsed, self.signal.value), origin="log")
+        session.set_posture(log.at(elapsed, self.signal.value), origin="log")
         self._page.worker.wake()
-        self.facts.content = facts(log, elapsed, self._page.session.robot.joint_names)
+        self.facts.content = facts(log, elapsed, session.robot.joint_names)
         if self._marker is not None and log.object_pose is not None:
-            session = self._page.session
             T = object_frame(session.robot, session.q) @ log.object_pose[log.row(elapsed)]
             self._marker.wxyz, self._marker.position = wxyz_of(T[:3, :3]), T[:3, 3]
 

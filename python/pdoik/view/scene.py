@@ -52,7 +52,9 @@ class RobotScene:
         axes = 0.1 if len(model.robot.tip_links) == 1 else 0.05
         self._axes = {
             tip: scene.add_frame(
-                f"/robot/tips/{_node(tip)}", axes_length=axes * size, axes_radius=0.06 * axes * size
+                f"/robot/tips/{_node(tip)}",
+                axes_length=axes * size,
+                axes_radius=0.035 * axes * size,
             )
             for tip in model.robot.tip_links
         }

@@ -11,10 +11,11 @@ from pdoik._hulls import wide_hulls
 
 from .goals_panel import GoalsPanel
 from .humanoid import balance_over_feet, can_balance
+from .targets_panel import TargetsPanel
 
 if TYPE_CHECKING:
     from .page import Page
-    from .session import Session
+    from .session import Session, Shown
 
 AXES = ("x", "y", "z")
 METHODS = ("default", "paper")
@@ -30,6 +31,7 @@ class SolveTab:
         self._page = page
         self._gui = gui
         self.goals: GoalsPanel | None = None  # see `follow_robot`
+        self.targets: TargetsPanel | None = None
         self.goal_axis = gui.add_dropdown("Axis", AXES, initial_value=axis)
         self.method = gui.add_dropdown("Method", METHODS, initial_value=options.method)
         self.clearance = gui.add_slider(
@@ -127,9 +129,11 @@ class SolveTab:
         """Fit what depends on the robot; call it inside the tab."""
         session = self._page.session
         robot = session.robot
-        if self.goals is not None:
-            self.goals.remove()
+        for panel in (self.goals, self.targets):
+            if panel is not None:
+                panel.remove()
         self.goals = GoalsPanel(self._gui, session, self._goal_chosen)
+        self.targets = TargetsPanel(self._gui, session, self._page.type_target)
         self.goal_axis.visible = self.goals.has_axis
         self.self_collision.visible = len(robot.occupancy) > 0
         self.wide_hulls.visible = len(wide_hulls(robot)) > 0
@@ -145,10 +149,17 @@ class SolveTab:
         self.move_shape.value = gripped if gripped in names else NOTHING
         self.move_shape.visible = bool(names)
 
+    def show(self, shown: Shown) -> None:
+        """Follow the targets."""
+        if self.targets is not None:
+            self.targets.show(shown.targets)
+
     def _goal_chosen(self, tip: str, kind: str) -> None:
         assert self.goals is not None
+        assert self.targets is not None
         self.goal_axis.visible = self.goals.has_axis
         self._page.change_goal(tip, kind)
+        self.targets.follow(self._page.session.goals)
 
     def apply_parts(self, page: Page) -> None:
         """Show what is ticked."""

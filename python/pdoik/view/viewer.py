@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from pdoik.errors import PdoikError
 from pdoik.scenes import read_scene_file
 
 from .balance_scene import BalanceScene
-from .camera import fit_to_window, look
+from .camera import FittedCamera
 from .examples import Example
 from .examples_menu import ExamplesMenu
 from .files_tab import FilesTab
@@ -43,6 +44,8 @@ from .status import Status
 from .worker import Worker
 
 FloatArray = npt.NDArray[np.float64]
+
+_FOV = 0.7  # height of what the camera sees [rad]
 
 
 class Viewer:
@@ -83,12 +86,11 @@ class Viewer:
             section_color=(196, 202, 211),
             fade_distance=8 * size,
         )
-        server.initial_camera.fov = 0.7
-        look_at, position = camera_of(model, session.q)
-        server.initial_camera.look_at, server.initial_camera.position = look_at, position
+        self.camera = FittedCamera(server, *camera_of(model, session.q), _FOV)
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.shape_scene = ShapeScene(server)
+        self._drawing = threading.Lock()  # the robot is replaced by a hand, or posed by the worker
         self._gripping = threading.Lock()  # choices come from threads of their own
         self._gripped: tuple[str, Gizmo] | None = None  # a shape and what it is dragged by
         self._grips = 0
@@ -100,7 +102,6 @@ class Viewer:
         self.examples = ExamplesMenu(gui, self, example)
         self.status = Status(gui)
         self.pages = PagesLine(server)
-        fit_to_window(server)
         tabs = gui.add_tab_group()
         self._solve_container = tabs.add_tab("Solve")
         with self._solve_container:
@@ -121,7 +122,7 @@ class Viewer:
     def close(self) -> None:
         """End the threads; the server is the caller's."""
         self.replay_tab.player.stop()
-        self.reach_tab.stop()
+        self.reach_tab.close()
         self.worker.stop()
         self.forget_uploads()
 
@@ -132,24 +133,26 @@ class Viewer:
     # What the worker does.
 
     def _step(self) -> None:
-        session = self.session
-        shown = session.solve_once()
-        if shown is None or shown.robot is not self.model.robot:
+        shown = self.session.solve_once()
+        if shown is None:
             return
-        with self.server.atomic():
+        with self._drawing, self.server.atomic():
+            if shown.robot is not self.model.robot:
+                return
             self.robot_scene.show(shown)
             self.obstacle_scene.show(shown)
             self.shape_scene.show(shown)
             self.targets.show(shown)
             self.balance_scene.show(shown)
+            self.solve_tab.show(shown)
             if shown.origin != "joints" and self.joints_tab is not None:
                 self.joints_tab.show(shown.q)
             self.status.show(shown)
 
     # What is dragged. These run on the page's event loop and only note the wish.
 
-    def _drag_target(self, tip: str, T_base_tip: FloatArray) -> None:
-        self.session.set_target(tip, T_base_tip)
+    def _drag_target(self, session: Session, tip: str, T_base_tip: FloatArray) -> None:
+        session.set_target(tip, T_base_tip)
         self.worker.wake()
 
     def _drag_ball(self, T: FloatArray) -> None:
@@ -190,8 +193,8 @@ class Viewer:
         self.session.move_shape(name, T_base_shape)
         self.worker.wake()
 
-    def _slide(self, index: int, position: float) -> None:
-        self.session.set_joint(index, position)
+    def _slide(self, session: Session, index: int, position: float) -> None:
+        session.set_joint(index, position)
         self.worker.wake()
 
     # What the Solve tab changes.
@@ -206,6 +209,12 @@ class Viewer:
             self.session.set_goal(tip, kind)
             self.targets.by_tip[tip].place(self.session.targets[tip])
             self.targets.follow(self.session.goals)
+            self.worker.wake()
+
+    def type_target(self, tip: str, T_base_tip: FloatArray) -> None:
+        with self.complaints():
+            self.session.set_target(tip, T_base_tip)
+            self.targets.by_tip[tip].place(T_base_tip)
             self.worker.wake()
 
     def show_ball(self, on: bool, radius: float) -> None:
@@ -224,9 +233,6 @@ class Viewer:
         with self.complaints():
             model, session = example.make()
             self._replace_robot(model, session, example)
-            look_at, position = camera_of(model, session.q)
-            for client in self.server.get_clients().values():
-                look(client, look_at, position)
             if example.maps:
                 self.reach_tab.start_coarse()
 
@@ -328,14 +334,16 @@ class Viewer:
         if session is None:
             options = replace(self.session.options, balance=pdoik.Balance())  # over other links
             session = Session(model.robot, options, obstacles=self.session.obstacles)
-        with self.server.atomic():
+        with self._drawing, self.server.atomic():
+            if model.robot.name != self.model.robot.name or example is not None:
+                self.camera.go_to(*camera_of(model, session.q))
             self.examples.follow(example)
             self.targets.remove()
             self.balance_scene.remove()
             self.robot_scene.remove()
+            self.replay_tab.unload()
             self.model, self.session = model, session
             self._add_robot()
-            self.replay_tab.unload()
             self._follow_robot()
             self.grip(None if example is None else example.grip)
         self.worker.wake()
@@ -343,7 +351,10 @@ class Viewer:
     def _add_robot(self) -> None:
         self.robot_scene = RobotScene(self.server, self.model, robot_size(self.model))
         self.targets = TargetGizmos(
-            self.server, self.session.targets, self._gizmo_size(), self._drag_target
+            self.server,
+            self.session.targets,
+            self._gizmo_size(),
+            partial(self._drag_target, self.session),  # of this robot, even if it is gone by then
         )
         self.targets.follow(self.session.goals)
         self._floor.position = np.array([0.0, 0.0, floor_height(self.model.robot)])
@@ -357,7 +368,7 @@ class Viewer:
         if self.joints_tab is not None:
             self.joints_tab.remove()
         with self._joints_container:
-            self.joints_tab = JointsTab(self.server.gui, robot, self._slide)
+            self.joints_tab = JointsTab(self.server.gui, robot, partial(self._slide, self.session))
         self.joints_tab.show(self.session.q)
         with self._solve_container:
             self.solve_tab.follow_robot()

@@ -90,8 +90,10 @@ class Motions:
             if motion.replay is not None:
                 for name in ("time", "recorded", "before", "after"):
                     arrays[f"{i}.replay.{name}"] = getattr(motion.replay, name)
+                if motion.replay.horizon is not None:
+                    arrays[f"{i}.replay.horizon"] = np.array(motion.replay.horizon)
         small = {
-            name: array if name.endswith("time") else array.astype(np.float32)
+            name: array if name.endswith(("time", "horizon")) else array.astype(np.float32)
             for name, array in arrays.items()
         }
         file = io.BytesIO()
@@ -141,6 +143,7 @@ def _motion(traces: Traces, replay: Replay | None, recording: Recording | None) 
             before=replay.before[kept],
             after=replay.after[kept],
             how=replay.how,
+            horizon=replay.horizon,
         )
     return Motion(
         name=traces.name,
@@ -184,9 +187,11 @@ def _of_content(content: Mapping[str, FloatArray]) -> Motions:
                 )
         replay = None
         if f"{i}.replay.time" in content:
+            horizon = content.get(f"{i}.replay.horizon")
             replay = Replay(
                 recording=str(name),
                 how=str(how),
+                horizon=None if horizon is None else float(horizon),
                 **{
                     each: _wide(content[f"{i}.replay.{each}"])
                     for each in ("time", "recorded", "before", "after")

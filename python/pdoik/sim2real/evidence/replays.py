@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,8 @@ from pdoik.errors import PdoikError
 from ..model.model import Model
 from ..model.of_recording import simulator_in
 from ..report.data import Replay
+from ..simulation.leash import SHIFTED, TURNED
+from ..simulation.simulator import OPEN_LOOP_WINDOW, Drive
 from ..study.recording import Recording
 from ..study.split import part
 from ..study.study import Setup
@@ -53,31 +56,55 @@ def replay_of(model: Model, setup: Setup, recording: Recording, notes: list[str]
         PdoikError, ValueError: it cannot be simulated.
     """
     recording = _shortened(recording)
-    runs = []
+    runs, strayed = [], []
     for findings in (False, True):
         simulator = simulator_in(model, setup, findings=findings)
         drive = simulator.drive_for(recording)
-        run = simulator.replay(recording, drive=drive, tip=False)
+        window = None if drive == "controller" else OPEN_LOOP_WINDOW
+        run = simulator.replay(
+            recording, drive=drive, window=window, tip=False, leash=window is not None
+        )
+        strayed.append(simulator.put_back)
         notes += [
             f"Replay {'with' if findings else 'without'} findings: {n}." for n in run.notes[1:]
         ]
         runs.append(run)
-    how = "closed-loop simulation for the recorded commands"
-    if drive != "controller":
-        how = (
-            f"open-loop simulation, driven by the recorded {drive}, put back to the recorded state"
-            " every 0.2 s, since no controller and commands are known"
-        )
-        if drive == "tau":
-            how = how.replace("recorded tau", "reported torque")
     return Replay(
         recording=recording.name,
         time=recording.time,
         recorded=np.asarray(recording.q),
         before=runs[0].q,
         after=runs[1].q,
-        how=how,
+        how=_how(drive, strayed),
+        horizon=window and recording.period * max(1, round(window / recording.period)),
     )
+
+
+def _how(drive: Drive, strayed: Sequence[Mapping[str, int]]) -> str:
+    """How it was simulated, and which joints strayed before and after the findings."""
+    if drive == "controller":
+        return "closed-loop simulation for the recorded commands"
+    torque = "reported torque" if drive == "tau" else "commanded torque"
+    how = (
+        f"open-loop simulation, driven by the {torque}, put back to the recorded state every"
+        f" {OPEN_LOOP_WINDOW:g} s, since no controller and commands are known"
+    )
+    if any(strayed):
+        before, after = (_counted(each) for each in strayed)
+        how += (
+            f"; a joint that strayed by {TURNED:g} rad or {SHIFTED:g} m was put back at once"
+            f" (before: {before}; after: {after})"
+        )
+    return how
+
+
+def _counted(strayed: Mapping[str, int]) -> str:
+    """The joint that strayed most often, and how many others did."""
+    if not strayed:
+        return "none"
+    joint = max(strayed, key=strayed.__getitem__)
+    others = f" and {len(strayed) - 1} others" if len(strayed) > 1 else ""
+    return f"{joint} {strayed[joint]:,} times{others}"
 
 
 def _shortened(recording: Recording) -> Recording:

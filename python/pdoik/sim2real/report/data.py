@@ -71,6 +71,7 @@ class Replay:
     before: FloatArray  # (T, n) q of the user's model
     after: FloatArray  # (T, n) q with the findings
     how: str = "closed-loop simulation for the recorded commands"
+    horizon: float | None = None  # every so long all is put back to the recording; None: never [s]
 
     def __post_init__(self) -> None:
         for name in ("recorded", "before", "after"):

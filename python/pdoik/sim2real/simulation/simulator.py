@@ -14,6 +14,7 @@ from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray, Recording
 from ..study.study import Controller
 from .control import Control, GravityModel, control_law, longest_control_step, missing_rotor_inertia
+from .leash import LOOKED_EVERY, Leash
 from .parts import Part, SensedChannel, Vector
 from .plant import STANDARD_GRAVITY
 from .segments import Segment, measured_state, row_at, run_ends, sampled
@@ -66,6 +67,7 @@ class Simulator:
         plant = self.stepper.plant
         self._armature: FloatArray = plant.model.dof_armature[list(plant.dof)]
         self._added: tuple[str, ...] = ()  # notes on the last replay
+        self.put_back: dict[str, int] = {}  # by joint, how often the last replay's leash did so
         self._control: Control | None = None
         if controller is not None:
             held = controller.gravity_compensation
@@ -104,6 +106,7 @@ class Simulator:
         q0: FloatArray | None = None,
         dq0: FloatArray | None = None,
         tip: bool | None = None,
+        leash: bool = False,
     ) -> Recording:
         """The motion that follows from a recording's commands, on the recording's grid.
 
@@ -119,6 +122,8 @@ class Simulator:
             q0: Measured positions at the start, (n,); the recording's first if None.
             dq0: Measured speeds at the start, (n,); the recording's first if None.
             tip: Whether to give the tip's poses; where the recording has some if None.
+            leash: Put a joint back to the recorded state, alone and at once, where it has strayed
+                by 0.3 rad or 0.1 m, rather than let it run away. `put_back` counts that.
 
         Returns:
             Channels q, dq, tau as measured (with sensors' gains and skews), tau_cmd, the commands,
@@ -141,15 +146,22 @@ class Simulator:
         duration = float(commands.time[-1])
         ticks = self._commands(commands, drive, np.arange(0.0, duration + 2 * dt, dt * hold))
         ends = run_ends(duration, window, commands.period)
+        held = Leash(stepper, commands.time, q, dq) if leash else None
         segments, first = [], 0
         for end in ends:
             last = max(first + 1, int(np.ceil(end / dt - 1e-6)))
             last += end == ends[-1]  # for the torque of the last sample
-            with quiet_mujoco():
-                segments.append(self._run(first, last, hold, ticks, drive))
+            while first < last:
+                with quiet_mujoco():
+                    segments.append(self._run(first, last, hold, ticks, drive, held))
+                first += len(segments[-1].command)
+                if held is not None and first < last:
+                    held.put_back(first * dt)
             if end < ends[-1]:
-                stepper.place(*(row_at(last * dt, commands.time, each) for each in (q, dq)))
-            first = last
+                now = last * dt
+                stepper.place(row_at(now, commands.time, q), row_at(now, commands.time, dq))
+        strays = [] if held is None else zip(self.joints, held.count.tolist(), strict=True)
+        self.put_back = {joint: count for joint, count in strays if count}
         return self._recording(commands, segments, drive, window, tip)
 
     def _steps(self, commands: Recording, drive: Drive) -> tuple[float, int]:
@@ -217,8 +229,16 @@ class Simulator:
             return [(row, [0.0] * len(self.joints)) for row in q_des]
         return list(zip(q_des, acting("dq_des"), strict=True))
 
-    def _run(self, first: int, last: int, hold: int, ticks: list[Any], drive: Drive) -> Segment:
-        """Steps from number `first` up to `last`."""
+    def _run(
+        self,
+        first: int,
+        last: int,
+        hold: int,
+        ticks: list[Any],
+        drive: Drive,
+        leash: Leash | None = None,
+    ) -> Segment:
+        """Steps from number `first` up to `last`, or to where a joint has strayed."""
         stepper, control = self.stepper, self._control
         data, sensors, dof = stepper.data, stepper.sensors, stepper.plant.dof
         qpos, qvel = data.qpos, data.qvel
@@ -230,8 +250,11 @@ class Simulator:
         reported: list[float] = []
         advance = stepper.advance if drive != "tau" else stepper.advance_exerted
         tau: list[float] = [0.0] * len(dof)
+        look = max(1, round(LOOKED_EVERY / dt))
         data.time = first * dt
         for k in range(first, last):
+            if leash is not None and k > first and k % look == 0 and leash.strays(k * dt):
+                break
             q, v = qpos.tolist(), qvel.tolist()
             positions += q
             velocities += v

@@ -137,18 +137,26 @@ class Stepper:
                 data.qpos[play] += gear.error(float(data.qpos[self._dof[k]]))[0]
         mujoco.mj_forward(self.model, data)
 
-    def place(self, q: FloatArray, dq: FloatArray) -> None:
-        """Put the motors at measured q with dq; links keep their place in the play."""
-        dof = list(self._dof)
-        self.data.qpos[dof] = self.sensors.true("q", np.asarray(q, dtype=float))
-        self.data.qvel[:] = 0.0
-        self.data.qvel[dof] = self.sensors.true("dq", np.asarray(dq, dtype=float))
+    def place(self, q: FloatArray, dq: FloatArray, only: Sequence[int] | None = None) -> None:
+        """Put the motors at measured q with dq; links keep their place in the play.
+
+        Args:
+            q: (n,) [rad] or [m].
+            dq: (n,).
+            only: Places of the joints that are put there, others go on; None: all.
+        """
+        chosen = list(range(len(self._dof)) if only is None else only)
+        dof = [self._dof[k] for k in chosen]
+        if only is None:
+            self.data.qvel[:] = 0.0
+        self.data.qpos[dof] = self.sensors.true("q", np.asarray(q, dtype=float))[chosen]
+        self.data.qvel[dof] = self.sensors.true("dq", np.asarray(dq, dtype=float))[chosen]
         self.data.qpos[dof] += 0.5 * self._dt * self.data.qvel[dof]
         for k, gear in self.plant.gears.items():
-            if gear.is_rigid:
-                value, slope, _ = gear.error(float(self.data.qpos[dof[k]]))
+            if gear.is_rigid and k in chosen:
+                value, slope, _ = gear.error(float(self.data.qpos[self._dof[k]]))
                 self.data.qpos[self.plant.play[k]] = value
-                self.data.qvel[self.plant.play[k]] = slope * self.data.qvel[dof[k]]
+                self.data.qvel[self.plant.play[k]] = slope * self.data.qvel[self._dof[k]]
 
     @property
     def q(self) -> FloatArray:

@@ -16,6 +16,7 @@ import trimesh
 import yaml
 
 import pdoik
+from pdoik._addresses import Packages
 from pdoik.descriptions.text import urdf_file
 from pdoik.errors import PdoikError
 from pdoik.sim2real.model.model import Model
@@ -78,18 +79,22 @@ class DrawnRobot:
         return full
 
 
-def drawn_robot(model: Model) -> DrawnRobot:
+def drawn_robot(model: Model, packages: Packages = ()) -> DrawnRobot:
     """From the study's own file, with its meshes, or else from the text that model.json keeps.
+
+    Args:
+        model: Of the report.
+        packages: Where meshes are looked for, as in `pdoik.urdf_text`.
 
     Raises:
         LoadError, ValueError: There is no robot, or it cannot be drawn.
     """
     notes: list[str] = []
     with tempfile.TemporaryDirectory(prefix="pdoik-view-") as folder:
-        file = _file_of(model, Path(folder), notes)
+        file = _file_of(model, Path(folder), packages, notes)
         robot = read_robot(file)
         root = ElementTree.parse(file).getroot()
-        visuals, missing = load_visuals(file)
+        visuals, missing = load_visuals(file, packages)
     if missing:
         notes.append(f"{len(missing)} links lack meshes: {missing[0]}")
     missing_joints = [name for name in model.joints if name not in robot.joint_names]
@@ -125,12 +130,12 @@ def drawn_robot(model: Model) -> DrawnRobot:
     )
 
 
-def _file_of(model: Model, folder: Path, notes: list[str]) -> Path:
+def _file_of(model: Model, folder: Path, packages: Packages, notes: list[str]) -> Path:
     """A URDF of the robot."""
     own = _studys(model.study)
     if own is not None:
         try:
-            return urdf_file(own)
+            return urdf_file(own, packages=packages)
         except (PdoikError, OSError) as error:
             notes.append(f"drawn without meshes: {error}")
     elif model.robot is not None:

@@ -19,13 +19,18 @@ class FindingsTab:
         gui: Where; call it inside the tab.
         diagnosis: What was found.
         point_at: Told the joint of the finding that was clicked.
+        ring_link: Told the link of one that is at no joint.
     """
 
     def __init__(
-        self, gui: viser.GuiApi, diagnosis: Diagnosis, point_at: Callable[[str], None]
+        self,
+        gui: viser.GuiApi,
+        diagnosis: Diagnosis,
+        point_at: Callable[[str], None],
+        ring_link: Callable[[str], None],
     ) -> None:
         self._joints = tuple(diagnosis.joints)
-        self._point_at = point_at
+        self._point_at, self._ring_link = point_at, ring_link
         self.buttons = []
         for finding in diagnosis.findings:
             name = f"{effect_name(finding.effect)} at {place(finding)}"
@@ -45,6 +50,8 @@ class FindingsTab:
         joint = next((each for each in finding.joints if each in self._joints), None)
         if joint is not None:
             self._point_at(joint)
+        elif finding.links:
+            self._ring_link(finding.links[0])
 
 
 def finding_words(finding: Finding) -> str:

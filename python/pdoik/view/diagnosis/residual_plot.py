@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -32,9 +33,11 @@ class ResidualPlot:
             series=_series(""),
             height=150,
             scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)},
+            axes=(uplot.Axis(space=40), uplot.Axis(space=22, size=44)),  # pixels
             legend=uplot.Legend(show=False),
             padding=(8, 8, 0, 0),
         )
+        self.key: Any = gui.add_html("")
 
     def show(self, line: Timeline, joint: int, motions: Motions) -> None:
         """Draw joint number `joint`'s."""
@@ -47,6 +50,7 @@ class ResidualPlot:
         self._lines = [values[rows] for values in both]
         self._end = 1.05 * max(float(np.abs(np.array(self._lines)).max()), 1e-12)
         self.plot.series = _series(motions.units[joint])
+        self.key.content = _key(motions.joints[joint], motions.units[joint])
 
     def mark(self, elapsed: float) -> None:
         """A line at that time [s]; elsewhere it is the zero line."""
@@ -63,4 +67,16 @@ def _series(unit: str) -> tuple[uplot.Series, ...]:
         uplot.Series(label=f"before [{unit}]", stroke=_BEFORE, width=1),
         uplot.Series(label=f"with the findings [{unit}]", stroke=_AFTER, width=1),
         uplot.Series(label="now", stroke=_NOW, width=1),
+    )
+
+
+def _key(joint: str, unit: str) -> str:
+    """What the lines are."""
+    lines = "".join(
+        f'<span style="color:{color};white-space:nowrap;margin-left:0.8em">&#9644; {words}</span>'
+        for color, words in ((_BEFORE, "before"), (_AFTER, "with the findings"))
+    )
+    return (
+        '<div style="padding:0 1em 0.4em;font-size:0.75em">'
+        f"residual of {escape(joint)} [{escape(unit)}] over time [s]{lines}</div>"
     )

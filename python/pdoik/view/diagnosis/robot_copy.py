@@ -56,7 +56,7 @@ class RobotCopy:
             color=_RING,
             visible=False,
         )
-        self._ringed: str | None = None
+        self._ringed: tuple[str, FloatArray] | None = None  # a link, and an axis in its frame
         self._last: dict[str, FloatArray] = {}
 
     def place(self, position: FloatArray, label_height: float) -> None:
@@ -92,16 +92,25 @@ class RobotCopy:
             if tuple(node.color) != color:
                 node.color = color
 
-    def ring(self, joint: str | None, q: FloatArray) -> None:
-        """Put a ring about a joint's axis; None for none."""
-        self._ringed = joint if joint in self._drawn.joints else None
-        self._ring.visible = self._ringed is not None
+    def ring(self, joint: str, q: FloatArray) -> None:
+        """Put a ring about a joint's axis, if there is such a joint."""
+        there = self._drawn.joints.get(joint)
+        self._put_ring(None if there is None else (there.child, there.axis), q)
+
+    def ring_link(self, link: str, q: FloatArray) -> None:
+        """Put a ring about a link's origin, if there is such a link."""
+        there = link in self._drawn.robot.link_names
+        self._put_ring((link, np.array([0.0, 0.0, 1.0])) if there else None, q)
+
+    def _put_ring(self, about: tuple[str, FloatArray] | None, q: FloatArray) -> None:
+        self._ringed = about
+        self._ring.visible = about is not None
         self._pose_ring(q)
 
     def _pose_ring(self, q: FloatArray) -> None:
         if self._ringed is None:
             return
-        joint = self._drawn.joints[self._ringed]
-        T = self._drawn.pose_of(joint.child, q)
-        axis = T[:3, :3] @ joint.axis
-        self._ring.position, self._ring.wxyz = T[:3, 3], turns_of_x(axis[None])[0]
+        link, axis = self._ringed
+        T = self._drawn.pose_of(link, q)
+        turned = T[:3, :3] @ axis
+        self._ring.position, self._ring.wxyz = T[:3, 3], turns_of_x(turned[None])[0]

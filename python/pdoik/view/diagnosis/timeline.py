@@ -59,6 +59,31 @@ class Timeline:
         replay = self.motion.replay
         return replay is not None and t <= float(replay.time[-1] - replay.time[0]) + 1e-6
 
+    @cached_property
+    def departures(self) -> dict[str, FloatArray]:
+        """How far a simulation goes off, (n,) before and after; empty if there is none.
+
+        Where it is put back to the recording again and again, the largest between two times of
+        that, median of all; otherwise the root mean square over the recording.
+        """
+        replay = self.motion.replay
+        if replay is None:
+            return {}
+        off = {w: np.abs(getattr(replay, w) - replay.recorded) for w in ("before", "after")}
+        if replay.horizon is None:
+            return {which: np.sqrt((each**2).mean(axis=0)) for which, each in off.items()}
+        run = np.ceil((replay.time - replay.time[0]) / replay.horizon - 1e-6).astype(int)
+        begins = np.flatnonzero(np.diff(run, prepend=-1))
+        return {
+            which: np.median(np.maximum.reduceat(each, begins, axis=0)[1:], axis=0)
+            for which, each in off.items()
+        }
+
+    @property
+    def horizon(self) -> float | None:
+        """Every so long the simulation is put back to the recording [s]; None: never."""
+        return None if self.motion.replay is None else self.motion.replay.horizon
+
     def base(self, t: float) -> FloatArray | None:
         """The pose of a base that floats, (7,)."""
         if self.motion.base is None:

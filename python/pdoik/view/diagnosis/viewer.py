@@ -15,14 +15,18 @@ import numpy.typing as npt
 import trimesh
 import viser
 
+from pdoik._addresses import Packages
 from pdoik.errors import PdoikError
 from pdoik.sim2real import load_study
+from pdoik.sim2real.evidence.motions import Motions
 from pdoik.sim2real.evidence.replays import replay_of
+from pdoik.sim2real.report.words import VERDICTS, number
 
-from ..camera import fit_to_window
+from ..camera import FittedCamera
 from ..message import Message
 from ..pages import PagesLine
 from ..player import Player
+from ..shapes import pose_of
 from .colors import RECORDED, color_of, legend_html
 from .drawn_robot import DrawnRobot, drawn_robot
 from .findings_tab import FindingsTab
@@ -43,7 +47,9 @@ _TITLES = {
     "after": "simulated after",
 }
 _STEP = 0.8  # from robot to robot, of what one passes through
+_APART = 1.25  # the same, of what one extends over
 _FOV = 0.2  # [rad], so small that equal postures look equal
+_LOOKS = 40  # at a recording, to see where the robot is
 _LONG = 1.3  # extent ahead, over that across, from which the view turns
 _SLOW = 0.2  # between two updates of words and plots [s]
 
@@ -59,7 +65,7 @@ class DiagnosisViewer:
         player: Of the time.
     """
 
-    def __init__(self, server: viser.ViserServer, report: Report) -> None:
+    def __init__(self, server: viser.ViserServer, report: Report, packages: Packages = ()) -> None:
         self.server, self.report = server, report
         self._lock = threading.RLock()
         self._simulating = False
@@ -71,7 +77,7 @@ class DiagnosisViewer:
         self.copies: dict[str, RobotCopy] = {}
         self._drawn: DrawnRobot | None = None
         self._reach, self._step, self._across = np.zeros((2, 3)), 0.0, np.eye(3)[1]
-        notes = self._add_robots()
+        notes = self._add_robots(packages)
         gui = server.gui
         gui.set_panel_label("pdoik view: diagnosis")
         self.headline = gui.add_html(_headline(report))
@@ -86,10 +92,11 @@ class DiagnosisViewer:
         )
         self.plot = ResidualPlot(gui)
         self.message = Message(gui)
+        self.notes = Message(gui)
         self.pages = PagesLine(server)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Findings"):
-            self.findings = FindingsTab(gui, report.diagnosis, self.point_at)
+            self.findings = FindingsTab(gui, report.diagnosis, self.point_at, self.ring_link)
         with tabs.add_tab("Numbers"):
             self.numbers = NumbersTab(gui, motions)
         with tabs.add_tab("Show"):
@@ -118,7 +125,7 @@ class DiagnosisViewer:
         self._slow_at = -1.0
         self._choose()
         if notes:
-            self.message.say("; ".join(notes))
+            self.notes.say("; ".join(notes))
 
     def close(self) -> None:
         """End the threads; the server is the caller's."""
@@ -153,6 +160,12 @@ class DiagnosisViewer:
             for name, copy in self.copies.items():
                 copy.ring(joint, self.timeline.q(name, self.player.elapsed))
 
+    def ring_link(self, link: str) -> None:
+        """Ring a link's origin."""
+        with self._lock, self.server.atomic():
+            for name, copy in self.copies.items():
+                copy.ring_link(link, self.timeline.q(name, self.player.elapsed))
+
     def _colors(self, residual: FloatArray) -> dict[int, tuple[int, int, int]]:
         units = self.report.motions.units
         return {j: color_of(float(x), self._most[units[j]]) for j, x in enumerate(residual)}
@@ -184,10 +197,13 @@ class DiagnosisViewer:
             self.legend.content = "".join(
                 legend_html(most, unit, what) for unit, most in self._most.items()
             )
-            self.simulate.visible = bool(self.copies) and not line.simulated
+            model = self.report.model
+            self.simulate.visible = bool(self.copies) and not line.simulated and not model.base
             self._arrange()
             self.point_at(self.joint)
-            self.message.say(_how(line) if self.copies else "The study has no robot to draw.")
+            self.numbers.follow(line)
+            how = _how(line, self.report.motions, floats=bool(model.base))
+            self.message.say(how if self.copies else "The study has no robot.")
 
     def _arrange(self) -> None:
         """Place the robots and show those that are ticked."""
@@ -202,12 +218,12 @@ class DiagnosisViewer:
             copy.show(self.parts[name].value)
         self.show(self.player.elapsed)
 
-    def _add_robots(self) -> tuple[str, ...]:
+    def _add_robots(self, packages: Packages) -> tuple[str, ...]:
         """The copies, the floor and the camera; gives notes."""
         if self.report.model.robot is None:
             return ()
         try:
-            self._drawn = drawn = drawn_robot(self.report.model)
+            self._drawn = drawn = drawn_robot(self.report.model, packages)
         except (PdoikError, ValueError, OSError) as error:
             return (f"nothing is drawn: {error}",)
         self.copies = {name: RobotCopy(self.server, name, drawn) for name in COPIES}
@@ -218,7 +234,7 @@ class DiagnosisViewer:
         if x > _LONG * y:  # it is seen from where it moves across
             ahead, self._across = -np.eye(3)[1], np.eye(3)[0]
         across, depth = (x, y) if x > _LONG * y else (y, x)
-        self._step = max(_STEP * across, 0.6 * drawn.size)
+        self._step = max(_STEP * across, _APART * _widest(drawn, self.timeline, self._across))
         self.server.scene.configure_fog(0.0, 1.0, enabled=False)
         self.server.scene.add_grid(
             "/floor",
@@ -232,12 +248,10 @@ class DiagnosisViewer:
         )
         middle = (low + high) / 2
         wide = 2 * self._step + across
-        away = max(wide, 1.7 * height) / (2 * np.tan(_FOV / 2)) + depth / 2
-        camera = self.server.initial_camera
-        camera.fov = _FOV
-        camera.look_at = middle + 0.15 * wide * self._across
-        camera.position = camera.look_at + away * (0.95 * ahead + np.array([0.0, 0.0, 0.3]))
-        fit_to_window(self.server)
+        away = max(wide / 1.1, 1.45 * height) / (2 * np.tan(_FOV / 2)) + depth / 2
+        look_at = middle + 0.15 * wide * self._across
+        position = look_at + away * (0.95 * ahead + np.array([0.0, 0.0, 0.3]))
+        FittedCamera(self.server, look_at, position, _FOV)
         return drawn.notes
 
     # The time.
@@ -317,16 +331,27 @@ def _worst(line: Timeline) -> int:
     return int(np.argmax(squares.mean(axis=0)))
 
 
-def _how(line: Timeline) -> str:
+def _how(line: Timeline, motions: Motions, *, floats: bool) -> str:
+    """How far the simulation goes off at the worst joint, and how it was made."""
+    if floats:
+        return "Not simulated, for its base floats: all three move as recorded."
     if line.motion.replay is None:
         return "Not simulated: all three move as recorded. Show, Simulate this recording."
+    off = line.departures
+    worst = int(np.argmax(np.nan_to_num(off["before"])))
+    before, after = (number(1e3 * float(off[which][worst])) for which in ("before", "after"))
+    small = "mm" if motions.position_units[worst] == "m" else "mrad"
     how = line.motion.replay.how
-    return f"{how[:1].upper()}{how[1:]}."
+    simulation = "The simulation"
+    if line.horizon is not None:
+        simulation = f"Within {line.horizon:.2g} s the simulation"
+    return (
+        f"{simulation} goes off by {before} {small} before the findings and by {after} after, at"
+        f" {motions.joints[worst]}. {how[:1].upper()}{how[1:]}."
+    )
 
 
 def _headline(report: Report) -> str:
-    from pdoik.sim2real.report.words import VERDICTS
-
     return (
         '<div style="padding:0.3em 1em;font-size:0.9em"><b>'
         f"{escape(VERDICTS[report.diagnosis.verdict][0])}</b><br>"
@@ -337,14 +362,32 @@ def _headline(report: Report) -> str:
 
 def _reach(drawn: DrawnRobot, line: Timeline) -> FloatArray:
     """Lowest and highest corner of all that the robot passes through, (2, 3) [m]."""
-    corners = []
-    for t in np.linspace(0.0, line.duration, 40):
-        base = np.eye(4)
-        pose = line.base(float(t))
-        if pose is not None:
-            base[:3, 3] = pose[:3]
-        for link, T in drawn.poses(line.q("recorded", float(t))).items():
-            box = trimesh.bounds.corners(drawn.meshes[link].bounds)  # type: ignore[no-untyped-call]
-            corners.append(trimesh.transform_points(box, base @ T))
-    every = np.concatenate(corners)
+    boxes = [_box(drawn, line, t) for t in np.linspace(0.0, line.duration, _LOOKS)]
+    every = np.concatenate(boxes)
     return np.array([every.min(axis=0), every.max(axis=0)])
+
+
+def _widest(drawn: DrawnRobot, line: Timeline, across: FloatArray) -> float:
+    """How far the robot extends across at any time [m]."""
+    return max(
+        float(np.ptp(_box(drawn, line, t) @ across))
+        for t in np.linspace(0.0, line.duration, _LOOKS)
+    )
+
+
+def _box(drawn: DrawnRobot, line: Timeline, t: float) -> FloatArray:
+    """Lowest and highest corner of the robot at a time, (2, 3) [m]."""
+    base = np.eye(4)
+    pose = line.base(t)
+    if pose is not None:
+        base = pose_of(pose[3:], pose[:3])
+    corners = np.concatenate(
+        [
+            trimesh.transform_points(
+                trimesh.bounds.corners(drawn.meshes[link].bounds),  # type: ignore[no-untyped-call]
+                base @ T,
+            )
+            for link, T in drawn.poses(line.q("recorded", t)).items()
+        ]
+    )
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
