@@ -187,6 +187,12 @@ TEST(Urdf, velocity_and_effort_limits_that_are_left_out_are_none_and_a_warning_s
   const Robot whole = arm(R"(<limit effort="3" velocity="0.5" lower="-1" upper="2"/>)");
   EXPECT_EQ(whole.velocity()(0), 0.5);
   EXPECT_TRUE(whole.warnings().empty());
+
+  const Robot locked = arm(R"(<limit effort="3" velocity="0.5"/>)");
+  EXPECT_EQ(locked.lower()(0), 0.0);
+  EXPECT_EQ(locked.upper()(0), 0.0);
+  EXPECT_EQ(locked.warnings(),
+            Lines{"lower and upper limit are 0, as where URDF is told none: locked at j"});
 }
 
 TEST(Urdf, mimic_tags_prismatic_and_continuous_joints_arrive) {

@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <mutex>
 
 #include "io/xml_text.hpp"
@@ -141,17 +142,16 @@ JointDescription convert(const urdf::Joint& joint, const std::string& source) {
   return result;
 }
 
-/// One line that names the joints of which something is assumed; nothing if there is none.
-void warn_of_unlimited(RobotDescription& description, const std::string& limit,
-                       double JointDescription::* value) {
+/// One line that names the joints of limited motion of which `what` holds; nothing if there is
+/// none.
+void warn_of_limits(RobotDescription& description, const std::string& what,
+                    const std::function<bool(const JointDescription&)>& holds) {
   std::string names;
   for (const JointDescription& joint : description.joints) {
-    if (joint.type != JointType::Fixed && joint.type != JointType::Continuous &&
-        std::isinf(joint.*value))
+    if (joint.type != JointType::Fixed && joint.type != JointType::Continuous && holds(joint))
       names += (names.empty() ? "" : ", ") + joint.name;
   }
-  if (!names.empty())
-    description.warnings.push_back("no " + limit + " limit: taken as unlimited at " + names);
+  if (!names.empty()) description.warnings.push_back(what + " at " + names);
 }
 
 void check_joint_count(const std::string& xml, const std::string& source) {
@@ -174,8 +174,13 @@ RobotDescription load_urdf(const std::string& path_or_xml) {
   for (const auto& [name, joint] : model->joints_) {
     description.joints.push_back(convert(*joint, source));
   }
-  warn_of_unlimited(description, "velocity", &JointDescription::velocity);
-  warn_of_unlimited(description, "effort", &JointDescription::effort);
+  warn_of_limits(description, "no velocity limit: taken as unlimited",
+                 [](const auto& joint) { return std::isinf(joint.velocity); });
+  warn_of_limits(description, "no effort limit: taken as unlimited",
+                 [](const auto& joint) { return std::isinf(joint.effort); });
+  warn_of_limits(
+      description, "lower and upper limit are 0, as where URDF is told none: locked",
+      [](const auto& joint) { return joint.lower == 0.0 && joint.upper == 0.0 && !joint.mimic; });
   return description;
 }
 
