@@ -15,6 +15,7 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 import mujoco
 
+import pdoik
 from command_line import misuse, run
 from pdoik.errors import LoadError
 from pdoik.sim2real import Draft, draft_study, load_study
@@ -189,3 +190,26 @@ def test_the_command_asks_and_overwrites_only_when_told(robot: Path, tmp_path: P
     assert run("study", "new", robot, path, "--out", out, "--force").exit_code == 0
     load_study(out)
     misuse(run("study", "new", robot, path, "--out", tmp_path / "no" / "s.yaml"), "no folder")
+
+
+def test_the_robot_may_be_a_name_or_a_xacro_file(robot: Path, tmp_path: Path) -> None:
+    (path,) = logged(tmp_path, a=log())
+    macros = tmp_path / "machine.xacro"
+    text = robot.read_text().replace("<robot ", '<robot xmlns:xacro="http://ros.org/xacro" ', 1)
+    macros.write_text(text.replace('value="1"', 'value="$(arg mass)"'))
+    out = tmp_path / "study.yaml"
+    arguments = ["study", "new", macros, path, "--xacro-arg", "mass:=1", "--out", out]
+    assert run(*arguments).exit_code == 0
+    assert load_study(out).robot == tmp_path / "machine.urdf"
+    (tmp_path / "machine.urdf").write_text("mine")
+    misuse(run(*arguments[:-1], tmp_path / "b.yaml"), "machine.urdf", "is another", "--force")
+
+    time = np.arange(800) / 100
+    table = {"time": time}
+    for k, joint in enumerate(pdoik.Robot.builtin("ur10").joint_names):
+        table[f"q.{joint}"] = np.sin((0.6 + 0.2 * k) * time)
+    (path,) = logged(tmp_path, ur10=pd.DataFrame(table))
+    done = run("study", "new", "UR10", path, "--out", out, "--force")
+    assert done.exit_code == 0, done.output
+    assert load_study(out).robot == tmp_path / "ur10.urdf"
+    misuse(run("study", "new", "ur11", path, "--out", out, "--force"), "ur11")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -11,8 +12,10 @@ from rich.markup import escape
 
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
+from pdoik.descriptions.text import Given
 
 from .messages import NOT_SOLVED, err, fail, misuse_fails, out
+from .robots import PackageDirs, RobotArgument, XacroArguments, package_places, xacro_arguments
 from .story import story
 from .tables import json_text
 
@@ -26,7 +29,7 @@ def study() -> None:
 
 @app.command("new")
 def new(
-    robot: Annotated[Path, typer.Argument(help="URDF or MJCF.")],
+    robot: RobotArgument,
     logs: Annotated[list[Path], typer.Argument(help="Recordings of any kind, or their folders.")],
     out_file: Annotated[Path, typer.Option("--out", help="Where to write it.")] = Path(
         "study.yaml"
@@ -49,9 +52,13 @@ def new(
             help="Said in each recording's entry: rate=100, demo=3, env=0. Repeatable.",
         ),
     ] = None,
+    package_dirs: PackageDirs = None,
+    xacro_args: XacroArguments = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
 ) -> None:
     """Write a commented study.yaml of a robot and logs, and ask about what cannot be guessed.
+
+    The URDF of a robot that is named, or of a xacro file, is written beside it.
 
     [bold]Example[/]: pdoik study new robot.urdf monday.mcap tuesday.mcap
     """
@@ -64,8 +71,9 @@ def new(
     with asks_for("sim2real"), misuse_fails(), err.status("reading"):
         from pdoik.sim2real import draft_study
 
+        description = _description(robot, out_file.parent, package_dirs, xacro_args, force)
         draft = draft_study(
-            robot,
+            description,
             logs,
             folder=out_file.parent,
             topic=topic,
@@ -81,6 +89,26 @@ def new(
     for line in draft.questions:
         out.print(escape(f"  {line}"), highlight=False)
     out.print(escape(str(out_file)), highlight=False)
+
+
+def _description(
+    robot: str,
+    folder: Path,
+    packages: Sequence[str] | None,
+    arguments: Sequence[str] | None,
+    force: bool,
+) -> Path:
+    """The robot's own file, or its URDF in a folder where it is named or a xacro file."""
+    given = Given.of(robot, packages=package_places(packages), arguments=xacro_arguments(arguments))
+    own = given.place
+    if given.kind == "mjcf" or (given.kind == "urdf" and own == Path(robot).expanduser().resolve()):
+        return own
+    file = folder / f"{own.name.partition('.')[0]}.urdf"
+    text = given.urdf()
+    if file.exists() and not force and file.read_text(encoding="utf-8") != text:
+        fail(f"{file}: is there already, and is another; --force overwrites it")
+    write_whole(file, text)
+    return file
 
 
 def _pair(text: str) -> tuple[str, object]:
