@@ -283,6 +283,19 @@ def test_inertias_of_no_body_are_those_of_the_nearest_and_said() -> None:
         assert moments[0] + moments[1] >= moments[2] * (1.0 - 1e-9)
 
 
+def test_of_friction_that_builds_up_the_files_have_the_level() -> None:
+    bent = found("presliding_hysteresis", ("panda_joint2",), level=3.0, displacement=0.02)
+    model = panda((replace(bent, shape=(0.02,)),))
+    improved = mujoco.MjModel.from_xml_string(export_mjcf(model).text)
+    assert improved.joint("panda_joint2").frictionloss == pytest.approx(3.0)
+    urdf = mujoco.MjModel.from_xml_string(export_urdf(model).text)
+    assert urdf.joint("panda_joint2").frictionloss == pytest.approx(3.0)
+    for export in (export_mjcf(model), export_urdf(model)):
+        (said,) = export.left_out
+        assert "panda_joint2" in said
+        assert "within 0.02 rad after a reversal, here at once" in said
+
+
 @pytest.mark.parametrize("seed", range(30))
 def test_the_improved_model_loads_whatever_was_found(seed: int) -> None:
     pytest.importorskip("pinocchio", reason="needs the Python package pin")

@@ -19,6 +19,7 @@ from ..simulation.assemble import HINGE
 from ..simulation.description import Description, nearest, read_description
 from ..simulation.drive import combine
 from ..simulation.inertial import Inertial
+from ..simulation.laws import Dahl
 from ..simulation.mjcf import mjcf_text, movable_joints, odd_inertias
 from ..simulation.parts import (
     DofChange,
@@ -26,6 +27,7 @@ from ..simulation.parts import (
     GearPlay,
     GravityTilt,
     HardFriction,
+    JointTorque,
     LinkChange,
     Part,
     Placement,
@@ -128,12 +130,16 @@ def _evened_out(described: Description, model: Model, parts: list[Part]) -> tupl
 
 
 def _smooth_friction(model: Model) -> tuple[str, ...]:
-    """Dry friction that changes its sign over a range of speed; URDF and MJCF know a step only."""
+    """Dry friction that changes its sign over some way or speed; URDF and MJCF know a step only."""
+    ways = {
+        "coulomb_friction": ("rad/s of rest", _WIDTH_OF_REST),
+        "presliding_hysteresis": ("rad after a reversal", 0.0),
+    }
     return tuple(
         f"the width of {f.joints[0]}'s dry friction: it changes its sign within"
-        f" {f.shape[0]:.2g} rad/s of rest, here at once"
+        f" {f.shape[0]:.2g} {ways[f.effect][0]}, here at once"
         for f in model.findings
-        if f.effect == "coulomb_friction" and f.shape and f.shape[0] > _WIDTH_OF_REST
+        if f.effect in ways and f.shape and f.shape[0] > ways[f.effect][1]
     )
 
 
@@ -183,7 +189,7 @@ def _parted(model: Model, has_words: Callable[[Part], bool]) -> tuple[list[Part]
     gears = [part for f in model.findings for part in parts_of_finding(f) if _is_gear(part)]
     sprung = {part.joint for part in gears if not part.gap and np.isfinite(part.stiffness)}
     for finding in model.findings:
-        parts = parts_of_finding(finding)
+        parts = [_without_memory(part) for part in parts_of_finding(finding)]
         # Play and a spring in series in one joint are a law that no format has.
         mixed = any(_is_gear(part) and part.gap and part.joint in sprung for part in parts)
         if parts and all(map(has_words, parts)) and not mixed:
@@ -191,6 +197,13 @@ def _parted(model: Model, has_words: Callable[[Part], bool]) -> tuple[list[Part]
         else:
             left_out.append(_words(finding))
     return kept, tuple(left_out)
+
+
+def _without_memory(part: Part) -> Part:
+    """Friction that builds up over a displacement as its full level from the first on."""
+    if isinstance(part, JointTorque) and isinstance(part.law, Dahl):
+        return HardFriction(joint=part.joint, level=part.law.level)
+    return part
 
 
 def _is_gear(part: Part) -> TypeGuard[GearPlay]:
