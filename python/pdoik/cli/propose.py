@@ -26,7 +26,7 @@ from .options import (
     SceneFile,
     SrdfFile,
 )
-from .robots import load_robot
+from .robots import ANY_ROBOT, load_robot
 from .story import story
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def propose(
     robot: Annotated[
         str | None,
         typer.Option(
-            help="Robot with hulls: a shipped one or a URDF; the study's otherwise.",
+            help=f"Robot that --occupancy fits: {ANY_ROBOT}; the study's otherwise.",
             rich_help_panel=ROBOT,
         ),
     ] = None,
@@ -182,7 +182,7 @@ def _of_text(
 
     if "<robot" not in text:
         if occupancy is not None:
-            warn("the study's robot is an MJCF: hulls need a URDF, tell it with --robot")
+            warn("the study's robot is an MJCF: give its file with --robot, too")
         return None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RobotWarning)
