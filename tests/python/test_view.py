@@ -19,7 +19,7 @@ from command_line import misuse, run
 from pdoik._hulls import PlacedHull, PlacedSpheroid, placed_hulls
 from pdoik.h1.robot import FEET, JOINT_NAMES
 from pdoik.h1.shapes import SOLE_HEIGHT
-from pdoik.view import Log, Session, Shown, Worker, load_log
+from pdoik.view import Log, Obstacles, Session, Shown, Worker, load_log
 from pdoik.view.binding import binding, margin_text
 from pdoik.view.humanoid import balance_over_feet, floor_height, object_frame, support_polygon
 from pdoik.view.model import deepest_tip, read_robot
@@ -198,6 +198,36 @@ def test_a_cloud_is_thinned_to_balls_that_hold_it(
     assert len(shown.obstacles) < len(points)
     outside = np.linalg.norm(points[:, None] - shown.obstacles[None, :, :3], axis=2)
     assert (outside - shown.obstacles[:, 3]).min(axis=1).max() <= 1e-6
+
+
+def test_the_robot_follows_its_target_while_a_large_cloud_is_thinned(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session.set_cloud([[1.5, 0.0, 0.2]])
+    session.solve_once()
+    thinned, begun, go_on = Obstacles.thinned, threading.Event(), threading.Event()
+
+    def slowly(obstacles: Obstacles) -> np.ndarray:
+        begun.set()
+        assert go_on.wait(60.0)
+        return thinned(obstacles)
+
+    monkeypatch.setattr(Obstacles, "thinned", slowly)
+    cloud = np.random.default_rng(0).uniform([1.0, 0.0, 0.0], [1.5, 0.5, 0.5], (1000, 3))
+    kept: list[int] = []
+    hand = threading.Thread(target=lambda: kept.append(session.set_cloud_once_thinned(cloud)))
+    hand.start()
+    assert begun.wait(60.0)
+    shown = pull(session, TIP, [0.0, 0.0, 0.02], 2)  # thins nothing, and does not wait
+    assert shown.result.success
+    assert len(shown.obstacles) == 1
+    go_on.set()
+    hand.join()
+    monkeypatch.setattr(Obstacles, "thinned", None)  # it is not thinned again
+    after = session.solve_once()
+    assert after is not None
+    assert kept == [len(after.obstacles)]
+    assert 1 < kept[0] < 1000
 
 
 def test_a_leaf_that_cannot_be_is_refused_once_and_the_session_goes_on(session: Session) -> None:

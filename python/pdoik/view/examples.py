@@ -31,6 +31,7 @@ class Example:
         make: Gives the robot as it looks, and its session.
         maps: Whether what it reaches is computed at once.
         grip: The shape that has arrows at first.
+        view: What the camera looks at and from where, (3,) each [m]; None: as `camera_of` has it.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Example:
     make: Callable[[], tuple[Model, Session]]
     maps: bool = False
     grip: str | None = None
+    view: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
 
 
 def _panda_among_shapes() -> tuple[Model, Session]:
@@ -87,6 +89,7 @@ EXAMPLES: Sequence[Example] = (
         name="iiwa 14 through a gap",
         try_this="Pull the hand sideways and back: the arm stays within the gap.",
         make=_iiwa_at_a_wall,
+        view=((0.45, -0.15, 0.45), (-1.5, -1.4, 1.4)),  # from behind, or the wall would hide it
     ),
     Example(
         name="H1 on its feet",

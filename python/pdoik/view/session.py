@@ -80,7 +80,7 @@ class Session:
         self._origin: Origin = "joints"  # of the latest wish; if not "target", _q is the wish
         self._targets = self._tip_poses(self._q)
         self._obstacles = obstacles if obstacles is not None else Obstacles()
-        self._thinned: tuple[tuple[int, float, bool], FloatArray] | None = None
+        self._thinned: list[tuple[Obstacles, FloatArray]] = []  # the last two
         self._wish = 1  # counts wishes
         self._granted = 0
 
@@ -185,6 +185,22 @@ class Session:
         if surface.ndim != 2 or surface.shape[1] != 3:
             raise ValueError(f"points have shape {surface.shape}, expected (N, 3)")
         self._change_obstacles(surface=surface, T_base_cloud=np.eye(4))
+
+    def set_cloud_once_thinned(self, points: npt.ArrayLike) -> int:
+        """`set_cloud` after thinning it, which takes seconds for millions of points.
+
+        Until then the robot can be moved among the obstacles there are.
+
+        Returns:
+            How many points are kept.
+
+        Raises:
+            ValueError: As `set_cloud`, or the cloud cannot be thinned so finely.
+        """
+        surface = np.asarray(points, dtype=np.float64)
+        kept = self._thin(replace(self.obstacles, surface=surface))
+        self.set_cloud(surface)
+        return len(kept)
 
     def set_shapes(
         self, shapes: Sequence[pdoik.Shape], allowed: Sequence[AllowedContact] = ()
@@ -295,10 +311,13 @@ class Session:
 
     def _thin(self, obstacles: Obstacles) -> FloatArray:
         """The thinned cloud; thinning takes longer than solving, moving the cloud does not."""
-        key = (id(obstacles.surface), obstacles.leaf, obstacles.radii)
-        if self._thinned is None or self._thinned[0] != key:
-            self._thinned = key, obstacles.thinned()
-        return self._thinned[1]
+        for known, thinned in self._thinned:
+            same = known.surface is obstacles.surface
+            if same and (known.leaf, known.radii) == (obstacles.leaf, obstacles.radii):
+                return thinned
+        thinned = obstacles.thinned()
+        self._thinned = [*self._thinned[-1:], (obstacles, thinned)]
+        return thinned
 
 
 class _Follower:

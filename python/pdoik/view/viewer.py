@@ -22,7 +22,7 @@ from pdoik.errors import PdoikError
 from pdoik.scenes import read_scene_file
 
 from .balance_scene import BalanceScene
-from .camera import FittedCamera
+from .camera import FittedCamera, View
 from .examples import Example
 from .examples_menu import ExamplesMenu
 from .files_tab import FilesTab
@@ -86,7 +86,7 @@ class Viewer:
             section_color=(196, 202, 211),
             fade_distance=8 * size,
         )
-        self.camera = FittedCamera(server, *camera_of(model, session.q), _FOV)
+        self.camera = FittedCamera(server, *_view(model, session, example), _FOV)
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.shape_scene = ShapeScene(server)
@@ -279,10 +279,18 @@ class Viewer:
 
     def take_cloud(self, file: viser.UploadedFile) -> None:
         with self.complaints():
+            self.status.say(f"{file.name}: reading ...")
             points = load_cloud(self._keep(file))
+            self._take_points(file.name, points)
+
+    def _take_points(self, name: str, points: FloatArray) -> None:
+        self.status.say(f"{name}: thinning {len(points):,} points ...")
+        session = self.session
+        kept = session.set_cloud_once_thinned(points)
+        if session is not self.session:  # another robot was chosen meanwhile
             self.session.set_cloud(points)
-            self.status.say(f"{file.name}: {len(points)} points")
-            self.worker.wake()
+        self.status.say(f"{name}: {len(points):,} points, {kept:,} of them kept")
+        self.worker.wake()
 
     def drop_cloud(self) -> None:
         self.session.set_cloud(None)
@@ -336,7 +344,7 @@ class Viewer:
             session = Session(model.robot, options, obstacles=self.session.obstacles)
         with self._drawing, self.server.atomic():
             if model.robot.name != self.model.robot.name or example is not None:
-                self.camera.go_to(*camera_of(model, session.q))
+                self.camera.go_to(*_view(model, session, example))
             self.examples.follow(example)
             self.targets.remove()
             self.balance_scene.remove()
@@ -386,6 +394,14 @@ class Viewer:
         if self.model.notes:
             facts += f"; {len(self.model.notes)} links lack meshes: {self.model.notes[0]}"
         self.status.say(facts)
+
+
+def _view(model: Model, session: Session, example: Example | None) -> View:
+    """What the camera looks at first, and from where."""
+    if example is not None and example.view is not None:
+        look_at, position = example.view
+        return np.array(look_at), np.array(position)
+    return camera_of(model, session.q)
 
 
 def _of_links(occupancy: pdoik.Occupancy, known: set[str]) -> pdoik.Occupancy:

@@ -47,7 +47,7 @@ _TITLES = {
     "after": "simulated after",
 }
 _STEP = 0.8  # from robot to robot, of what one passes through
-_APART = 1.25  # the same, of what one extends over
+_APART = 1.1  # the same, of what one extends over
 _FOV = 0.2  # [rad], so small that equal postures look equal
 _LOOKS = 40  # at a recording, to see where the robot is
 _LONG = 1.3  # extent ahead, over that across, from which the view turns
