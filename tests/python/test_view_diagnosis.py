@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from bench.sim2real import example
 from pdoik.cli.report_folders import report_folder
 from pdoik.errors import LoadError
 from pdoik.sim2real import examine, write
+from pdoik.sim2real.evidence.motions import Motion, Motions
+from pdoik.sim2real.report import Replay
 from pdoik.view.diagnosis.report import Report, load_report
 from pdoik.view.diagnosis.timeline import Timeline
 from pdoik.view.diagnosis.viewer import DiagnosisViewer
@@ -60,6 +63,31 @@ def test_simulated_with_the_findings_is_nearer_to_what_was_recorded(report: Repo
     size = {w: np.array([line.residual(w, t) for t in times]) for w in ("before", "after")}
     whole = np.sqrt(np.nanmean(friday.before**2, axis=0))
     assert (np.nanmean(size["after"], axis=0) < 0.3 * whole).all()
+
+
+def test_what_is_put_back_again_and_again_is_judged_by_how_far_it_goes_between(
+    report: Report, tmp_path: Path
+) -> None:
+    time = np.arange(0.0, 4.001, 0.01)
+    q = np.sin(time)[:, None] * [1.0, 0.5, 0.2]
+    since = time - 0.2 * np.clip(np.ceil(time / 0.2 - 1e-9) - 1, 0, None)  # put back [s]
+    replay = Replay(
+        recording="run.csv",
+        time=time,
+        recorded=q,
+        before=q + 0.5 * since[:, None] * [1.0, -2.0, 0.0],
+        after=q,
+        how="so",
+        horizon=0.2,
+    )
+    motion = Motion(name="run.csv", role="fit", time=time, q=q, before=q, after=q, replay=replay)
+    whole = replace(report.motions, motions=(motion,))
+    (tmp_path / "motions.npz").write_bytes(whole.to_bytes())
+    for each in (motion, Motions.load(tmp_path).motions[0]):
+        line = Timeline(each)
+        assert line.horizon == 0.2
+        np.testing.assert_allclose(line.departures["before"], [0.1, 0.2, 0.0], atol=1e-6)
+        np.testing.assert_allclose(line.departures["after"], 0.0, atol=1e-6)
 
 
 def test_the_page_moves_and_colours_links_as_recorded_simulated_and_found(report: Report) -> None:

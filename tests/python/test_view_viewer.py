@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -44,6 +45,30 @@ def wait(condition: Callable[[], bool]) -> None:
 
 def message(viewer: Viewer) -> str:
     return viewer.status._message.text
+
+
+def test_a_target_that_is_typed_is_taken_and_what_was_not_typed_is_not_rounded(
+    viewer: Viewer,
+) -> None:
+    tip, session = "panda_link8", viewer.session
+    T = session.targets[tip]
+    assert viewer.solve_tab.targets is not None
+    xyz, turn = viewer.solve_tab.targets.by_tip[tip]
+    np.testing.assert_allclose(xyz.value, T[:3, 3], atol=1e-4)
+    typed = viewer.solve_tab.targets._callback(tip, viewer.type_target)
+    xyz.value = (0.5, 0.1, 0.4)
+    typed(SimpleNamespace(client="a hand", target=xyz))
+    np.testing.assert_array_equal(session.targets[tip][:3, 3], [0.5, 0.1, 0.4])
+    np.testing.assert_array_equal(session.targets[tip][:3, :3], T[:3, :3])
+    turn.value = (180.0, 0.0, 90.0)
+    wait(lambda: session._wish == session._granted)
+    typed(SimpleNamespace(client="a hand", target=turn))
+    R = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]
+    np.testing.assert_allclose(viewer.targets.by_tip[tip].pose[:3, :3], R, atol=1e-9)
+    wait(lambda: np.allclose(session.robot.fk(session.q), session.targets[tip], atol=5e-5))
+    xyz.value = (np.nan, 0.0, 0.0)
+    typed(SimpleNamespace(client="a hand", target=xyz))
+    assert "finite" in message(viewer)
 
 
 @pytest.mark.parametrize(
