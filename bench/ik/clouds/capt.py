@@ -1,7 +1,5 @@
 """VAMP's point clouds, its Collision-Affording Point Tree, through bench/ik/peers/vamp."""
 
-from __future__ import annotations
-
 import ctypes
 from ctypes import POINTER, byref, c_double, c_float, c_int, c_ubyte, c_void_p
 from pathlib import Path
@@ -10,10 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from bench.common.arrays import BoolArray, FloatArray
 from bench.common.peer_library import build
-
-BoolArray = npt.NDArray[np.bool_]
-FloatArray = npt.NDArray[np.float64]
 
 CAPT = "VAMP's CAPT"
 FILTERED = "VAMP's CAPT, 20 mm filter"

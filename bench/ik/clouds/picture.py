@@ -1,7 +1,5 @@
 """The picture of bench.ik.clouds: intake, questions and solves over the number of points."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

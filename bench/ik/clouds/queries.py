@@ -1,20 +1,17 @@
 """How users would ask whether a configuration is free of a cloud, and how near it comes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import coal
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.clouds.hulls import Capsule, moving_hulls
 from bench.ik.clouds.structures import COAL, OURS, SCIPY, octree, scipy_tree
 from bench.ik.methods.hulls import Hull
 
-FloatArray = npt.NDArray[np.float64]
 Placed = Mapping[str, FloatArray]  # (4, 4) by link
 
 

@@ -4,8 +4,6 @@ Each is made from points in double precision, (N, 3), but for the one that says 
 nothing of the caller's array, so that its memory is all that it needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
@@ -14,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 Build = Callable[[npt.NDArray[Any]], Any]
 
 VOXEL = 0.01  # edge of the octree's [m]

@@ -1,7 +1,5 @@
 """The tables of bench/ik/clouds/__main__.py."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

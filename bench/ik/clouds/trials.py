@@ -5,8 +5,6 @@ Times are the processor's, half a microsecond of asking for it included, since a
 long calls more than short ones; those of a solve and of VAMP's answers are the wall's, from C++.
 """
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os
@@ -18,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.clouds.capt import SETTINGS, Capt
 from bench.ik.clouds.hulls import Capsule
 from bench.ik.clouds.queries import Judge, queries
@@ -30,7 +28,6 @@ from bench.ik.experiment import Arm
 
 Row = dict[str, Any]
 Job = Mapping[str, Any]
-FloatArray = npt.NDArray[np.float64]
 
 SOLVE_BUDGET = 1.0  # [s]
 NEAR = 0.03  # a clearance that voxels and rounder shapes may turn into a touch [m]

@@ -6,8 +6,6 @@ Calls are timed inside C++ (deadline_calls), without the cloud's intake, which h
 Beside the idle machine, other programs keep one processor busy, then two. --quick takes a minute.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import subprocess

@@ -1,16 +1,12 @@
 """Clouds of a thousand to a million points: as depth cameras give them, and filling the space."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.scenes.camera import depth_view
 from bench.ik.scenes.objects import ObjectModel, primitive_models, random_scene
-
-FloatArray = npt.NDArray[np.float64]
 
 KINDS = ("camera", "dense")
 OBJECTS = 9  # of a camera's scene

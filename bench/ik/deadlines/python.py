@@ -1,7 +1,5 @@
 """Calls with a deadline as Python makes them: the Panda, the default method, random targets."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,14 +1,11 @@
 """What a depth camera sees of meshes: one side of what is not hidden, noise, dropouts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 WIDTH, HEIGHT = 320, 240  # pixels
 FIELD_OF_VIEW = np.radians(70.0)  # horizontal

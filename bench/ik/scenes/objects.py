@@ -5,21 +5,17 @@ rotations, scales uniform in [1, 3]. The objects are primitives, or the YCB obje
 with their clouds is at hand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.scenes.primitives import EVERYDAY_OBJECTS, sample_surface, surface_mesh
 from pdoik.clouds import load_cloud
-
-FloatArray = npt.NDArray[np.float64]
 
 CENTER_LOWER = (-0.6, -0.6, 0.0)  # [m]
 CENTER_UPPER = (0.6, 0.6, 1.2)  # [m]

@@ -1,17 +1,14 @@
 """Everyday objects as sums of simple surfaces, and points drawn uniformly from them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 SIDES = 48  # of the polygon that stands for a circle in a mesh
 

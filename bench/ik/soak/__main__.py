@@ -10,8 +10,6 @@ What fails is written to failures/ and ends the command with status 1: a file th
 and is a test once it lies in tests/python/soak_cases. --quick is a two-minute version.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """What failed, as files that can be replayed; JSON keeps every digit."""
 
-from __future__ import annotations
-
 import base64
 import json
 from dataclasses import asdict

@@ -10,12 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.soak.hulls import capsules, clearance, segment_distance
 from bench.ik.soak.kinematics import Kinematics, Placed
 from bench.ik.soak.robots import RobotSpec
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 ROUNDING = 1e-9  # what two ways to compute one figure may differ by [m] or [rad]
 SAMPLES = 12  # random configurations that show what moves with what

@@ -1,7 +1,5 @@
 """Where a robot's links are, by Pinocchio, and its limits, from the description's own text."""
 
-from __future__ import annotations
-
 import ctypes
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
@@ -11,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from bench.common.arrays import FloatArray
 from bench.ik.soak.robots import RobotSpec
-
-FloatArray = npt.NDArray[np.float64]
 
 FLOATING = ("base_x", "base_y", "base_z", "base_yaw", "base_pitch", "base_roll")
 NUMBERS = 12  # of a placement in Pinocchio's memory: a rotation by columns, a translation

@@ -1,7 +1,5 @@
 """The tables of a soak test."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

@@ -9,13 +9,11 @@ from dataclasses import asdict, dataclass, field
 from functools import cache
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 import yaml
 
 import pdoik
+from bench.common.arrays import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 Triple = tuple[float, float, float]
 Sphere = tuple[str, Triple, float]
 Spheroid = tuple[str, Triple, str, Triple, float]

@@ -1,7 +1,5 @@
 """What is asked: options, goals, clouds, starts. Everything follows from a seed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import BoolArray
 from bench.ik.soak.cases import KEPT, encode
 from bench.ik.soak.judge import ROUNDING, Asked, Judge, Verdicts
 from bench.ik.soak.robots import FloatArray, RobotSpec
 from bench.ik.soak.scenes import Scene, draw_scene, four_columns, make_goal, make_options
 from bench.ik.soak.trees import draw_robot
 
-BoolArray = npt.NDArray[np.bool_]
 Row = dict[str, Any]
 
 SCENES = 5  # of one robot before the next one is drawn

@@ -1,7 +1,5 @@
 """Runs a Tracker, judges every step, counts, and keeps what failed."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Mapping, Sequence
@@ -12,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import BoolArray
 from bench.ik.soak.cases import KEPT, encode
 from bench.ik.soak.hulls import clearance
 from bench.ik.soak.judge import Asked, Goals, Judge, Verdicts
@@ -20,8 +19,6 @@ from bench.ik.soak.robots import FloatArray, RobotSpec
 from bench.ik.soak.scenes import four_columns, make_goal, make_options
 from bench.ik.soak.solves import FIELDS, UNTOLD, Row, misreported
 from bench.ik.soak.trees import draw_robot
-
-BoolArray = npt.NDArray[np.bool_]
 
 LOOK = 0.5  # a tracker does not measure clearance beyond this [m]
 BOUND_ROUNDING = 1e-12  # of a step's bound [rad] or [m]

@@ -1,7 +1,5 @@
 """Random robots: trees with every kind of joint, DH tables, floating and mounted bases."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

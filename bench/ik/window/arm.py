@@ -5,8 +5,6 @@ PDOIK_YCB=DIR python -m bench.ik.window.arm FILE     (DIR/cloud/*.pcd; YCB, CC B
 The target goes down between the objects at 60 poses a second while the page is open.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,15 +14,14 @@ import numpy.typing as npt
 import typer
 
 import pdoik
-from bench.ik.judges.arm_meshes import _example_robot_data_share
+from bench.common.arrays import FloatArray
+from bench.ik.judges.arm_meshes import example_robot_data
 from bench.ik.window.page import drag, opened, save, served
 from pdoik.clouds import load_cloud
 from pdoik.view import Session
 from pdoik.view.model import Model
 from pdoik.view.shapes import pose_of
 from pdoik.view.visuals import load_visuals
-
-FloatArray = npt.NDArray[np.float64]
 
 OBJECTS = {  # x, y [m] and turn about z [rad] on the table
     "003_cracker_box": (0.66, -0.24, 0.5),
@@ -66,7 +63,7 @@ def way() -> Iterator[FloatArray]:
 
 def panda_model() -> Model:
     """The shipped Panda as it looks, without the hand, which its hulls leave out."""
-    share = _example_robot_data_share()
+    share = example_robot_data()
     urdf = share / "example-robot-data/robots/panda_description/urdf/panda.urdf"
     visuals, _ = load_visuals(urdf, [share])
     covered = {f"panda_link{i}" for i in range(8)}

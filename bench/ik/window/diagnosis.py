@@ -8,8 +8,6 @@ The machine as recorded, and simulated before and after the findings, some secon
 recording, with the finding of most weight at one joint opened.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import typer

@@ -5,8 +5,6 @@
 The hand goes down beside the box of the first example at 60 poses a second.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -5,8 +5,6 @@ python -m bench.ik.window.h1 bench/ik/window/view_h1.png
 The H1 stands on its feet; its left elbow is dragged at 60 poses a second while the page is open.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page of `pdoik view` in headless Chromium, for the README's pictures."""
 
-from __future__ import annotations
-
 import io
 import shutil
 import time
@@ -9,19 +7,16 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
+from bench.common.arrays import FloatArray
 from pdoik.view import Session
 from pdoik.view.diagnosis.viewer import DiagnosisViewer
 from pdoik.view.examples import Example
 from pdoik.view.model import Model
 from pdoik.view.server import start_server
 from pdoik.view.viewer import Viewer
-
-FloatArray = npt.NDArray[np.float64]
 
 WIDTH = 1400  # pixels
 FLAGS = [

@@ -5,8 +5,6 @@ PDOIK_YCB=DIR python -m bench.ik.window.reach FILE     (as view_picture.py)
 What a Panda reaches around a table with objects, as the page computes it, cut open beside the arm.
 """
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

@@ -8,19 +8,15 @@ After Maric et al. 2021. Nodes are the points of points.py. Edges carry `lower` 
     goal    from the last axis to the base; the values are a problem's
 """
 
-from __future__ import annotations
-
 from itertools import combinations, product
 
 import networkx as nx
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.methods.distance_geometry.limits import SquaredDistance, expresses
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
 from bench.ik.methods.distance_geometry.start import embedded, smoothed
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class DistanceGraph:

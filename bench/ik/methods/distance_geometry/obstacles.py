@@ -11,15 +11,11 @@ Links between the joints stay uncovered. This is the method's known gap, not a s
 between points say nothing of a link's side.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
-
-FloatArray = npt.NDArray[np.float64]
 
 N_SAMPLES = 32  # configurations that a depth is the least of
 

@@ -5,16 +5,12 @@ x, y make of p_0, q_0 a frame. Departs from it in that there is no pair for the 
 on the last axis, whose own pair the goal fixes just as well.
 """
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.experiment import Arm
-
-FloatArray = npt.NDArray[np.float64]
 
 AXIS_LENGTH = 1.0  # |q_k - p_k| [m], as in the public implementation
 BASE = (0, 1, 2, 3)  # rows of x, y, p_0, q_0

@@ -7,14 +7,10 @@ best angle in closed form (in the public implementation, a root of a polynomial)
 two neighbouring skew axes that came out mirrored is not seen here: its angles are then wrong.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
-
-FloatArray = npt.NDArray[np.float64]
 
 TURN = 2 * np.pi
 NEGLIGIBLE = 1e-12  # lever arms squared that tell no angle [m^2]

@@ -3,18 +3,16 @@
 Settings are those of the paper's public implementation (utiasSTARS/graphik).
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from time import perf_counter
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import pymanopt
 from pymanopt.optimizers import ConjugateGradient, TrustRegions
 from pymanopt.optimizers.optimizer import OptimizerResult
 
+from bench.common.arrays import FloatArray
 from bench.ik.experiment import Arm
 from bench.ik.methods.distance_geometry.cost import DistanceCost
 from bench.ik.methods.distance_geometry.graph import DistanceGraph
@@ -24,7 +22,6 @@ from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
 from bench.ik.methods.distance_geometry.recover import align, angles, within_turns
 from bench.ik.methods.problem import Answer, Problem, Terms
 
-FloatArray = npt.NDArray[np.float64]
 Start = Literal["bounds", "q0"]
 
 OBSTACLE_SLACK = 1e-3  # how far a sphere may reach into an obstacle in a solved problem [m]

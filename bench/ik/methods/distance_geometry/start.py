@@ -6,12 +6,10 @@ three are kept along which the known distances extend most. Obstacles, which are
 have no part in it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 FRACTION = 0.9  # of the way from the lower bound to the upper one
 NEGLIGIBLE = 1e-8  # eigenvalue of a Gram matrix that counts as none [m^2]
