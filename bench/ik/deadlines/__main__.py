@@ -22,22 +22,13 @@ import pandas as pd
 import typer
 from rich.progress import track
 
+from bench.common import commands
 from bench.common.campaign import Campaign
-from bench.common.commands import (
-    BUILD,
-    BuildFolder,
-    OutFolder,
-    Quick,
-    Seed,
-    console,
-    plain_errors,
-    show,
-    write_report,
-)
 from bench.common.peer_library import build
 from bench.ik.deadlines.clouds import KINDS, write_cloud
 from bench.ik.deadlines.python import CALL, Effort, python_calls
 from bench.ik.deadlines.tables import all_tables
+from bench.ik.experiment import tell
 
 ROBOTS = ("panda", "h1")
 BUDGETS = (0.0002, 0.001, 0.005)  # [s]
@@ -81,7 +72,7 @@ QUICK_PLAN: Plan = (
 
 
 def cells(plan: Plan, robots: Sequence[str], counts: Sequence[int]) -> list[Cell]:
-    """All that the tables show, load by load."""
+    """All that the tables commands.show, load by load."""
     return [
         Cell(robot=robot, call=call, budget=budget, cloud=cloud, count=count, load=load)
         for load in LOADS
@@ -94,8 +85,8 @@ def cells(plan: Plan, robots: Sequence[str], counts: Sequence[int]) -> list[Cell
 
 
 def main(
-    out: OutFolder = BUILD / "deadlines",
-    quick: Quick = False,
+    out: commands.OutFolder = commands.BUILD / "deadlines",
+    quick: commands.Quick = False,
     repeats: Annotated[
         int, typer.Option(min=1, help="Calls of each kind of goal, where the time suffices.")
     ] = 500,
@@ -106,15 +97,15 @@ def main(
     count: Annotated[
         list[int] | None, typer.Option(help="Points; 0 to a million otherwise.")
     ] = None,
-    seed: Seed = 0,
-    build_folder: BuildFolder = BUILD,
+    seed: commands.Seed = 0,
+    build_folder: commands.BuildFolder = commands.BUILD,
 ) -> None:
     """Measure how well deadlines are kept."""
     robots, counts = tuple(robot or ROBOTS), tuple(count or (QUICK_COUNTS if quick else COUNTS))
     if quick:
         repeats, seconds, out = min(repeats, 50), 0.02, out.with_name(out.name + "-quick")
-    with plain_errors():
-        with console.status("building"):
+    with commands.plain_errors():
+        with commands.console.status("building"):
             program = build(build_folder, "pdoik_deadlines") / "bench" / "pdoik_deadlines"
         settings = {
             "experiment": "deadlines",
@@ -129,10 +120,7 @@ def main(
             cells(QUICK_PLAN if quick else PLAN, robots, counts),
             Effort(repeats=repeats, seconds=seconds, seed=seed),
         )
-        text = all_tables(calls, seed)
-        write_report(out / "deadlines.md", text)
-    show(text)
-    console.print(f"tables: {out}/deadlines.md; calls: trials.parquet")
+        tell(out, all_tables(calls, seed), name="deadlines")
 
 
 def measured(
@@ -145,7 +133,7 @@ def measured(
         for load in LOADS:
             left = [cell for cell in plan if cell.load == load and not campaign.has(cell.name)]
             with busy_processors(load):
-                for cell in track(left, f"beside {load}", console=console, transient=True):
+                for cell in track(left, f"beside {load}", console=commands.console, transient=True):
                     cloud = clouds[cell.cloud, cell.count]
                     campaign.keep(cell.name, calls_of(program, cell, cloud, effort))
         calls = campaign.gather([cell.name for cell in plan])
@@ -155,12 +143,10 @@ def measured(
 def from_python(
     calls: pd.DataFrame, clouds: Mapping[tuple[str, int], Path | None], effort: Effort
 ) -> Iterator[pd.DataFrame]:
-    """The calls from Python among each cloud, whose intake C++ has timed if results do not."""
+    """The calls from Python among each cloud, whose intake C++ has timed by the thread's clock."""
     for (kind, count), cloud in clouds.items():
         same = calls[(calls.cloud == kind) & (calls.points == count) & (calls.load == 0)]
-        timed = python_calls(
-            cloud, USUAL_BUDGET, same.intake.median(), same.intake_cpu.median(), effort
-        )
+        timed = python_calls(cloud, USUAL_BUDGET, same.intake_cpu.median(), effort)
         facts = {"robot": "panda", "call": CALL, "budget": USUAL_BUDGET, "cloud": kind}
         yield timed.assign(**facts, points=count, load=0, case="random")
 

@@ -5,9 +5,8 @@ arrays as foci and A.
 """
 
 import numpy as np
-import numpy.typing as npt
 
-from bench.common.arrays import FloatArray
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.judges.distances import hull_distance, to_segment
 
 PAIRS = 200_000  # of a hull and a point that are looked at together: what a cache holds
@@ -18,16 +17,13 @@ def clearance(
     b: FloatArray,
     A: FloatArray,
     points: FloatArray,
-    swept: npt.NDArray[np.bool_] | None = None,
+    swept: BoolArray | None = None,
 ) -> FloatArray:
     """Least distance of any point, less its radius, to any hull, (B,), infinite without any [m].
 
-    Args:
-        a: Foci of the hulls in each of B placements, (B, H, 3).
-        b: The other foci, (B, H, 3).
-        A: Semi-major axes, (H,).
-        points: Centres and radii, (N, 4), or of each placement its own, (B, N, 4).
-        swept: Which hulls are capsules, (H,).
+    Hulls have foci a and b in each of B placements, (B, H, 3), and semi-major axes A, (H,); those
+    that are `swept`, (H,), are capsules. Points are centres and radii, (N, 4), or of each placement
+    its own, (B, N, 4).
     """
     if swept is not None and swept.any():
         wide = clearance(a[:, ~swept], b[:, ~swept], A[~swept], points)
@@ -52,14 +48,14 @@ def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> F
     nowhere farther from that with A than at the waist, where they are B(s) - B(A) apart. Inside a
     hull both hold with their signs turned round.
     """
-    excess = _half_sums(a, b, points) - (A[:, None] + points[..., None, :, 3])  # (B, H, N)
+    radii = points[..., None, :, 3]
+    excess = _half_sums(a, b, points) - (A[:, None] + radii)  # (B, H, N)
+    half = 0.5 * np.linalg.norm(b - a, axis=2)
     empty = np.linalg.norm(b - a, axis=2) >= 2.0 * A
     if empty.any():
         excess[empty] = np.inf
     scale = 1.0 + np.abs(points[..., :3]).max() + np.abs(a).max()
     slack = 1e-7 * scale  # of the rounding in `_half_sums`
-    radii = points[..., None, :, 3]
-    half = 0.5 * np.linalg.norm(b - a, axis=2)
     waist = np.sqrt(np.maximum((A - half) * (A + half), 0.0))
     at = excess.reshape(len(a), -1).argmin(axis=1)
     row = np.arange(len(a))
@@ -72,16 +68,16 @@ def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> F
     may_be_less |= excess + radii <= slack  # inside the distance may be far below the bound
     least = np.full(len(a), np.inf)
     row, hull, point = np.nonzero(may_be_less)
-    np.minimum.at(least, row, _exact(a, b, A, points, row, hull, point))
+    own = points[row, point] if points.ndim == 3 else points[point]
+    exact = hull_distance(own[:, :3], a[row, hull], b[row, hull], A[hull]) - own[:, 3]
+    np.minimum.at(least, row, exact)
     return least
 
 
 def _to_capsules(a: FloatArray, b: FloatArray, r: FloatArray, points: FloatArray) -> FloatArray:
     """See `clearance`, of capsules only."""
     least = np.full(len(a), np.inf)
-    if points.shape[-2] == 0:
-        return least
-    for n in range(len(a)):
+    for n in range(len(a) if points.shape[-2] else 0):
         own = points[n] if points.ndim == 3 else points
         for p, q, radius in zip(a[n], b[n], r, strict=True):
             gap = to_segment(own[:, :3], p, q) - radius - own[:, 3]
@@ -108,22 +104,8 @@ def _half_sums(a: FloatArray, b: FloatArray, points: FloatArray) -> FloatArray:
     return total
 
 
-def _exact(
-    a: FloatArray,
-    b: FloatArray,
-    A: FloatArray,
-    points: FloatArray,
-    row: npt.NDArray[np.intp],
-    hull: npt.NDArray[np.intp],
-    point: npt.NDArray[np.intp],
-) -> FloatArray:
-    """Distances of single pairs, less the points' radii."""
-    own = points[row, point] if points.ndim == 3 else points[point]
-    return hull_distance(own[:, :3], a[row, hull], b[row, hull], A[hull]) - own[:, 3]
-
-
 def capsules(
-    a: FloatArray, b: FloatArray, A: FloatArray, swept: npt.NDArray[np.bool_] | None = None
+    a: FloatArray, b: FloatArray, A: FloatArray, swept: BoolArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The capsules around hulls: ends of their segments and radii, NaN of one that holds nothing.
 
@@ -135,8 +117,6 @@ def capsules(
     B = np.sqrt(np.where(h < A, (A - h) * (A + h), np.nan))
     reach = half * ((A - B) / np.where(h > 0.0, h, 1.0))[..., None]
     middle = 0.5 * (a + b)
-    if swept is None:
-        return middle - reach, middle + reach, B
     along = swept[:, None]
     first, last = np.where(along, a, middle - reach), np.where(along, b, middle + reach)
     return first, last, np.where(swept, A, B)

@@ -3,22 +3,21 @@
 import io
 import shutil
 import time
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from bench.common.arrays import FloatArray
 from pdoik.view import Session
-from pdoik.view.diagnosis.viewer import DiagnosisViewer
 from pdoik.view.examples import Example
 from pdoik.view.model import Model
 from pdoik.view.server import start_server
 from pdoik.view.viewer import Viewer
 
-WIDTH = 1400  # pixels
 FLAGS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -29,10 +28,10 @@ FLAGS = [
 
 
 @contextmanager
-def served(model: Model, session: Session, example: Example | None = None) -> Iterator[Viewer]:
+def running(make: Callable[[Any], Any]) -> Iterator[Any]:
     """A viewer on a port of its own."""
     server = start_server("127.0.0.1", 0)
-    viewer = Viewer(server, model, session, example)
+    viewer = make(server)
     try:
         yield viewer
     finally:
@@ -40,9 +39,16 @@ def served(model: Model, session: Session, example: Example | None = None) -> It
         server.stop()
 
 
+def served(
+    model: Model, session: Session, example: Example | None = None
+) -> AbstractContextManager[Viewer]:
+    """The viewer of a session."""
+    return running(lambda server: Viewer(server, model, session, example))
+
+
 @contextmanager
-def opened(viewer: Viewer | DiagnosisViewer, height: int, width: int = WIDTH) -> Iterator[Page]:
-    """Its page, with a first answer on it and nothing in front of it."""
+def opened(viewer: Any, height: int, width: int = 1400) -> Iterator[Page]:
+    """Its page, with a first answer on it and nothing in front of it; sizes in pixels."""
     chromium = shutil.which("chromium")
     with (
         sync_playwright() as driver,
@@ -65,8 +71,12 @@ def drag(viewer: Viewer, tip: str, poses: Iterable[FloatArray]) -> None:
         time.sleep(1 / 60)
 
 
-def save(png: bytes, out: Path) -> None:
-    """Colours in steps of 4, which compress better."""
-    with Image.open(io.BytesIO(png)) as image:
+def save(page: Page, out: Path, after: float) -> None:
+    """A picture of the page some milliseconds later, as software rendering trails behind.
+
+    Colours in steps of 4 compress better.
+    """
+    page.wait_for_timeout(after)
+    with Image.open(io.BytesIO(page.screenshot(timeout=120_000))) as image:
         steps = [255 if v > 253 else min(255, round(v / 4) * 4) for v in range(256)]
         image.convert("RGB").point(3 * steps).save(out, optimize=True)

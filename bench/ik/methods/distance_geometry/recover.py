@@ -10,6 +10,7 @@ two neighbouring skew axes that came out mirrored is not seen here: its angles a
 import numpy as np
 
 from bench.common.arrays import FloatArray
+from bench.ik.judges.recheck import rotation_about
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
 
 TURN = 2 * np.pi
@@ -26,10 +27,8 @@ def align(Y: FloatArray, base: FloatArray) -> FloatArray:
 def angles(points: ArmPoints, found: FloatArray, otherwise: FloatArray) -> FloatArray:
     """The joint angles that points in the base frame stand for, in (-pi, pi], (n,) [rad].
 
-    Args:
-        points: The arm's.
-        found: Where they are, (N, 3) [m].
-        otherwise: Angles of joints that no point tells, as the last one's, (n,) [rad].
+    The arm's points were found at (N, 3) [m]; joints that no point tells, as the last one, have the
+    angles `otherwise`, (n,) [rad].
     """
     theta = np.array(otherwise, dtype=np.float64)
     zero = points.zero
@@ -46,16 +45,9 @@ def angles(points: ArmPoints, found: FloatArray, otherwise: FloatArray) -> Float
         sine, cosine = float(np.sum(np.cross(across, after) @ axis)), float(np.sum(across * after))
         if np.hypot(sine, cosine) > NEGLIGIBLE:
             theta[joint] = np.arctan2(sine, cosine)
-        turn = rotation(axis, theta[joint])
+        turn = rotation_about(axis, theta[joint])
         R, t = turn @ R, turn @ (t - pivot) + pivot
     return theta
-
-
-def rotation(axis: FloatArray, angle: float) -> FloatArray:
-    """Rotation matrix about a unit axis (Rodrigues), (3, 3)."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * (K @ K))
 
 
 def within_turns(theta: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:

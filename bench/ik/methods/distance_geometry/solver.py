@@ -36,11 +36,8 @@ class DistanceGeometricSolver(ABC):
     that are skew, as the Panda's, may come out mirrored: the distances then fit and the answer
     does not.
 
-    Args:
-        arm: An arm of revolute joints.
-        terms: Of goal "axis".
-        start: "bounds" embeds smoothed distance bounds, as the public implementation does, and
-            takes from q0 the last joint's angle only. "q0" starts from the points of q0.
+    The `start` "bounds" embeds smoothed distance bounds, as the public implementation does, and
+    takes from q0 the last joint's angle only; "q0" starts from the points of q0.
 
     Attributes:
         relaxed_joints: Joints whose limits distances do not tell exactly: a range of a turn or
@@ -76,10 +73,9 @@ class DistanceGeometricSolver(ABC):
         q = within_turns(
             angles(self._points, found, np.clip(problem.q0, lower, upper)), lower, upper
         )
-        claimed = self._is_solved(problem, q)
         return Answer(
             q=q,
-            claimed=claimed,
+            claimed=self._is_solved(problem, q),
             time=perf_counter() - begin,
             iterations=int(result.iterations),
             evaluations=cost.evaluations,
@@ -101,20 +97,14 @@ class DistanceGeometricSolver(ABC):
         """Run pymanopt's optimizer."""
 
     def _riemannian(self, cost: DistanceCost) -> pymanopt.Problem:
-        manifold = self._manifold
-
-        def value(Y: FloatArray) -> float:
-            return cost(Y)
-
-        def hessian(Y: FloatArray, Z: FloatArray) -> FloatArray:
-            return manifold.projection(Y, cost.hessian(Y, Z))
-
-        function = pymanopt.function.numpy(manifold)
+        function = pymanopt.function.numpy(self._manifold)
         return pymanopt.Problem(
-            manifold,
-            function(value),
+            self._manifold,
+            function(lambda Y: cost(Y)),
             euclidean_gradient=function(cost.gradient),
-            riemannian_hessian=function(hessian),
+            riemannian_hessian=function(
+                lambda Y, Z: self._manifold.projection(Y, cost.hessian(Y, Z))
+            ),
         )
 
     def _first(self, problem: Problem) -> FloatArray:
