@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.solids import Solid
+from pdoik.scenes.pieces import Piece, Thing, shapes_of
 
 LEAF = 0.01  # of the cloud [m]
 SPACING = LEAF / 3  # of the points of a surface [m]
@@ -108,25 +110,18 @@ def _cloud(_: pdoik.Robot, spacing: float, sink: bool = False) -> Callable[[Prob
 def _shapes(robot: pdoik.Robot, _: float) -> Callable[[Problem], Any]:
     def scene(problem: Problem) -> pdoik.Scene:
         allowed = [pair for pair in problem.allowed if pair[0] in robot.link_names]
-        return pdoik.Scene([_shape(solid) for solid in problem.solids], allowed=allowed)
+        for solid in problem.solids:
+            if not _is_convex(solid):
+                raise MethodError(f"{solid.name} is not convex: give it as a cloud")
+        things = [Thing(name=solid.name, pieces=(_piece(solid),)) for solid in problem.solids]
+        return pdoik.Scene(shapes_of(things, Path(problem.name)), allowed=allowed)
 
     return scene
 
 
-def _shape(solid: Solid) -> pdoik.Shape:
-    name, T, size = solid.name, solid.T, solid.size
-    match solid.kind:
-        case "box":
-            return pdoik.Shape.box(name, size, T)
-        case "sphere":
-            return pdoik.Shape.sphere(name, T[:3, 3], *size)
-        case "cylinder" | "capsule":
-            return getattr(pdoik.Shape, solid.kind)(name, *size, T)
-        case "half_space":
-            return pdoik.Shape.half_space(name, T[:3, 2], T[:3, 3])
-    if not _is_convex(solid):
-        raise MethodError(f"{name} is not convex: give it as a cloud")
-    return pdoik.Shape.convex_mesh(name, solid.vertices, T)
+def _piece(solid: Solid) -> Piece:
+    names = ("kind", "size", "T", "vertices", "faces")
+    return Piece(entry=solid.name, **{name: getattr(solid, name) for name in names})
 
 
 def _is_convex(solid: Solid) -> bool:
