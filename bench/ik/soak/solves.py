@@ -52,8 +52,8 @@ def ask(scene: Scene, solver: pdoik.Solver) -> Answers:
     if not scene.single:
         targets = {goal.tip: goal.T for goal in scene.goals}
         batch = solver.solve_batch(targets, q0=scene.q0, obstacles=scene.cloud, threads=1)
-        nothing = np.full(len(batch), np.nan)
-        return Answers.of(lambda name: np.asarray(getattr(batch, name)), nothing)
+        intake, cpu = np.zeros(len(batch)), np.full(len(batch), np.nan)  # which it does not tell
+        return Answers.of(lambda name: np.asarray(getattr(batch, name, intake)), cpu)
     results, cpu = [], []
     for k in range(scene.count):
         goals = {goal.tip: make_goal(goal, goal.T[k]) for goal in scene.goals}
