@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.resources
+import subprocess
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -111,6 +112,19 @@ def blocks(
         for first in range(0, total, size)
         for key in product(*axes.values())
     }
+
+
+def output_of(command: Sequence[object], what: str, **more: Any) -> str:
+    """What a program prints.
+
+    Raises:
+        RuntimeError: It failed.
+    """
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, **more)
+    if done.returncode != 0:
+        raise RuntimeError(f"{what}: status {done.returncode} {done.stderr.strip()}")
+    return done.stdout
 
 
 def tell(out: Path, text: str, shown: str = "", name: str = "tables", also: str = "") -> None:

@@ -10,7 +10,6 @@ same command continues where it was stopped. --quick takes a minute.
 
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,7 +26,7 @@ from bench.ik.clouds.capt import build_capt, settings_for
 from bench.ik.clouds.picture import draw
 from bench.ik.clouds.structures import OURS, STRUCTURES, missing
 from bench.ik.clouds.tables import all_tables
-from bench.ik.experiment import ARMS, tell
+from bench.ik.experiment import ARMS, output_of, tell
 
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 SOLVE_COUNTS = (136, 10_000, 100_000, 1_000_000)
@@ -123,23 +122,11 @@ def measured(
 
 
 def fresh_process(job: Mapping[str, Any], processor: int) -> list[dict[str, Any]]:
-    """The rows of one job.
-
-    Raises:
-        RuntimeError: It failed.
-    """
-    done = subprocess.run(
-        [sys.executable, "-m", "bench.ik.clouds.trials", str(processor)],
-        input=json.dumps(job),
-        env={**os.environ, **dict.fromkeys(ONE_THREAD, "1")},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode != 0:
-        raise RuntimeError(f"{_file_name(job)}: status {done.returncode} {done.stderr.strip()}")
-    return list(json.loads(done.stdout))
+    """The rows of one job."""
+    command = [sys.executable, "-m", "bench.ik.clouds.trials", processor]
+    environment = {**os.environ, **dict.fromkeys(ONE_THREAD, "1")}
+    told = output_of(command, _file_name(job), input=json.dumps(job), env=environment, cwd=ROOT)
+    return json.loads(told)
 
 
 def _file_name(job: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ from bench.common import commands
 from bench.common.grouped import grouped_table, mean
 from bench.common.peer_library import build_peers
 from bench.common.whole_files import write_whole
-from bench.ik.compare import experiments as compare
+from bench.ik.compare.experiments import Compared, plan
 from bench.ik.experiment import ARMS, Arm, take_turns, tell
 from bench.ik.scenes.around import models_of
 
@@ -48,46 +48,19 @@ def main(
         with commands.console.status("building the peers"):
             libraries = build_peers(build)
         source = f"{len(models)} {commands.source_of(ycb)}"
-        blocks: dict[str, tuple[str, int, Callable[[Arm, int, Any], compare.Compared]]] = {
-            f"{targets} reachable poses per arm, {compare.FINE:g} m and rad, "
-            f"{1e3 * compare.SHORT:g} ms": (
-                "All start mid-range, then at random until solved or out of time; judged by "
-                "Pinocchio.",
-                targets,
-                lambda arm, count, rng: compare.with_peers(arm, libraries, count, rng),
-            ),
-            f"{scenes} scenes per arm: {compare.OBJECTS} objects, 5-DoF goals, default options": (
-                f"Objects: {source}, scaled 1 to 3 times, voxel grid of {compare.LEAF:g} m over "
-                "the scene. The configuration that defines the target is clear. The cloud is set "
-                "before timing.",
-                scenes,
-                lambda arm, count, rng: compare.among_objects(arm, models, count, rng),
-            ),
-        }
-        for goal, boxes in compare.PROTOTYPE:
-            count, points = (scenes, boxes * compare.POINTS_PER_EDGE**3) if boxes else (targets, 0)
-            degrees = 6 if goal == "pose" else 5
-            blocks[f"Algorithm IK from omega = 0: {degrees}-DoF, {points} points"] = (
-                f"{count} targets per arm, {compare.COARSE:g} m and rad, contact "
-                f"{compare.CONTACT_TOLERANCE:g} m.",
-                count,
-                lambda arm, count, rng, goal=goal, boxes=boxes: compare.paper_and_plain(
-                    arm, libraries, goal, boxes, count, rng
-                ),
-            )
         parts, texts = [], []
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
         with Progress(
             *columns, TimeElapsedColumn(), console=commands.console, transient=True
         ) as progress:
-            for title, (note, count, make) in blocks.items():
-                advance = partial(progress.advance, progress.add_task(title))
+            for each in plan(targets, scenes, models, source, libraries):
+                advance = partial(progress.advance, progress.add_task(each.title))
                 rows = []
                 for index, arm in enumerate(arms):
                     rng = np.random.default_rng([seed, index])
-                    rows += solves(arm, make(arm, count, rng), advance)
-                parts.append(pd.DataFrame(rows).assign(block=title))
-                texts.append(f"**{title}.** {note}\n\n{table(parts[-1])}")
+                    rows += solves(arm, each.make(arm, each.count, rng), advance)
+                parts.append(pd.DataFrame(rows).assign(block=each.title))
+                texts.append(f"**{each.title}.** {each.note}\n\n{table(parts[-1])}")
         trials = pd.concat(parts, ignore_index=True)
         out.mkdir(parents=True, exist_ok=True)
         write_whole(out / "trials.parquet", lambda file: trials.to_parquet(file, index=False))
@@ -97,9 +70,7 @@ def main(
             raise typer.Exit(1)
 
 
-def solves(
-    arm: Arm, compared: compare.Compared, advance: Callable[[int], object]
-) -> list[dict[str, Any]]:
+def solves(arm: Arm, compared: Compared, advance: Callable[[int], object]) -> list[dict[str, Any]]:
     """A row for each problem and method, who take turns."""
 
     def judged(name: str, solve: Any) -> Callable[[Any], dict[str, Any]]:

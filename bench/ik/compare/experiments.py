@@ -1,7 +1,9 @@
 """What is compared: per arm the problems, who solves them, and who says whether they are solved."""
 
-from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -37,11 +39,47 @@ class Compared(NamedTuple):
     prototype: str = ""  # share that the prototype of the notes on the paper solved
 
 
+class Experiment(NamedTuple):
+    """A table, how many problems it has per arm, and what makes them of a generator."""
+
+    title: str
+    note: str
+    count: int
+    make: Callable[[Arm, int, np.random.Generator], Compared]
+
+
+def plan(
+    targets: int, scenes: int, models: Sequence[ObjectModel], source: str, libraries: Path
+) -> Iterator[Experiment]:
+    """All of them; some have targets without obstacles, some scenes."""
+    yield Experiment(
+        f"{targets} reachable poses per arm, {FINE:g} m and rad, {1e3 * SHORT:g} ms",
+        "All start mid-range, then at random until solved or out of time; judged by Pinocchio.",
+        targets,
+        partial(with_peers, libraries),
+    )
+    yield Experiment(
+        f"{scenes} scenes per arm: {OBJECTS} objects, 5-DoF goals, default options",
+        f"Objects: {source}, scaled 1 to 3 times, voxel grid of {LEAF:g} m over the scene. "
+        "The configuration that defines the target is clear. The cloud is set before timing.",
+        scenes,
+        partial(among_objects, models),
+    )
+    for goal, boxes in PROTOTYPE:
+        count, points = (scenes, boxes * POINTS_PER_EDGE**3) if boxes else (targets, 0)
+        yield Experiment(
+            f"Algorithm IK from omega = 0: {6 if goal == 'pose' else 5}-DoF, {points} points",
+            f"{count} targets per arm, {COARSE:g} m and rad, contact {CONTACT_TOLERANCE:g} m.",
+            count,
+            partial(paper_and_plain, libraries, goal, boxes),
+        )
+
+
 class _UntilTimeIsUp(PdoikDefault):
     changes: ClassVar = {"max_restarts": 1_000_000}  # time is the only limit, as for the peers
 
 
-def with_peers(arm: Arm, libraries: Any, count: int, rng: np.random.Generator) -> Compared:
+def with_peers(libraries: Path, arm: Arm, count: int, rng: np.random.Generator) -> Compared:
     """Random reachable poses without obstacles, all from mid-range; judged by Pinocchio."""
     q0 = arm.robot.mid_configuration()
     problems = [
@@ -58,7 +96,7 @@ def with_peers(arm: Arm, libraries: Any, count: int, rng: np.random.Generator) -
 
 
 def among_objects(
-    arm: Arm, models: Sequence[ObjectModel], count: int, rng: np.random.Generator
+    models: Sequence[ObjectModel], arm: Arm, count: int, rng: np.random.Generator
 ) -> Compared:
     """The paper's first experiment with default options: axis goals among nine random objects.
 
@@ -84,7 +122,7 @@ def among_objects(
 
 
 def paper_and_plain(
-    arm: Arm, libraries: Any, goal: Goal, boxes: int, count: int, rng: np.random.Generator
+    libraries: Path, goal: Goal, boxes: int, arm: Arm, count: int, rng: np.random.Generator
 ) -> Compared:
     """Algorithm IK from omega = 0, the library's and cpp/testing's; the library judges both."""
     asked = {

@@ -13,9 +13,8 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -28,7 +27,7 @@ from bench.common.peer_library import build
 from bench.ik.deadlines.clouds import KINDS, write_cloud
 from bench.ik.deadlines.python import CALL, Effort, python_calls
 from bench.ik.deadlines.tables import all_tables
-from bench.ik.experiment import tell
+from bench.ik.experiment import output_of, tell
 
 ROBOTS = ("panda", "h1")
 BUDGETS = (0.0002, 0.001, 0.005)  # [s]
@@ -39,22 +38,20 @@ QUICK_COUNTS = (0, 1_000, 100_000)
 LOADS = (0, 1, 2)  # processors that other programs keep busy
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
+class Cell(NamedTuple):
     """What calls of one kind are timed on."""
 
     robot: str
     call: str  # LM, lbfgs or paper of Solver, or tracker
     budget: float  # [s]
     cloud: str  # one of KINDS
-    count: int
+    points: int
     load: int
 
     @property
     def name(self) -> str:
         """Good for a file."""
-        words = (self.robot, self.call, f"{1e6 * self.budget:.0f}us", self.cloud, self.count)
-        return "-".join(map(str, (*words, self.load)))
+        return "-".join(map(str, self._replace(budget=f"{1e6 * self.budget:.0f}us")))
 
 
 Plan = Sequence[tuple[str, float, Sequence[int]]]  # calls, their budgets [s], loads
@@ -72,9 +69,9 @@ QUICK_PLAN: Plan = (
 
 
 def cells(plan: Plan, robots: Sequence[str], counts: Sequence[int]) -> list[Cell]:
-    """All that the tables commands.show, load by load."""
+    """All that the tables show, load by load."""
     return [
-        Cell(robot=robot, call=call, budget=budget, cloud=cloud, count=count, load=load)
+        Cell(robot, call, budget, cloud, count, load)
         for load in LOADS
         for robot in robots
         for call, budget, loads in plan
@@ -128,13 +125,13 @@ def measured(
 ) -> pd.DataFrame:
     """All calls of all cells, a row each; times in seconds, without the intake."""
     with tempfile.TemporaryDirectory(prefix="pdoik-deadlines-") as folder:
-        kinds = {(cell.cloud, cell.count) for cell in plan}
+        kinds = {(cell.cloud, cell.points) for cell in plan}
         clouds = {kind: write_cloud(Path(folder), *kind, effort.seed) for kind in sorted(kinds)}
         for load in LOADS:
             left = [cell for cell in plan if cell.load == load and not campaign.has(cell.name)]
             with busy_processors(load):
                 for cell in track(left, f"beside {load}", console=commands.console, transient=True):
-                    cloud = clouds[cell.cloud, cell.count]
+                    cloud = clouds[cell.cloud, cell.points]
                     campaign.keep(cell.name, calls_of(program, cell, cloud, effort))
         calls = campaign.gather([cell.name for cell in plan])
         return pd.concat([calls, *from_python(calls, clouds, effort)], ignore_index=True)
@@ -152,39 +149,22 @@ def from_python(
 
 
 def calls_of(program: Path, cell: Cell, cloud: Path | None, effort: Effort) -> pd.DataFrame:
-    """The calls of one cell.
-
-    Raises:
-        RuntimeError: The program failed.
-    """
+    """The calls of one cell."""
     words = (program, cell.robot, cell.call, cloud or "none", cell.budget)
     words += (effort.repeats, effort.seconds, effort.seed)
-    done = subprocess.run(
-        [str(word) for word in words], capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        raise RuntimeError(f"{cell}: status {done.returncode} {done.stderr.strip()}")
-    raw = pd.read_csv(io.StringIO(done.stdout))
+    raw = pd.read_csv(io.StringIO(output_of(words, cell.name)))
     # What a result states of its intake counts, too, where some of it is put off until the call.
     put_off = (raw.stated_intake - raw.intake_wall).clip(lower=0)
-    facts: Mapping[str, object] = {
-        name: getattr(cell, name) for name in ("robot", "call", "budget", "cloud", "count", "load")
-    }
-    return pd.DataFrame(
-        {
-            **facts,
-            "case": raw.case,
-            "intake": 1e-9 * np.maximum(raw.intake_wall, raw.stated_intake),
-            "intake_cpu": 1e-9 * (raw.intake_cpu + put_off),
-            "wall": 1e-9 * (raw.wall - put_off),
-            "cpu": 1e-9 * (raw.cpu - put_off),
-            "late": raw.late,
-            "evaluations": raw.evaluations,
-            # Ended by the deadline, whatever status the outcome got.
-            "struck": (raw.struck == 1) | (1e-9 * (raw.wall - put_off) >= cell.budget),
-        },
-        index=raw.index,
-    ).rename(columns={"count": "points"})
+    wall = 1e-9 * (raw.wall - put_off)
+    return raw[["case", "late", "evaluations"]].assign(
+        **cell._asdict(),
+        intake=1e-9 * np.maximum(raw.intake_wall, raw.stated_intake),
+        intake_cpu=1e-9 * (raw.intake_cpu + put_off),
+        wall=wall,
+        cpu=1e-9 * (raw.cpu - put_off),
+        # Ended by the deadline, whatever status the outcome got.
+        struck=(raw.struck == 1) | (wall >= cell.budget),
+    )
 
 
 @contextmanager

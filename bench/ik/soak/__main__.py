@@ -13,6 +13,7 @@ and is a test once it lies in tests/python/soak_cases. --quick is a two-minute v
 import hashlib
 import json
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -87,22 +88,13 @@ def jobs_of(kind: str, total: int, size: int, seed: int) -> dict[str, dict[str, 
     """Jobs of `size` each, `total` in all or a little more, the families by turns."""
     share = {family: shares[kind == "tracking"] for family, shares in SHARES.items()}
     counts = {f: -(-round(total * share[f]) // size) if total else 0 for f in FAMILIES}
-    names = [
-        (f"{family.replace(' ', '_')}-{index:04d}", family, index)
-        for index in range(max(counts.values()))
-        for family in FAMILIES
-        if index < counts[family]
-    ]
-    return {
-        name: {
-            "seed": seed,
-            "family": family,
-            "key": [FAMILIES.index(family), index],
-            "name": name,
-            "count": size,
-        }
-        for name, family, index in names
-    }
+    jobs = {}
+    for index, family in product(range(max(counts.values())), FAMILIES):
+        if index < counts[family]:
+            name, key = f"{family.replace(' ', '_')}-{index:04d}", [FAMILIES.index(family), index]
+            job = {"seed": seed, "family": family, "key": key, "name": name, "count": size}
+            jobs[name] = job
+    return jobs
 
 
 def write_failures(folder: Path, trials: Mapping[str, pd.DataFrame]) -> int:
