@@ -7,8 +7,9 @@ python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --pairs  write which links m
 
 import re
 import time
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -28,7 +29,8 @@ from pdoik.occupancy_fit.overhang import overhang
 from pdoik.occupancy_fit.segments import Capsules
 from pdoik.occupancy_fit.solid import Solid
 
-ROBOTS = Path(__file__).parents[3] / "cpp/robots"
+Shipped = StrEnum("Shipped", ["panda", "ur10", "iiwa14", "h1"])
+FOLDER = Path(__file__).parents[3] / "cpp/robots"
 MAY_TOUCH = {  # though the geometry meets
     "panda": [("panda_link5", "panda_link7")],  # by the maker's SRDF
     "h1": [("torso_link", f"{side}_shoulder_roll_link") for side in ("left", "right")],  # at rest
@@ -75,7 +77,7 @@ def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
 
 def read(name: str) -> list[Capsule]:
     """Those of the shipped file."""
-    rows = yaml.safe_load((ROBOTS / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
+    rows = yaml.safe_load((FOLDER / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
     return [Capsule(**{**row, "a": tuple(row["a"]), "b": tuple(row["b"])}) for row in rows]
 
 
@@ -92,7 +94,7 @@ def measure(meshes: dict[str, FloatArray], capsules: list[Capsule]) -> list[Link
 
 def write(name: str, capsules: list[Capsule], rows: list[LinkRow]) -> None:
     """Put the list at the end of the robot's file, and its table at the end of the header."""
-    path = ROBOTS / f"{name}.occupancy.yaml"
+    path = FOLDER / f"{name}.occupancy.yaml"
     text = re.sub(r"^capsules:\n(?:  - .*\n)*", "", path.read_text("utf-8"), flags=re.MULTILINE)
     text = re.sub(r"#\n# Capsules:(?:.*\n)*?(?=[a-z])", "", text)
     table = "".join(
@@ -109,15 +111,15 @@ def write(name: str, capsules: list[Capsule], rows: list[LinkRow]) -> None:
 def write_pairs(name: str, meshes: dict[str, FloatArray]) -> None:
     """Put the pairs that `pdoik pairs` would leave out into the robot's SRDF."""
     robot = pdoik.Robot.builtin(name)
-    robot.occupancy = pdoik.Occupancy.load(ROBOTS / f"{name}.occupancy.yaml")
+    robot.occupancy = pdoik.Occupancy.load(FOLDER / f"{name}.occupancy.yaml")
     robot.ignored_pairs = MAY_TOUCH.get(name, [])
     report = sample_pairs(robot, meshes)
-    report.write(ROBOTS / f"{name}.srdf")
+    report.write(FOLDER / f"{name}.srdf")
     print(f"{name}: {len(report.ignored)} pairs, refuses {100 * report.flagged_share:.2f} %")
 
 
 def main(
-    robots: list[Literal["panda", "ur10", "iiwa14", "h1"]],
+    robots: list[Shipped],
     anew: Annotated[bool, typer.Option("--fit", help="Fit anew and write the files.")] = False,
     pairs: Annotated[bool, typer.Option("--pairs", help="Write the SRDFs.")] = False,
 ) -> None:

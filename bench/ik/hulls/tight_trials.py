@@ -9,6 +9,7 @@ given bare, as the paper has them, or as balls that cover the whole scan.
 """
 
 from collections.abc import Sequence
+from enum import StrEnum
 from itertools import product
 from typing import Annotated
 
@@ -18,8 +19,8 @@ import typer
 
 import pdoik
 from bench.common.grouped import grouped_table, mean
-from bench.ik.experiment import Arm
-from bench.ik.hulls.tight import ROBOTS
+from bench.ik.experiment import ARMS, Arm
+from bench.ik.hulls.tight import FOLDER
 from bench.ik.methods import Problem, Terms, make_method
 from bench.ik.scenes.around import mesh_judge, models_of, random_scene_around, start_configuration
 from bench.ik.success.trials import scenario_seed, verdict
@@ -45,7 +46,7 @@ def solves(
     """A row for each scene, method, kind of points and kind of hulls."""
     terms = Terms()
     wide, tight = Arm.builtin(name), Arm.builtin(name)
-    tight.robot.occupancy = pdoik.Occupancy.load(ROBOTS / f"{name}.occupancy.yaml")
+    tight.robot.occupancy = pdoik.Occupancy.load(FOLDER / f"{name}.occupancy.yaml")
     solvers = {
         (method, hulls): make_method(method, arm, terms)
         for method in methods
@@ -73,7 +74,7 @@ def solves(
 
 
 def main(
-    robots: list[str],
+    robots: list[StrEnum("Arm", ARMS)],
     ycb: Annotated[str | None, typer.Option(help="Folder with the YCB objects.")] = None,
     scenarios: Annotated[int, typer.Option(help="Per arm and number of objects.")] = 200,
     objects: Annotated[list[int], typer.Option(help="Repeatable.")] = (3, 6, 9),
