@@ -57,9 +57,9 @@ class UrdfChain:
             index = None if kind == "fixed" else list(joint_names).index(name)
             if index is not None and kind == "revolute":
                 limit = joint.find("limit")
-                self.limits[index] = [float(limit.attrib[end]) for end in ("lower", "upper")]  # type: ignore[union-attr]
-            child = joint.find("child").attrib["link"]  # type: ignore[union-attr]
-            parent = joint.find("parent").attrib["link"]  # type: ignore[union-attr]
+                self.limits[index] = [float(limit.attrib[end]) for end in ("lower", "upper")]
+            child = joint.find("child").attrib["link"]
+            parent = joint.find("parent").attrib["link"]
             self._joints[child] = (parent, T, axis / np.linalg.norm(axis), index)
 
     def fk(self, q: FloatArray, link: str) -> FloatArray:
