@@ -4,36 +4,27 @@ python -m bench.humanoid.hulls           measure the shipped file
 python -m bench.humanoid.hulls --fit     fit anew, write and measure it
 """
 
-from __future__ import annotations
-
-import argparse
 import itertools
 import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Annotated, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
+import typer
 import yaml
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
+from bench.common.arrays import FloatArray
 from pdoik.h1.robot import OCCUPANCY
 from pdoik.h1.shapes import SHAPES, Shape
 from pdoik.occupancy_fit import OccupancyFit
-from pdoik.occupancy_fit.hulls import (
-    Spheroid,
-    around,
-    extreme_points,
-    half_sum,
-    smallest_shape,
-    tidy_point,
-)
+from pdoik.occupancy_fit import hulls as fitting
+from pdoik.occupancy_fit.hulls import Spheroid, half_sum, tidy_point
 from pdoik.occupancy_fit.report import FitReport
 from pdoik.occupancy_fit.split import clip
-
-FloatArray = npt.NDArray[np.float64]
 
 SAMPLES = 4000  # per shape or hull
 SECTIONS = 64  # of the meshes' circles
@@ -73,12 +64,13 @@ Excess: from the hulls' surface to the nearest of the link's shapes. Right limbs
 {rows}"""
 
 
-class Hull:
-    """A hull on one link: a spheroid, or a ball where the foci coincide."""
+class Hull(NamedTuple):
+    """A hull on one link: a spheroid, or a ball where the foci coincide [m]."""
 
-    def __init__(self, link: str, focus_a: FloatArray, focus_b: FloatArray, semi_major: float):
-        self.link, self.focus_a, self.focus_b = link, np.array(focus_a), np.array(focus_b)
-        self.semi_major = semi_major
+    link: str
+    focus_a: FloatArray
+    focus_b: FloatArray
+    semi_major: float
 
     def outside(self, points: FloatArray) -> FloatArray:
         """How far points (N, 3) are outside, at most; negative inside, (N,) [m]."""
@@ -92,22 +84,26 @@ class Hull:
         ball = np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z])
         half = (self.focus_b - self.focus_a) / 2
         c = float(np.linalg.norm(half))
-        axis = half / c if c > 0 else np.array([0.0, 0.0, 1.0])
         semi_minor = np.sqrt(self.semi_major**2 - c**2)
-        R = Rotation.align_vectors(axis[None], [[0, 0, 1]])[0].as_matrix()
+        R = turn_of_z(half / c if c > 0 else np.array([0.0, 0.0, 1.0]))
         ball *= [semi_minor, semi_minor, self.semi_major]
-        return np.asarray(ball @ R.T + (self.focus_a + self.focus_b) / 2)
+        return ball @ R.T + (self.focus_a + self.focus_b) / 2
+
+
+def turn_of_z(axis: FloatArray) -> FloatArray:
+    """The shortest rotation that takes z to an axis, (3, 3)."""
+    return np.asarray(Rotation.align_vectors(axis[None], [[0, 0, 1]])[0].as_matrix())
 
 
 def read_hulls() -> list[Hull]:
     """Those of the shipped file; each sits on one link."""
     content = yaml.safe_load(OCCUPANCY.read_text())
-    balls = [Hull(h["link"], h["center"], h["center"], h["radius"]) for h in content["spheres"]]
-    spheroids = [
-        Hull(h["link_a"], h["focus_a"], h["focus_b"], h["semi_major"]) for h in content["spheroids"]
+    rows = [(h["link"], h["center"], h["center"], h["radius"]) for h in content["spheres"]]
+    rows += [
+        (h["link_a"], h["focus_a"], h["focus_b"], h["semi_major"]) for h in content["spheroids"]
     ]
     assert all(h["link_a"] == h["link_b"] for h in content["spheroids"])
-    return balls + spheroids
+    return [Hull(link, np.array(a), np.array(b), semi_major) for link, a, b, semi_major in rows]
 
 
 def shape_surface(shape: Shape, rng: np.random.Generator) -> FloatArray:
@@ -126,21 +122,18 @@ def shape_mesh(shape: Shape) -> trimesh.Trimesh:
     segment = np.array([shape.a, shape.b])
     if shape.kind == "cylinder":
         return trimesh.creation.cylinder(radius=shape.radius, segment=segment, sections=SECTIONS)
-    length = float(np.linalg.norm(segment[1] - segment[0]))
-    mesh = trimesh.creation.capsule(height=length, radius=shape.radius, count=[SECTIONS, SECTIONS])
+    return capsule_mesh(*segment, shape.radius, SECTIONS)
+
+
+def capsule_mesh(a: FloatArray, b: FloatArray, radius: float, sections: int) -> trimesh.Trimesh:
+    """A mesh of a capsule with its vertices on the surface; a ball where the ends coincide."""
+    length = float(np.linalg.norm(b - a))
+    axis = (b - a) / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
+    mesh = trimesh.creation.capsule(height=length, radius=radius, count=[sections, sections])
     mesh.apply_translation(-mesh.bounds.mean(axis=0))
-    axis = (segment[1] - segment[0]) / length
-    R = Rotation.align_vectors(axis[None], [[0, 0, 1]])[0].as_matrix()
-    mesh.apply_transform(
-        trimesh.transformations.translation_matrix(segment.mean(axis=0)) @ _pose(R)
-    )
-    return mesh
-
-
-def _pose(R: FloatArray) -> FloatArray:
     T = np.eye(4)
-    T[:3, :3] = R
-    return T
+    T[:3, :3], T[:3, 3] = turn_of_z(axis), (a + b) / 2
+    return mesh.apply_transform(T)
 
 
 def worst_gaps(hulls: list[Hull], seed: int = 0) -> dict[str, float]:
@@ -157,32 +150,41 @@ def worst_gaps(hulls: list[Hull], seed: int = 0) -> dict[str, float]:
 def excess(hulls: list[Hull], link: str) -> FloatArray:
     """Distances from the surface of a link's hulls, where it is free, to its shapes, (N,) [m]."""
     own = [hull for hull in hulls if hull.link == link]
-    points = []
+    surfaces = []
     for hull in own:
         surface = hull.surface(SAMPLES)
         others = [other.outside(surface) for other in own if other is not hull]
-        points.append(surface[np.min(others, axis=0) > 0] if others else surface)
-    everything = np.concatenate(points)
-    shapes = [shape for shape in SHAPES if shape.link == link]
-    return np.asarray(np.min([shape.distance(everything) for shape in shapes], axis=0))
+        surfaces.append(surface[np.min(others, axis=0) > 0] if others else surface)
+    return to_shapes(np.concatenate(surfaces), link_shapes(link))
+
+
+def to_shapes(points: FloatArray, shapes: list[Shape]) -> FloatArray:
+    """Distances to the nearest of them, (N,) [m]."""
+    return np.asarray(np.min([shape.distance(points) for shape in shapes], axis=0))
+
+
+def link_shapes(link: str) -> list[Shape]:
+    """In the order in which PARTS counts them."""
+    return [shape for shape in SHAPES if shape.link == link]
 
 
 def fit() -> list[Hull]:
     """A hull around each part; the left half and the middle are fitted, the right half mirrored."""
     hulls = []
     for link, which, cuts in PARTS:
-        shapes = [shape for shape in SHAPES if shape.link == link]
-        triangles = np.concatenate([_circumscribed(shapes[k]) for k in which])
-        for part in _cut(triangles, cuts):
-            hull = _around(link, part, [shapes[k] for k in which])
+        shapes = [link_shapes(link)[k] for k in which]
+        for part in _cut(np.concatenate([circumscribed(shape) for shape in shapes]), cuts):
+            hull = _around(link, part, shapes)
             hulls.append(hull)
             if "left_" in link:
-                hulls.append(_mirrored(hull))
+                flip = np.array([1, -1, 1])
+                foci = flip * hull.focus_a, flip * hull.focus_b
+                hulls.append(Hull(link.replace("left_", "right_"), *foci, hull.semi_major))
     order = list(dict.fromkeys(shape.link for shape in SHAPES))
     return sorted(hulls, key=lambda hull: order.index(hull.link))
 
 
-def _circumscribed(shape: Shape) -> FloatArray:
+def circumscribed(shape: Shape) -> FloatArray:
     """Triangles of a mesh around the shape, (T, 3, 3) [m]: a fine one, a little thicker."""
     thicker = replace(shape, radius=shape.radius / np.cos(np.pi / SECTIONS) ** 2)
     return np.asarray(shape_mesh(thicker).triangles)
@@ -190,15 +192,10 @@ def _circumscribed(shape: Shape) -> FloatArray:
 
 def _cut(triangles: FloatArray, cuts: tuple[float, ...]) -> Iterator[FloatArray]:
     """The pieces between planes across the longest axis of the box around them, (N, 3) each."""
-    points = triangles.reshape(-1, 3)
-    axis = np.eye(3)[np.argmax(np.ptp(points, axis=0))]
-    bounds = [-np.inf, *cuts, np.inf]
-    for lower, upper in itertools.pairwise(bounds):
-        part = triangles
-        if np.isfinite(lower):
-            part = clip(part, axis, lower)
-        if np.isfinite(upper):
-            part = clip(part, -axis, -upper)
+    axis = np.eye(3)[np.argmax(np.ptp(triangles.reshape(-1, 3), axis=0))]
+    for lower, upper in itertools.pairwise([None, *cuts, None]):
+        part = triangles if lower is None else clip(triangles, axis, lower)
+        part = part if upper is None else clip(part, -axis, -upper)
         yield part.reshape(-1, 3)
 
 
@@ -207,29 +204,20 @@ def _around(link: str, points: FloatArray, shapes: list[Shape]) -> Hull:
 
     Starts from the one of least volume, whose tips reach far out.
     """
-    corners = extreme_points(points)
-    start = smallest_shape(corners, quick=True)
+    corners = fitting.extreme_points(points)
+    start = fitting.smallest_shape(corners, quick=True)
 
     def hull_of(foci: FloatArray) -> Hull:
-        shape = around(corners, foci[:3], foci[3:])
+        shape = fitting.around(corners, foci[:3], foci[3:])
         return Hull(link, shape.focus_a, shape.focus_b, shape.semi_major)
 
     def cost(foci: FloatArray) -> float:
-        surface = hull_of(foci).surface(300)
-        return float(np.mean(np.min([shape.distance(surface) for shape in shapes], axis=0) ** 4))
+        return float(np.mean(to_shapes(hull_of(foci).surface(300), shapes) ** 4))
 
     foci = np.concatenate([start.focus_a, start.focus_b])
-    simplex = np.vstack([foci, foci + 0.01 * np.eye(6)])
-    found = minimize(
-        cost, foci, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": 1500}
-    )
+    simplex = {"initial_simplex": np.vstack([foci, foci + 0.01 * np.eye(6)])}
+    found = minimize(cost, foci, method="Nelder-Mead", options={**simplex, "maxfev": 1500})
     return hull_of(np.array(tidy_point(found.x[:3]) + tidy_point(found.x[3:])))
-
-
-def _mirrored(hull: Hull) -> Hull:
-    flip = np.array([1, -1, 1])
-    link = hull.link.replace("left_", "right_")
-    return Hull(link, flip * hull.focus_a, flip * hull.focus_b, hull.semi_major)
 
 
 def table(hulls: list[Hull]) -> str:
@@ -251,33 +239,25 @@ def table(hulls: list[Hull]) -> str:
 
 def write(hulls: list[Hull]) -> None:
     """Write the occupancy file, with the table of its fit."""
-    header = HEADER.format(
-        n=len(hulls), samples=SAMPLES, columns=COLUMNS, rows=textwrap.indent(table(hulls), "  ")
-    )
+    rows = textwrap.indent(table(hulls), "  ")
+    header = HEADER.format(n=len(hulls), samples=SAMPLES, columns=COLUMNS, rows=rows)
     spheroids = tuple(
-        Spheroid(
-            hull.link,
-            tidy_point(hull.focus_a),
-            hull.link,
-            tidy_point(hull.focus_b),
-            hull.semi_major,
-        )
-        for hull in hulls
+        Spheroid(link, tidy_point(a), link, tidy_point(b), semi_major)
+        for link, a, b, semi_major in hulls
     )
     report = FitReport(hulls=(), links=(), skipped=())
     OccupancyFit(spheres=(), spheroids=spheroids, report=report).write(OCCUPANCY, header)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--fit", action="store_true", help="fit anew and write the file")
-    if parser.parse_args().fit:
+def main(
+    anew: Annotated[bool, typer.Option("--fit", help="Fit anew and write the file.")] = False,
+) -> None:
+    """Fit the hulls of the Unitree H1, and measure how well they fit."""
+    if anew:
         write(fit())
     hulls = read_hulls()
     print(f"{len(hulls)} hulls\n{COLUMNS}\n{table(hulls)}")
 
 
 if __name__ == "__main__":
-    main()
+    typer.run(main)

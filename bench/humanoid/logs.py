@@ -8,13 +8,10 @@ believed to be, with the joints' damping and rotors; nothing is known but its lo
 and the pelvis' pose. Worlds that are there are not made again, nor diagnosed.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 from xml.etree import ElementTree
 
 import mujoco
@@ -30,7 +27,7 @@ from bench.common.whole_files import write_text
 from pdoik.h1.dodge import DodgeSearch, Plan, Planner
 from pdoik.h1.draw_throws import draw_throws
 from pdoik.h1.log import write_log
-from pdoik.h1.model import ARMATURE, BALANCED, DAMPING, World, build_world
+from pdoik.h1.model import ARMATURE, BALANCED, DAMPING, build_world
 from pdoik.h1.objects import OBJECT_NAMES, load_object
 from pdoik.h1.predict import follow_plan
 from pdoik.h1.robot import FEET, JOINT_NAMES, URDF
@@ -47,8 +44,7 @@ SHORTEST = 2.5  # [s]
 CLAIMED = 0.75
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cause:
+class Cause(NamedTuple):
     """What is concealed, and how it should be said."""
 
     change: Callable[[mujoco.MjModel], None] = lambda model: None
@@ -64,7 +60,7 @@ def rubbing(joint: str, level: float) -> Cause:
     def change(model: mujoco.MjModel) -> None:
         model.dof_frictionloss[model.joint(joint).dofadr[0]] = level
 
-    return Cause(change=change, effect="coulomb_friction", place=joint, figure="level", value=level)
+    return Cause(change, "coulomb_friction", joint, "level", level)
 
 
 def damped(joint: str, more: float) -> Cause:
@@ -73,9 +69,7 @@ def damped(joint: str, more: float) -> Cause:
     def change(model: mujoco.MjModel) -> None:
         model.dof_damping[model.joint(joint).dofadr[0]] += more
 
-    return Cause(
-        change=change, effect="viscous_friction", place=joint, figure="coefficient", value=more
-    )
+    return Cause(change, "viscous_friction", joint, "coefficient", more)
 
 
 def loaded(body: str, mass: float, at: tuple[float, float, float]) -> Cause:
@@ -91,14 +85,11 @@ def loaded(body: str, mass: float, at: tuple[float, float, float]) -> Cause:
         values, axes = np.linalg.eigh(both.inertia)
         axes[:, 2] *= np.linalg.det(axes)
         mujoco.mju_mat2Quat(model.body_iquat[i], axes.ravel())
-        model.body_mass[i], model.body_ipos[i], model.body_inertia[i] = (
-            both.mass,
-            both.lever,
-            values,
-        )
+        model.body_mass[i], model.body_ipos[i] = both.mass, both.lever
+        model.body_inertia[i] = values
         mujoco.mj_setConst(model, mujoco.MjData(model))
 
-    return Cause(change=change, effect="payload", place=body, figure="mass", value=mass)
+    return Cause(change, "payload", body, "mass", mass)
 
 
 def weak(joint: str, share: float) -> Cause:
@@ -108,7 +99,7 @@ def weak(joint: str, share: float) -> Cause:
         (motor,) = np.flatnonzero(model.actuator_trnid[:, 0] == model.joint(joint).id)
         model.actuator_gear[motor, 0] *= share
 
-    return Cause(change=change, effect="torque_gain", place=joint, figure="gain", value=1.0 / share)
+    return Cause(change, "torque_gain", joint, "gain", 1.0 / share)
 
 
 CAUSES: dict[str, Cause] = {
@@ -142,27 +133,22 @@ def dodges(ycb: Path | None) -> list[tuple[Throw, Plan]]:
 
 
 def recorded(folder: Path, cause: Cause, plans: list[tuple[Throw, Plan]], ycb: Path | None) -> None:
-    """The logs of the first runs that last.
+    """The logs of the first runs that last, of the set-up with what is concealed.
 
     Raises:
         RuntimeError: too few do.
     """
     kept = 0
     for throw, plan in plans:
-        trial = follow_plan(changed_world(cause, throw, ycb), plan, throw, AFTER)
+        world = build_world(BALANCED, load_object(throw.object_name, ycb))
+        cause.change(world.model)
+        trial = follow_plan(world, plan, throw, AFTER)
         if trial.run.time[-1] > SHORTEST:
             write_log(trial.run, folder / f"dodge{kept}.csv")
             kept += 1
         if kept == RUNS:
             return
     raise RuntimeError(f"{kept} of {len(plans)} runs last, expected {RUNS}")
-
-
-def changed_world(cause: Cause, throw: Throw, ycb: Path | None) -> World:
-    """The set-up with what is concealed."""
-    world = build_world(BALANCED, load_object(throw.object_name, ycb))
-    cause.change(world.model)
-    return world
 
 
 def write_study(folder: Path) -> None:
@@ -186,30 +172,28 @@ def write_study(folder: Path) -> None:
     write_text(folder / "study.yaml", yaml.safe_dump(study, sort_keys=False, width=100))
 
 
-def is_same(one: str, other: str) -> bool:
-    """Whether two names say the same: what a link carries is an error of the link."""
-    return one == other or (CATALOGUE[one].is_body and CATALOGUE[other].is_body)
-
-
-def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dict[str, Any]:
-    """What is hidden beside what was said."""
-    right, besides, figure = False, [], None
+def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dict[str, str]:
+    """What is hidden beside what was said; what a link carries is an error of the link."""
+    right, besides, figure = False, [], ""
     for finding in said["findings"]:
-        at, told = (*finding["joints"], *finding["links"]), finding["parameters"]
+        at, effect = (*finding["joints"], *finding["links"]), finding["effect"]
         if finding["confidence"] < CLAIMED:
             continue
-        if cause.place in at and is_same(cause.effect, finding["effect"]):
-            right = True
-            figure = figure or told.get(cause.figure, told.get(f"d_{cause.figure}"))
-        else:
-            besides.append(f"{finding['effect']} {' '.join(at)}")
+        same = effect == cause.effect or (
+            cause.effect and CATALOGUE[effect].is_body and CATALOGUE[cause.effect].is_body
+        )
+        if cause.place not in at or not same:
+            besides.append(f"{effect} {' '.join(at)}")
+            continue
+        right = True
+        told = finding["parameters"]
+        if not figure and (one := told.get(cause.figure, told.get(f"d_{cause.figure}"))):
+            low, high = one["interval95"][:2]
+            figure = f"{one['value']:.3g} [{low:.3g}, {high:.3g}]; truly {cause.value:.3g}"
     return {
         "concealed": name,
         "named at its place": "-" if not cause.effect else "yes" if right else "no",
-        "figure": ""
-        if figure is None
-        else f"{figure['value']:.3g} [{figure['interval95'][0]:.3g},"
-        f" {figure['interval95'][1]:.3g}]; truly {cause.value:.3g}",
+        "figure": figure,
         "said besides": "; ".join(besides),
         "recorded [s]": f"{seconds:.0f}",
     }

@@ -9,18 +9,15 @@ that hold the whole scan. Solved is what plain NumPy finds at the target, within
 clear of every point of the scan.
 """
 
-from __future__ import annotations
-
 import importlib.resources
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 import typer
 from rich import box
 from rich.console import Console
@@ -29,6 +26,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.judges.recheck import UrdfChain, Verdict, recheck
 from bench.ik.scenes.objects import (
     ObjectModel,
@@ -39,8 +37,6 @@ from bench.ik.scenes.objects import (
     ycb_models,
 )
 from pdoik.picture import draw_solution
-
-FloatArray = npt.NDArray[np.float64]
 
 ROBOTS = ("panda", "ur10", "iiwa14")
 LEAST_SOLVED = 0.99
@@ -68,6 +64,11 @@ class Outcome:
     def solved(self) -> bool:
         """Whether the solver claims it and NumPy confirms it on the whole scan."""
         return self.result.success and self.confirmed
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the solver claims it and NumPy does not."""
+        return self.result.success and not self.confirmed
 
 
 def main(
@@ -102,14 +103,22 @@ def main(
             out.parent.mkdir(parents=True, exist_ok=True)
         if out.suffix.lower() != ".png" or not out.parent.is_dir():
             raise ValueError(f"--out: expected a .png file in a folder that exists, got {out}")
-        models, source = _models(ycb)
+        shared = Path(os.environ.get("PDOIK_SHARED", "/nowhere")) / "ycb"
+        ycb = ycb or (shared if shared.is_dir() else None)
+        models = ycb_models(ycb) if ycb else primitive_models()
+        made = "YCB scans" if ycb else "shapes made from primitives (--ycb DIR takes real scans)"
         options = pdoik.Options(
             goal=goal, clearance=clearance, max_time=max_time, forgive_overhang=FORGIVE
         )
+        given = "the whole scan" if leaf is None else f"balls that hold the scan, leaf {leaf:g} m,"
         console.print(
-            f"objects: {source}\n{_words(options, max_objects, leaf, targets)}", highlight=False
+            f"objects: {len(models)} {made}\n"
+            f"scenes: 1 to {max_objects} objects, scaled 1 to 3 times; {given} given to the solver"
+            f"\ntargets: {targets} per arm, {goal} goals, within {options.position_tolerance:g} m"
+            f" and {options.rotation_tolerance:g} rad, clearance {clearance:g} m",
+            highlight=False,
         )
-        outcomes: list[list[Outcome]] = []
+        outcomes = []
         for index, name in enumerate(robot or ROBOTS):
             rng = np.random.default_rng([seed, index])
             outcomes.append(_run(name, options, models, targets, max_objects, leaf, rng))
@@ -117,31 +126,12 @@ def main(
         Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from error
     console.print(_table(outcomes))
-    _draw(out, outcomes)
-    if not _is_good(outcomes):
+    _draw(out, [row for rows in outcomes for row in rows if row.solved])
+    complaints = [complaint for rows in outcomes for complaint in _complaints(rows)]
+    for complaint in complaints:
+        console.print(f"[bold red]{complaint}[/]")
+    if complaints:
         raise typer.Exit(1)
-
-
-def _models(ycb: Path | None) -> tuple[Sequence[ObjectModel], str]:
-    """The objects, and words on where they are from."""
-    shared = os.environ.get("PDOIK_SHARED")
-    if ycb is None and shared and (Path(shared) / "ycb").is_dir():
-        ycb = Path(shared) / "ycb"
-    if ycb is None:
-        models = primitive_models()
-        return models, f"{len(models)} shapes made from primitives (--ycb DIR takes real scans)"
-    models = ycb_models(ycb)
-    return models, f"{len(models)} YCB scans"
-
-
-def _words(options: pdoik.Options, max_objects: int, leaf: float | None, n_targets: int) -> str:
-    given = "the whole scan" if leaf is None else f"balls that hold the scan, leaf {leaf:g} m,"
-    return (
-        f"scenes: 1 to {max_objects} objects, scaled 1 to 3 times; {given} given to the solver\n"
-        f"targets: {n_targets} per arm, {options.goal} goals,"
-        f" within {options.position_tolerance:g} m and {options.rotation_tolerance:g} rad,"
-        f" clearance {options.clearance:g} m"
-    )
 
 
 def _run(
@@ -161,31 +151,15 @@ def _run(
     with importlib.resources.as_file(urdf) as file:
         chain = UrdfChain(file, robot.joint_names)
     solver.solve(robot.fk(robot.mid_configuration()))  # the first call pays for first touches
-    columns = (
-        TextColumn("{task.description:8}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
+    columns = (TextColumn("{task.description:8}"), BarColumn(), MofNCompleteColumn())
+    hidden = not console.is_terminal
     with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
+        *columns, TimeRemainingColumn(), console=console, transient=True, disable=hidden
     ) as progress:
         return [
             solve_one(solver, chain, models, int(rng.integers(1, max_objects + 1)), leaf, rng)
             for _ in progress.track(range(n_targets), description=name)
         ]
-
-
-def _posture_off_itself(
-    solver: pdoik.Solver, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """A random posture in which no links touch, (n,), and where its tip is, (4, 4)."""
-    robot = solver.robot
-    while True:
-        q = rng.uniform(robot.lower, robot.upper)
-        T_base_tip = robot.fk(q)
-        if solver.judge(T_base_tip, q).success:
-            return q, T_base_tip
 
 
 def solve_one(
@@ -196,8 +170,13 @@ def solve_one(
     leaf: float | None,
     rng: np.random.Generator,
 ) -> Outcome:
+    """A target that a posture off itself reaches, among objects that this posture is clear of."""
     robot = solver.robot
-    q_rand, T_base_tip = _posture_off_itself(solver, rng)
+    while True:
+        q_rand = rng.uniform(robot.lower, robot.upper)
+        T_base_tip = robot.fk(q_rand)
+        if solver.judge(T_base_tip, q_rand).success:
+            break
 
     def is_clear(scene: Scene) -> bool:
         return solver.judge(T_base_tip, q_rand, obstacles=scene.points).success
@@ -223,62 +202,63 @@ def solve_one(
 
 def _table(outcomes: list[list[Outcome]]) -> Table:
     """A column for each arm: three of them fit where twelve numbers a row would not."""
+
+    def solved(
+        figure: Callable[[Sequence[float]], Any], name: str, form: str, scale: float = 1.0
+    ) -> Callable[[list[Outcome]], str]:
+        """Of the solved ones."""
+
+        def cell(rows: list[Outcome]) -> str:
+            values = [scale * getattr(row.verdict, name) for row in rows if row.solved]
+            return f"{figure(values):{form}}" if values else "-"
+
+        return cell
+
+    def all_of(
+        figure: Callable[[Any], Any], of: Callable[[Outcome], float], form: str
+    ) -> Callable[[list[Outcome]], str]:
+        return lambda rows: f"{figure([of(row) for row in rows]):{form}}"
+
+    def time_at(quantile: float) -> Callable[[list[Outcome]], str]:
+        return all_of(
+            lambda times: np.quantile(times, quantile), lambda row: 1e3 * row.result.time, ".3f"
+        )
+
+    cells: dict[str, Callable[[list[Outcome]], str]] = {
+        "solved, clear of the whole scan": lambda rows: (
+            f"{sum(row.solved for row in rows)} / {len(rows)}"
+        ),
+        "claimed, but NumPy disagrees": all_of(sum, lambda row: row.wrong, "d"),
+        "least clearance to the scan [mm]": solved(min, "clearance", ".3f", 1e3),
+        "position error, median [m]": solved(np.median, "position_error", ".1e"),
+        "position error, max [m]": solved(max, "position_error", ".1e"),
+        "rotation error, median [rad]": solved(np.median, "rotation_error", ".1e"),
+        "rotation error, max [rad]": solved(max, "rotation_error", ".1e"),
+        "points of a scan, mean": lambda rows: (
+            f"{np.mean([len(r.scene.points) for r in rows]):.0f}"
+        ),
+        "points or balls taken in, mean": lambda rows: (
+            f"{np.mean([row.n_taken_in for row in rows]):.0f}"
+        ),
+        "taking them in, median [ms]": lambda rows: (
+            f"{1e3 * np.median([row.intake for row in rows]):.3f}"
+        ),
+        "time, median [ms]": time_at(0.5),
+        "time, p95 [ms]": time_at(0.95),
+        "time, p99 [ms]": time_at(0.99),
+        "time, max [ms]": time_at(1.0),
+    }
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("")
-    cells = []
     for rows in outcomes:
         table.add_column(rows[0].robot.name, justify="right")
-        solved = [row for row in rows if row.solved]
-        times = 1e3 * np.array([row.result.time for row in rows])
-        taken_in, intakes = zip(*((row.n_taken_in, row.intake) for row in rows), strict=True)
-        cells.append(
-            {
-                "solved, clear of the whole scan": f"{len(solved)} / {len(rows)}",
-                "claimed, but NumPy disagrees": str(len(_wrong(rows))),
-                "least clearance to the scan [mm]": _least(
-                    [1e3 * row.verdict.clearance for row in solved]
-                ),
-                "position error, median [m]": _median(
-                    [row.verdict.position_error for row in solved]
-                ),
-                "position error, max [m]": _most([row.verdict.position_error for row in solved]),
-                "rotation error, median [rad]": _median(
-                    [row.verdict.rotation_error for row in solved]
-                ),
-                "rotation error, max [rad]": _most([row.verdict.rotation_error for row in solved]),
-                "points of a scan, mean": f"{np.mean([len(row.scene.points) for row in rows]):.0f}",
-                "points or balls taken in, mean": f"{np.mean(taken_in):.0f}",
-                "taking them in, median [ms]": f"{1e3 * np.median(intakes):.3f}",
-                "time, median [ms]": f"{np.quantile(times, 0.5):.3f}",
-                "time, p95 [ms]": f"{np.quantile(times, 0.95):.3f}",
-                "time, p99 [ms]": f"{np.quantile(times, 0.99):.3f}",
-                "time, max [ms]": f"{times.max():.3f}",
-            }
-        )
-    for name in cells[0]:
-        table.add_row(escape(name), *(column[name] for column in cells))
+    for name, cell in cells.items():
+        table.add_row(escape(name), *map(cell, outcomes))
     return table
 
 
-def _wrong(rows: list[Outcome]) -> list[Outcome]:
-    return [row for row in rows if row.result.success and not row.confirmed]
-
-
-def _least(values: list[float]) -> str:
-    return f"{min(values):.3f}" if values else "-"
-
-
-def _most(values: list[float]) -> str:
-    return f"{max(values):.1e}" if values else "-"
-
-
-def _median(values: list[float]) -> str:
-    return f"{np.median(values):.1e}" if values else "-"
-
-
-def _draw(out: Path, outcomes: list[list[Outcome]]) -> None:
+def _draw(out: Path, solved: list[Outcome]) -> None:
     """Draw a crowded scene: of the solved ones, the tightest with most objects."""
-    solved = [row for rows in outcomes for row in rows if row.solved]
     if not solved:
         console.print("nothing was solved, so there is no picture")
         return
@@ -293,18 +273,14 @@ def _draw(out: Path, outcomes: list[list[Outcome]]) -> None:
     console.print(f"{out}: {show.robot.name} among {names}", highlight=False)
 
 
-def _is_good(outcomes: list[list[Outcome]]) -> bool:
-    good = True
-    for rows in outcomes:
-        complaints = []
-        if sum(row.solved for row in rows) < LEAST_SOLVED * len(rows):
-            complaints.append(f"solved fewer than {LEAST_SOLVED:.0%}")
-        if wrong := _wrong(rows):
-            complaints.append(f"{len(wrong)} successes not confirmed")
-        for complaint in complaints:
-            console.print(f"[bold red]{rows[0].robot.name}: {complaint}[/]")
-            good = False
-    return good
+def _complaints(rows: list[Outcome]) -> list[str]:
+    name, wrong = rows[0].robot.name, sum(row.wrong for row in rows)
+    complaints = []
+    if sum(row.solved for row in rows) < LEAST_SOLVED * len(rows):
+        complaints.append(f"{name}: solved fewer than {LEAST_SOLVED:.0%}")
+    if wrong:
+        complaints.append(f"{name}: {wrong} successes not confirmed")
+    return complaints
 
 
 if __name__ == "__main__":

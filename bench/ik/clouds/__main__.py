@@ -8,11 +8,8 @@ Peers whose packages are missing are left out with a line. Results are kept as t
 same command continues where it was stopped. --quick takes a minute.
 """
 
-from __future__ import annotations
-
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,24 +19,14 @@ import pandas as pd
 import typer
 from rich.progress import track
 
+from bench.common import commands
 from bench.common.campaign import Campaign
-from bench.common.commands import (
-    BUILD,
-    BuildFolder,
-    OutFolder,
-    Quick,
-    Seed,
-    console,
-    plain_errors,
-    show,
-    write_report,
-)
 from bench.common.peer_library import ROOT
 from bench.ik.clouds.capt import build_capt, settings_for
 from bench.ik.clouds.picture import draw
 from bench.ik.clouds.structures import OURS, STRUCTURES, missing
 from bench.ik.clouds.tables import all_tables
-from bench.ik.experiment import ARMS
+from bench.ik.experiment import ARMS, output_of, tell
 
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 SOLVE_COUNTS = (136, 10_000, 100_000, 1_000_000)
@@ -47,8 +34,8 @@ ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def main(
-    out: OutFolder = BUILD / "clouds",
-    quick: Quick = False,
+    out: commands.OutFolder = commands.BUILD / "clouds",
+    quick: commands.Quick = False,
     most: Annotated[int, typer.Option(min=1000, help="Points of the largest cloud.")] = COUNTS[-1],
     repeats: Annotated[int, typer.Option(min=3, help="Intakes of a cloud, and updates.")] = 101,
     seconds: Annotated[
@@ -61,18 +48,18 @@ def main(
     vamp: Annotated[
         Path | None, typer.Option(help="Where the sources of PyPI's vamp-planner are unpacked.")
     ] = None,
-    seed: Seed = 7,
-    build: BuildFolder = BUILD,
+    seed: commands.Seed = 7,
+    build: commands.BuildFolder = commands.BUILD,
     processor: Annotated[int, typer.Option(min=0, help="Which one runs it all.")] = 0,
 ) -> None:
     """Measure what clouds cost."""
     if quick:
         most, seconds, out = min(most, 100_000), 0.2, out.with_name(out.name + "-quick")
         configurations, targets = min(configurations, 24), min(targets, 20)
-    with plain_errors():
+    with commands.plain_errors():
         library = None
         if vamp is not None:
-            with console.status("building VAMP's structure"):
+            with commands.console.status("building VAMP's structure"):
                 library = str(build_capt(build, vamp))
         settings = {
             "experiment": "clouds",
@@ -85,11 +72,8 @@ def main(
         }
         jobs = plan(settings, most, available(), library)
         rows = measured(Campaign(out, settings), jobs, processor)
-        text = all_tables(rows, seed)
-        write_report(out / "clouds.md", text)
         draw(rows, out / "clouds.png")
-    show(text)
-    console.print(f"tables and picture: {out}/clouds.md, clouds.png; rows: trials.parquet")
+        tell(out, all_tables(rows, seed), name="clouds", also=", clouds.png")
 
 
 def available() -> list[str]:
@@ -97,36 +81,32 @@ def available() -> list[str]:
     reasons = {name: missing(name) for name in STRUCTURES}
     for name, reason in reasons.items():
         if reason is not None:
-            console.print(f"without {name}: {reason}", highlight=False)
+            commands.console.print(f"without {name}: {reason}", highlight=False)
     return [name for name, reason in reasons.items() if reason is None]
 
 
 def plan(
     settings: Mapping[str, Any], most: int, names: list[str], capt: str | None
 ) -> dict[str, dict[str, Any]]:
-    """All jobs, by a name that is good for a file.
+    """All jobs up to the largest cloud, by a name that is good for a file.
 
-    Args:
-        settings: What all have in common.
-        most: Points of the largest cloud.
-        names: Structures.
-        capt: The library of VAMP's, None without.
+    They are on the structures of these names, and with the library of VAMP's on that, too.
     """
-    counts = [count for count in COUNTS if count <= most]
     jobs = []
-    for count in counts:
+    for count in [count for count in COUNTS if count <= most]:
         vamps = settings_for(count) if capt is not None else []
         made = [*names, *vamps]
-        jobs.append({"kind": "intake", "name": "", "robot": "", "points": count, "names": made})
-        jobs += [{"kind": "memory", "name": name, "robot": "", "points": count} for name in made]
-        jobs.append({"kind": "update", "name": OURS, "robot": "", "points": count})
-        jobs += [{"kind": "query", "name": "", "robot": arm, "points": count} for arm in ARMS]
+        jobs.append({"kind": "intake", "points": count, "names": made})
+        jobs += [{"kind": "memory", "name": name, "points": count} for name in made]
+        jobs.append({"kind": "update", "name": OURS, "points": count})
+        jobs += [{"kind": "query", "robot": arm, "points": count} for arm in ARMS]
         jobs += [{"kind": "capt", "name": n, "robot": "panda", "points": count} for n in vamps]
     sizes = [count for count in SOLVE_COUNTS if count <= most]
     jobs += [
         {"kind": "solve", "name": OURS, "robot": arm, "points": 0, "sizes": sizes} for arm in ARMS
     ]
-    return {_file_name(job): {**settings, "library": capt, **job} for job in jobs}
+    jobs = [{**settings, "library": capt, "name": "", "robot": "", **job} for job in jobs]
+    return {_file_name(job): job for job in jobs}
 
 
 def measured(
@@ -135,32 +115,18 @@ def measured(
     """The rows of all jobs, run where they are not there yet."""
     left = [name for name in jobs if not campaign.has(name)]
     if len(left) < len(jobs):
-        console.print(f"{len(jobs) - len(left)} of {len(jobs)} jobs are done already")
-    for name in track(left, "jobs", console=console, transient=True):
+        commands.console.print(f"{len(jobs) - len(left)} of {len(jobs)} jobs are done already")
+    for name in track(left, "jobs", console=commands.console, transient=True):
         campaign.keep(name, fresh_process(jobs[name], processor))
     return campaign.gather(list(jobs))
 
 
 def fresh_process(job: Mapping[str, Any], processor: int) -> list[dict[str, Any]]:
-    """The rows of one job.
-
-    Raises:
-        RuntimeError: It failed.
-    """
-    command = [sys.executable, "-m", "bench.ik.clouds.trials", str(processor)]
+    """The rows of one job."""
+    command = [sys.executable, "-m", "bench.ik.clouds.trials", processor]
     environment = {**os.environ, **dict.fromkeys(ONE_THREAD, "1")}
-    done = subprocess.run(
-        command,
-        input=json.dumps(job),
-        env=environment,
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode != 0:
-        raise RuntimeError(f"{_file_name(job)}: status {done.returncode} {done.stderr.strip()}")
-    return list(json.loads(done.stdout))
+    told = output_of(command, _file_name(job), input=json.dumps(job), env=environment, cwd=ROOT)
+    return json.loads(told)
 
 
 def _file_name(job: Mapping[str, Any]) -> str:

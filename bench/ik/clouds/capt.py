@@ -1,7 +1,5 @@
 """VAMP's point clouds, its Collision-Affording Point Tree, through bench/ik/peers/vamp."""
 
-from __future__ import annotations
-
 import ctypes
 from ctypes import POINTER, byref, c_double, c_float, c_int, c_ubyte, c_void_p
 from pathlib import Path
@@ -10,24 +8,26 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from bench.common.arrays import BoolArray, FloatArray
 from bench.common.peer_library import build
-
-BoolArray = npt.NDArray[np.bool_]
-FloatArray = npt.NDArray[np.float64]
 
 CAPT = "VAMP's CAPT"
 FILTERED = "VAMP's CAPT, 20 mm filter"
 MOST_UNFILTERED = 100_000  # a million of this scene do not fit into 8 GB of address space
 # The filter's distance and a point's radius [m]: none, and those of VAMP's own benchmark.
 SETTINGS = {CAPT: (0.0, 0.0), FILTERED: (0.02, 0.0025)}
+FLOATS, DOUBLES = POINTER(c_float), POINTER(c_double)
+QUESTION = (c_void_p, FLOATS, c_int, POINTER(c_ubyte), DOUBLES)
+FUNCTIONS = {  # what they return and take
+    "capt_create": (c_void_p, (FLOATS, c_int, c_float, c_float, POINTER(c_int), DOUBLES)),
+    "capt_destroy": (None, (c_void_p,)),
+    "capt_validate": (None, QUESTION),
+    "capt_validate_lanes": (None, QUESTION),
+}
 
 
 def build_capt(directory: Path, vamp: Path) -> Path:
-    """Build it from VAMP's sources, and say where it is.
-
-    Args:
-        directory: CMake's folder.
-        vamp: Where PyPI's vamp-planner is unpacked.
+    """Build it in CMake's folder from VAMP's sources, and say where it is.
 
     Raises:
         RuntimeError: There are no such sources, or the compiler failed.
@@ -39,24 +39,17 @@ def build_capt(directory: Path, vamp: Path) -> Path:
 
 
 class Capt:
-    """Points and Panda's spheres.
-
-    Args:
-        library: Of `build_capt`.
-        name: One of SETTINGS.
-        points: In single precision, (N, 3) [m].
-    """
+    """Points, in single precision, (N, 3) [m], and Panda's spheres; by a name of SETTINGS."""
 
     def __init__(self, library: str, name: str, points: npt.NDArray[np.float32]) -> None:
-        self._library = _declared(ctypes.CDLL(library))
+        self._library = ctypes.CDLL(library)
+        for function, (returned, taken) in FUNCTIONS.items():
+            declared = getattr(self._library, function)
+            declared.restype, declared.argtypes = returned, taken
         seconds, kept = c_double(), c_int()
-        self._handle = self._library.capt_create(
-            points.ctypes.data_as(POINTER(c_float)),
-            len(points),
-            *SETTINGS[name],
-            byref(kept),
-            byref(seconds),
-        )
+        start = points.ctypes.data_as(FLOATS)
+        told = byref(kept), byref(seconds)
+        self._handle = self._library.capt_create(start, len(points), *SETTINGS[name], *told)
         self.time = seconds.value  # of making it, filter included [s]
         self.kept = kept.value  # points that the filter left
         self.lanes = int(self._library.capt_lanes())
@@ -72,13 +65,9 @@ class Capt:
     def _asked(self, function: Any, q: FloatArray, calls: int) -> tuple[BoolArray, FloatArray]:
         rows = np.ascontiguousarray(q, dtype=np.float32)
         free, seconds = np.zeros(calls, dtype=np.uint8), np.zeros(calls)
-        function(
-            self._handle,
-            rows.ctypes.data_as(POINTER(c_float)),
-            calls,
-            free.ctypes.data_as(POINTER(c_ubyte)),
-            seconds.ctypes.data_as(POINTER(c_double)),
-        )
+        arrays = zip((rows, free, seconds), (FLOATS, POINTER(c_ubyte), DOUBLES), strict=True)
+        asked, *told = (array.ctypes.data_as(kind) for array, kind in arrays)
+        function(self._handle, asked, calls, *told)
         return free.astype(bool), seconds
 
     def __del__(self) -> None:
@@ -89,19 +78,3 @@ class Capt:
 def settings_for(count: int) -> list[str]:
     """The names to time among so many points."""
     return [name for name in SETTINGS if name != CAPT or count <= MOST_UNFILTERED]
-
-
-def _declared(library: Any) -> Any:
-    library.capt_create.restype = c_void_p
-    library.capt_create.argtypes = (
-        POINTER(c_float), c_int, c_float, c_float, POINTER(c_int), POINTER(c_double),
-    )  # fmt: skip
-    library.capt_destroy.restype = None
-    library.capt_destroy.argtypes = (c_void_p,)
-    questions = (library.capt_validate, library.capt_validate_lanes)
-    for question in questions:
-        question.restype = None
-        question.argtypes = (
-            c_void_p, POINTER(c_float), c_int, POINTER(c_ubyte), POINTER(c_double),
-        )  # fmt: skip
-    return library

@@ -1,33 +1,20 @@
-"""How users would ask whether a configuration is free of a cloud, and how near it comes."""
+"""How users would ask whether a configuration is free of a cloud, and how near it comes.
 
-from __future__ import annotations
+What `prepare` does, with the poses of all links, (4, 4), is not timed.
+"""
 
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from collections.abc import Mapping
+from typing import Any
 
 import coal
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray, moved
 from bench.ik.clouds.hulls import Capsule, moving_hulls
 from bench.ik.clouds.structures import COAL, OURS, SCIPY, octree, scipy_tree
-from bench.ik.methods.hulls import Hull
 
-FloatArray = npt.NDArray[np.float64]
-Placed = Mapping[str, FloatArray]  # (4, 4) by link
-
-
-class Query(Protocol):
-    """One way. What `prepare` does is not timed."""
-
-    name: str
-    hulls: list[Hull]
-    free: Callable[[Any], bool]
-    clearance: Callable[[Any], float] | None
-
-    def prepare(self, q: FloatArray, placed: Placed) -> Any:
-        """What the two questions take."""
+Placed = Mapping[str, FloatArray]
 
 
 class Judge:
@@ -36,10 +23,8 @@ class Judge:
     name = OURS
 
     def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
-        self.hulls = moving_hulls(robot)
-        self._cloud = pdoik.Cloud(points)
+        self._cloud, self._robot = pdoik.Cloud(points), robot
         self._solver = pdoik.Solver(robot, pdoik.Options(base_collision=False))
-        self._robot = robot
 
     def prepare(self, q: FloatArray, placed: Placed) -> Any:
         return self._robot.fk(q), q
@@ -58,10 +43,8 @@ class Octree:
     name = COAL
 
     def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
-        self.hulls = moving_hulls(robot)
-        self._capsules = [Capsule.about(hull) for hull in self.hulls]
-        self._tree = octree(points)
-        self._still = coal.Transform3s.Identity()
+        self._capsules = [Capsule.about(hull) for hull in moving_hulls(robot)]
+        self._tree, self._still = octree(points), coal.Transform3s.Identity()
         self._touch, self._distance = coal.CollisionRequest(), coal.DistanceRequest()
         self._touches, self._nearest = coal.CollisionResult(), coal.DistanceResult()
 
@@ -76,13 +59,11 @@ class Octree:
         return True
 
     def clearance(self, ready: Any) -> float:
+        tree, still, request, nearest = self._tree, self._still, self._distance, self._nearest
         least = np.inf
         for shape, place in ready:
-            self._nearest.clear()
-            distance = coal.distance(
-                shape, place, self._tree, self._still, self._distance, self._nearest
-            )
-            least = min(least, distance)
+            nearest.clear()
+            least = min(least, coal.distance(shape, place, tree, still, request, nearest))
         return float(least)
 
 
@@ -93,17 +74,15 @@ class Tree:
     clearance = None
 
     def __init__(self, robot: pdoik.Robot, points: FloatArray) -> None:
-        self.hulls = moving_hulls(robot)
-        self._points = points
-        self._tree = scipy_tree(points)
+        self._hulls = moving_hulls(robot)
+        self._points, self._tree = points, scipy_tree(points)
 
     def prepare(self, q: FloatArray, placed: Placed) -> Any:
         ready = []
-        for hull in self.hulls:
+        for hull in self._hulls:
             T = placed[hull.link]
             focal = np.sqrt(max(0.0, hull.semi_major**2 - hull.semi_minor**2))
-            center = T[:3, :3] @ hull.center + T[:3, 3]
-            reach = focal * (T[:3, :3] @ hull.axis)
+            center, reach = moved(hull.center, T), focal * (T[:3, :3] @ hull.axis)
             ready.append((center, center - reach, center + reach, hull.semi_major))
         return ready
 
@@ -116,6 +95,4 @@ class Tree:
         return True
 
 
-def queries(robot: pdoik.Robot, points: FloatArray) -> list[Any]:
-    """Ours first."""
-    return [each(robot, points) for each in (Judge, Octree, Tree)]
+METHODS = (Judge, Octree, Tree)

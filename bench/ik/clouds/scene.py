@@ -1,13 +1,9 @@
 """The scene that clouds are timed on: a table and seven balls on it, with any number of points."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
-
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 BALLS = 7
 TABLE_HEIGHT = -0.1  # [m]

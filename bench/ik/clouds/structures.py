@@ -4,8 +4,6 @@ Each is made from points in double precision, (N, 3), but for the one that says 
 nothing of the caller's array, so that its memory is all that it needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
@@ -14,28 +12,23 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-
-FloatArray = npt.NDArray[np.float64]
-Build = Callable[[npt.NDArray[Any]], Any]
+from bench.common.arrays import FloatArray
 
 VOXEL = 0.01  # edge of the octree's [m]
 THINNED_LEAF = 0.02  # [m]
 LEAF_SIZE = 10  # of nanoflann's
 
-
-def cloud(points: npt.NDArray[Any]) -> pdoik.Cloud:
-    """Ours; it reads single and double precision in place."""
-    return pdoik.Cloud(points)
-
-
-def thinned(points: FloatArray) -> pdoik.Cloud:
-    """Ours, one point for each cell of a grid."""
-    return pdoik.Cloud(points, leaf=THINNED_LEAF)
+OURS = "pdoik.Cloud"
+OURS_SINGLE = "pdoik.Cloud, float32"  # it reads single and double precision in place
+OURS_THINNED = f"pdoik.Cloud, {1e3 * THINNED_LEAF:.0f} mm leaf"
+COAL = f"coal octree, {1e3 * VOXEL:.0f} mm"
+SCIPY = "SciPy cKDTree"
+NANOFLANN = "nanoflann"
 
 
-def octree(points: FloatArray, voxel: float = VOXEL) -> Any:
+def octree(points: FloatArray) -> Any:
     """OctoMap's tree in coal's wrapping: voxels that hold a point are occupied."""
-    return import_module("coal").makeOctree(points, voxel)
+    return import_module("coal").makeOctree(points, VOXEL)
 
 
 def scipy_tree(points: FloatArray) -> Any:
@@ -43,27 +36,20 @@ def scipy_tree(points: FloatArray) -> Any:
     return import_module("scipy.spatial").cKDTree(points, copy_data=True)
 
 
-def nanoflann_tree(points: FloatArray) -> Any:
-    """The k-d tree of nanoflann, from C++; it keeps the array."""
+def _nanoflann_tree(points: FloatArray) -> Any:
+    """From C++; it keeps the array."""
     tree = import_module("pynanoflann").KDTree(leaf_size=LEAF_SIZE)
     tree.fit(points.copy())
     return tree
 
 
-OURS = "pdoik.Cloud"
-OURS_SINGLE = "pdoik.Cloud, float32"
-OURS_THINNED = f"pdoik.Cloud, {1e3 * THINNED_LEAF:.0f} mm leaf"
-COAL = f"coal octree, {1e3 * VOXEL:.0f} mm"
-SCIPY = "SciPy cKDTree"
-NANOFLANN = "nanoflann"
-
-STRUCTURES: Mapping[str, Build] = {
-    OURS: cloud,
-    OURS_SINGLE: cloud,
-    OURS_THINNED: thinned,
+STRUCTURES: Mapping[str, Callable[[npt.NDArray[Any]], Any]] = {
+    OURS: pdoik.Cloud,
+    OURS_SINGLE: pdoik.Cloud,
+    OURS_THINNED: lambda points: pdoik.Cloud(points, leaf=THINNED_LEAF),
     COAL: octree,
     SCIPY: scipy_tree,
-    NANOFLANN: nanoflann_tree,
+    NANOFLANN: _nanoflann_tree,
 }
 
 

@@ -1,91 +1,78 @@
 """The tables of bench/ik/clouds/__main__.py."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 
+from bench.common.grouped import Cell, grouped_table, mean, time_at
 from bench.common.intervals import duration
-from bench.common.markdown import markdown_table
 from bench.ik.clouds.structures import COAL, OURS, VOXEL
 from bench.ik.experiment import ARMS
 
 DIAGONAL = np.sqrt(3.0) * VOXEL  # how far a voxel may reach beyond the point in it [m]
+STRUCTURE = {"count": "points", "name": "structure"}
+BY_ARM = {"robot": "arm", "count": "points", "method": "method"}
 
 
 def all_tables(rows: pd.DataFrame, seed: int) -> str:
     """One text."""
+    rows = rows.assign(count=[f"{points:,}" for points in rows.points])
+    kinds = dict(list(rows.groupby("kind")))
+    asked = questions(rows)
     parts = {
-        f"Intake, processor time, seed {seed}": intake_table(rows),
-        "Memory": memory_table(rows),
-        "Update of a hundredth": update_table(rows),
-        "Questions about a configuration, median processor time": query_table(rows),
-        "Do free and touching agree with ours?": agreement_table(rows),
-        "A solve, in C++": solve_table(rows),
+        f"Intake, processor time, seed {seed}": intake_table(kinds["intake"]),
+        "Memory": memory_table(kinds["memory"]),
+        "Update of a hundredth": update_table(kinds["update"], kinds["intake"]),
+        "Questions about a configuration, median processor time": query_table(asked),
+        "Do free and touching agree with ours?": agreement_table(asked),
+        "A solve, in C++": solve_table(kinds["solve"]),
     }
-    if (rows.kind == "capt").any():
-        parts["VAMP: Panda as its 59 spheres, by points or by itself"] = capt_table(rows)
+    if "capt" in kinds:
+        parts["VAMP: Panda as its 59 spheres, by points or by itself"] = capt_table(kinds["capt"])
     return "\n".join(f"**{title}**\n\n{table}" for title, table in parts.items())
 
 
-def intake_table(rows: pd.DataFrame) -> str:
+def intake_table(some: pd.DataFrame) -> str:
     """A row per structure and size."""
-    some = rows[rows.kind == "intake"]
-    medians = some.groupby(["name", "points"], sort=False).time.median()
-    table = []
-    for (name, points), group in some.groupby(["name", "points"], sort=False):
-        median = medians[name, points]
-        table.append(
-            [
-                f"{points:,}",
-                name,
-                len(group),
-                duration(median),
-                duration(group.time.quantile(0.95)),
-                f"{1e-6 * points / median:.2f}",
-                f"{median / medians[OURS, points]:.2f}",
-            ]
-        )
-    header = ["points", "structure", "n", "median", "p95", "million points / s", "median x"]
-    return markdown_table(header, table)
+    ours = some[some.name == OURS].groupby("points").time.median()
+    return grouped_table(
+        some,
+        STRUCTURE,
+        {
+            "n": len,
+            "median": time_at(0.5),
+            "p95": time_at(0.95),
+            "million points / s": lambda g: f"{1e-6 * g.points.iloc[0] / g.time.median():.2f}",
+            "median x": lambda g: f"{g.time.median() / ours[g.points.iloc[0]]:.2f}",
+        },
+    )
 
 
-def memory_table(rows: pd.DataFrame) -> str:
+def memory_table(some: pd.DataFrame) -> str:
     """Bytes a point, of the largest clouds: those of small ones drown in whole pages."""
-    some = rows[rows.kind == "memory"]
-    some = some[some.points >= min(100_000, some.points.max())]
-    table = []
-    for (name, points), group in some.groupby(["name", "points"], sort=False):
-        stated = group.stated.iloc[0]
-        table.append(
-            [
-                f"{points:,}",
-                name,
-                f"{group.held.iloc[0] / points:.1f}",
-                f"{stated / points:.1f}" if np.isfinite(stated) else "",
-            ]
-        )
-    return markdown_table(["points", "structure", "bytes a point", "by nbytes"], table)
+
+    def a_point(column: str) -> Cell:
+        return lambda g: _figure(g[column].iloc[0] / g.points.iloc[0], ".1f")
+
+    large = some[some.points >= min(100_000, some.points.max())]
+    return grouped_table(
+        large, STRUCTURE, {"bytes a point": a_point("held"), "by nbytes": a_point("stated")}
+    )
 
 
-def update_table(rows: pd.DataFrame) -> str:
+def update_table(some: pd.DataFrame, intake: pd.DataFrame) -> str:
     """A row per size, beside the intake of all."""
-    intake = rows[(rows.kind == "intake") & (rows.name == OURS)].groupby("points").time.median()
-    table = []
-    for points, group in rows[rows.kind == "update"].groupby("points"):
-        median = group.time.median()
-        table.append(
-            [
-                f"{points:,}",
-                f"{100 * group.share.iloc[0]:.2f} %",
-                duration(median),
-                duration(group.time.quantile(0.95)),
-                duration(group.time.max()),
-                f"{intake[points] / median:.0f}",
-            ]
-        )
-    header = ["points", "replaced", "median", "p95", "max", "times faster than intake"]
-    return markdown_table(header, table)
+    ours = intake[intake.name == OURS].groupby("points").time.median()
+    return grouped_table(
+        some,
+        {"count": "points"},
+        {
+            "replaced": lambda g: f"{100 * g.share.iloc[0]:.2f} %",
+            "median": time_at(0.5),
+            "p95": time_at(0.95),
+            "max": time_at(1.0),
+            "times faster than intake": lambda g: f"{ours[g.points.iloc[0]] / g.time.median():.0f}",
+        },
+    )
 
 
 def questions(rows: pd.DataFrame) -> pd.DataFrame:
@@ -97,96 +84,106 @@ def questions(rows: pd.DataFrame) -> pd.DataFrame:
     return some.join(ours[columns].add_prefix("our_"), on=key)
 
 
-def query_table(rows: pd.DataFrame) -> str:
+def query_table(asked: pd.DataFrame) -> str:
     """A row per arm, size and method; ratios are to ours."""
-    table = []
-    for (robot, points, method), group in _by_arm(questions(rows)):
-        free, touching = group[group.our_free], group[~group.our_free]
-        times = [free.free_time.median(), touching.free_time.median()]
-        ours = [free.our_free_time.median(), touching.our_free_time.median()]
-        times.append(group.clearance_time.median())
-        ours.append(group.our_clearance_time.median())
-        ratios = [time / our for time, our in zip(times, ours, strict=True)]
-        cells = [duration(time) if np.isfinite(time) else "" for time in times]
-        cells += [f"{ratio:#.3g}".rstrip(".") if np.isfinite(ratio) else "" for ratio in ratios]
-        table.append([robot, f"{points:,}", method, *cells])
-    header = ["arm", "points", "method", "is it free? yes", "no", "clearance"]
-    return markdown_table([*header, "yes x", "no x", "clearance x"], table)
+    free, touching = asked.free_time.where(asked.our_free), asked.free_time.where(~asked.our_free)
+    ours = asked.our_free_time
+    times = {
+        "is it free? yes": (free, ours.where(asked.our_free)),
+        "no": (touching, ours.where(~asked.our_free)),
+        "clearance": (asked.clearance_time, asked.our_clearance_time),
+    }
+
+    def median(each: pd.Series) -> Cell:
+        return lambda g: _time(each[g.index].median())
+
+    def ratio(each: pd.Series, our: pd.Series) -> Cell:
+        return lambda g: _figure(each[g.index].median() / our[g.index].median(), "#.3g")
+
+    columns = {name: median(each) for name, (each, _) in times.items()}
+    columns |= {f"{name.split()[-1]} x": ratio(*both) for name, both in times.items()}
+    return grouped_table(_sized(asked), BY_ARM, columns, order={"robot": ARMS})
 
 
-def agreement_table(rows: pd.DataFrame) -> str:
+def agreement_table(asked: pd.DataFrame) -> str:
     """Where a peer says otherwise than we do, and whether voxels and capsules explain it.
 
     A touch that only the octree sees is explained where a point is within a voxel's diagonal of a
     capsule. Nothing explains one that only we see: capsules hold the hulls, voxels the points.
     """
-    table = []
-    for (robot, points, method), group in _by_arm(questions(rows)):
-        if method == OURS:
-            continue
-        only_peer, only_ours = group.our_free & ~group.free, ~group.our_free & group.free
-        explained = only_peer & (group.capsule_gap <= DIAGONAL) & (method == COAL)
-        both = group[group.our_free & group.free & group.clearance.notna()]
-        short = 1e3 * (both.our_clearance - both.clearance)
-        table.append(
-            [
-                robot,
-                f"{points:,}",
-                method,
-                f"{group.our_free.sum()} of {len(group)}",
-                only_peer.sum(),
-                only_ours.sum(),
-                (only_peer & ~explained).sum() + only_ours.sum(),
-                *([f"{short.median():.1f}", f"{short.max():.1f}"] if len(short) else ["", ""]),
-            ]
-        )
-    header = ["arm", "points", "peer", "free by ours", "touch by the peer only", "by ours only"]
-    header += ["not explained", "clearance short by [mm], median", "max"]
-    return markdown_table(header, table)
+    near = (asked.capsule_gap <= DIAGONAL) & (asked.method == COAL)
+    some = asked.assign(
+        only_peer=asked.our_free & ~asked.free,
+        only_ours=~asked.our_free & asked.free,
+        odd=(asked.our_free != asked.free) & ~(asked.our_free & near),
+        short=1e3 * (asked.our_clearance - asked.clearance).where(asked.our_free & asked.free),
+    )
+    return grouped_table(
+        _sized(some[some.method != OURS]),
+        {**BY_ARM, "method": "peer"},
+        {
+            "free by ours": lambda g: f"{g.our_free.sum()} of {len(g)}",
+            "touch by the peer only": lambda g: g.only_peer.sum(),
+            "by ours only": lambda g: g.only_ours.sum(),
+            "not explained": lambda g: g.odd.sum(),
+            "clearance short by [mm], median": lambda g: _figure(g.short.median(), ".1f"),
+            "max": lambda g: _figure(g.short.max(), ".1f"),
+        },
+        order={"robot": ARMS},
+    )
 
 
-def solve_table(rows: pd.DataFrame) -> str:
+def solve_table(some: pd.DataFrame) -> str:
     """A row per arm and size, with ratios to the smallest cloud on the same targets."""
-    some = rows[rows.kind == "solve"]
-    table = []
-    for (robot, points), group in some.groupby(["robot", "points"]):
-        arm = some[some.robot == robot]
-        first = arm[arm.points == arm.points.min()].time
-        quantiles = [group.time.median(), group.time.mean(), group.time.quantile(0.95)]
-        base = [first.median(), first.mean(), first.quantile(0.95)]
-        table.append(
-            [
-                robot,
-                f"{points:,}",
-                f"{group.solved.sum()} / {len(group)}",
-                *(duration(value) for value in quantiles),
-                *(f"{value / least:.2f}" for value, least in zip(quantiles, base, strict=True)),
-                f"{group.restarts.mean():.2f}",
-            ]
-        )
-    table.sort(key=lambda row: ARMS.index(row[0]))
-    header = ["arm", "points", "solved", "median", "mean", "p95", "median x", "mean x", "p95 x"]
-    return markdown_table([*header, "restarts"], table)
+    figures = {
+        "median": lambda times: times.median(),
+        "mean": lambda times: times.mean(),
+        "p95": lambda times: times.quantile(0.95),
+    }
+    first = dict(list(some[some.points == some.points.min()].groupby("robot").time))
+    return grouped_table(
+        _sized(some),
+        {"robot": "arm", "count": "points"},
+        {
+            "solved": lambda g: f"{g.solved.sum()} / {len(g)}",
+            **{name: lambda g, f=f: duration(f(g.time)) for name, f in figures.items()},
+            **{
+                f"{name} x": lambda g, f=f: f"{f(g.time) / f(first[g.robot.iloc[0]]):.2f}"
+                for name, f in figures.items()
+            },
+            "restarts": mean("restarts", 2),
+        },
+        order={"robot": ARMS},
+    )
 
 
-def capt_table(rows: pd.DataFrame) -> str:
+def capt_table(some: pd.DataFrame) -> str:
     """A row per setting and size; the time by which a configuration's own spheres stop it is in."""
-    some = rows[rows.kind == "capt"].astype({"free": bool})
-    table = []
-    for (name, points), group in some.groupby(["name", "points"], sort=False):
-        one, lanes = group[group.method == "one"], group[group.method == "lanes"]
-        medians = [
-            one[one.free].free_time.median(),
-            one[~one.free].free_time.median(),
-            lanes[lanes.free].free_time.median(),
-        ]
-        left = f"{one.kept.iloc[0]:,.0f}"
-        free = f"{one.free.sum()} of {len(one)}"
-        table.append([f"{points:,}", name, left, free, *(duration(time) for time in medians)])
-    header = ["points", "structure", "points kept", "free", "is it free? yes", "no"]
-    return markdown_table([*header, "yes, lanes full, each"], table)
+
+    def at(method: str, free: bool) -> Cell:
+        return lambda g: duration(g[(g.method == method) & (g.free == free)].free_time.median())
+
+    return grouped_table(
+        some.astype({"free": bool}),
+        STRUCTURE,
+        {
+            "points kept": lambda g: f"{g.kept.dropna().iloc[0]:,.0f}",
+            "free": lambda g: f"{g.free[g.method == 'one'].sum()} of {(g.method == 'one').sum()}",
+            "is it free? yes": at("one", True),
+            "no": at("one", False),
+            "yes, lanes full, each": at("lanes", True),
+        },
+    )
 
 
-def _by_arm(some: pd.DataFrame) -> list[tuple[tuple[str, int, str], pd.DataFrame]]:
-    groups = list(some.groupby(["robot", "points", "method"], sort=False))
-    return sorted(groups, key=lambda each: (ARMS.index(each[0][0]), each[0][1]))
+def _sized(some: pd.DataFrame) -> pd.DataFrame:
+    """By the number of points, which text is not sorted by."""
+    return some.sort_values("points", kind="stable")
+
+
+def _time(seconds: float) -> str:
+    return duration(seconds) if np.isfinite(seconds) else ""
+
+
+def _figure(value: float, form: str) -> str:
+    return f"{value:{form}}".rstrip(".") if np.isfinite(value) else ""

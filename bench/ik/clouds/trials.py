@@ -5,8 +5,6 @@ Times are the processor's, half a microsecond of asking for it included, since a
 long calls more than short ones; those of a solve and of VAMP's answers are the wall's, from C++.
 """
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os
@@ -18,21 +16,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.clouds.capt import SETTINGS, Capt
-from bench.ik.clouds.hulls import Capsule
-from bench.ik.clouds.queries import Judge, queries
+from bench.ik.clouds.hulls import Capsule, moving_hulls
+from bench.ik.clouds.queries import METHODS, Judge
 from bench.ik.clouds.scene import hundredth, random_configurations, table_and_balls
 from bench.ik.clouds.structures import STRUCTURES, as_wanted
-from bench.ik.experiment import Arm
+from bench.ik.scenes.around import arm_named
 
 Row = dict[str, Any]
 Job = Mapping[str, Any]
-FloatArray = npt.NDArray[np.float64]
 
-SOLVE_BUDGET = 1.0  # [s]
 NEAR = 0.03  # a clearance that voxels and rounder shapes may turn into a touch [m]
 PASSES = 3  # over the configurations, of which the median counts
 
@@ -55,16 +51,8 @@ def intake(job: Job) -> list[Row]:
     while left:
         for name in left:
             calls[name]()
-            start = time.process_time()
-            kept = calls[name]()
-            times[name].append(time.process_time() - start)
-            del kept  # apart: giving memory back is not part of it
-        left = [
-            name
-            for name in left
-            if len(times[name]) < 3
-            or (len(times[name]) < job["repeats"] and sum(times[name]) < job["seconds"])
-        ]
+            times[name].append(_once(calls[name]))
+        left = [name for name in left if _goes_on(times[name], job)]
     return [{"name": name, "time": t} for name, several in times.items() for t in several]
 
 
@@ -89,35 +77,23 @@ def capt(job: Job) -> list[Row]:
     robot = pdoik.Robot.builtin("panda")
     chosen = random_configurations(robot, 8 * job["configurations"], job["seed"] + 1)
     kept = Capt(job["library"], job["name"], points)
-    asked = [kept.validate(chosen) for _ in range(PASSES)]
-    rows: list[Row] = [
-        {
-            "method": "one",
-            "kept": kept.kept,
-            "index": index,
-            "free": bool(free),
-            "free_time": seconds,
-        }
-        for index, (free, seconds) in enumerate(
-            zip(asked[0][0], np.median([times for _, times in asked], axis=0), strict=True)
-        )
-    ]
     # A planner's edge: a lane's neighbours differ by little.
     steps = np.linspace(0.0, 0.1, kept.lanes)[None, :, None]
     edges = (chosen[:, None, :] + steps).reshape(-1, robot.dof)
-    lanes = [kept.validate_lanes(edges) for _ in range(PASSES)]
-    rows += [
-        {
-            "method": "lanes",
-            "index": index,
-            "free": bool(free),
-            "free_time": seconds / kept.lanes,
-        }
-        for index, (free, seconds) in enumerate(
-            zip(lanes[0][0], np.median([times for _, times in lanes], axis=0), strict=True)
-        )
-    ]
-    return rows
+
+    def rows(
+        method: str, ask: Callable[[FloatArray], tuple[BoolArray, FloatArray]], q: FloatArray
+    ) -> list[Row]:
+        asked = [ask(q) for _ in range(PASSES)]
+        times = np.median([seconds for _, seconds in asked], axis=0)
+        return [
+            {"method": method, "index": index, "free": bool(free), "free_time": seconds}
+            for index, (free, seconds) in enumerate(zip(asked[0][0], times, strict=True))
+        ]
+
+    one = [{**row, "kept": kept.kept} for row in rows("one", kept.validate, chosen)]
+    lanes = rows("lanes", kept.validate_lanes, edges)
+    return one + [{**row, "free_time": row["free_time"] / kept.lanes} for row in lanes]
 
 
 def update(job: Job) -> list[Row]:
@@ -126,38 +102,36 @@ def update(job: Job) -> list[Row]:
     region = hundredth(points)
     within = points[((points >= region[0]) & (points <= region[1])).all(axis=1)]
     cloud = pdoik.Cloud(points)
-    times = timed(lambda: cloud.update(within, region), job["repeats"], job["seconds"])
+
+    def call() -> Any:
+        return cloud.update(within, region)
+
+    call()
+    times: list[float] = []
+    while _goes_on(times, job):
+        times.append(_once(call))
     return [{"time": t, "share": len(within) / len(points)} for t in times]
 
 
 def query(job: Job) -> list[Row]:
     """Whether configurations are free, and their clearance: ours and the peers' among one cloud."""
-    robot = Arm.builtin(job["robot"]).robot
+    robot = arm_named(job["robot"]).robot
     points = table_and_balls(job["points"], job["seed"])
-    methods = queries(robot, points)
     chosen = _chosen(robot, points, job["configurations"], job["seed"] + 1)
     places = [{link: robot.fk(q, link) for link in robot.link_names} for q in chosen]
     rows: list[Row] = []
-    for method in methods:
+    for method in [make(robot, points) for make in METHODS]:
         ready = [method.prepare(q, placed) for q, placed in zip(chosen, places, strict=True)]
-        free, free_times = _asked(method.free, ready)
-        clearance, clearance_times = _asked(method.clearance, ready)
+        answers = zip(*_asked(method.free, ready), *_asked(method.clearance, ready), strict=True)
+        names = ("free", "free_time", "clearance", "clearance_time")
         rows += [
-            {
-                "method": method.name,
-                "index": index,
-                "free": bool(free[index]),
-                "free_time": free_times[index],
-                "clearance": clearance[index],
-                "clearance_time": clearance_times[index],
-            }
-            for index in range(len(chosen))
+            {"method": method.name, "index": index, **dict(zip(names, each, strict=True))}
+            for index, each in enumerate(answers)
         ]
-    capsules = [Capsule.about(hull) for hull in methods[0].hulls]
+    capsules = [Capsule.about(hull) for hull in moving_hulls(robot)]
     for row in rows:
-        ours = rows[row["index"]]
-        row["capsule_gap"] = np.nan
-        if row["free"] != ours["free"]:
+        row["free"], row["capsule_gap"] = bool(row["free"]), np.nan
+        if row["free"] != rows[row["index"]]["free"]:
             placed = places[row["index"]]
             row["capsule_gap"] = min(each.gap(placed[each.hull.link], points) for each in capsules)
     return rows
@@ -165,9 +139,8 @@ def query(job: Job) -> list[Row]:
 
 def solve(job: Job) -> list[Row]:
     """The same targets among ever more points, in turn, each from mid-range."""
-    robot = Arm.builtin(job["robot"]).robot
-    options = pdoik.Options(max_time=SOLVE_BUDGET, base_collision=False)
-    solver = pdoik.Solver(robot, options)
+    robot = arm_named(job["robot"]).robot
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0, base_collision=False))
     clouds = {n: pdoik.Cloud(table_and_balls(n, job["seed"])) for n in job["sizes"]}
     most = clouds[max(clouds)]
     targets = []
@@ -178,54 +151,44 @@ def solve(job: Job) -> list[Row]:
     rows = []
     q0 = robot.mid_configuration()
     for index, T in enumerate(targets):
-        results = {
-            n: [solver.solve(T, q0=q0, obstacles=cloud) for _ in range(job["repeats"])]
-            for n, cloud in clouds.items()
-        }
-        rows += [
-            {
-                "points": n,
-                "index": index,
-                "time": statistics.median(result.time for result in several),
-                "solved": several[0].success,
-                "restarts": several[0].restarts,
-            }
-            for n, several in results.items()
-        ]
+        for n, cloud in clouds.items():
+            results = [solver.solve(T, q0=q0, obstacles=cloud) for _ in range(job["repeats"])]
+            rows.append(
+                {
+                    "points": n,
+                    "index": index,
+                    "time": statistics.median(result.time for result in results),
+                    "solved": results[0].success,
+                    "restarts": results[0].restarts,
+                }
+            )
     return rows
 
 
 JOBS: Mapping[str, Callable[[Job], list[Row]]] = {
-    "intake": intake,
-    "memory": memory,
-    "capt": capt,
-    "update": update,
-    "query": query,
-    "solve": solve,
+    each.__name__: each for each in (intake, memory, capt, update, query, solve)
 }
 
 
-def timed(call: Callable[[], Any], repeats: int, seconds: float) -> list[float]:
-    """Times [s] of so many calls, or of as many as go into the seconds, three at least.
+def _once(call: Callable[[], Any]) -> float:
+    """Processor time of a call [s]; giving memory back is not part of it."""
+    start = time.process_time()
+    kept = call()
+    seconds = time.process_time() - start
+    del kept
+    return seconds
 
-    One call before them is not counted.
-    """
-    call()
-    times: list[float] = []
-    while len(times) < 3 or (len(times) < repeats and sum(times) < seconds):
-        start = time.process_time()
-        kept = call()
-        times.append(time.process_time() - start)
-        del kept  # apart: taking memory back is not part of it
-    return times
+
+def _goes_on(times: Sequence[float], job: Job) -> bool:
+    """Until there are so many, or as many as go into the seconds, three at least."""
+    return len(times) < 3 or (len(times) < job["repeats"] and sum(times) < job["seconds"])
 
 
 def _maker(name: str, points: FloatArray, library: str | None) -> Callable[[], Any]:
     """What makes one structure of the points."""
     if name in SETTINGS:
-        assert library is not None
-        path, single = library, points.astype(np.float32)
-        return lambda: Capt(path, name, single)
+        single = points.astype(np.float32)
+        return lambda: Capt(str(library), name, single)
     wanted = as_wanted(name, points)
     return lambda: STRUCTURES[name](wanted)
 
@@ -244,9 +207,7 @@ def _chosen(robot: pdoik.Robot, points: FloatArray, count: int, seed: int) -> li
     return [q for some in kinds for q in some]
 
 
-def _asked(
-    call: Callable[[Any], Any] | None, ready: Sequence[Any]
-) -> tuple[list[Any], list[float]]:
+def _asked(call: Callable[[Any], Any] | None, ready: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """The answers of one question, and the median of three times each [s]; NaN for no question.
 
     One configuration after the other, as in use: the same one again would find all in the cache.
@@ -255,12 +216,12 @@ def _asked(
         return [np.nan] * len(ready), [np.nan] * len(ready)
     times = np.zeros((PASSES, len(ready)))
     answers = []
-    for turn in range(PASSES):
+    for turn in times:
         answers = []
         for index, each in enumerate(ready):
             start = time.process_time()
             answers.append(call(each))
-            times[turn, index] = time.process_time() - start
+            turn[index] = time.process_time() - start
     return answers, np.median(times, axis=0).tolist()
 
 
@@ -271,11 +232,7 @@ def _resident() -> int:
     return int(pages) * os.sysconf("SC_PAGE_SIZE")
 
 
-def _stay_on(processor: int) -> None:
-    allowed = sorted(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {allowed[processor % len(allowed)]})
-
-
 if __name__ == "__main__":
-    _stay_on(int(sys.argv[1]))
+    allowed = sorted(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {allowed[int(sys.argv[1]) % len(allowed)]})
     json.dump(run_job(json.load(sys.stdin)), sys.stdout)

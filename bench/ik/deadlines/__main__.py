@@ -6,8 +6,6 @@ Calls are timed inside C++ (deadline_calls), without the cloud's intake, which h
 Beside the idle machine, other programs keep one processor busy, then two. --quick takes a minute.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import subprocess
@@ -15,31 +13,21 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
 import typer
 from rich.progress import track
 
+from bench.common import commands
 from bench.common.campaign import Campaign
-from bench.common.commands import (
-    BUILD,
-    BuildFolder,
-    OutFolder,
-    Quick,
-    Seed,
-    console,
-    plain_errors,
-    show,
-    write_report,
-)
 from bench.common.peer_library import build
 from bench.ik.deadlines.clouds import KINDS, write_cloud
 from bench.ik.deadlines.python import CALL, Effort, python_calls
 from bench.ik.deadlines.tables import all_tables
+from bench.ik.experiment import output_of, tell
 
 ROBOTS = ("panda", "h1")
 BUDGETS = (0.0002, 0.001, 0.005)  # [s]
@@ -50,22 +38,20 @@ QUICK_COUNTS = (0, 1_000, 100_000)
 LOADS = (0, 1, 2)  # processors that other programs keep busy
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
+class Cell(NamedTuple):
     """What calls of one kind are timed on."""
 
     robot: str
     call: str  # LM, lbfgs or paper of Solver, or tracker
     budget: float  # [s]
     cloud: str  # one of KINDS
-    count: int
+    points: int
     load: int
 
     @property
     def name(self) -> str:
         """Good for a file."""
-        words = (self.robot, self.call, f"{1e6 * self.budget:.0f}us", self.cloud, self.count)
-        return "-".join(map(str, (*words, self.load)))
+        return "-".join(map(str, self._replace(budget=f"{1e6 * self.budget:.0f}us")))
 
 
 Plan = Sequence[tuple[str, float, Sequence[int]]]  # calls, their budgets [s], loads
@@ -85,7 +71,7 @@ QUICK_PLAN: Plan = (
 def cells(plan: Plan, robots: Sequence[str], counts: Sequence[int]) -> list[Cell]:
     """All that the tables show, load by load."""
     return [
-        Cell(robot=robot, call=call, budget=budget, cloud=cloud, count=count, load=load)
+        Cell(robot, call, budget, cloud, count, load)
         for load in LOADS
         for robot in robots
         for call, budget, loads in plan
@@ -96,8 +82,8 @@ def cells(plan: Plan, robots: Sequence[str], counts: Sequence[int]) -> list[Cell
 
 
 def main(
-    out: OutFolder = BUILD / "deadlines",
-    quick: Quick = False,
+    out: commands.OutFolder = commands.BUILD / "deadlines",
+    quick: commands.Quick = False,
     repeats: Annotated[
         int, typer.Option(min=1, help="Calls of each kind of goal, where the time suffices.")
     ] = 500,
@@ -108,15 +94,15 @@ def main(
     count: Annotated[
         list[int] | None, typer.Option(help="Points; 0 to a million otherwise.")
     ] = None,
-    seed: Seed = 0,
-    build_folder: BuildFolder = BUILD,
+    seed: commands.Seed = 0,
+    build_folder: commands.BuildFolder = commands.BUILD,
 ) -> None:
     """Measure how well deadlines are kept."""
     robots, counts = tuple(robot or ROBOTS), tuple(count or (QUICK_COUNTS if quick else COUNTS))
     if quick:
         repeats, seconds, out = min(repeats, 50), 0.02, out.with_name(out.name + "-quick")
-    with plain_errors():
-        with console.status("building"):
+    with commands.plain_errors():
+        with commands.console.status("building"):
             program = build(build_folder, "pdoik_deadlines") / "bench" / "pdoik_deadlines"
         settings = {
             "experiment": "deadlines",
@@ -131,10 +117,7 @@ def main(
             cells(QUICK_PLAN if quick else PLAN, robots, counts),
             Effort(repeats=repeats, seconds=seconds, seed=seed),
         )
-        text = all_tables(calls, seed)
-        write_report(out / "deadlines.md", text)
-    show(text)
-    console.print(f"tables: {out}/deadlines.md; calls: trials.parquet")
+        tell(out, all_tables(calls, seed), name="deadlines")
 
 
 def measured(
@@ -142,13 +125,13 @@ def measured(
 ) -> pd.DataFrame:
     """All calls of all cells, a row each; times in seconds, without the intake."""
     with tempfile.TemporaryDirectory(prefix="pdoik-deadlines-") as folder:
-        kinds = {(cell.cloud, cell.count) for cell in plan}
+        kinds = {(cell.cloud, cell.points) for cell in plan}
         clouds = {kind: write_cloud(Path(folder), *kind, effort.seed) for kind in sorted(kinds)}
         for load in LOADS:
             left = [cell for cell in plan if cell.load == load and not campaign.has(cell.name)]
             with busy_processors(load):
-                for cell in track(left, f"beside {load}", console=console, transient=True):
-                    cloud = clouds[cell.cloud, cell.count]
+                for cell in track(left, f"beside {load}", console=commands.console, transient=True):
+                    cloud = clouds[cell.cloud, cell.points]
                     campaign.keep(cell.name, calls_of(program, cell, cloud, effort))
         calls = campaign.gather([cell.name for cell in plan])
         return pd.concat([calls, *from_python(calls, clouds, effort)], ignore_index=True)
@@ -157,50 +140,31 @@ def measured(
 def from_python(
     calls: pd.DataFrame, clouds: Mapping[tuple[str, int], Path | None], effort: Effort
 ) -> Iterator[pd.DataFrame]:
-    """The calls from Python among each cloud, whose intake C++ has timed if results do not."""
+    """The calls from Python among each cloud, whose intake C++ has timed by the thread's clock."""
     for (kind, count), cloud in clouds.items():
         same = calls[(calls.cloud == kind) & (calls.points == count) & (calls.load == 0)]
-        timed = python_calls(
-            cloud, USUAL_BUDGET, same.intake.median(), same.intake_cpu.median(), effort
-        )
+        timed = python_calls(cloud, USUAL_BUDGET, same.intake_cpu.median(), effort)
         facts = {"robot": "panda", "call": CALL, "budget": USUAL_BUDGET, "cloud": kind}
         yield timed.assign(**facts, points=count, load=0, case="random")
 
 
 def calls_of(program: Path, cell: Cell, cloud: Path | None, effort: Effort) -> pd.DataFrame:
-    """The calls of one cell.
-
-    Raises:
-        RuntimeError: The program failed.
-    """
+    """The calls of one cell."""
     words = (program, cell.robot, cell.call, cloud or "none", cell.budget)
     words += (effort.repeats, effort.seconds, effort.seed)
-    done = subprocess.run(
-        [str(word) for word in words], capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        raise RuntimeError(f"{cell}: status {done.returncode} {done.stderr.strip()}")
-    raw = pd.read_csv(io.StringIO(done.stdout))
+    raw = pd.read_csv(io.StringIO(output_of(words, cell.name)))
     # What a result states of its intake counts, too, where some of it is put off until the call.
     put_off = (raw.stated_intake - raw.intake_wall).clip(lower=0)
-    facts: Mapping[str, object] = {
-        name: getattr(cell, name) for name in ("robot", "call", "budget", "cloud", "count", "load")
-    }
-    return pd.DataFrame(
-        {
-            **facts,
-            "case": raw.case,
-            "intake": 1e-9 * np.maximum(raw.intake_wall, raw.stated_intake),
-            "intake_cpu": 1e-9 * (raw.intake_cpu + put_off),
-            "wall": 1e-9 * (raw.wall - put_off),
-            "cpu": 1e-9 * (raw.cpu - put_off),
-            "late": raw.late,
-            "evaluations": raw.evaluations,
-            # Ended by the deadline, whatever status the outcome got.
-            "struck": (raw.struck == 1) | (1e-9 * (raw.wall - put_off) >= cell.budget),
-        },
-        index=raw.index,
-    ).rename(columns={"count": "points"})
+    wall = 1e-9 * (raw.wall - put_off)
+    return raw[["case", "late", "evaluations"]].assign(
+        **cell._asdict(),
+        intake=1e-9 * np.maximum(raw.intake_wall, raw.stated_intake),
+        intake_cpu=1e-9 * (raw.intake_cpu + put_off),
+        wall=wall,
+        cpu=1e-9 * (raw.cpu - put_off),
+        # Ended by the deadline, whatever status the outcome got.
+        struck=(raw.struck == 1) | (wall >= cell.budget),
+    )
 
 
 @contextmanager

@@ -1,16 +1,12 @@
 """Clouds of a thousand to a million points: as depth cameras give them, and filling the space."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.scenes.camera import depth_view
-from bench.ik.scenes.objects import ObjectModel, primitive_models, random_scene
-
-FloatArray = npt.NDArray[np.float64]
+from bench.ik.scenes.objects import primitive_models, random_scene
 
 KINDS = ("camera", "dense")
 OBJECTS = 9  # of a camera's scene
@@ -19,20 +15,23 @@ DENSE_BOX = ((-0.6, -0.6, 0.0), (0.6, 0.6, 1.2))  # where the arm is [m]
 
 
 def write_cloud(folder: Path, kind: str, count: int, seed: int) -> Path | None:
-    """A file of doubles, x y z row by row; None where no point is wanted."""
+    """A file of doubles, x y z row by row; None where no point is wanted.
+
+    "dense" is uniform in a box about the arm: the worst that can come.
+    """
     if count == 0:
         return None
     path = folder / f"{kind}-{count}.f64"
     rng = np.random.default_rng([seed, count])
-    points = camera_cloud(count, rng) if kind == "camera" else dense_cloud(count, rng)
+    dense = kind != "camera"
+    points = rng.uniform(*DENSE_BOX, (count, 3)) if dense else camera_cloud(count, rng)
     np.ascontiguousarray(points, dtype=np.float64).tofile(path)
     return path
 
 
 def camera_cloud(count: int, rng: np.random.Generator) -> FloatArray:
     """Everyday objects seen from as many places as it takes, drawn from at random, (count, 3)."""
-    models: tuple[ObjectModel, ...] = primitive_models()
-    scene = random_scene(rng, models, OBJECTS)
+    scene = random_scene(rng, primitive_models(), OBJECTS)
     meshes = [placed.triangles for placed in scene.objects]
     views: list[FloatArray] = []
     while sum(map(len, views)) < count:
@@ -40,8 +39,3 @@ def camera_cloud(count: int, rng: np.random.Generator) -> FloatArray:
         views.append(seen[np.linalg.norm(seen[:, :2], axis=1) > KEPT_OFF_THE_BASE])
     points = np.concatenate(views)
     return np.asarray(points[np.sort(rng.choice(len(points), count, replace=False))])
-
-
-def dense_cloud(count: int, rng: np.random.Generator) -> FloatArray:
-    """Uniform in a box about the arm: the worst that can come, (count, 3)."""
-    return rng.uniform(*DENSE_BOX, (count, 3))

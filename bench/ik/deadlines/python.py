@@ -1,7 +1,5 @@
 """Calls with a deadline as Python makes them: the Panda, the default method, random targets."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,16 +23,11 @@ class Effort:
 
 
 def python_calls(
-    cloud: Path | None, budget: float, intake: float, intake_cpu: float, effort: Effort
+    cloud: Path | None, budget: float, intake_cpu: float, effort: Effort
 ) -> pd.DataFrame:
-    """As `calls_of` of deadlines.py gives them.
+    """As `calls_of` of deadlines gives them, among a file of doubles, x y z row by row.
 
-    Args:
-        cloud: A file of doubles, x y z row by row.
-        budget: Of a solve [s].
-        intake: Of the cloud, where results do not state theirs [s].
-        intake_cpu: The same by the thread's clock [s].
-        effort: How much.
+    The budget of a solve and the cloud's intake by the thread's clock are in [s].
     """
     robot = pdoik.Robot.builtin("panda")
     points = np.empty((0, 3)) if cloud is None else np.fromfile(cloud).reshape(-1, 3)
@@ -48,17 +41,17 @@ def python_calls(
         wall, cpu = time.perf_counter_ns(), time.thread_time_ns()
         result = solver.solve(T_base_tip, obstacles=points)
         cpu, wall = time.thread_time_ns() - cpu, time.perf_counter_ns() - wall
-        stated = float(getattr(result, "intake", intake))
         if turn >= 0:
+            spent = 1e-9 * wall - result.intake
             rows.append(
                 {
-                    "intake": stated,
+                    "intake": result.intake,
                     "intake_cpu": intake_cpu,
-                    "wall": 1e-9 * wall - stated,
+                    "wall": spent,
                     "cpu": 1e-9 * cpu - intake_cpu,
-                    "late": int(getattr(result, "late_evaluations", -1)),
+                    "late": result.late_evaluations,
                     "evaluations": result.evaluations,
-                    "struck": result.status == "time_limit" or 1e-9 * wall - stated >= budget,
+                    "struck": result.status == "time_limit" or spent >= budget,
                 }
             )
         if turn > 0 and time.monotonic() > until:

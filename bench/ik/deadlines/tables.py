@@ -1,13 +1,15 @@
 """The tables of bench/ik/deadlines/__main__.py."""
 
-from __future__ import annotations
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
 
-from bench.common.markdown import markdown_table
+from bench.common.grouped import grouped_table
 
 SIDES = {0: "idle", 1: "beside one", 2: "beside two"}
+KEYS = {"count": "points", "cloud": "cloud"}
+FIGURES = {"n": len, "ended by it": lambda some: f"{some.struck.mean():.2f}"}
 
 INTRODUCTION = (
     "Times in ms, median / p99.9 / max, of calls that the deadline ended or that lasted longer; of"
@@ -19,69 +21,58 @@ INTRODUCTION = (
 
 def all_tables(calls: pd.DataFrame, seed: int) -> str:
     """Every robot's and call's table, then the methods and the kinds of goals at one budget."""
+    calls = calls.assign(
+        count=lambda rows: [f"{points:,}" for points in rows.points],
+        cloud=lambda rows: rows.cloud.where(rows.points > 0, ""),
+        over=lambda rows: rows.cpu - rows.budget,
+    )
     sections = [f"{INTRODUCTION} Seed {seed}."]
     for (robot, call), some in calls.groupby(["robot", "call"], sort=False):
         if some.load.nunique() > 1:  # beside other programs, too
             sections.append(f"**{robot}, {call}**\n\n{main_table(some)}")
-    usual = calls[(calls.load == 0) & (calls.budget == 0.001)]
-    sections.append(f"**Methods, 1 ms, idle**\n\n{method_table(usual)}")
-    alike = calls[(calls.load == 0) & (calls.case != "random")]
-    sections.append(f"**Kinds of goals, idle**\n\n{case_table(alike)}")
+    idle = calls[calls.load == 0]
+    usual = idle[idle.budget == 0.001].sort_values(["robot", "points", "cloud", "call"])
+    methods = {
+        **FIGURES,
+        "wall": lambda some: spread(some, "wall"),
+        "CPU": lambda some: spread(some, "cpu"),
+        "late": late,
+    }
+    table = grouped_table(usual, {"robot": "robot", "call": "call", **KEYS}, methods)
+    sections.append(f"**Methods, 1 ms, idle**\n\n{table}")
+    alike = idle[idle.case != "random"].sort_values(["points", "case"], kind="stable")
+    goals = {**FIGURES, "CPU beyond the budget": lambda some: spread(some, "over")}
+    table = grouped_table(alike, {"count": "points", "case": "goal"}, goals)
+    sections.append(f"**Kinds of goals, idle**\n\n{table}")
     return "\n\n".join(section.rstrip() for section in sections) + "\n"
 
 
 def main_table(calls: pd.DataFrame) -> str:
     """A row for each budget and cloud, over all kinds of goals."""
     loads = sorted(calls.load.unique())
-    header = ["budget", "points", "cloud", "intake", "n", "ended by it"]
-    header += [f"{clock}, {SIDES[load]}" for load in loads for clock in ("wall", "CPU")] + ["late"]
-    rows = []
-    for (budget, points, cloud), some in calls.groupby(["budget", "points", "cloud"]):
-        idle = some[some.load == loads[0]]
-        row = [ms(budget), f"{points:,}", cloud if points else "", ms(idle.intake.median())]
-        row += [str(len(idle)), f"{idle.struck.mean():.2f}"]
-        for load in loads:
-            struck = some[(some.load == load) & some.struck]
-            row += [spread(struck.wall), spread(struck.cpu)]
-        rows.append([*row, late(some)])
-    return markdown_table(header, rows)
+
+    def beside(load: int, figure: Callable[..., object], *more: str) -> Callable[..., object]:
+        return lambda some: figure(some[some.load == load], *more)
+
+    columns = {"intake": beside(loads[0], lambda some: ms(some.intake.median()))}
+    columns |= {name: beside(loads[0], figure) for name, figure in FIGURES.items()}
+    for load in loads:
+        columns[f"wall, {SIDES[load]}"] = beside(load, spread, "wall")
+        columns[f"CPU, {SIDES[load]}"] = beside(load, spread, "cpu")
+    calls = calls.sort_values(["budget", "points", "cloud"], kind="stable")
+    calls = calls.assign(allowed=[ms(budget) for budget in calls.budget])
+    return grouped_table(calls, {"allowed": "budget", **KEYS}, {**columns, "late": late})
 
 
-def method_table(calls: pd.DataFrame) -> str:
-    """A row for each robot, method and cloud."""
-    header = ["robot", "call", "points", "cloud", "n", "ended by it", "wall", "CPU", "late"]
-    rows = []
-    keys = ["robot", "points", "cloud", "call"]
-    for (robot, points, cloud, call), some in calls.groupby(keys):
-        struck = some[some.struck]
-        row = [robot, call, f"{points:,}", cloud if points else "", str(len(some))]
-        row += [f"{some.struck.mean():.2f}", spread(struck.wall), spread(struck.cpu), late(some)]
-        rows.append(row)
-    return markdown_table(header, rows)
+def spread(calls: pd.DataFrame, column: str) -> str:
+    """Median / p99.9 / max [ms] of those that were struck; empty where there are none."""
+    times = calls[column][calls.struck]
+    return " / ".join(map(ms, np.quantile(times, [0.5, 0.999, 1.0]))) if len(times) else ""
 
 
-def case_table(calls: pd.DataFrame) -> str:
-    """Time beyond the budget by kind of goal: the median and the worst over everything else."""
-    header = ["points", "goal", "n", "ended by it", "CPU beyond the budget"]
-    rows = []
-    for (points, case), some in calls.groupby(["points", "case"]):
-        struck = some[some.struck]
-        row = [f"{points:,}", case, str(len(some)), f"{some.struck.mean():.2f}"]
-        rows.append([*row, spread(struck.cpu - struck.budget)])
-    return markdown_table(header, rows)
-
-
-def spread(times: pd.Series[float]) -> str:
-    """Median / p99.9 / max [ms]; empty where there are none."""
-    if len(times) == 0:
-        return ""
-    return " / ".join(ms(value) for value in np.quantile(times, [0.5, 0.999, 1.0]))
-
-
-def late(calls: pd.DataFrame) -> str:
-    """The most evaluations begun after the deadline; ? where results do not say."""
-    worst = int(calls.late.max())
-    return "?" if worst < 0 else str(worst)
+def late(calls: pd.DataFrame) -> int:
+    """The most evaluations begun after the deadline."""
+    return int(calls.late.max())
 
 
 def ms(seconds: float) -> str:

@@ -7,34 +7,16 @@ Peers whose packages are missing are skipped with a line. Results are kept as th
 same command continues where it was stopped. --quick is a two-minute version.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
+import numpy as np
 import pandas as pd
 import typer
 
-from bench.common.commands import (
-    BUILD,
-    BuildFolder,
-    OutFolder,
-    Quick,
-    Scheduler,
-    Seed,
-    Workers,
-    YcbFolder,
-    console,
-    plain_errors,
-    run_campaign,
-    setting_of,
-    show,
-    source_of,
-    write_report,
-)
+from bench.common import commands
+from bench.common.grouped import grouped_table, mean, time_at
 from bench.common.intervals import duration, share
-from bench.common.markdown import markdown_table
-from bench.common.peer_library import build_peers
-from bench.ik.experiment import ARMS
+from bench.ik.experiment import ARMS, blocks, tell
 from bench.ik.hard.scenes import FAMILIES
 from bench.ik.hard.trials import TOLERANCE, run_block
 from bench.ik.methods import PEERS
@@ -46,9 +28,9 @@ OURS = ("pdoik", "pdoik, L-BFGS", "PDO-IK, omega = 0")
 
 
 def main(
-    ycb: YcbFolder = None,
-    out: OutFolder = BUILD / "hard",
-    quick: Quick = False,
+    ycb: commands.YcbFolder = None,
+    out: commands.OutFolder = commands.BUILD / "hard",
+    quick: commands.Quick = False,
     problems: Annotated[int, typer.Option(min=1, help="Per arm and family.")] = 200,
     slow_problems: Annotated[
         int, typer.Option(min=0, help="The same for peers called from Python.")
@@ -60,82 +42,72 @@ def main(
         int, typer.Option(min=1, help="Solve each problem with this many seeds of a method.")
     ] = 1,
     max_time: Annotated[float, typer.Option(help="Of one solve [s].")] = 1.0,
-    seed: Seed = 0,
-    build: BuildFolder = BUILD,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
+    seed: commands.Seed = 0,
+    build: commands.BuildFolder = commands.BUILD,
+    scheduler: commands.Scheduler = None,
+    workers: commands.Workers = None,
 ) -> None:
     """Compare on hard scenes."""
     if quick:
         problems, slow_problems, out = 10, 3, out.with_name(out.name + "-quick")
-    with plain_errors():
-        with console.status("building the peers"):
-            libraries = build_peers(build)
+    with commands.plain_errors():
+        names, libraries = available(method or (*OURS, *PEERS), build)
         methods = [
-            (name, min(problems, slow_problems) if name in SLOW else problems)
-            for name in available(method or (*OURS, *PEERS), libraries)
+            (name, min(problems, slow_problems) if name in SLOW else problems) for name in names
         ]
         settings = {
             "experiment": "hard",
-            "ycb": setting_of(ycb),
+            "ycb": commands.setting_of(ycb),
             "slow_problems": slow_problems,
-            "methods": [name for name, _ in methods],
-            "libraries": str(libraries),
+            "methods": names,
+            "libraries": libraries,
             "max_time": max_time,
             "repeats": repeats,
             "seed": seed,
         }
-        jobs = {
-            f"{robot}-{family.replace(' ', '_')}-{first:04d}": {
-                **settings,
-                "robot": robot,
-                "family": family,
-                "first": first,
-                "count": min(BLOCK, problems - first),
-                "methods": methods,
-            }
-            for first in range(0, problems, BLOCK)
-            for family in FAMILIES
-            for robot in ARMS
-        }
-        trials = run_campaign(out, settings, run_block, jobs, scheduler, workers)
-    source = source_of(ycb)
+        common = {**settings, "methods": methods}
+        jobs = blocks(problems, BLOCK, common, family=FAMILIES, robot=ARMS)
+        trials = commands.run_campaign(out, settings, run_block, jobs, scheduler, workers)
+    source = commands.source_of(ycb)
     intro = f"{TOLERANCE:g} m and rad, {max_time:g} s. Seed {seed}. The camera sees: {source}."
     table = hard_table(trials)
-    write_report(out / "tables.md", f"{intro}\n\n{table}")
-    show(table)
-    console.print(f"tables: {out}/tables.md; trials: trials.parquet")
+    tell(out, f"{intro}\n\n{table}", table)
     if (trials.method.isin(OURS) & trials.claimed & ~trials.confirmed).any():
         raise typer.Exit(1)
 
 
 def hard_table(trials: pd.DataFrame) -> str:
     """One row per family, arm and method; ratios are to pdoik on the same problems."""
-    header = ["family", "arm", "method", "n", "solved [95%]", "median", "p95", "max"]
-    header += ["median x", "p95 x", "restarts", "false claims", "solved, but meshes touch"]
     key = ["robot", "family", "index"]
     ours = trials[trials.method == "pdoik"].groupby(key).time
-    rows = []
-    for (family, robot, method), some in trials.groupby(["family", "robot", "method"], sort=False):
-        same = pd.concat([ours.get_group(each) for each in some.groupby(key).groups])
-        quantiles = some.time.quantile([0.5, 0.95]).to_numpy()
-        ratios = quantiles / same.quantile([0.5, 0.95]).to_numpy()
-        rows.append(
-            [
-                family,
-                robot,
-                method,
-                len(some),
-                share(some.solved),
-                *(duration(value) for value in (*quantiles, some.time.max())),
-                *(f"{ratio:.2f}" if ratio < 10 else f"{ratio:.0f}" for ratio in ratios),
-                f"{some.restarts.mean():.1f}",
-                int((some.claimed & ~some.confirmed).sum()),
-                int((some.solved & (some.mesh_collision != "")).sum()),
-            ]
-        )
-    rows.sort(key=lambda row: (list(FAMILIES).index(row[0]), ARMS.index(row[1])))
-    return markdown_table(header, rows)
+
+    def ratio(quantile: float) -> object:
+        def cell(some: pd.DataFrame) -> str:
+            same = pd.concat([ours.get_group(each) for each in some.groupby(key).groups])
+            value = some.time.quantile(quantile) / same.quantile(quantile)
+            return f"{value:.2f}" if value < 10 else f"{value:.0f}"
+
+        return cell
+
+    return grouped_table(
+        trials,
+        {"family": "family", "robot": "arm", "method": "method"},
+        {
+            "n": len,
+            "solved [95%]": lambda some: share(some.solved),
+            "median": time_at(0.5),
+            "p95": time_at(0.95),
+            "max": lambda some: duration(some.time.max()),
+            "median x": ratio(0.5),
+            "p95 x": ratio(0.95),
+            "restarts": mean("restarts", 1),
+            "false claims": lambda some: np.sum(some.claimed & ~some.confirmed),
+            "solved, but meshes touch": lambda some: np.sum(
+                some.solved & (some.mesh_collision != "")
+            ),
+        },
+        order={"family": FAMILIES, "robot": ARMS},
+    )
 
 
 if __name__ == "__main__":

@@ -4,8 +4,6 @@ Finding them takes minutes per arm, so they are kept in a file: per link its cov
 hulls.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -28,31 +26,29 @@ Stages = dict[str, list[list[list[Any]]]]
 def hull_stages(arm: Arm, folder: Path) -> Stages:
     """The covers of each link with geometry, from the folder's file or fitted now."""
     path = folder / f"{arm.name}.json"
-    if path.is_file():
-        stages: Stages = json.loads(path.read_text())
-        return stages
-    stages = {
-        link: [
-            [
-                [tidy_point(p.shape.focus_a), tidy_point(p.shape.focus_b), p.shape.semi_major]
-                for p in parts
+    if not path.is_file():
+        stages = {
+            link: [
+                [
+                    [tidy_point(p.shape.focus_a), tidy_point(p.shape.focus_b), p.shape.semi_major]
+                    for p in parts
+                ]
+                for parts in cover_stages(triangles, 1.0, MOST_PARTS)
             ]
-            for parts in cover_stages(triangles, 1.0, MOST_PARTS)
-        ]
-        for link, triangles in arm_meshes(arm).items()
-    }
-    folder.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps(stages, indent=1) + "\n")
-    return json.loads(path.read_text())  # type: ignore[no-any-return]
+            for link, triangles in arm_meshes(arm).items()
+        }
+        folder.mkdir(parents=True, exist_ok=True)
+        write_text(path, json.dumps(stages, indent=1) + "\n")
+    return json.loads(path.read_text())
 
 
-def occupancy(stages: Stages, moving: int, fixed: int, base_link: str) -> pdoik.Occupancy:
-    """At most `moving` hulls on each link, and at most `fixed` on the base link."""
-    spheroids = []
-    for link, covers in stages.items():
-        most = fixed if link == base_link else moving
-        cover = max((c for c in covers if len(c) <= most), key=len)
-        spheroids += [(link, a, link, b, semi_major) for a, b, semi_major in cover]
+def occupancy(stages: Stages, most: int) -> pdoik.Occupancy:
+    """At most so many hulls on each link."""
+    spheroids = [
+        (link, a, link, b, semi_major)
+        for link, covers in stages.items()
+        for a, b, semi_major in max((c for c in covers if len(c) <= most), key=len)
+    ]
     balls = [s for s in spheroids if np.allclose(s[1], s[3], atol=1e-9)]
     return pdoik.Occupancy(
         spheres=[(link, a, semi_major) for link, a, _, _, semi_major in balls],

@@ -7,26 +7,23 @@ robot's SRDF, and the shipped hulls with the shipped pairs; coal on the publishe
 is the judge, on configurations that the pairs were not found by.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 import typer
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.common.markdown import markdown_table
 from bench.ik.experiment import ARMS, Arm
 from bench.ik.judges.arm_meshes import arm_meshes
-from bench.ik.judges.itself import self_judge
+from bench.ik.judges.meshes import self_judge
 from bench.ik.problems.hulls import fitted_robot
 from bench.ik.problems.robots import robot_files
 from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit.geometry import load_geometry
 
-FloatArray = npt.NDArray[np.float64]
 CLEARANCES = (0.0, -0.002, -0.004)  # [m]
 COLUMNS = ("robot", "hulls", "pairs left out", "free", "clearance [mm]", "refused", "missed")
 
@@ -50,9 +47,9 @@ def main(
             robot.ignored_pairs = found.ignored
             rows += _judge(robot, meshes, samples, seed, [name, "fitted", f"{word}, sampled"])
     for name in ARMS:
-        arm = Arm.builtin(name)
-        arm.robot.occupancy = pdoik.Robot.builtin(name).occupancy  # its capsules, too
-        rows += _judge(arm.robot, arm_meshes(arm), samples, seed, [name, "shipped", "shipped"])
+        robot = pdoik.Robot.builtin(name)
+        meshes = arm_meshes(Arm.builtin(name))
+        rows += _judge(robot, meshes, samples, seed, [name, "shipped", "shipped"])
     print(markdown_table(COLUMNS, rows))
 
 
@@ -61,11 +58,9 @@ def _judge(
 ) -> list[list[str]]:
     solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
     goals = {tip: np.eye(4) for tip in robot.tip_links}
-    meet = self_judge(robot, {link: part for link, part in meshes.items() if len(part)})
-    rng = np.random.default_rng(seed)
-    drawn = rng.uniform(robot.lower, robot.upper, (samples, robot.dof))
+    drawn = np.random.default_rng(seed).uniform(robot.lower, robot.upper, (samples, robot.dof))
     distance = np.array([solver.judge(goals, q).self_distance for q in drawn])
-    collides = np.array([meet(q) for q in drawn])
+    collides = np.array(list(map(self_judge(robot, meshes), drawn)))
     free = ~collides
     return [
         [

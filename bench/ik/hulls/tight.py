@@ -5,22 +5,22 @@ python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --fit    fit anew, write and
 python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --pairs  write which links may touch
 """
 
-from __future__ import annotations
-
-import argparse
 import re
 import time
+from enum import StrEnum
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
+import typer
 import yaml
 
 import pdoik
-from bench.humanoid.hulls import _circumscribed
+from bench.common.arrays import FloatArray
+from bench.common.whole_files import write_text
+from bench.humanoid.hulls import circumscribed
 from bench.ik.experiment import Arm
 from bench.ik.judges.arm_meshes import arm_meshes
-from pdoik._files import write_whole
 from pdoik.h1.shapes import SHAPES
 from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_link
@@ -29,8 +29,8 @@ from pdoik.occupancy_fit.overhang import overhang
 from pdoik.occupancy_fit.segments import Capsules
 from pdoik.occupancy_fit.solid import Solid
 
-FloatArray = npt.NDArray[np.float64]
-ROBOTS = Path(__file__).parents[3] / "cpp/robots"
+Shipped = StrEnum("Shipped", ["panda", "ur10", "iiwa14", "h1"])
+FOLDER = Path(__file__).parents[3] / "cpp/robots"
 MAY_TOUCH = {  # though the geometry meets
     "panda": [("panda_link5", "panda_link7")],  # by the maker's SRDF
     "h1": [("torso_link", f"{side}_shoulder_roll_link") for side in ("left", "right")],  # at rest
@@ -45,16 +45,16 @@ HEADER = """\
 #
 #   link                 capsules    mean   worst
 """
+LinkRow = tuple[str, int, float, float]  # capsules, mean and worst overhang [mm]
 
 
 def geometry(name: str) -> dict[str, FloatArray]:
     """Triangles per link, (T, 3, 3) in our link's frame [m]."""
     if name != "h1":
         return arm_meshes(Arm.builtin(name))
-    links = dict.fromkeys(shape.link for shape in SHAPES)
     return {
-        link: np.concatenate([_circumscribed(shape) for shape in SHAPES if shape.link == link])
-        for link in links
+        link: np.concatenate([circumscribed(shape) for shape in SHAPES if shape.link == link])
+        for link in dict.fromkeys(shape.link for shape in SHAPES)
     }
 
 
@@ -68,7 +68,7 @@ def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
         return capsules
     for shape in SHAPES:
         if shape.kind == "cylinder":
-            capsules += fit_link(shape.link, _circumscribed(shape))[0]
+            capsules += fit_link(shape.link, circumscribed(shape))[0]
         else:
             a, b = tidy_point(np.array(shape.a)), tidy_point(np.array(shape.b))
             capsules.append(Capsule(shape.link, a, b, round(shape.radius + MARGIN, 9)))
@@ -76,17 +76,13 @@ def fit(name: str, meshes: dict[str, FloatArray]) -> list[Capsule]:
 
 
 def read(name: str) -> list[Capsule]:
-    rows = yaml.safe_load((ROBOTS / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
-    return [
-        Capsule(r["link"], tuple(r["a"]), tuple(r["b"]), r["radius"], r.get("overhang", 0.0))
-        for r in rows
-    ]
+    """Those of the shipped file."""
+    rows = yaml.safe_load((FOLDER / f"{name}.occupancy.yaml").read_text("utf-8"))["capsules"]
+    return [Capsule(**{**row, "a": tuple(row["a"]), "b": tuple(row["b"])}) for row in rows]
 
 
-def measure(
-    meshes: dict[str, FloatArray], capsules: list[Capsule]
-) -> list[tuple[str, int, float, float]]:
-    """Per link: capsules, mean and worst overhang [mm]."""
+def measure(meshes: dict[str, FloatArray], capsules: list[Capsule]) -> list[LinkRow]:
+    """How far each link's capsules stick out."""
     rows = []
     for link, mesh in meshes.items():
         own = [hull for hull in capsules if hull.link == link]
@@ -96,9 +92,9 @@ def measure(
     return rows
 
 
-def write(name: str, capsules: list[Capsule], rows: list[tuple[str, int, float, float]]) -> None:
+def write(name: str, capsules: list[Capsule], rows: list[LinkRow]) -> None:
     """Put the list at the end of the robot's file, and its table at the end of the header."""
-    path = ROBOTS / f"{name}.occupancy.yaml"
+    path = FOLDER / f"{name}.occupancy.yaml"
     text = re.sub(r"^capsules:\n(?:  - .*\n)*", "", path.read_text("utf-8"), flags=re.MULTILINE)
     text = re.sub(r"#\n# Capsules:(?:.*\n)*?(?=[a-z])", "", text)
     table = "".join(
@@ -107,39 +103,37 @@ def write(name: str, capsules: list[Capsule], rows: list[tuple[str, int, float, 
     report = FitReport(hulls=(), links=(), skipped=())
     only = OccupancyFit(spheres=(), spheroids=(), capsules=tuple(capsules), report=report)
     listed = only.to_yaml().partition("capsules:\n")[2]
-    start = text.index("spheres:")
-    text = text[:start] + HEADER.format(name=name) + table + text[start:]
-    write_whole(path, f"{text}capsules:\n{listed}")
+    head, spheres, rest = text.partition("spheres:")
+    text = head + HEADER.format(name=name) + table + spheres + rest
+    write_text(path, f"{text}capsules:\n{listed}")
 
 
 def write_pairs(name: str, meshes: dict[str, FloatArray]) -> None:
     """Put the pairs that `pdoik pairs` would leave out into the robot's SRDF."""
     robot = pdoik.Robot.builtin(name)
-    robot.occupancy = pdoik.Occupancy.load(ROBOTS / f"{name}.occupancy.yaml")
+    robot.occupancy = pdoik.Occupancy.load(FOLDER / f"{name}.occupancy.yaml")
     robot.ignored_pairs = MAY_TOUCH.get(name, [])
     report = sample_pairs(robot, meshes)
-    report.write(ROBOTS / f"{name}.srdf")
+    report.write(FOLDER / f"{name}.srdf")
     print(f"{name}: {len(report.ignored)} pairs, refuses {100 * report.flagged_share:.2f} %")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("robots", nargs="+", choices=["panda", "ur10", "iiwa14", "h1"])
-    parser.add_argument("--fit", action="store_true", help="fit anew and write the files")
-    parser.add_argument("--pairs", action="store_true", help="write the SRDFs")
-    options = parser.parse_args()
-    for name in options.robots:
+def main(
+    robots: list[Shipped],
+    anew: Annotated[bool, typer.Option("--fit", help="Fit anew and write the files.")] = False,
+    pairs: Annotated[bool, typer.Option("--pairs", help="Write the SRDFs.")] = False,
+) -> None:
+    """Fit capsules to the shipped robots' published meshes, and measure how far they stick out."""
+    for name in robots:
         meshes = geometry(name)
-        if options.pairs:
+        if pairs:
             write_pairs(name, meshes)
             continue
         start = time.process_time()
-        capsules = fit(name, meshes) if options.fit else read(name)
+        capsules = fit(name, meshes) if anew else read(name)
         seconds = time.process_time() - start
         rows = measure(meshes, capsules)
-        if options.fit:
+        if anew:
             write(name, capsules, rows)
         for link, n, mean, worst in rows:
             print(f"{link:<28}{n:>5}{mean:>8.2f}{worst:>8.1f}")
@@ -147,4 +141,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    typer.run(main)

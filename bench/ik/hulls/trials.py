@@ -1,9 +1,7 @@
 """Scenes solved with many occupancies and clouds, judged on meshes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,7 @@ import numpy as np
 import pdoik
 from bench.ik.experiment import ARMS, Arm
 from bench.ik.hulls.fits import hull_stages, occupancy
-from bench.ik.success.trials import (
+from bench.ik.scenes.around import (
     arm_named,
     mesh_judge,
     models_of,
@@ -36,7 +34,6 @@ CLOUDS = (  # leaf [m], whether points get covering radii, growth of the radii [
     (0.01, False, 0.003),
     (0.01, True, 0.0),
 )
-MAX_TIME = 0.1  # [s]
 
 
 def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -78,18 +75,16 @@ def run_block(job: Mapping[str, Any]) -> list[dict[str, Any]]:
     return rows
 
 
-@lru_cache
+@cache
 def _solver(robot: str, hulls: int | str, fits: str) -> pdoik.Solver:
     arm = Arm.builtin(robot)
     if isinstance(hulls, int):
-        stages = hull_stages(arm, Path(fits))
-        base = next(iter(set(stages) & {"panda_link0", "base_link_inertia", "iiwa_link_0"}))
-        arm.robot.occupancy = occupancy(stages, hulls, hulls, base)
+        arm.robot.occupancy = occupancy(hull_stages(arm, Path(fits)), hulls)
     options = pdoik.Options(
         goal="axis",
         position_tolerance=0.01,
         rotation_tolerance=0.01,
-        max_time=MAX_TIME,
+        max_time=0.1,
         base_collision=hulls != BASE_LEFT_OUT,
         max_obstacles=16384,
     )

@@ -5,24 +5,20 @@ are matched by name at q = 0: a link's frame may sit anywhere on the link, so th
 by a constant transform.
 """
 
-from __future__ import annotations
-
 import importlib.util
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio
 
+from bench.common.arrays import FloatArray, moved
 from bench.ik.experiment import Arm
 from pdoik.occupancy_fit.geometry import load_geometry
 
-FloatArray = npt.NDArray[np.float64]
+UR = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 
 
 class MissingDescriptionError(Exception):
@@ -47,35 +43,52 @@ def arm_meshes(arm: Arm) -> dict[str, FloatArray]:
     """
     with TemporaryDirectory() as folder:
         public = public_robot(arm.name, Path(folder))
-        geometry = {
-            link.name: link.triangles for link in load_geometry(public.xml, public.package_dirs)
-        }
+        geometry = load_geometry(public.xml, public.package_dirs)
         theirs = pinocchio.buildModelFromXML(public.xml)
-    data = theirs.createData()
+    triangles = {link.name: link.triangles for link in geometry}
+    data, q = theirs.createData(), np.zeros(arm.robot.dof)
     pinocchio.framesForwardKinematics(theirs, data, np.zeros(theirs.nq))
-    q = np.zeros(arm.robot.dof)
     meshes = {}
     for their_link, our_link in public.links.items():
         T_base_theirs = data.oMf[theirs.getFrameId(their_link)].homogeneous
         T = np.linalg.inv(arm.robot.fk(q, our_link)) @ T_base_theirs
-        meshes[our_link] = geometry[their_link] @ T[:3, :3].T + T[:3, 3]
+        meshes[our_link] = moved(triangles[their_link], T)
     return meshes
 
 
 def public_robot(name: str, folder: Path) -> PublicRobot:
-    """The published description of a shipped robot.
+    """The published description of panda, ur10 or iiwa14.
 
-    Args:
-        name: panda, ur10 or iiwa14.
-        folder: Some links to packages may be made there; it must last as long as package_dirs do.
+    Some links to packages may be made in the folder, which must last as long as package_dirs do.
 
     Raises:
         MissingDescriptionError: The package is not installed.
     """
-    return _DESCRIPTIONS[name](folder)
+    if name == "iiwa14":
+        root = _rtbdata() / "xacro/kuka_description/kuka_lbr_iiwa"
+        package = folder / "kuka_lbr_iiwa_support"  # as its package:// addresses call it
+        if not package.exists():
+            package.symlink_to(root, target_is_directory=True)
+        urdf, share = root / "urdf/lbr_iiwa_14_r820.urdf", folder
+        links = {f"link_{i}": f"iiwa_link_{i}" for i in range(1, 8)} | {"base_link": "iiwa_link_0"}
+    else:
+        share = example_robot_data()
+        urdf, links = {
+            "panda": (
+                "panda_description/urdf/panda.urdf",
+                {f"panda_link{i}": f"panda_link{i}" for i in range(8)},
+            ),
+            # Frames of before 2020: axes along y, link frames at other places on the axes.
+            "ur10": (
+                "ur_description/urdf/ur10_robot.urdf",
+                {"base_link": "base_link_inertia"} | {f"{n}_link": f"{n}_link" for n in UR},
+            ),
+        }[name]
+        urdf = share / "example-robot-data/robots" / urdf
+    return PublicRobot(xml=urdf.read_text("utf-8"), package_dirs=[share], links=links)
 
 
-def _example_robot_data_share() -> Path:
+def example_robot_data() -> Path:
     """The folder of its package:// addresses; the wheel has data only, no module to import."""
     try:
         share = Path(str(distribution("example-robot-data").locate_file("cmeel.prefix/share")))
@@ -90,42 +103,11 @@ def _example_robot_data_share() -> Path:
 
 def go2_urdf() -> Path:
     """Unitree's Go2 of example-robot-data."""
-    return _example_robot_data_share() / "example-robot-data/robots/go2_description/urdf/go2.urdf"
+    return example_robot_data() / "example-robot-data/robots/go2_description/urdf/go2.urdf"
 
 
-def _rtbdata_folder() -> Path:
+def _rtbdata() -> Path:
     spec = importlib.util.find_spec("rtbdata")
     if spec is None or not spec.submodule_search_locations:
         raise MissingDescriptionError("needs the Python package rtb-data")
     return Path(next(iter(spec.submodule_search_locations)))
-
-
-def _panda(_: Path) -> PublicRobot:
-    share = _example_robot_data_share()
-    urdf = share / "example-robot-data/robots/panda_description/urdf/panda.urdf"
-    links = {f"panda_link{i}": f"panda_link{i}" for i in range(8)}
-    return PublicRobot(xml=urdf.read_text("utf-8"), package_dirs=[share], links=links)
-
-
-def _ur10(_: Path) -> PublicRobot:
-    """Frames of before 2020: joint axes along y, link frames at other places on the axes."""
-    share = _example_robot_data_share()
-    urdf = share / "example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
-    same = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"]
-    links = {"base_link": "base_link_inertia"} | {f"{name}_link": f"{name}_link" for name in same}
-    return PublicRobot(xml=urdf.read_text("utf-8"), package_dirs=[share], links=links)
-
-
-def _iiwa14(folder: Path) -> PublicRobot:
-    root = _rtbdata_folder() / "xacro/kuka_description/kuka_lbr_iiwa"
-    package = folder / "kuka_lbr_iiwa_support"  # as its package:// addresses call it
-    if not package.exists():
-        package.symlink_to(root, target_is_directory=True)
-    links = {f"link_{i}": f"iiwa_link_{i}" for i in range(1, 8)} | {"base_link": "iiwa_link_0"}
-    xml = (root / "urdf/lbr_iiwa_14_r820.urdf").read_text("utf-8")
-    return PublicRobot(xml=xml, package_dirs=[folder], links=links)
-
-
-_DESCRIPTIONS: Mapping[str, Callable[[Path], PublicRobot]] = MappingProxyType(
-    {"panda": _panda, "ur10": _ur10, "iiwa14": _iiwa14}
-)

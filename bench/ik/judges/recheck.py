@@ -4,19 +4,16 @@ Nothing here calls the library's kinematics: a success of the solver that this d
 defect of one of the two.
 """
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
-
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray, moved
+from bench.ik.judges.distances import hull_distance, to_segment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,14 +50,16 @@ class UrdfChain:
             origin = joint.find("origin")
             T = np.eye(4)
             T[:3, 3] = _numbers(origin, "xyz", "0 0 0")
-            T[:3, :3] = rotation_of_rpy(*_numbers(origin, "rpy", "0 0 0"))
+            rpy = zip(np.eye(3), _numbers(origin, "rpy", "0 0 0"), strict=True)
+            x, y, z = (rotation_about(unit, angle) for unit, angle in rpy)
+            T[:3, :3] = z @ y @ x
             axis = _numbers(joint.find("axis"), "xyz", "1 0 0")
             index = None if kind == "fixed" else list(joint_names).index(name)
             if index is not None and kind == "revolute":
                 limit = joint.find("limit")
-                self.limits[index] = [float(limit.attrib[end]) for end in ("lower", "upper")]  # type: ignore[union-attr]
-            child = joint.find("child").attrib["link"]  # type: ignore[union-attr]
-            parent = joint.find("parent").attrib["link"]  # type: ignore[union-attr]
+                self.limits[index] = [float(limit.attrib[end]) for end in ("lower", "upper")]
+            child = joint.find("child").attrib["link"]
+            parent = joint.find("parent").attrib["link"]
             self._joints[child] = (parent, T, axis / np.linalg.norm(axis), index)
 
     def fk(self, q: FloatArray, link: str) -> FloatArray:
@@ -85,13 +84,8 @@ def recheck(
 ) -> Verdict:
     """Errors, limits and the inside test |u1 - o| + |u2 - o| >= 2 a for every hull and point.
 
-    Args:
-        chain: Of the robot's description.
-        robot: For its hulls and the names of its links.
-        options: What is asked for.
-        T_base_tip: The target, (4, 4).
-        q: The configuration, (n,) [rad].
-        points: (N, 3), or (N, 4) with a radius each [m].
+    The robot gives its hulls and the names of its links; points are (N, 3), or (N, 4) with a
+    radius each [m].
     """
     T = chain.fk(q, robot.tip_links[0])
     clearance = np.inf
@@ -113,54 +107,38 @@ def hull_clearance(
     centres = points[:, :3]
     radii = points[:, 3] if points.shape[1] == 4 else np.zeros(len(points))
 
-    def place(link: str, local: tuple[float, float, float]) -> FloatArray:
-        return np.asarray(poses[link][:3, :3] @ np.array(local) + poses[link][:3, 3])
+    def place(link: str, local: Sequence[float]) -> FloatArray:
+        return moved(np.array(local), poses[link])
 
-    least = np.inf
+    distances = [
+        to_segment(centres, place(link, a), place(link, b)) - radius
+        for link, a, b, radius, *_ in occupancy.capsules
+    ]
     closer = {capsule[0] for capsule in occupancy.capsules}
-    for link, local_a, local_b, radius, *_ in occupancy.capsules:
-        a, along = place(link, local_a), place(link, local_b) - place(link, local_a)
-        t = np.clip((centres - a) @ along / max(float(along @ along), 1e-300), 0, 1)
-        distances = np.linalg.norm(centres - a - t[:, None] * along, axis=1)
-        least = min(least, float((distances - radius - radii).min()))
-    for link, center, radius in occupancy.spheres:
-        if link in closer:
-            continue
-        distances = np.linalg.norm(centres - place(link, center), axis=1)
-        least = min(least, float((distances - radius - radii).min()))
+    distances += [
+        np.linalg.norm(centres - place(link, center), axis=1) - radius
+        for link, center, radius in occupancy.spheres
+        if link not in closer
+    ]
     for link_a, focus_a, link_b, focus_b, semi_major in occupancy.spheroids:
         if closer & {link_a, link_b}:
             continue
-        a, b = place(link_a, focus_a), place(link_b, focus_b)
-        gaps = sum(np.linalg.norm(centres - focus, axis=1) for focus in (a, b)) / 2 - semi_major
+        foci = place(link_a, focus_a), place(link_b, focus_b)
+        gaps = sum(np.linalg.norm(centres - focus, axis=1) for focus in foci) / 2 - semi_major
         # A gap is never more than the distance, so only those below the radius need the latter.
         near = (radii > 0) & (gaps > 0) & (gaps < radii)
         if near.any():
-            gaps[near] = spheroid_distance(centres[near], a, b, semi_major)
-        least = min(least, float((gaps - radii).min()))
-    return least
+            gaps[near] = spheroid_distance(centres[near], *foci, semi_major)
+        distances.append(gaps)
+    return min((float((gaps - radii).min()) for gaps in distances), default=np.inf)
 
 
 def spheroid_distance(
     points: FloatArray, a: FloatArray, b: FloatArray, semi_major: float
 ) -> FloatArray:
-    """From points outside a prolate spheroid with foci a and b to its surface, by a search [m]."""
-    half = float(np.linalg.norm(b - a)) / 2
-    axis = (b - a) / (2 * half) if half > 0 else np.array([1.0, 0.0, 0.0])
-    semi_minor = np.sqrt(semi_major**2 - half**2)
-    offset = points - (a + b) / 2
-    along = offset @ axis
-    radial = np.linalg.norm(offset - along[:, None] * axis, axis=1)
-    t, width = np.full(len(points), np.pi / 2), np.pi / 2
-    for _ in range(9):  # each round looks ten times closer
-        tries = np.clip(t[:, None] + width * np.linspace(-1, 1, 41), 0, np.pi)
-        distances = np.hypot(
-            along[:, None] - semi_major * np.cos(tries),
-            radial[:, None] - semi_minor * np.sin(tries),
-        )
-        best = distances.argmin(axis=1)
-        t, width = tries[np.arange(len(t)), best], width / 10
-    return np.asarray(distances.min(axis=1))
+    """From points (K, 3) to the surface of one spheroid with foci a and b [m]."""
+    a, b = np.broadcast_to(a, points.shape), np.broadcast_to(b, points.shape)
+    return hull_distance(points, a, b, np.full(len(points), semi_major))
 
 
 def _rotation_error(options: pdoik.Options, R_is: FloatArray, R_wanted: FloatArray) -> float:
@@ -177,18 +155,11 @@ def _rotation_error(options: pdoik.Options, R_is: FloatArray, R_wanted: FloatArr
     return float(np.arctan2(sine, np.trace(R) - 1))
 
 
-def rotation_of_rpy(roll: float, pitch: float, yaw: float) -> FloatArray:
-    """Rz(yaw) Ry(pitch) Rx(roll), as URDF has it."""
-    x, y, z = np.eye(3)
-    return rotation_about(z, yaw) @ rotation_about(y, pitch) @ rotation_about(x, roll)
-
-
 def rotation_about(axis: FloatArray, angle: float) -> FloatArray:
     """Rodrigues' formula about a unit axis."""
     x, y, z = axis
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    R: FloatArray = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-    return R
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
 def _numbers(element: ElementTree.Element | None, name: str, default: str) -> FloatArray:

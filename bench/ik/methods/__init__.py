@@ -3,72 +3,41 @@
 Each is imported when it is made, so that a method whose packages are missing costs nothing.
 """
 
-from __future__ import annotations
-
 import importlib
-from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 
 from bench.ik.experiment import Arm
 from bench.ik.methods.problem import Answer, Goal, Method, Problem, Terms
 
-__all__ = [
-    "COMPILED",
-    "METHODS",
-    "PAPER_METHODS",
-    "PEERS",
-    "Answer",
-    "Goal",
-    "Method",
-    "Problem",
-    "Terms",
-    "make_method",
-]
+__all__ = ["METHODS", "Answer", "Goal", "Method", "Problem", "Terms", "make_method"]
 
-METHODS: Mapping[str, str] = MappingProxyType(
-    {
-        "PDO-IK": "ours:PdoIk",
-        "PDO-IK, omega = 0": "ours:PdoIkFromZeroSlack",
-        "pdoik": "ours:PdoikDefault",
-        "pdoik, capsules": "ours:PdoikCapsules",
-        "pdoik, one start": "ours:PdoikOneStart",
-        "pdoik, L-BFGS": "ours:PdoikLbfgs",
-        "Angle-LBFGS-B": "scipy_lagrangian:AngleLbfgsB",
-        "Slack-LBFGS": "scipy_lagrangian:SlackLbfgs",
-        "R-TR": "distance_geometry:RiemannianTrustRegion",
-        "R-CG": "distance_geometry:RiemannianConjugateGradient",
-        "LM on Pinocchio": "compiled:PinocchioLm",
-        "KDL LMA": "compiled:KdlLma",
-        "ik_LM": "toolbox_lm:ToolboxLm",
-        "Drake SNOPT": "drake_snopt:DrakeSnopt",
-        "mink": "mink_qp:MinkQp",
-    }
-)
-
-
+METHODS = {
+    "PDO-IK": "ours:PdoIk",
+    "PDO-IK, omega = 0": "ours:PdoIkFromZeroSlack",
+    "pdoik": "ours:PdoikDefault",
+    "pdoik, capsules": "ours:PdoikCapsules",
+    "pdoik, one start": "ours:PdoikOneStart",
+    "pdoik, L-BFGS": "ours:PdoikLbfgs",
+    "Angle-LBFGS-B": "scipy_lagrangian:AngleLbfgsB",
+    "Slack-LBFGS": "scipy_lagrangian:SlackLbfgs",
+    "R-TR": "distance_geometry:RiemannianTrustRegion",
+    "R-CG": "distance_geometry:RiemannianConjugateGradient",
+    "LM on Pinocchio": "compiled:PinocchioLm",
+    "KDL LMA": "compiled:KdlLma",
+    "ik_LM": "toolbox_lm:ToolboxLm",
+    "Drake SNOPT": "drake_snopt:DrakeSnopt",
+    "mink": "mink_qp:MinkQp",
+}
 PAPER_METHODS = (
-    "PDO-IK",
-    "PDO-IK, omega = 0",
-    "pdoik",
-    "pdoik, capsules",
-    "Angle-LBFGS-B",
-    "Slack-LBFGS",
-    "R-TR",
-    "R-CG",
+    *("PDO-IK", "PDO-IK, omega = 0", "pdoik", "pdoik, capsules"),
+    *("Angle-LBFGS-B", "Slack-LBFGS", "R-TR", "R-CG"),
 )
 PEERS = ("LM on Pinocchio", "KDL LMA", "ik_LM", "Drake SNOPT", "mink")
 COMPILED = ("LM on Pinocchio", "KDL LMA")  # they come from the folder that build_peers gives
 
 
 def make_method(name: str, arm: Arm, terms: Terms, libraries: Path | None = None) -> Method:
-    """A method by its name.
-
-    Args:
-        name: A key of METHODS.
-        arm: Whose kinematics, limits and hulls it gets.
-        terms: What it is asked for.
-        libraries: Where the compiled peers are.
+    """A method by its name in METHODS, for an arm's kinematics, limits and hulls.
 
     Raises:
         ImportError: It needs a package that is not installed.
@@ -77,5 +46,4 @@ def make_method(name: str, arm: Arm, terms: Terms, libraries: Path | None = None
     module, class_name = METHODS[name].split(":")
     found = importlib.import_module(f"bench.ik.methods.{module}")
     setup = {"libraries": libraries} if name in COMPILED else {}
-    method: Method = getattr(found, class_name)(arm, terms, **setup)
-    return method
+    return getattr(found, class_name)(arm, terms, **setup)

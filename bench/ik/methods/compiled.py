@@ -1,9 +1,7 @@
 """The compiled peers of ../peers: local searches, thrown away where they touch an obstacle."""
 
-from __future__ import annotations
-
+from dataclasses import asdict
 from pathlib import Path
-from typing import ClassVar
 
 from bench.ik.experiment import Arm
 from bench.ik.methods.problem import Answer, Problem, Terms
@@ -12,44 +10,29 @@ from bench.ik.methods.problem import Answer, Problem, Terms
 class CompiledPeer:
     """A peer library. It restarts at random until an answer is clear of obstacles, or time is up.
 
-    Args:
-        arm: Its hulls must each be on one link.
-        terms: As the library can.
-        libraries: The folder that `build_peers` gives.
+    The arm's hulls must each be on one link; `libraries` is the folder that `build_peers` gives.
 
     Raises:
         ValueError: The library does not know such terms.
     """
 
     name: str
-    language: str = "C++"
-    file: ClassVar[str]
+    language = "C++"
+    file: str
 
     def __init__(self, arm: Arm, terms: Terms, *, libraries: Path) -> None:
+        setup = asdict(terms)
+        del setup["goal_axis"]  # peers know the tip's z
         try:
             self._peer = arm.peer(
-                libraries / self.file,
-                occupancy_yaml=arm.robot.occupancy.to_yaml(),
-                goal=terms.goal,
-                position_tolerance=terms.position_tolerance,
-                rotation_tolerance=terms.rotation_tolerance,
-                max_time=terms.max_time,
-                seed=terms.seed,
+                libraries / self.file, occupancy_yaml=arm.robot.occupancy.to_yaml(), **setup
             )
         except RuntimeError as error:
             raise ValueError(str(error)) from error
 
     def solve(self, problem: Problem) -> Answer:
         """Solve it, timed inside C++ with the copy of the points."""
-        answer = self._peer.solve(problem.T_base_tip, problem.q0, problem.points)
-        return Answer(
-            q=answer.q,
-            claimed=answer.success,
-            time=answer.time,
-            iterations=answer.iterations,
-            evaluations=answer.evaluations,
-            restarts=answer.restarts,
-        )
+        return Answer.of(self._peer.solve(problem.T_base_tip, problem.q0, problem.points))
 
 
 class PinocchioLm(CompiledPeer):

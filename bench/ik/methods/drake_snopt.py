@@ -1,7 +1,5 @@
 """Drake's InverseKinematics with SNOPT, which knows obstacles as a constraint on distances."""
 
-from __future__ import annotations
-
 import importlib
 import itertools
 from time import perf_counter
@@ -9,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from bench.ik.experiment import Arm, FloatArray
+from bench.common.arrays import FloatArray
+from bench.ik.experiment import Arm
 from bench.ik.methods.hulls import Hull, Verdict, hulls_of, radius_of
-from bench.ik.methods.problem import Answer, Problem, Terms
+from bench.ik.methods.problem import Answer, Problem, Terms, with_restarts
 
 # Tried on 25 to 60 problems per arm with nine spheres of 5 cm, 1 to 5 cm from the arm; differences
 # are often within noise. Drake's ellipsoids fit the hulls exactly, but their distances to spheres
@@ -30,11 +29,6 @@ class DrakeSnopt:
     Its robot is spheres that cover the hulls, obstacles without a radius are spheres of 1 mm, and
     other pairs are ignored. Making the plant of a scene is not part of any time.
 
-    Args:
-        arm: Its hulls must each be on one link.
-        terms: Both goals are known.
-        max_starts: The first included.
-
     Raises:
         ImportError: drake is not installed.
         ValueError: A hull is between two links.
@@ -43,9 +37,9 @@ class DrakeSnopt:
     name = "Drake SNOPT"
     language = "C++"
 
-    def __init__(self, arm: Arm, terms: Terms, *, max_starts: int = 1000) -> None:
+    def __init__(self, arm: Arm, terms: Terms) -> None:
         self._drake: Any = importlib.import_module("pydrake.all")
-        self._arm, self._terms, self._max_starts = arm, terms, max_starts
+        self._arm, self._terms = arm, terms
         self._verdict = Verdict(arm, terms)
         self._snopt = self._drake.SnoptSolver()
         self._spheres = [
@@ -59,25 +53,15 @@ class DrakeSnopt:
         diagram, plant = self._scene(problem.points)
         root = diagram.CreateDefaultContext()
         rng = np.random.default_rng(self._terms.seed)
-        begin = perf_counter()
+        began, max_time = perf_counter(), self._terms.max_time
         ik = self._program(problem, plant, plant.GetMyMutableContextFromRoot(root))
-        start, starts, time = problem.q0, 0, 0.0
-        while True:
-            q = self._local_solution(ik, start, self._terms.max_time - time)
-            starts += 1
-            found = self._verdict(problem, q).success
-            time = perf_counter() - begin
-            if found or starts == self._max_starts or time >= self._terms.max_time:
-                break
-            start = self._verdict.clear_start(problem, rng)
-        return Answer(
-            q=q,
-            claimed=found and time < self._terms.max_time,
-            time=time,
-            iterations=0,
-            evaluations=0,
-            restarts=starts - 1,
-        )
+
+        def search(start: FloatArray) -> tuple[FloatArray, int, int]:
+            return self._local_solution(ik, start, max_time - (perf_counter() - began)), 0, 1
+
+        solves = self._verdict.of(problem)
+        draw = self._verdict.starts(problem, rng)
+        return with_restarts(began, max_time, problem.q0, search, solves, draw)
 
     def _local_solution(self, ik: Any, start: FloatArray, max_time: float) -> FloatArray:
         options = self._drake.SolverOptions()

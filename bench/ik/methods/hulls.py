@@ -4,14 +4,15 @@ None of them may claim an answer that this verdict does not hold for: what they 
 counts as little as a restart.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 import pdoik
-from bench.ik.experiment import Arm, FloatArray
+from bench.common.arrays import FloatArray
+from bench.ik.experiment import Arm
+from bench.ik.methods.ours import asked_for
 from bench.ik.methods.problem import Problem, Terms
 
 POINT_RADIUS = 1e-3  # of a point that has none, for those who know no points [m]
@@ -35,17 +36,14 @@ def hulls_of(robot: pdoik.Robot) -> list[Hull]:
     Raises:
         ValueError: A hull is between two links.
     """
-    hulls = []
-    for link, center, radius in robot.occupancy.spheres:
-        hulls.append(_hull(link, np.array(center), np.array(center), radius))
-    for link_a, focus_a, link_b, focus_b, semi_major in robot.occupancy.spheroids:
-        if link_a != link_b:
-            raise ValueError(f"a hull between {link_a} and {link_b}, expected both foci on one")
-        hulls.append(_hull(link_a, np.array(focus_a), np.array(focus_b), semi_major))
-    return hulls
+    balls = [(link, center, link, center, r) for link, center, r in robot.occupancy.spheres]
+    return [_hull(*hull) for hull in (*balls, *robot.occupancy.spheroids)]
 
 
-def _hull(link: str, focus_a: FloatArray, focus_b: FloatArray, semi_major: float) -> Hull:
+def _hull(link: str, a: Sequence[float], other: str, b: Sequence[float], semi_major: float) -> Hull:
+    if link != other:
+        raise ValueError(f"a hull between {link} and {other}, expected both foci on one")
+    focus_a, focus_b = np.array(a), np.array(b)
     focal = float(np.linalg.norm(focus_b - focus_a)) / 2
     return Hull(
         link=link,
@@ -66,24 +64,25 @@ class Verdict:
 
     def __init__(self, arm: Arm, terms: Terms) -> None:
         self._arm = arm
-        self._solver = pdoik.Solver(
-            arm.robot,
-            pdoik.Options(
-                goal=terms.goal,
-                position_tolerance=terms.position_tolerance,
-                rotation_tolerance=terms.rotation_tolerance,
-                clearance_tolerance=0.0,  # as the compiled peers have it
-            ),
-        )
+        options = pdoik.Options(**asked_for(terms), clearance_tolerance=0.0)  # as compiled peers
+        self._solver = pdoik.Solver(arm.robot, options)
 
     def __call__(self, problem: Problem, q: FloatArray) -> pdoik.Result:
         """On q, (n,)."""
         return self._solver.judge(problem.T_base_tip, q, problem.points)
 
-    def clear_start(self, problem: Problem, rng: np.random.Generator) -> FloatArray:
-        """A random configuration clear of obstacles, (n,), or any where that is hard to find."""
-        for _ in range(_DRAWS):
-            q = self._arm.random_configuration(rng)
-            if self(problem, q).clearance > 0:
-                break
-        return q
+    def of(self, problem: Problem) -> Callable[[FloatArray], bool]:
+        """Whether a configuration solves it."""
+        return lambda q: self(problem, q).success
+
+    def starts(self, problem: Problem, rng: np.random.Generator) -> Callable[[], FloatArray]:
+        """Draws configurations clear of obstacles, or any where that is hard to find."""
+
+        def draw() -> FloatArray:
+            for _ in range(_DRAWS):
+                q = self._arm.random_configuration(rng)
+                if self(problem, q).clearance > 0:
+                    break
+            return q
+
+        return draw

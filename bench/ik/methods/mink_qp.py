@@ -1,7 +1,5 @@
 """mink (MuJoCo): differential kinematics by quadratic programs, with obstacles as their limits."""
 
-from __future__ import annotations
-
 import importlib
 from time import perf_counter
 from typing import Any
@@ -9,9 +7,10 @@ from typing import Any
 import numpy as np
 
 import pdoik
-from bench.ik.experiment import Arm, FloatArray
+from bench.common.arrays import FloatArray
+from bench.ik.experiment import Arm
 from bench.ik.methods.hulls import Verdict, hulls_of, radius_of
-from bench.ik.methods.problem import Answer, Problem, Terms
+from bench.ik.methods.problem import Answer, Problem, Terms, with_restarts
 
 SOLVER = "daqp"  # what mink installs and shows
 # Most were tried one at a time, on 25 to 60 problems per arm with nine spheres of 5 cm, 1 to 5 cm
@@ -34,10 +33,6 @@ class MinkQp:
     when its error stalls; the next one is clear of obstacles. Making the model of a scene is not
     part of any time.
 
-    Args:
-        arm: Its hulls must each be on one link.
-        terms: Both goals are known.
-
     Raises:
         ImportError: mink is not installed.
         ValueError: A hull is between two links.
@@ -58,27 +53,17 @@ class MinkQp:
         configuration = self._mink.Configuration(self._model(problem.points))
         limits = self._limits(configuration.model, len(problem.points))
         rng = np.random.default_rng(self._terms.seed)
-        begin = perf_counter()
+        began = perf_counter()
         tasks = self._tasks(problem.T_base_tip)
-        start, iterations, restarts = problem.q0, 0, 0
-        while True:
+
+        def search(start: FloatArray) -> tuple[FloatArray, int, int]:
             configuration.update(start)
-            iterations += self._descend(configuration, tasks, limits, problem, begin)
-            q = configuration.q.copy()
-            found = self._verdict(problem, q).success
-            time = perf_counter() - begin
-            if found or time >= self._terms.max_time:
-                break
-            start = self._verdict.clear_start(problem, rng)
-            restarts += 1
-        return Answer(
-            q=q,
-            claimed=found and time < self._terms.max_time,
-            time=time,
-            iterations=iterations,
-            evaluations=iterations,
-            restarts=restarts,
-        )
+            iterations = self._descend(configuration, tasks, limits, problem, began)
+            return configuration.q.copy(), iterations, 1
+
+        solves = self._verdict.of(problem)
+        draw = self._verdict.starts(problem, rng)
+        return with_restarts(began, self._terms.max_time, problem.q0, search, solves, draw)
 
     def _descend(
         self,
@@ -86,7 +71,7 @@ class MinkQp:
         tasks: list[Any],
         limits: list[Any],
         problem: Problem,
-        begin: float,
+        began: float,
     ) -> int:
         """Steps until the goal is reached, the error stalls or time is up; how many they were."""
         last, stalled = np.inf, 0
@@ -94,7 +79,7 @@ class MinkQp:
             verdict = self._verdict(problem, configuration.q)
             error = np.hypot(verdict.position_error, ROTATION_WEIGHT * verdict.rotation_error)
             stalled = stalled + 1 if error > STALL_RATIO * last else 0
-            late = perf_counter() - begin >= self._terms.max_time
+            late = perf_counter() - began >= self._terms.max_time
             if self._reached(verdict) or stalled == STALL_STEPS or late:
                 return iterations
             last = error

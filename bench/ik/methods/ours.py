@@ -1,117 +1,91 @@
 """This library: the paper's method, and the default one."""
 
-from __future__ import annotations
-
 import dataclasses
+from typing import Any, ClassVar
 
 import pdoik
 from bench.ik.experiment import Arm
-from bench.ik.methods.problem import Answer, FloatArray, Problem, Terms
+from bench.ik.methods.problem import Answer, Problem, Terms
 
 CONTACT_TOLERANCE = 1e-3  # c_tol, which the paper does not give [m]
 
 
+def asked_for(terms: Terms) -> dict[str, Any]:
+    """What all options have of the terms."""
+    names = ("goal", "goal_axis", "position_tolerance", "rotation_tolerance", "max_time")
+    return {name: getattr(terms, name) for name in names}
+
+
 def paper_options(terms: Terms) -> pdoik.Options:
     """Algorithm IK from one start. It ends where the terms are met, or as the paper says."""
+    fine = {"gradient_tolerance": 1e-12, "relative_decrease": 0.0}
     return pdoik.Options(
-        goal=terms.goal,
-        goal_axis=terms.goal_axis,
+        **asked_for(terms),
         method="paper",
-        position_tolerance=terms.position_tolerance,
-        rotation_tolerance=terms.rotation_tolerance,
         clearance_tolerance=CONTACT_TOLERANCE,
         augmented_lagrangian=pdoik.AugmentedLagrangianOptions(
             form="printed", constraint_tolerance=CONTACT_TOLERANCE
         ),
-        lbfgs=pdoik.LbfgsOptions(gradient_tolerance=1e-12, relative_decrease=0.0)
-        if terms.position_tolerance < 1e-4
-        else pdoik.LbfgsOptions(),
-        max_time=terms.max_time,
+        lbfgs=pdoik.LbfgsOptions(**fine if terms.position_tolerance < 1e-4 else {}),
     )
 
 
-def default_options(terms: Terms) -> pdoik.Options:
-    """As a user gets it, but for goal, tolerances and self-collision, which no peer knows."""
-    return pdoik.Options(
-        self_collision=False,
-        goal=terms.goal,
-        goal_axis=terms.goal_axis,
-        position_tolerance=terms.position_tolerance,
-        rotation_tolerance=terms.rotation_tolerance,
-        max_time=terms.max_time,
-        seed=terms.seed,
-        max_obstacles=8192,
-    )
+class PdoikDefault:
+    """`method="default"` as a user gets it, but for self-collision, which no peer knows.
 
+    Timed inside C++, taking in the cloud included.
+    """
 
-class _Pdoik:
-    """Timed inside C++, taking in the cloud included."""
-
-    name: str
+    name = "pdoik"
     language = "C++"
+    changes: ClassVar[dict[str, Any]] = {}  # of the options
 
-    def __init__(self, arm: Arm, options: pdoik.Options) -> None:
-        self._solver = pdoik.Solver(arm.robot, options)
+    def __init__(self, arm: Arm, terms: Terms) -> None:
+        self._solver = pdoik.Solver(self.robot(arm), self.options(terms))
+
+    def robot(self, arm: Arm) -> pdoik.Robot:
+        return arm.robot
+
+    def options(self, terms: Terms) -> pdoik.Options:
+        usual = {"self_collision": False, "seed": terms.seed, "max_obstacles": 8192}
+        return pdoik.Options(**{**asked_for(terms), **usual, **self.changes})
 
     def solve(self, problem: Problem) -> Answer:
-        return self._timed(problem, problem.q0 if problem.near_q0 else None)
-
-    def _timed(self, problem: Problem, q0: FloatArray | None) -> Answer:
-        result = self._solver.solve(problem.T_base_tip, q0, problem.points)
-        return Answer(
-            q=result.q,
-            claimed=result.success,
-            time=result.time,
-            iterations=result.iterations,
-            evaluations=result.evaluations,
-            restarts=result.restarts,
-        )
+        q0 = problem.q0 if problem.near_q0 else None
+        return Answer.of(self._solver.solve(problem.T_base_tip, q0, problem.points))
 
 
-class PdoIk(_Pdoik):
+class PdoikCapsules(PdoikDefault):
+    """The default method on the shipped robot as a user gets it: capsules, kept off itself."""
+
+    name = "pdoik, capsules"
+    changes: ClassVar = {"self_collision": None}
+
+    def robot(self, arm: Arm) -> pdoik.Robot:
+        return pdoik.Robot.builtin(arm.name)
+
+
+class PdoikOneStart(PdoikDefault):
+    """`max_restarts=0`: the answer nearest the start, or none."""
+
+    name = "pdoik, one start"
+    changes: ClassVar = {"max_restarts": 0}
+
+
+class PdoikLbfgs(PdoikDefault):
+    """`inner="lbfgs"`: the paper's formulation from the default method's starts."""
+
+    name = "pdoik, L-BFGS"
+    changes: ClassVar = {"inner": "lbfgs"}
+
+
+class PdoIk(PdoikDefault):
     """`method="paper"`: PDO-IK as published, its misprints corrected."""
 
     name = "PDO-IK"
 
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        super().__init__(arm, paper_options(terms))
-
-
-class PdoikDefault(_Pdoik):
-    """`method="default"`."""
-
-    name = "pdoik"
-
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        super().__init__(arm, default_options(terms))
-
-
-class PdoikCapsules(_Pdoik):
-    """The default method on the shipped robot as a user gets it: capsules, kept off itself."""
-
-    name = "pdoik, capsules"
-
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        options = dataclasses.replace(default_options(terms), self_collision=None)
-        super().__init__(dataclasses.replace(arm, robot=pdoik.Robot.builtin(arm.name)), options)
-
-
-class PdoikOneStart(_Pdoik):
-    """`max_restarts=0`: the answer nearest the start, or none."""
-
-    name = "pdoik, one start"
-
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        super().__init__(arm, dataclasses.replace(default_options(terms), max_restarts=0))
-
-
-class PdoikLbfgs(_Pdoik):
-    """`inner="lbfgs"`: the paper's formulation from the default method's starts."""
-
-    name = "pdoik, L-BFGS"
-
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        super().__init__(arm, dataclasses.replace(default_options(terms), inner="lbfgs"))
+    def options(self, terms: Terms) -> pdoik.Options:
+        return paper_options(terms)
 
 
 class PdoIkFromZeroSlack(PdoIk):
@@ -120,4 +94,4 @@ class PdoIkFromZeroSlack(PdoIk):
     name = "PDO-IK, omega = 0"
 
     def solve(self, problem: Problem) -> Answer:
-        return self._timed(problem, None)
+        return super().solve(dataclasses.replace(problem, near_q0=False))

@@ -6,8 +6,6 @@ variables', and how much the language's and the minimiser's: both call the C++ r
 pdoik.Lagrangian for every value and gradient.
 """
 
-from __future__ import annotations
-
 import time
 from typing import Any, Literal
 
@@ -15,22 +13,26 @@ import numpy as np
 from scipy.optimize import minimize
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.experiment import Arm
 from bench.ik.methods.ours import paper_options
-from bench.ik.methods.problem import Answer, FloatArray, Problem, Terms
+from bench.ik.methods.problem import Answer, Problem, Terms
+
+_STOPPED = 99  # SciPy's status of a minimisation that its callback ended
 
 
-class _ScipyLagrangian:
-    name: str
+class AngleLbfgsB:
+    """The paper's third baseline."""
+
+    name = "Angle-LBFGS-B"
     language = "Python (SciPy) on the C++ rollout"
+    variables: Literal["slack", "positions"] = "positions"
+    bounded = True
 
-    def __init__(
-        self, arm: Arm, terms: Terms, variables: Literal["slack", "positions"], bounded: bool
-    ) -> None:
+    def __init__(self, arm: Arm, terms: Terms) -> None:
         self._options = paper_options(terms)
-        self._objective = pdoik.Lagrangian(arm.robot, self._options, variables)
+        self._objective = pdoik.Lagrangian(arm.robot, self._options, self.variables)
         self._range = np.column_stack([arm.robot.lower, arm.robot.upper])
-        self._bounds = self._range if bounded else None
 
     def solve(self, problem: Problem) -> Answer:
         """Algorithm IK, its line numbers at the right."""
@@ -39,7 +41,9 @@ class _ScipyLagrangian:
         options, objective = self._options.augmented_lagrangian, self._objective
         objective.set_target(problem.T_base_tip)
         objective.set_obstacles(problem.points)
-        x = objective.variables(self._inside(problem.q0))  # 1
+        lower, upper = self._range.T
+        inset = self._options.start_inset * (upper - lower)
+        x = objective.variables(np.clip(problem.q0, lower + inset, upper - inset))  # 1
         rho, last = options.rho, np.inf
         iterations = evaluations = 0
         for _ in range(options.max_outer_iterations):
@@ -64,10 +68,6 @@ class _ScipyLagrangian:
             evaluations=evaluations,
         )
 
-    def _inside(self, q0: FloatArray) -> FloatArray:
-        inset = self._options.start_inset * (self._range[:, 1] - self._range[:, 0])
-        return np.clip(q0, self._range[:, 0] + inset, self._range[:, 1] - inset)
-
     def _solved(self) -> bool:
         """Of the last point that the objective saw: the test that ends method "paper", too."""
         return bool(
@@ -90,7 +90,7 @@ class _ScipyLagrangian:
             args=(rho,),
             jac=True,
             method="L-BFGS-B",
-            bounds=self._bounds,
+            bounds=self._range if self.bounded else None,
             callback=stop_where_solved,
             options={
                 "maxcor": lbfgs.memory,
@@ -103,22 +103,9 @@ class _ScipyLagrangian:
         )
 
 
-_STOPPED = 99  # SciPy's status of a minimisation that its callback ended
-
-
-class AngleLbfgsB(_ScipyLagrangian):
-    """The paper's third baseline."""
-
-    name = "Angle-LBFGS-B"
-
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        super().__init__(arm, terms, "positions", bounded=True)
-
-
-class SlackLbfgs(_ScipyLagrangian):
+class SlackLbfgs(AngleLbfgsB):
     """PDO-IK's variables under the same minimiser, without bounds."""
 
     name = "Slack-LBFGS"
-
-    def __init__(self, arm: Arm, terms: Terms) -> None:
-        super().__init__(arm, terms, "slack", bounded=False)
+    variables = "slack"
+    bounded = False

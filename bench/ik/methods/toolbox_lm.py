@@ -1,16 +1,15 @@
 """The Robotics Toolbox's compiled Levenberg-Marquardt method; answers that touch do not count."""
 
-from __future__ import annotations
-
 import importlib
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from bench.ik.experiment import Arm, FloatArray
+from bench.common.arrays import FloatArray, z_along
+from bench.ik.experiment import Arm
 from bench.ik.methods.hulls import Verdict
-from bench.ik.methods.problem import Answer, Problem, Terms
+from bench.ik.methods.problem import Answer, Problem, Terms, with_restarts
 
 # Chan's damping is its default. Of k = 1, 0.1 and 0.01, in the range its documentation advises, 0.1
 # has the best medians of 100 poses per arm without obstacles; among nine spheres also on UR10 and
@@ -44,10 +43,12 @@ class ToolboxLm:
 
     def solve(self, problem: Problem) -> Answer:
         """Solve it; each iteration is one evaluation."""
-        begin = perf_counter()
+        began = perf_counter()
         rng = np.random.default_rng(self._terms.seed)
-        start, iterations, searches = problem.q0, 0, 0
-        while True:
+        succeeded = False
+
+        def search(start: FloatArray) -> tuple[FloatArray, int, int]:
+            nonlocal succeeded
             answer = self._transforms.ik_LM(
                 problem.T_base_tip,
                 q0=start,
@@ -57,20 +58,17 @@ class ToolboxLm:
                 k=DAMPING,
                 method="chan",
             )
-            iterations += answer.iterations
-            searches += max(answer.searches, 1)
-            found = answer.success and self._verdict(problem, answer.q).success
-            time = perf_counter() - begin
-            if found or time >= self._terms.max_time:
-                break
-            start = self._arm.random_configuration(rng)
-        return Answer(
-            q=np.asarray(answer.q),
-            claimed=bool(found and time < self._terms.max_time),
-            time=time,
-            iterations=iterations,
-            evaluations=iterations,
-            restarts=searches - 1,
+            succeeded = bool(answer.success)
+            return np.asarray(answer.q), answer.iterations, max(answer.searches, 1)
+
+        clear = self._verdict.of(problem)
+        return with_restarts(
+            began,
+            self._terms.max_time,
+            problem.q0,
+            search,
+            lambda q: succeeded and clear(q),
+            lambda: self._arm.random_configuration(rng),
         )
 
 
@@ -82,15 +80,9 @@ def _transforms(toolbox: Any, arm: Arm) -> Any:
     transforms, T_base_last = toolbox.ETS(), np.eye(4)
     for linear, axis, lower, upper in zip(J[:3].T, J[3:].T, robot.lower, robot.upper, strict=True):
         T_base_joint = np.eye(4)
-        T_base_joint[:3, :3] = _frame_of(axis)
+        T_base_joint[:3, :3] = z_along(axis)
         T_base_joint[:3, 3] = T_base_tip[:3, 3] - np.cross(linear, axis)  # where tip meets the axis
         step = toolbox.ET.SE3(np.linalg.inv(T_base_last) @ T_base_joint)
         transforms = transforms * step * toolbox.ET.Rz(qlim=[lower, upper])
         T_base_last = T_base_joint
     return transforms * toolbox.ET.SE3(np.linalg.inv(T_base_last) @ T_base_tip)
-
-
-def _frame_of(z: FloatArray) -> FloatArray:
-    x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])

@@ -8,10 +8,7 @@
 Run from the repository's root. Problems, hulls and results are kept in build/bench/problems.
 """
 
-from __future__ import annotations
-
 import json
-from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Annotated
@@ -23,27 +20,19 @@ from bench.common.commands import BUILD, console, plain_errors, write_report
 from bench.common.markdown import markdown_table
 from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
+from bench.ik.problems.draw import draw_failures, draw_sheet
 from bench.ik.problems.families import FAMILIES
 from bench.ik.problems.hulls import fitted_robot
 from bench.ik.problems.judge import Judge
 from bench.ik.problems.loaders import read_problems
-from bench.ik.problems.make import (
-    CEILING_STARTS,
-    judges_of,
-    problems_of,
-    with_valid_configuration,
-)
+from bench.ik.problems.make import judges_of, problems_of, with_valid_configuration
 from bench.ik.problems.methods import SPACING, Method, usual_way
-from bench.ik.problems.problem import Problem
-from bench.ik.problems.robots import RobotFiles, robot_files
-from bench.ik.problems.trials import COLUMNS, Row, cells, to_json
+from bench.ik.problems.robots import Meshes, RobotFiles, robot_files
+from bench.ik.problems.trials import COLUMNS, cells, row_of
 from bench.ik.problems.trials import run as run_trials
 
 app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
 OUT = BUILD / "problems"
-
-Robot = Annotated[str, typer.Option(help="panda, ur5, ur10, or any name with --urdf.")]
-Meshes = Annotated[str, typer.Option(help="What the judge looks at: visual or collision.")]
 
 
 @app.command("list")
@@ -59,7 +48,7 @@ def run(
     source: Annotated[
         list[Path] | None, typer.Option("--from", help="A published set's folder or file.")
     ] = None,
-    robot: Robot = "panda",
+    robot: Annotated[str, typer.Option(help="panda, ur5, ur10, or any with --urdf.")] = "panda",
     count: Annotated[int, typer.Option(min=1, help="Problems of each set.")] = 100,
     seed: Annotated[int, typer.Option(min=0, help="Of our own families.")] = 0,
     method: Annotated[
@@ -70,8 +59,8 @@ def run(
         ),
     ] = None,
     budget: Annotated[list[float] | None, typer.Option(help="Milliseconds; repeatable.")] = None,
-    meshes: Meshes = "visual",
-    hull_meshes: Annotated[str, typer.Option(help="What the hulls hold.")] = "collision",
+    meshes: Annotated[Meshes, typer.Option(help="What the judge looks at.")] = "visual",
+    hull_meshes: Annotated[Meshes, typer.Option(help="What the hulls hold.")] = "collision",
     urdf: Annotated[Path | None, typer.Option(help="Another description of the robot.")] = None,
     srdf: Annotated[Path | None, typer.Option(help="Its SRDF.")] = None,
     packages: Annotated[list[Path] | None, typer.Option(help="Folders of packages.")] = None,
@@ -85,13 +74,38 @@ def run(
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
     with plain_errors():
-        files = _files(robot, urdf, srdf, packages, tip, base, hold)
-        solver_robot = fitted_robot(files, hull_meshes)  # type: ignore[arg-type]
-        judge = Judge(files, meshes, solver_robot.joint_names)  # type: ignore[arg-type]
+        files = robot_files(robot) if urdf is None else None
+        if files is None:
+            if tip is None:
+                raise typer.BadParameter("--urdf needs --tip")
+            files = RobotFiles(
+                name=robot,
+                urdf=urdf,
+                srdf=srdf,
+                package_dirs=tuple(packages or [urdf.parent]),
+                tips=(tip,),
+                base=base,
+                held=dict(map(_held, hold or [])),
+            )
+        solver_robot = fitted_robot(files, hull_meshes)
+        joint_names = solver_robot.joint_names
+        judge = Judge(files, meshes, joint_names)
         may_touch = judge.left_out_pairs() & set(combinations(sorted(solver_robot.link_names), 2))
         solver_robot.ignored_pairs = sorted({*solver_robot.ignored_pairs, *may_touch})
-        sets = _sets(files, solver_robot.joint_names, families, source, count, seed)
-        rows, records = [], []
+        sets = {}
+        judges = judges_of(files, joint_names) if source else ()
+        for path in source or []:
+            for name, problems in read_problems(path, files).items():
+                with console.status(f"looking for valid configurations of {name}"):
+                    sets[name] = [
+                        p if p.goal_q is not None else with_valid_configuration(p, judges)
+                        for p in problems[:count]
+                    ]
+        ours = [name for name, family in FAMILIES.items() if files.name in family.robots]
+        for name in families or ([] if source else ours):
+            with console.status(f"making {name} for {files.name}"):
+                sets[name] = problems_of(name, files.name, count, seed, joint_names=joint_names)
+        rows = []
         budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
@@ -101,18 +115,26 @@ def run(
                     done = run_trials(
                         problems, answering, judge, lambda task=task: progress.advance(task)
                     )
-                    for seconds, trials in done.items():
-                        row = Row.of(name, files.name, way, seconds, trials)
-                        rows.append(row)
-                        records.append(to_json(row, trials))
-        table = markdown_table(COLUMNS, [cells(row) for row in rows])
+                    rows += [
+                        {**row_of(name, files.name, way, seconds, trials), "trials": trials}
+                        for seconds, trials in done.items()
+                    ]
+        table = markdown_table([*COLUMNS], [cells(row) for row in rows])
         out.mkdir(parents=True, exist_ok=True)
-        where = provenance(BUILD.parent)
         stem = f"{files.name}-{'-'.join(sets)}"[:80]
-        text = {"provenance": where, "meshes": meshes, "hull_meshes": hull_meshes, "rows": records}
+        facts = {"provenance": provenance(BUILD.parent), "meshes": meshes}
+        text = {**facts, "hull_meshes": hull_meshes, "rows": rows}
         write_text(out / f"{stem}.json", json.dumps(text, indent=1) + "\n")
         write_report(out / f"{stem}.md", table)
         print(table)
+
+
+def _held(entry: str) -> tuple[str, float]:
+    joint, _, value = entry.partition("=")
+    try:
+        return joint, float(value)
+    except ValueError:
+        raise typer.BadParameter(f"--hold {entry}: expected JOINT=VALUE") from None
 
 
 @app.command()
@@ -124,74 +146,12 @@ def draw(
     ] = None,
 ) -> None:
     """One problem of each family, drawn with its defining configuration; or what failed."""
-    from bench.ik.problems.draw import draw_failures, draw_sheet
-
     with plain_errors():
         out.parent.mkdir(parents=True, exist_ok=True)
         if failed:
-            console.print(f"{draw_failures(out, failed, seed=seed)} problems drawn")
+            console.print(f"{draw_failures(out, failed, seed)} problems drawn")
         else:
             draw_sheet(out, seed)
-
-
-def _files(
-    robot: str,
-    urdf: Path | None,
-    srdf: Path | None,
-    packages: list[Path] | None,
-    tip: str | None,
-    base: str | None,
-    hold: list[str] | None,
-) -> RobotFiles:
-    if urdf is None:
-        return robot_files(robot)
-    if tip is None:
-        raise typer.BadParameter("--urdf needs --tip")
-    held = {}
-    for entry in hold or []:
-        joint, _, value = entry.partition("=")
-        try:
-            held[joint] = float(value)
-        except ValueError:
-            raise typer.BadParameter(f"--hold {entry}: expected JOINT=VALUE") from None
-    return RobotFiles(
-        name=robot,
-        urdf=urdf,
-        srdf=srdf,
-        package_dirs=tuple(packages or [urdf.parent]),
-        tips=(tip,),
-        base=base,
-        held=held,
-    )
-
-
-def _sets(
-    files: RobotFiles,
-    joint_names: Sequence[str],
-    families: list[str] | None,
-    source: list[Path] | None,
-    count: int,
-    seed: int,
-) -> dict[str, list[Problem]]:
-    """Problems by the name of their set."""
-    sets: dict[str, list[Problem]] = {}
-    judges = judges_of(files, joint_names) if source else ()
-    for path in source or []:
-        for name, problems in read_problems(path, files).items():
-            with console.status(f"looking for valid configurations of {name}"):
-                sets[name] = [
-                    problem
-                    if problem.goal_q is not None
-                    else with_valid_configuration(problem, judges, CEILING_STARTS)
-                    for problem in problems[:count]
-                ]
-    if source and not families:
-        return sets
-    mine = families or [name for name, family in FAMILIES.items() if files.name in family.robots]
-    for name in mine:
-        with console.status(f"making {name} for {files.name}"):
-            sets[name] = problems_of(name, files.name, count, seed, joint_names=joint_names)
-    return sets
 
 
 if __name__ == "__main__":

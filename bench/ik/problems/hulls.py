@@ -1,7 +1,5 @@
 """The hulls of a benchmark's robot, fitted once and kept in build/."""
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 
@@ -12,39 +10,27 @@ from bench.ik.problems.robots import Meshes, RobotFiles
 from pdoik.occupancy_fit import fit_occupancy
 
 KEPT = ROOT / "build/bench/problems/hulls"
+FACTOR, PARTS = 2.0, 4  # max_volume_factor and max_parts of the fit
 
 
-def fitted_robot(
-    files: RobotFiles,
-    meshes: Meshes = "collision",
-    factor: float = 2.0,
-    parts: int = 4,
-    kept: Path = KEPT,
-) -> pdoik.Robot:
+def fitted_robot(files: RobotFiles, meshes: Meshes = "collision", kept: Path = KEPT) -> pdoik.Robot:
     """The robot with hulls that hold its meshes.
 
     The SRDF's pairs are ignored between hulls, and so are pairs of hulls that always touch.
-
-    Args:
-        files: Which.
-        meshes: What the hulls hold.
-        factor: max_volume_factor of the fit.
-        parts: max_parts of the fit.
-        kept: Folder of the fits.
 
     Raises:
         pdoik.LoadError: The description or a mesh cannot be read.
     """
     xml = files.xml(meshes)
     robot = pdoik.Robot.from_urdf(files.xml(), files.base, list(files.tips))
-    key = hashlib.sha256(f"{xml} {factor} {parts}".encode()).hexdigest()[:16]
+    key = hashlib.sha256(f"{xml} {FACTOR} {PARTS}".encode()).hexdigest()[:16]
     file = kept / f"{files.name}-{key}.yaml"
     if not file.is_file():
         # What stands on a foot has links above its base, which the description hangs it below.
         base = files.base if len(files.tips) == 1 else None
-        fit = fit_occupancy(xml, files.package_dirs, factor, base, max_parts=parts)
+        fit = fit_occupancy(xml, files.package_dirs, FACTOR, base, max_parts=PARTS)
         kept.mkdir(parents=True, exist_ok=True)
-        write_text(file, fit.to_yaml(f"{files.name}: {meshes} meshes, factor {factor:g}"))
+        write_text(file, fit.to_yaml(f"{files.name}: {meshes} meshes, factor {FACTOR:g}"))
     robot.occupancy = pdoik.Occupancy.load(file)
     pairs = set(pdoik.pairs_always_touching(robot))
     if files.srdf is not None:

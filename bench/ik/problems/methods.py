@@ -1,21 +1,19 @@
 """How the obstacles are given to the solver: as a cloud of their surfaces, or as shapes."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.solids import Solid
+from pdoik.scenes.pieces import Piece, Thing, shapes_of
 
-FloatArray = npt.NDArray[np.float64]
 LEAF = 0.01  # of the cloud [m]
 SPACING = LEAF / 3  # of the points of a surface [m]
 TOUCH = 0.08  # how far from its target a tool may touch where it has to: as wide as a flange [m]
@@ -23,24 +21,6 @@ TOUCH = 0.08  # how far from its target a tool may touch where it has to: as wid
 
 class MethodError(RuntimeError):
     """A method that is not there, or cannot run here."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Answer:
-    """What a method said of one problem."""
-
-    claimed: bool
-    q: FloatArray  # (n,) [rad] or [m]
-    time: float  # of the solve alone [s]
-    reason: str  # its status and worst constraint
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TakenIn:
-    """A problem's obstacles as the solver has them; they serve any number of solves."""
-
-    obstacles: Any
-    time: float  # that it took [s]
 
 
 class Method:
@@ -72,109 +52,76 @@ class Method:
         self.name, self.budgets = way, tuple(budgets)
         self._prepare = WAYS[way](robot, spacing)
         contacts = like.contacts if like else {}
-        balance = pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance()
         may_touch = {link for link, _ in like.allowed} if like else set()
         tool_touches = bool((may_touch & set(robot.link_names)) - {robot.base_link, *contacts})
+        options = {
+            "max_restarts": 1_000_000,
+            "self_collision": True,
+            "balance": pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance(),
+            "touch": pdoik.Touch(radius=TOUCH if tool_touches and way != "shapes" else 0.0),
+            "base_collision": robot.base_link not in may_touch,
+        }
         self._solvers = {
-            budget: pdoik.Solver(
-                robot,
-                pdoik.Options(
-                    max_time=budget,
-                    max_restarts=1_000_000,
-                    self_collision=True,
-                    balance=balance,
-                    touch=pdoik.Touch(radius=TOUCH if tool_touches and way != "shapes" else 0.0),
-                    base_collision=robot.base_link not in may_touch,
-                ),
-            )
+            budget: pdoik.Solver(robot, pdoik.Options(max_time=budget, **options))
             for budget in self.budgets
         }
 
-    def take_in(self, problem: Problem) -> TakenIn:
-        """What the solver needs of the scene, made before the clock runs."""
+    def take_in(self, problem: Problem) -> tuple[Any, float]:
+        """A problem's obstacles as the solver has them, for any number of solves; the time [s]."""
         begun = time.perf_counter()
-        obstacles = self._prepare(problem)
-        return TakenIn(obstacles=obstacles, time=time.perf_counter() - begun)
+        return self._prepare(problem), time.perf_counter() - begun
 
-    def answer(self, problem: Problem, scene: TakenIn, budget: float) -> Answer:
+    def answer(self, problem: Problem, obstacles: Any, budget: float) -> pdoik.Result:
         """Within one of the budgets."""
-        result = self._solvers[budget].solve(_goals(problem), obstacles=scene.obstacles)
-        return Answer(
-            claimed=result.success,
-            q=np.asarray(result.q),
-            time=result.time,
-            reason=f"{result.status}: {result.worst_constraint}",
-        )
+        return self._solvers[budget].solve(_goals(problem), obstacles=obstacles)
 
-    def touches(self, problem: Problem, scene: TakenIn) -> bool:
+    def touches(self, problem: Problem, obstacles: Any) -> bool:
         """Whether the defining configuration touches, by the hulls' own account."""
         solver = self._solvers[self.budgets[0]]
-        verdict = solver.judge(_goals(problem), problem.goal_q, obstacles=scene.obstacles)
-        return not verdict.success
+        return not solver.judge(_goals(problem), problem.goal_q, obstacles=obstacles).success
 
 
 def _goals(problem: Problem) -> Any:
-    if len(problem.targets) == 1:
-        return next(iter(problem.targets.values()))
-    return dict(problem.targets)
+    one, *others = problem.targets.values()
+    return dict(problem.targets) if others else one
 
 
 def surface_cloud(
-    solids: Sequence[Solid], leaf: float = LEAF, sink: bool = False, spacing: float = SPACING
+    solids: Sequence[Solid], sink: bool = False, spacing: float = SPACING
 ) -> FloatArray:
     """Balls that hold the solids' surfaces, (N, 4): one for each cell of a grid [m].
 
-    Args:
-        solids: What is there.
-        leaf: Edge of the cells [m].
-        sink: Sink the balls into the solids, so that they stand out less.
-        spacing: Of the points that are sampled of the surface [m].
+    Sunk into the solids they stand out less.
     """
     points = np.concatenate([solid.sample(spacing) for solid in solids])
-    balls = pdoik.voxel_downsample(points, leaf, radii=True, solid=sink)
+    balls = pdoik.voxel_downsample(points, LEAF, radii=True, solid=sink)
     balls[:, 3] += spacing / np.sqrt(2)  # as far as the surface may be from a point of the grid
     return balls
 
 
-def _cloud(robot: pdoik.Robot, spacing: float, sink: bool = False) -> Callable[[Problem], Any]:
-    del robot  # which a cloud knows nothing of
-
+def _cloud(_: pdoik.Robot, spacing: float, sink: bool = False) -> Callable[[Problem], Any]:
     def scene(problem: Problem) -> pdoik.Cloud | None:
-        if not problem.solids:
-            return None
-        return pdoik.Cloud(surface_cloud(problem.solids, sink=sink, spacing=spacing))
+        solids = problem.solids
+        return pdoik.Cloud(surface_cloud(solids, sink, spacing)) if solids else None
 
     return scene
 
 
-def _shapes(robot: pdoik.Robot, spacing: float) -> Callable[[Problem], Any]:
-    del spacing  # shapes are exact
-
+def _shapes(robot: pdoik.Robot, _: float) -> Callable[[Problem], Any]:
     def scene(problem: Problem) -> pdoik.Scene:
         allowed = [pair for pair in problem.allowed if pair[0] in robot.link_names]
-        return pdoik.Scene([_shape(solid) for solid in problem.solids], allowed=allowed)
+        for solid in problem.solids:
+            if not _is_convex(solid):
+                raise MethodError(f"{solid.name} is not convex: give it as a cloud")
+        things = [Thing(name=solid.name, pieces=(_piece(solid),)) for solid in problem.solids]
+        return pdoik.Scene(shapes_of(things, Path(problem.name)), allowed=allowed)
 
     return scene
 
 
-def _shape(solid: Solid) -> pdoik.Shape:
-    shape = pdoik.Shape
-    match solid.kind:
-        case "box":
-            return shape.box(solid.name, solid.size, solid.T)
-        case "sphere":
-            return shape.sphere(solid.name, solid.T[:3, 3], *solid.size)
-        case "cylinder":
-            return shape.cylinder(solid.name, *solid.size, solid.T)
-        case "capsule":
-            return shape.capsule(solid.name, *solid.size, solid.T)
-        case "half_space":
-            return shape.half_space(solid.name, solid.T[:3, 2], solid.T[:3, 3])
-        case "mesh" if not _is_convex(solid):
-            raise MethodError(f"{solid.name} is not convex: give it as a cloud")
-        case "mesh":
-            return shape.convex_mesh(solid.name, solid.vertices, solid.T)
-    raise MethodError(f"{solid.name}: no shape for a {solid.kind}")
+def _piece(solid: Solid) -> Piece:
+    names = ("kind", "size", "T", "vertices", "faces")
+    return Piece(entry=solid.name, **{name: getattr(solid, name) for name in names})
 
 
 def _is_convex(solid: Solid) -> bool:

@@ -1,20 +1,17 @@
 """A problem: what stands around a robot, where its tips shall be, and a known good answer."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.common.whole_files import write_text
 from bench.ik.problems.solids import Solid
 
-FloatArray = npt.NDArray[np.float64]
 Contact = tuple[str, str]  # a link and a solid that may touch
 
 
@@ -37,53 +34,34 @@ class Problem:
 def save(path: Path, problems: Sequence[Problem]) -> None:
     """Write problems as JSON."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps([_to_json(problem) for problem in problems]) + "\n")
+    write_text(path, json.dumps([asdict(each) for each in problems], default=_plain) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else sorted(value)
 
 
 def load(path: Path) -> list[Problem]:
     """What `save` wrote."""
-    return [_from_json(entry) for entry in json.loads(path.read_text())]
+    return [_problem(entry) for entry in json.loads(path.read_text())]
 
 
-def _to_json(problem: Problem) -> dict[str, Any]:
-    return {
-        "name": problem.name,
-        "robot": problem.robot,
-        "solids": [
-            {
-                "name": solid.name,
-                "kind": solid.kind,
-                "size": list(solid.size),
-                "T": solid.T.tolist(),
-                "vertices": solid.vertices.tolist(),
-                "faces": solid.faces.tolist(),
-            }
-            for solid in problem.solids
-        ],
-        "targets": {tip: T.tolist() for tip, T in problem.targets.items()},
-        "goal_q": None if problem.goal_q is None else problem.goal_q.tolist(),
-        "allowed": sorted(problem.allowed),
-        "contacts": {link: points.tolist() for link, points in problem.contacts.items()},
+def _problem(entry: dict[str, Any]) -> Problem:
+    arrays = {
+        name: {key: np.array(value) for key, value in entry.get(name, {}).items()}
+        for name in ("targets", "contacts")
     }
-
-
-def _from_json(entry: dict[str, Any]) -> Problem:
     return Problem(
         name=entry["name"],
         robot=entry["robot"],
-        solids=tuple(
-            Solid(
-                solid["name"],
-                solid["kind"],
-                tuple(solid["size"]),
-                np.array(solid["T"]),
-                np.array(solid["vertices"], dtype=np.float64).reshape(-1, 3),
-                np.array(solid["faces"], dtype=np.int64).reshape(-1, 3),
-            )
-            for solid in entry["solids"]
-        ),
-        targets={tip: np.array(T) for tip, T in entry["targets"].items()},
+        solids=tuple(_solid(**solid) for solid in entry["solids"]),
         goal_q=None if entry["goal_q"] is None else np.array(entry["goal_q"]),
-        allowed=frozenset((link, solid) for link, solid in entry["allowed"]),
-        contacts={link: np.array(points) for link, points in entry.get("contacts", {}).items()},
+        allowed=frozenset(map(tuple, entry["allowed"])),
+        **arrays,
     )
+
+
+def _solid(name: str, kind: Any, size: list[float], T: list, vertices: list, faces: list) -> Solid:
+    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    corners = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    return Solid(name, kind, tuple(size), np.array(T), points, corners)

@@ -1,10 +1,8 @@
 """The robots of the problem sets: their published descriptions, tips, and joints that are held.
 
 Panda with hand, UR5 with gripper, UR10 and Unitree G1 come from the Python package
-example-robot-data. Fetch is in no package: give its files (`RobotFiles.of`).
+example-robot-data. Fetch is in no package: give its files.
 """
-
-from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,8 +11,10 @@ from typing import Literal
 from xml.etree import ElementTree
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from bench.ik.judges.arm_meshes import _example_robot_data_share
+from bench.common.arrays import FloatArray
+from bench.ik.judges.arm_meshes import example_robot_data
 
 Meshes = Literal["visual", "collision"]
 
@@ -35,9 +35,8 @@ class RobotFiles:
     def xml(self, hull_meshes: Meshes = "collision") -> str:
         """The URDF with its held joints fixed where they stand, as text.
 
-        Args:
-            hull_meshes: "visual" puts each link's visual geometry in place of its collision
-                geometry, for what reads only the latter.
+        "visual" puts each link's visual geometry in place of its collision geometry, for what
+        reads only the latter.
 
         Raises:
             ValueError: A held joint is not in the description.
@@ -48,13 +47,43 @@ class RobotFiles:
             if name not in joints:
                 raise ValueError(f"{self.urdf}: no joint {name!r} to hold")
             _fix(joints[name], value)
-        for extra in ("transmission", "gazebo"):
-            for element in root.findall(extra):
-                root.remove(element)
-        if hull_meshes == "visual":
-            for link in root.findall("link"):
-                _show_as_collision(link)
+        _remove(root, "transmission", "gazebo")
+        for link in root.findall("link") if hull_meshes == "visual" else ():
+            if visuals := link.findall("visual"):
+                _remove(link, "collision")
+                for visual in visuals:
+                    copy = ElementTree.SubElement(link, "collision")
+                    copy.extend(child for child in visual if child.tag in ("origin", "geometry"))
         return ElementTree.tostring(root, encoding="unicode")
+
+
+def _fix(joint: ElementTree.Element, value: float) -> None:
+    """Make a joint fixed, its origin moved by what the joint stands at."""
+    origin = joint.find("origin")
+    if origin is None:
+        origin = ElementTree.SubElement(joint, "origin")
+    axis = _numbers(joint.find("axis"), "xyz", "1 0 0")
+    xyz = _numbers(origin, "xyz", "0 0 0")
+    R = Rotation.from_euler("xyz", _numbers(origin, "rpy", "0 0 0"))
+    if joint.get("type") == "prismatic":
+        xyz = xyz + R.apply(value * axis)
+    else:
+        R = R * Rotation.from_rotvec(value * axis)
+    origin.set("xyz", " ".join(f"{number:.12g}" for number in xyz))
+    origin.set("rpy", " ".join(f"{number:.12g}" for number in R.as_euler("xyz")))
+    joint.set("type", "fixed")
+    _remove(joint, "axis", "limit", "mimic", "dynamics", "safety_controller", "calibration")
+
+
+def _numbers(element: ElementTree.Element | None, name: str, default: str) -> FloatArray:
+    text = default if element is None else element.get(name, default)
+    return np.array([float(word) for word in text.split()])
+
+
+def _remove(element: ElementTree.Element, *tags: str) -> None:
+    for tag in tags:
+        for child in element.findall(tag):
+            element.remove(child)
 
 
 def robot_files(name: str) -> RobotFiles:
@@ -64,104 +93,40 @@ def robot_files(name: str) -> RobotFiles:
         ValueError: There is none.
         MissingDescriptionError: The package with its description is not installed.
     """
-    if name not in _ROBOTS:
-        raise ValueError(f"robot {name!r} is not one of {sorted(_ROBOTS)}")
-    return _ROBOTS[name]()
-
-
-def _fix(joint: ElementTree.Element, value: float) -> None:
-    """Make a joint fixed, its origin moved by what the joint stands at."""
-    from scipy.spatial.transform import Rotation
-
-    origin = joint.find("origin")
-    if origin is None:
-        origin = ElementTree.SubElement(joint, "origin")
-    rpy = [float(word) for word in origin.get("rpy", "0 0 0").split()]
-    xyz = np.array([float(word) for word in origin.get("xyz", "0 0 0").split()])
-    element = joint.find("axis")
-    axis = np.array([1.0, 0, 0])
-    if element is not None:
-        axis = np.array([float(word) for word in element.get("xyz", "1 0 0").split()])
-    R = Rotation.from_euler("xyz", rpy)
-    if joint.get("type") == "prismatic":
-        xyz = xyz + R.apply(value * axis)
-    else:
-        R = R * Rotation.from_rotvec(value * axis)
-    origin.set("xyz", " ".join(f"{number:.12g}" for number in xyz))
-    origin.set("rpy", " ".join(f"{number:.12g}" for number in R.as_euler("xyz")))
-    joint.set("type", "fixed")
-    for tag in ("axis", "limit", "mimic", "dynamics", "safety_controller", "calibration"):
-        for child in joint.findall(tag):
-            joint.remove(child)
-
-
-def _show_as_collision(link: ElementTree.Element) -> None:
-    visuals = link.findall("visual")
-    if not visuals:
-        return
-    for collision in link.findall("collision"):
-        link.remove(collision)
-    for visual in visuals:
-        copy = ElementTree.SubElement(link, "collision")
-        copy.extend(child for child in visual if child.tag in ("origin", "geometry"))
-
-
-def _panda() -> RobotFiles:
-    share = _example_robot_data_share()
-    folder = share / "example-robot-data/robots/panda_description"
-    return RobotFiles(
-        name="panda",
-        urdf=folder / "urdf/panda.urdf",
-        srdf=folder / "srdf/panda.srdf",
-        package_dirs=(share,),
-        tips=("panda_hand_tcp",),
-        held={"panda_finger_joint1": 0.04, "panda_finger_joint2": 0.04},
-        touch_links=("panda_hand", "panda_leftfinger", "panda_rightfinger"),
-    )
-
-
-def _ur5() -> RobotFiles:
-    share = _example_robot_data_share()
-    folder = share / "example-robot-data/robots/ur_description"
-    return RobotFiles(
-        name="ur5",
-        urdf=folder / "urdf/ur5_gripper.urdf",
-        srdf=folder / "srdf/ur5_gripper.srdf",
-        package_dirs=(share,),
-        tips=("ee_link",),
-        base="base_link",
-        touch_links=("wrist_3_link", "ee_link", "tool0"),
-    )
-
-
-def _ur10() -> RobotFiles:
-    share = _example_robot_data_share()
-    folder = share / "example-robot-data/robots/ur_description"
-    return RobotFiles(
-        name="ur10",
-        urdf=folder / "urdf/ur10_robot.urdf",
-        srdf=None,
-        package_dirs=(share,),
-        tips=("tool0",),
-        base="base_link",
-        touch_links=("wrist_3_link", "ee_link", "tool0"),
-    )
-
-
-def _g1() -> RobotFiles:
-    """Unitree's G1 on its left foot, hands open and still."""
-    share = _example_robot_data_share()
-    folder = share / "example-robot-data/robots/g1_description"
+    share = example_robot_data()
+    robots = share / "example-robot-data/robots"
+    ur, g1 = robots / "ur_description", robots / "g1_description/urdf"
+    wrist = ("wrist_3_link", "ee_link", "tool0")
     fingers = ("index_0", "index_1", "middle_0", "middle_1", "thumb_0", "thumb_1", "thumb_2")
-    return RobotFiles(
-        name="g1",
-        urdf=folder / "urdf/g1_29dof_with_hand_rev_1_0.urdf",
-        srdf=None,
-        package_dirs=(folder / "urdf", share),
-        tips=("right_ankle_roll_link", "left_hand_palm_link", "right_hand_palm_link"),
-        base="left_ankle_roll_link",
-        held={f"{side}_hand_{f}_joint": 0.0 for side in ("left", "right") for f in fingers},
-    )
-
-
-_ROBOTS = {"panda": _panda, "ur5": _ur5, "ur10": _ur10, "g1": _g1}
+    known = {
+        "panda": {
+            "urdf": robots / "panda_description/urdf/panda.urdf",
+            "srdf": robots / "panda_description/srdf/panda.srdf",
+            "tips": ("panda_hand_tcp",),
+            "held": {"panda_finger_joint1": 0.04, "panda_finger_joint2": 0.04},
+            "touch_links": ("panda_hand", "panda_leftfinger", "panda_rightfinger"),
+        },
+        "ur5": {
+            "urdf": ur / "urdf/ur5_gripper.urdf",
+            "srdf": ur / "srdf/ur5_gripper.srdf",
+            "tips": ("ee_link",),
+            "base": "base_link",
+            "touch_links": wrist,
+        },
+        "ur10": {
+            "urdf": ur / "urdf/ur10_robot.urdf",
+            "tips": ("tool0",),
+            "base": "base_link",
+            "touch_links": wrist,
+        },
+        "g1": {  # on its left foot, hands open and still
+            "urdf": g1 / "g1_29dof_with_hand_rev_1_0.urdf",
+            "package_dirs": (g1, share),
+            "tips": ("right_ankle_roll_link", "left_hand_palm_link", "right_hand_palm_link"),
+            "base": "left_ankle_roll_link",
+            "held": {f"{side}_hand_{f}_joint": 0.0 for side in ("left", "right") for f in fingers},
+        },
+    }
+    if name not in known:
+        raise ValueError(f"robot {name!r} is not one of {sorted(known)}")
+    return RobotFiles(**{"name": name, "srdf": None, "package_dirs": (share,), **known[name]})

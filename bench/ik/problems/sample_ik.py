@@ -4,17 +4,14 @@ It makes the problem sets and finds what can be reached at all, so it must not b
 is measured.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio
 
+from bench.common.arrays import FloatArray
 from bench.ik.problems.judge import Judge
 
-FloatArray = npt.NDArray[np.float64]
 STEPS = 60
 TOLERANCE = 1e-9  # of position [m] and rotation [rad]
 LONGEST = 0.5  # of one step, any joint [rad]
@@ -25,11 +22,7 @@ def configurations(
 ) -> Iterator[FloatArray]:
     """Configurations within the limits that meet the targets, each from a random start.
 
-    Args:
-        judge: Whose kinematics to use.
-        targets: By tip, T_base_tip (4, 4).
-        rng: Of the starts.
-        tries: Starts; many lead nowhere.
+    Many of the `tries` lead nowhere. The kinematics are the judge's.
     """
     for _ in range(tries):
         q = _descend(judge, targets, judge.random(rng))

@@ -1,27 +1,18 @@
 """Solid shapes of a scene: what they are, points of their surfaces, and what coal makes of them."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NamedTuple, Self
 
 import coal
 import numpy as np
 import numpy.typing as npt
 import trimesh
 
-FloatArray = npt.NDArray[np.float64]
-Kind = Literal["box", "sphere", "cylinder", "capsule", "half_space", "mesh"]
+from bench.common.arrays import FloatArray, moved
+from bench.ik.judges.triangles import tree_of
 
-KINDS: tuple[Kind, ...] = get_args(Kind)
-NUMBERS: dict[Kind, tuple[str, ...]] = {
-    "box": ("x", "y", "z"),  # edges
-    "sphere": ("radius",),
-    "cylinder": ("radius", "length"),  # about z, the middle at the origin
-    "capsule": ("radius", "length"),  # length of the cylindrical part
-    "half_space": (),  # everything below z = 0 of its frame
-    "mesh": (),
-}
+Kind = Literal["box", "sphere", "cylinder", "capsule", "half_space", "mesh"]
 PATCH = 1.5  # how far from its origin a half-space is sampled [m]
 
 
@@ -33,29 +24,21 @@ class SolidError(ValueError):
 class Solid:
     """One obstacle.
 
-    Args:
-        name: For messages and allowed contacts; unique in a scene.
-        kind: What it is.
-        size: The numbers of NUMBERS[kind] [m].
-        T: Takes its points to the robot's base frame, (4, 4).
-        vertices: Of a mesh, (V, 3) [m] in its own frame.
-        faces: Of a mesh, (F, 3) indices.
-
     Raises:
         SolidError: The kind is unknown, a size is missing or not positive, T is not rigid.
     """
 
-    name: str
+    name: str  # for messages and allowed contacts; unique in a scene
     kind: Kind
-    size: tuple[float, ...]
-    T: FloatArray
-    vertices: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    size: tuple[float, ...]  # the numbers of its kind [m]
+    T: FloatArray  # takes its points to the robot's base frame, (4, 4)
+    vertices: FloatArray = field(default_factory=lambda: np.empty((0, 3)))  # of a mesh [m]
     faces: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise SolidError(f"{self.name}: kind is {self.kind!r}, expected one of {KINDS}")
-        names = NUMBERS[self.kind]
+        if self.kind not in _KINDS:
+            raise SolidError(f"{self.name}: kind is {self.kind!r}, expected one of {[*_KINDS]}")
+        names = _KINDS[self.kind].sizes
         if len(self.size) != len(names):
             raise SolidError(
                 f"{self.name}: a {self.kind} has {len(names)} sizes {names}, got {self.size}"
@@ -68,27 +51,24 @@ class Solid:
         if self.kind == "mesh" and not (len(self.vertices) and len(self.faces)):
             raise SolidError(f"{self.name}: a mesh without triangles")
 
-    def moved(self, T: FloatArray) -> Solid:
+    def moved(self, T: FloatArray) -> Self:
         """The same in another frame: T takes the old one's points to the new one."""
-        return Solid(self.name, self.kind, self.size, T @ self.T, self.vertices, self.faces)
+        return replace(self, T=T @ self.T)
 
     def sample(self, leaf: float) -> FloatArray:
         """Points of the surface, neighbours at most `leaf` apart in each direction, (N, 3) [m].
 
         A half-space is sampled within PATCH of its origin.
         """
-        points = _SAMPLE[self.kind](self, leaf)
-        return points @ self.T[:3, :3].T + self.T[:3, 3]
+        return moved(_KINDS[self.kind].sample(self, leaf), self.T)
 
     def surface(self) -> trimesh.Trimesh:
         """Triangles for pictures, round shapes by facets, in the base frame."""
-        mesh = _SURFACE[self.kind](self)
-        mesh.apply_transform(self.T)
-        return mesh
+        return _KINDS[self.kind].surface(self).apply_transform(self.T)
 
     def geometry(self) -> Any:
         """Coal's exact shape, in the solid's own frame; a mesh by its triangles."""
-        return _GEOMETRY[self.kind](self)
+        return _KINDS[self.kind].geometry(self)
 
 
 def pose(position: npt.ArrayLike = (0, 0, 0), rotation: npt.ArrayLike | None = None) -> FloatArray:
@@ -102,8 +82,7 @@ def pose(position: npt.ArrayLike = (0, 0, 0), rotation: npt.ArrayLike | None = N
 
 def box(name: str, size: npt.ArrayLike, T: FloatArray) -> Solid:
     """A box with these edges [m] about the origin of T."""
-    x, y, z = (float(edge) for edge in np.asarray(size, dtype=float))
-    return Solid(name, "box", (x, y, z), T)
+    return Solid(name, "box", tuple(float(edge) for edge in size), T)
 
 
 def cylinder(name: str, radius: float, length: float, T: FloatArray) -> Solid:
@@ -117,24 +96,20 @@ def mesh(name: str, surface: trimesh.Trimesh, T: FloatArray) -> Solid:
     return Solid(name, "mesh", (), T, vertices, np.asarray(surface.faces, dtype=np.int64))
 
 
+def _steps(length: float, leaf: float) -> int:
+    return max(1, int(np.ceil(length / leaf - 1e-9)))
+
+
 def _line(length: float, leaf: float) -> FloatArray:
     """From -length / 2 to length / 2, both ends included."""
-    count = max(1, int(np.ceil(length / leaf - 1e-9)))
-    return np.linspace(-length / 2, length / 2, count + 1)
-
-
-def _circle(radius: float, leaf: float) -> FloatArray:
-    """Directions of points on a circle, (N, 2)."""
-    count = max(6, int(np.ceil(2 * np.pi * radius / leaf)))
-    angle = np.arange(count) * (2 * np.pi / count)
-    return np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.linspace(-length / 2, length / 2, _steps(length, leaf) + 1)
 
 
 def _sheet(u: FloatArray, v: FloatArray) -> FloatArray:
     return np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
-def _sample_box(solid: Solid, leaf: float) -> FloatArray:
+def _box(solid: Solid, leaf: float) -> FloatArray:
     lines = [_line(edge, leaf) for edge in solid.size]
     faces = []
     for axis in range(3):
@@ -148,97 +123,104 @@ def _sample_box(solid: Solid, leaf: float) -> FloatArray:
     return np.concatenate(faces)
 
 
-def _cap(radius: float, leaf: float, z: float) -> FloatArray:
-    rings = [np.zeros((1, 2))]
-    rings += [r * _circle(r, leaf) for r in np.linspace(0, radius, 1 + _steps(radius, leaf))[1:]]
-    flat = np.concatenate(rings)
-    return np.column_stack([flat, np.full(len(flat), z)])
+Rings = list[tuple[float, float]]  # radius and height of each [m]
 
 
-def _side(radius: float, length: float, leaf: float) -> FloatArray:
-    ring = radius * _circle(radius, leaf)
-    return np.concatenate(
-        [np.column_stack([ring, np.full(len(ring), z)]) for z in _line(length, leaf)]
-    )
+def _rings(rings: Iterable[tuple[float, float]], leaf: float) -> FloatArray:
+    """Points on circles about z; a circle of no radius is a point."""
+    rows = []
+    for radius, z in rings:
+        count = max(6, int(np.ceil(2 * np.pi * radius / leaf))) if radius > 0 else 1
+        angle = np.arange(count) * (2 * np.pi / count)
+        circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        rows.append(np.column_stack([circle, np.full(count, z)]))
+    return np.concatenate(rows)
 
 
-def _dome(radius: float, leaf: float, z: float, up: bool) -> FloatArray:
+def _side(radius: float, length: float, leaf: float) -> Rings:
+    return [(radius, z) for z in _line(length, leaf)]
+
+
+def _disc(radius: float, z: float, leaf: float) -> Rings:
+    return [(r, z) for r in np.linspace(0, radius, 1 + _steps(radius, leaf))]
+
+
+def _dome(radius: float, z: float, up: bool, leaf: float) -> Rings:
     """Half a sphere on the plane at z, from the pole to the equator."""
-    rows = [np.array([[0.0, 0.0, radius]])]
-    for polar in np.linspace(0, np.pi / 2, 1 + _steps(np.pi / 2 * radius, leaf))[1:]:
-        r = radius * np.sin(polar)
-        ring = r * _circle(r, leaf)
-        rows.append(np.column_stack([ring, np.full(len(ring), radius * np.cos(polar))]))
-    points = np.concatenate(rows)
-    if not up:
-        points[:, 2] *= -1
-    points[:, 2] += z
-    return points
+    polar = np.linspace(0, np.pi / 2, 1 + _steps(np.pi / 2 * radius, leaf))
+    high = radius if up else -radius
+    return list(zip(radius * np.sin(polar), z + high * np.cos(polar), strict=True))
 
 
-def _steps(length: float, leaf: float) -> int:
-    return max(1, int(np.ceil(length / leaf - 1e-9)))
-
-
-def _sample_sphere(solid: Solid, leaf: float) -> FloatArray:
+def _sphere(solid: Solid, leaf: float) -> FloatArray:
     (radius,) = solid.size
-    return np.concatenate([_dome(radius, leaf, 0.0, up) for up in (True, False)])
+    return _rings([*_dome(radius, 0.0, True, leaf), *_dome(radius, 0.0, False, leaf)], leaf)
 
 
-def _sample_cylinder(solid: Solid, leaf: float) -> FloatArray:
+def _cylinder(solid: Solid, leaf: float) -> FloatArray:
     radius, length = solid.size
-    caps = [_cap(radius, leaf, z) for z in (-length / 2, length / 2)]
-    return np.concatenate([_side(radius, length, leaf), *caps])
+    ends = [ring for z in (-length / 2, length / 2) for ring in _disc(radius, z, leaf)]
+    return _rings([*_side(radius, length, leaf), *ends], leaf)
 
 
-def _sample_capsule(solid: Solid, leaf: float) -> FloatArray:
+def _capsule(solid: Solid, leaf: float) -> FloatArray:
     radius, length = solid.size
-    domes = [_dome(radius, leaf, z, z > 0) for z in (-length / 2, length / 2)]
-    return np.concatenate([_side(radius, length, leaf), *domes])
+    ends = [ring for z in (-length / 2, length / 2) for ring in _dome(radius, z, z > 0, leaf)]
+    return _rings([*_side(radius, length, leaf), *ends], leaf)
 
 
-def _sample_half_space(solid: Solid, leaf: float) -> FloatArray:
+def _half_space(_: Solid, leaf: float) -> FloatArray:
     line = _line(2 * PATCH, leaf)
     return np.column_stack([_sheet(line, line), np.zeros(len(line) ** 2)])
 
 
-def _sample_mesh(solid: Solid, leaf: float) -> FloatArray:
+def _mesh(solid: Solid, leaf: float) -> FloatArray:
     vertices, _ = trimesh.remesh.subdivide_to_size(solid.vertices, solid.faces, leaf, max_iter=20)
     return np.unique(np.asarray(vertices, dtype=np.float64), axis=0)
 
 
-def _triangles(solid: Solid) -> Any:
-    tree = coal.BVHModelOBBRSS()
-    tree.beginModel(len(solid.faces), len(solid.vertices))
-    tree.addVertices(solid.vertices)
-    tree.addTriangles(solid.faces)
-    tree.endModel()
-    return tree
+class _Of(NamedTuple):
+    """What a kind is."""
+
+    sizes: tuple[str, ...]
+    sample: Callable[[Solid, float], FloatArray]
+    geometry: Callable[[Solid], Any]
+    surface: Callable[[Solid], trimesh.Trimesh]
 
 
-_SAMPLE = {
-    "box": _sample_box,
-    "sphere": _sample_sphere,
-    "cylinder": _sample_cylinder,
-    "capsule": _sample_capsule,
-    "half_space": _sample_half_space,
-    "mesh": _sample_mesh,
-}
-_GEOMETRY = {
-    "box": lambda solid: coal.Box(*solid.size),
-    "sphere": lambda solid: coal.Sphere(*solid.size),
-    "cylinder": lambda solid: coal.Cylinder(*solid.size),
-    "capsule": lambda solid: coal.Capsule(*solid.size),
-    "half_space": lambda solid: coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0),
-    "mesh": _triangles,
-}
-_SURFACE = {
-    "box": lambda solid: trimesh.creation.box(extents=solid.size),
-    "sphere": lambda solid: trimesh.creation.icosphere(2, solid.size[0]),
-    "cylinder": lambda solid: trimesh.creation.cylinder(*solid.size, sections=24),
-    "capsule": lambda solid: trimesh.creation.capsule(solid.size[1], solid.size[0], count=(12, 12)),
-    "half_space": lambda solid: trimesh.creation.box(
-        extents=(2 * PATCH, 2 * PATCH, 0.01), transform=pose((0, 0, -0.005))
+_shape = trimesh.creation
+_KINDS: dict[str, _Of] = {
+    "box": _Of(
+        ("x", "y", "z"), _box, lambda s: coal.Box(*s.size), lambda s: _shape.box(extents=s.size)
     ),
-    "mesh": lambda solid: trimesh.Trimesh(solid.vertices, solid.faces, process=False),
+    "sphere": _Of(
+        ("radius",),
+        _sphere,
+        lambda s: coal.Sphere(*s.size),
+        lambda s: _shape.icosphere(2, s.size[0]),
+    ),
+    "cylinder": _Of(
+        ("radius", "length"),  # about z, the middle at the origin
+        _cylinder,
+        lambda s: coal.Cylinder(*s.size),
+        lambda s: _shape.cylinder(*s.size, sections=24),
+    ),
+    "capsule": _Of(
+        ("radius", "length"),  # of the cylindrical part
+        _capsule,
+        lambda s: coal.Capsule(*s.size),
+        lambda s: _shape.capsule(s.size[1], s.size[0], count=(12, 12)),
+    ),
+    "half_space": _Of(
+        (),  # everything below z = 0 of its frame
+        _half_space,
+        lambda _: coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0),
+        lambda _: _shape.box(extents=(2 * PATCH, 2 * PATCH, 0.01), transform=pose((0, 0, -0.005))),
+    ),
+    "mesh": _Of(
+        (),
+        _mesh,
+        lambda s: tree_of(s.vertices, s.faces),
+        lambda s: trimesh.Trimesh(s.vertices, s.faces, process=False),
+    ),
 }

@@ -1,14 +1,12 @@
 """What a depth camera sees of meshes: one side of what is not hidden, noise, dropouts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
+from scipy import ndimage
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 WIDTH, HEIGHT = 320, 240  # pixels
 FIELD_OF_VIEW = np.radians(70.0)  # horizontal
@@ -22,12 +20,8 @@ SAMPLES = 60_000  # surface points that are projected, over all meshes
 def depth_view(meshes: Sequence[FloatArray], rng: np.random.Generator) -> FloatArray:
     """The cloud from a random place around, by z-buffer over points drawn from the surfaces.
 
-    Args:
-        meshes: Triangles, (T, 3, 3) each [m].
-        rng: Of the place, the samples and the noise.
-
-    Returns:
-        One point per pixel with a reading, in the meshes' frame, (N, 3) [m].
+    Of meshes by triangles, (T, 3, 3) each [m], one point per pixel with a reading, in the meshes'
+    frame, (N, 3) [m].
     """
     triangles = np.concatenate(meshes)
     mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(triangles), process=False)
@@ -43,7 +37,8 @@ def depth_view(meshes: Sequence[FloatArray], rng: np.random.Generator) -> FloatA
     nearest = np.full(WIDTH * HEIGHT, np.inf)
     np.minimum.at(nearest, pixel, local[:, 2])
     # Samples are sparser than pixels in places: what lies well behind a neighbour is hidden.
-    front = _eroded(nearest.reshape(HEIGHT, WIDTH)).ravel()
+    image = nearest.reshape(HEIGHT, WIDTH)
+    front = ndimage.minimum_filter(image, size=3, mode="constant", cval=np.inf).ravel()
     visible = (local[:, 2] <= nearest[pixel]) & (local[:, 2] < front[pixel] + 0.05)
     local = local[visible & (rng.uniform(size=len(local)) > DROPOUT)]
     noise = rng.normal(0.0, NOISE, len(local)) * local[:, 2] ** 2
@@ -54,24 +49,10 @@ def depth_view(meshes: Sequence[FloatArray], rng: np.random.Generator) -> FloatA
 def _random_place(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Where the camera is, (3,) [m], and its axes as columns, (3, 3)."""
     azimuth, elevation = rng.uniform(0, 2 * np.pi), rng.uniform(0.2, 1.0)
-    back = np.array(
-        [
-            np.cos(elevation) * np.cos(azimuth),
-            np.cos(elevation) * np.sin(azimuth),
-            np.sin(elevation),
-        ]
-    )
+    flat = np.cos(elevation)
+    back = np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
     ahead = -back
     right = np.cross(ahead, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
     R = np.column_stack([right, np.cross(ahead, right), ahead])
     return np.array(LOOK_AT) + rng.uniform(*DISTANCE) * back, R
-
-
-def _eroded(depth: FloatArray) -> FloatArray:
-    """The least depth in each pixel's 3 x 3 neighbourhood."""
-    padded = np.pad(depth, 1, constant_values=np.inf)
-    shifts = [
-        padded[i : i + depth.shape[0], j : j + depth.shape[1]] for i in range(3) for j in range(3)
-    ]
-    return np.min(shifts, axis=0)

@@ -5,21 +5,17 @@ rotations, scales uniform in [1, 3]. The objects are primitives, or the YCB obje
 with their clouds is at hand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
 import pdoik
+from bench.common.arrays import FloatArray, moved
 from bench.ik.scenes.primitives import EVERYDAY_OBJECTS, sample_surface, surface_mesh
 from pdoik.clouds import load_cloud
-
-FloatArray = npt.NDArray[np.float64]
 
 CENTER_LOWER = (-0.6, -0.6, 0.0)  # [m]
 CENTER_UPPER = (0.6, 0.6, 1.2)  # [m]
@@ -65,8 +61,7 @@ class PlacedObject:
         return self._placed(self.model.triangles)
 
     def _placed(self, points: FloatArray) -> FloatArray:
-        R, center = self.T_base_object[:3, :3], self.T_base_object[:3, 3]
-        return np.asarray(self.scale * points @ R.T + center)
+        return moved(self.scale * points, self.T_base_object)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,15 +144,8 @@ def random_scene(
 ) -> Scene:
     """Objects drawn one after the other; one that makes the scene unclear is drawn again.
 
-    So scenes stay as full as asked, whatever the robot's posture leaves free.
-
-    Args:
-        rng: What the scene depends on, beside the other arguments.
-        models: To draw from, with replacement.
-        n_objects: How many.
-        is_clear: Whether the scene so far may stay, for example because a robot's posture is clear
-            of its cloud.
-        max_draws: How often an object is drawn before giving up.
+    So scenes stay as full as asked, whatever the robot's posture leaves free. `is_clear` says of
+    the scene so far whether it may stay.
 
     Raises:
         SceneError: `max_draws` objects in a row made the scene unclear.
@@ -170,9 +158,8 @@ def random_scene(
                 scene = larger
                 break
         else:
-            raise SceneError(
-                f"object {k + 1} of {n_objects}: {max_draws} draws, none of them clear"
-            )
+            said = f"{max_draws} draws, none of them clear"
+            raise SceneError(f"object {k + 1} of {n_objects}: {said}")
     return scene
 
 

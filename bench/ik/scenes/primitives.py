@@ -1,28 +1,24 @@
 """Everyday objects as sums of simple surfaces, and points drawn uniformly from them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 SIDES = 48  # of the polygon that stands for a circle in a mesh
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Rectangle:
-    """A flat face, center + u a + v b with u, v in [-1, 1]."""
+    """A flat face, center + u a + v b with u, v in [-1, 1], (3,) each [m]."""
 
-    center: tuple[float, float, float]  # [m]
-    a: tuple[float, float, float]  # [m]
-    b: tuple[float, float, float]  # [m]
+    center: FloatArray
+    a: FloatArray
+    b: FloatArray
 
     @property
     def area(self) -> float:
@@ -30,11 +26,10 @@ class Rectangle:
 
     def sample(self, n: int, rng: np.random.Generator) -> FloatArray:
         u, v = rng.uniform(-1, 1, (2, n, 1))
-        points: FloatArray = np.array(self.center) + u * np.array(self.a) + v * np.array(self.b)
-        return points
+        return self.center + u * self.a + v * self.b
 
     def mesh(self) -> FloatArray:
-        center, a, b = np.array(self.center), np.array(self.a), np.array(self.b)
+        center, a, b = self.center, self.a, self.b
         corners = np.array([center - a - b, center + a - b, center + a + b, center - a + b])
         return corners[[[0, 1, 2], [0, 2, 3]]]
 
@@ -64,12 +59,8 @@ class Frustum:
         angle = np.linspace(0, 2 * np.pi, SIDES + 1)
         circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(SIDES + 1)])
         low, high = (r * circle + [0, 0, z] for r, z in zip(self.radius, self.z, strict=True))
-        faces = np.concatenate(
-            [
-                np.stack([low[:-1], low[1:], high[1:]], axis=1),
-                np.stack([low[:-1], high[1:], high[:-1]], axis=1),
-            ]
-        )
+        lower = np.stack([low[:-1], low[1:], high[1:]], axis=1)
+        faces = np.concatenate([lower, np.stack([low[:-1], high[1:], high[:-1]], axis=1)])
         edges = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
         return faces[np.linalg.norm(edges, axis=1) > 1e-15]  # a rim may be a point
 
@@ -114,15 +105,8 @@ def surface_mesh(patches: Sequence[Patch]) -> FloatArray:
 def box(x: float, y: float, z: float) -> tuple[Patch, ...]:
     """The six faces of a box with these edges [m]."""
     half = np.diag([x, y, z]) / 2
-
-    def row(vector: FloatArray) -> tuple[float, float, float]:
-        return float(vector[0]), float(vector[1]), float(vector[2])
-
-    return tuple(
-        Rectangle(center=row(side * half[i]), a=row(half[i - 2]), b=row(half[i - 1]))
-        for i in range(3)
-        for side in (-1, 1)
-    )
+    sides = [(i, side) for i in range(3) for side in (-1, 1)]
+    return tuple(Rectangle(side * half[i], half[i - 2], half[i - 1]) for i, side in sides)
 
 
 def turned(*profile: tuple[float, float]) -> tuple[Patch, ...]:
@@ -144,33 +128,29 @@ def bottle(radius: float, body: float, shoulder: float, neck: float) -> tuple[Pa
     )
 
 
-EVERYDAY_OBJECTS: Mapping[str, tuple[Patch, ...]] = MappingProxyType(
-    {
-        "cereal box": box(0.19, 0.06, 0.28),
-        "sugar box": box(0.09, 0.05, 0.175),
-        "book": box(0.15, 0.22, 0.03),
-        "brick": box(0.215, 0.1025, 0.065),
-        "sponge": box(0.11, 0.08, 0.02),
-        "knife": box(0.21, 0.022, 0.018),
-        "padlock": box(0.066, 0.066, 0.029),
-        "toy block": box(0.06, 0.06, 0.06),
-        "soup can": can(0.034, 0.102),
-        "coffee can": can(0.051, 0.14),
-        "tuna can": can(0.043, 0.034),
-        "marker": can(0.01, 0.12),
-        "water bottle": bottle(0.035, 0.15, 0.05, 0.03),
-        "detergent bottle": bottle(0.045, 0.17, 0.06, 0.03),
-        "spray bottle": bottle(0.042, 0.14, 0.08, 0.05),
-        "tennis ball": (Ball(radius=0.0335),),
-        "small football": (Ball(radius=0.065),),
-        "golf ball": (Ball(radius=0.0215),),
-        "orange": (Ball(radius=0.037),),
-        "plate": turned((0, 0), (0.08, 0), (0.13, 0.025), (0.08, 0.006), (0, 0.006)),
-        "bowl": turned((0, 0), (0.04, 0), (0.08, 0.055), (0.035, 0.006), (0, 0.006)),
-        "mug": turned(
-            (0, 0), (0.042, 0), (0.042, 0.095), (0.038, 0.095), (0.038, 0.006), (0, 0.006)
-        ),
-        "funnel": turned((0.008, 0), (0.008, 0.04), (0.06, 0.12)),
-        "traffic cone": turned((0, 0), (0.1, 0), (0.015, 0.25), (0, 0.25)),
-    }
-)
+EVERYDAY_OBJECTS: Mapping[str, tuple[Patch, ...]] = {
+    "cereal box": box(0.19, 0.06, 0.28),
+    "sugar box": box(0.09, 0.05, 0.175),
+    "book": box(0.15, 0.22, 0.03),
+    "brick": box(0.215, 0.1025, 0.065),
+    "sponge": box(0.11, 0.08, 0.02),
+    "knife": box(0.21, 0.022, 0.018),
+    "padlock": box(0.066, 0.066, 0.029),
+    "toy block": box(0.06, 0.06, 0.06),
+    "soup can": can(0.034, 0.102),
+    "coffee can": can(0.051, 0.14),
+    "tuna can": can(0.043, 0.034),
+    "marker": can(0.01, 0.12),
+    "water bottle": bottle(0.035, 0.15, 0.05, 0.03),
+    "detergent bottle": bottle(0.045, 0.17, 0.06, 0.03),
+    "spray bottle": bottle(0.042, 0.14, 0.08, 0.05),
+    "tennis ball": (Ball(radius=0.0335),),
+    "small football": (Ball(radius=0.065),),
+    "golf ball": (Ball(radius=0.0215),),
+    "orange": (Ball(radius=0.037),),
+    "plate": turned((0, 0), (0.08, 0), (0.13, 0.025), (0.08, 0.006), (0, 0.006)),
+    "bowl": turned((0, 0), (0.04, 0), (0.08, 0.055), (0.035, 0.006), (0, 0.006)),
+    "mug": turned((0, 0), (0.042, 0), (0.042, 0.095), (0.038, 0.095), (0.038, 0.006), (0, 0.006)),
+    "funnel": turned((0.008, 0), (0.008, 0.04), (0.06, 0.12)),
+    "traffic cone": turned((0, 0), (0.1, 0), (0.015, 0.25), (0, 0.25)),
+}

@@ -10,11 +10,10 @@ What fails is written to failures/ and ends the command with status 1: a file th
 and is a test once it lies in tests/python/soak_cases. --quick is a two-minute version.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,19 +21,9 @@ import pandas as pd
 import typer
 
 import pdoik
-from bench.common.commands import (
-    BUILD,
-    OutFolder,
-    Quick,
-    Scheduler,
-    Seed,
-    Workers,
-    console,
-    plain_errors,
-    run_campaign,
-    show,
-    write_report,
-)
+from bench.common import commands
+from bench.common.whole_files import write_text
+from bench.ik.experiment import tell
 from bench.ik.soak import solves as solving
 from bench.ik.soak import tracking
 from bench.ik.soak.cases import read_case
@@ -55,13 +44,13 @@ JOBS = 40  # at least, about
 
 
 def main(
-    out: OutFolder = BUILD / "soak",
-    quick: Quick = False,
+    out: commands.OutFolder = commands.BUILD / "soak",
+    quick: commands.Quick = False,
     solves: Annotated[int, typer.Option(min=0, help="In all, at least.")] = 10_000_000,
     steps: Annotated[int, typer.Option(min=0, help="Of trackers, at least.")] = 1_000_000,
-    seed: Seed = 0,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
+    seed: commands.Seed = 0,
+    scheduler: commands.Scheduler = None,
+    workers: commands.Workers = None,
     replay: Annotated[
         list[Path] | None, typer.Option(help="Ask this once more instead; repeatable.")
     ] = None,
@@ -72,7 +61,7 @@ def main(
     if quick:
         out = out.with_name(out.name + "-quick")
         solves, steps = min(solves, 100_000), min(steps, 20_000)
-    with plain_errors():
+    with commands.plain_errors():
         trials = {}
         for kind, total, most, run_job in (
             ("solve", solves, SOLVES, solving.run_job),
@@ -84,36 +73,28 @@ def main(
             trials[kind] = pd.DataFrame()
             if jobs:
                 folder = out / kind
-                trials[kind] = run_campaign(folder, settings, run_job, jobs, scheduler, workers)
+                trials[kind] = commands.run_campaign(
+                    folder, settings, run_job, jobs, scheduler, workers
+                )
         failed = write_failures(out / "failures", trials)
     text = report(trials["solve"], trials["tracking"], seed)
-    write_report(out / "soak.md", text)
-    show(text)
-    console.print(f"tables: {out}/soak.md; scenes and runs: */trials.parquet")
+    tell(out, text, name="soak")
     if failed:
-        console.print(f"{failed} cases that failed: {out}/failures")
+        commands.console.print(f"{failed} cases that failed: {out}/failures")
         raise typer.Exit(1)
 
 
 def jobs_of(kind: str, total: int, size: int, seed: int) -> dict[str, dict[str, Any]]:
     """Jobs of `size` each, `total` in all or a little more, the families by turns."""
-    if total == 0:
-        return {}
-    counts = {
-        family: -(-round(total * SHARES[family][kind == "tracking"]) // size) for family in FAMILIES
-    }
-    return {
-        f"{family.replace(' ', '_')}-{index:04d}": {
-            "seed": seed,
-            "family": family,
-            "key": [FAMILIES.index(family), index],
-            "name": f"{family.replace(' ', '_')}-{index:04d}",
-            "count": size,
-        }
-        for index in range(max(counts.values()))
-        for family in FAMILIES
-        if index < counts[family]
-    }
+    share = {family: shares[kind == "tracking"] for family, shares in SHARES.items()}
+    counts = {f: -(-round(total * share[f]) // size) if total else 0 for f in FAMILIES}
+    jobs = {}
+    for index, family in product(range(max(counts.values())), FAMILIES):
+        if index < counts[family]:
+            name, key = f"{family.replace(' ', '_')}-{index:04d}", [FAMILIES.index(family), index]
+            job = {"seed": seed, "family": family, "key": key, "name": name, "count": size}
+            jobs[name] = job
+    return jobs
 
 
 def write_failures(folder: Path, trials: Mapping[str, pd.DataFrame]) -> int:
@@ -123,7 +104,7 @@ def write_failures(folder: Path, trials: Mapping[str, pd.DataFrame]) -> int:
         for text in table.get("cases", ()):
             for name, case in json.loads(text).items() if text else ():
                 folder.mkdir(parents=True, exist_ok=True)
-                (folder / f"{name}.json").write_text(json.dumps(case, indent=1) + "\n")
+                write_text(folder / f"{name}.json", json.dumps(case, indent=1) + "\n")
                 count += 1
     return count
 
@@ -131,11 +112,10 @@ def write_failures(folder: Path, trials: Mapping[str, pd.DataFrame]) -> int:
 def replayed(path: Path) -> bool:
     """Whether a case still fails; says how."""
     case = read_case(path)
-    module = tracking if case["kind"] == "tracking" else solving
-    complaints = module.replay(case)
+    complaints = (tracking if case["kind"] == "tracking" else solving).replay(case)
     was = ", ".join(case["complaints"])
     now = ", ".join(complaints) or "nothing to complain of"
-    console.print(f"{path.name}: was {was}; now {now}", highlight=False, soft_wrap=True)
+    commands.console.print(f"{path.name}: was {was}; now {now}", highlight=False, soft_wrap=True)
     return bool(complaints)
 
 

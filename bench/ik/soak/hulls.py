@@ -1,65 +1,15 @@
 """Distances to hulls by their definition, in double precision, every hull with every point.
 
-A hull is the set of all points whose mean distance to two foci is at most its semi-major axis A;
-one focus makes it a ball. Foci farther apart than 2 A hold nothing.
-Beside these there are capsules, balls swept along segments; their ends and radii stand in the same
+Beside hulls there are capsules, balls swept along segments; their ends and radii stand in the same
 arrays as foci and A.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import BoolArray, FloatArray
+from bench.ik.judges.distances import hull_distance, to_segment
 
 PAIRS = 200_000  # of a hull and a point that are looked at together: what a cache holds
-BISECTIONS = 42  # of a quarter turn: its length over 2^42 is 4e-13, of which the square counts
-
-
-def ellipse_distance(A: FloatArray, B: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-    """From points to the ellipse (A cos t, B sin t), A >= B > 0 and x, y >= 0, all (K,) [m].
-
-    Half the squared distance has the slope x A sin t - y B cos t - (A^2 - B^2) sin t cos t. It is
-    not positive at t = 0 nor negative at t = pi / 2 and changes sign once between: bisection.
-    """
-    low, high = np.zeros_like(x), np.full_like(x, np.pi / 2)
-    for _ in range(BISECTIONS):
-        t = 0.5 * (low + high)
-        sine, cosine = np.sin(t), np.cos(t)
-        slope = x * A * sine - y * B * cosine - (A - B) * (A + B) * sine * cosine
-        below = slope < 0.0
-        low, high = np.where(below, t, low), np.where(below, high, t)
-    t = 0.5 * (low + high)
-    least = np.hypot(x - A * np.cos(t), y - B * np.sin(t))
-    # Where the slope is zero at an end too, that end may be the nearest.
-    return np.minimum(least, np.minimum(np.hypot(x - A, y), np.hypot(x, y - B)))
-
-
-def hull_distance(points: FloatArray, a: FloatArray, b: FloatArray, A: FloatArray) -> FloatArray:
-    """From points to hulls' surfaces, negative inside, infinite to a hull that holds nothing [m].
-
-    Args:
-        points: (K, 3).
-        a: Foci, (K, 3).
-        b: The other foci, (K, 3).
-        A: Semi-major axes, (K,).
-    """
-    half = 0.5 * np.linalg.norm(b - a, axis=1)
-    B = np.sqrt(np.maximum((A - half) * (A + half), 0.0))
-    axis = (b - a) / np.where(half > 0.0, 2.0 * half, 1.0)[:, None]
-    from_centre = points - 0.5 * (a + b)
-    along = np.einsum("ki,ki->k", from_centre, axis)
-    radial = np.linalg.norm(from_centre - along[:, None] * axis, axis=1)
-    ball = half <= 1e-12 * A
-    distance = np.linalg.norm(from_centre, axis=1) - A
-    rest = ~ball & (half < A)
-    along, radial = np.abs(along[rest]), radial[rest]
-    gap = ellipse_distance(A[rest], B[rest], along, radial)
-    inside = (along / A[rest]) ** 2 + (radial / B[rest]) ** 2 < 1.0
-    distance[rest] = np.where(inside, -gap, gap)
-    distance[half >= A] = np.inf
-    return distance
 
 
 def clearance(
@@ -67,16 +17,13 @@ def clearance(
     b: FloatArray,
     A: FloatArray,
     points: FloatArray,
-    swept: npt.NDArray[np.bool_] | None = None,
+    swept: BoolArray | None = None,
 ) -> FloatArray:
     """Least distance of any point, less its radius, to any hull, (B,), infinite without any [m].
 
-    Args:
-        a: Foci of the hulls in each of B placements, (B, H, 3).
-        b: The other foci, (B, H, 3).
-        A: Semi-major axes, (H,).
-        points: Centres and radii, (N, 4), or of each placement its own, (B, N, 4).
-        swept: Which hulls are capsules, (H,).
+    Hulls have foci a and b in each of B placements, (B, H, 3), and semi-major axes A, (H,); those
+    that are `swept`, (H,), are capsules. Points are centres and radii, (N, 4), or of each placement
+    its own, (B, N, 4).
     """
     if swept is not None and swept.any():
         wide = clearance(a[:, ~swept], b[:, ~swept], A[~swept], points)
@@ -101,14 +48,14 @@ def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> F
     nowhere farther from that with A than at the waist, where they are B(s) - B(A) apart. Inside a
     hull both hold with their signs turned round.
     """
-    excess = _half_sums(a, b, points) - (A[:, None] + points[..., None, :, 3])  # (B, H, N)
+    radii = points[..., None, :, 3]
+    excess = _half_sums(a, b, points) - (A[:, None] + radii)  # (B, H, N)
+    half = 0.5 * np.linalg.norm(b - a, axis=2)
     empty = np.linalg.norm(b - a, axis=2) >= 2.0 * A
     if empty.any():
         excess[empty] = np.inf
     scale = 1.0 + np.abs(points[..., :3]).max() + np.abs(a).max()
     slack = 1e-7 * scale  # of the rounding in `_half_sums`
-    radii = points[..., None, :, 3]
-    half = 0.5 * np.linalg.norm(b - a, axis=2)
     waist = np.sqrt(np.maximum((A - half) * (A + half), 0.0))
     at = excess.reshape(len(a), -1).argmin(axis=1)
     row = np.arange(len(a))
@@ -121,16 +68,16 @@ def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> F
     may_be_less |= excess + radii <= slack  # inside the distance may be far below the bound
     least = np.full(len(a), np.inf)
     row, hull, point = np.nonzero(may_be_less)
-    np.minimum.at(least, row, _exact(a, b, A, points, row, hull, point))
+    own = points[row, point] if points.ndim == 3 else points[point]
+    exact = hull_distance(own[:, :3], a[row, hull], b[row, hull], A[hull]) - own[:, 3]
+    np.minimum.at(least, row, exact)
     return least
 
 
 def _to_capsules(a: FloatArray, b: FloatArray, r: FloatArray, points: FloatArray) -> FloatArray:
     """See `clearance`, of capsules only."""
     least = np.full(len(a), np.inf)
-    if points.shape[-2] == 0:
-        return least
-    for n in range(len(a)):
+    for n in range(len(a) if points.shape[-2] else 0):
         own = points[n] if points.ndim == 3 else points
         for p, q, radius in zip(a[n], b[n], r, strict=True):
             gap = to_segment(own[:, :3], p, q) - radius - own[:, 3]
@@ -157,22 +104,8 @@ def _half_sums(a: FloatArray, b: FloatArray, points: FloatArray) -> FloatArray:
     return total
 
 
-def _exact(
-    a: FloatArray,
-    b: FloatArray,
-    A: FloatArray,
-    points: FloatArray,
-    row: npt.NDArray[np.intp],
-    hull: npt.NDArray[np.intp],
-    point: npt.NDArray[np.intp],
-) -> FloatArray:
-    """Distances of single pairs, less the points' radii."""
-    own = points[row, point] if points.ndim == 3 else points[point]
-    return hull_distance(own[:, :3], a[row, hull], b[row, hull], A[hull]) - own[:, 3]
-
-
 def capsules(
-    a: FloatArray, b: FloatArray, A: FloatArray, swept: npt.NDArray[np.bool_] | None = None
+    a: FloatArray, b: FloatArray, A: FloatArray, swept: BoolArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The capsules around hulls: ends of their segments and radii, NaN of one that holds nothing.
 
@@ -184,8 +117,6 @@ def capsules(
     B = np.sqrt(np.where(h < A, (A - h) * (A + h), np.nan))
     reach = half * ((A - B) / np.where(h > 0.0, h, 1.0))[..., None]
     middle = 0.5 * (a + b)
-    if swept is None:
-        return middle - reach, middle + reach, B
     along = swept[:, None]
     first, last = np.where(along, a, middle - reach), np.where(along, b, middle + reach)
     return first, last, np.where(swept, A, B)
@@ -210,11 +141,3 @@ def segment_distance(p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray)
     both = (square > 0.0) & (t > 0.0) & (t < 1.0) & (k > 0.0) & (k < 1.0)
     across = np.linalg.norm(p + t[..., None] * u - r - k[..., None] * v, axis=-1)
     return np.where(both, np.minimum(across, ends), ends)
-
-
-def to_segment(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
-    """From points (..., 3) to the segments from p to q [m]."""
-    u = q - p
-    square = np.einsum("...i,...i", u, u)
-    along = np.einsum("...i,...i", point - p, u) / np.where(square > 0.0, square, 1.0)
-    return np.linalg.norm(point - p - np.clip(along, 0.0, 1.0)[..., None] * u, axis=-1)

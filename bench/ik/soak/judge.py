@@ -1,21 +1,17 @@
 """What answers are worth, by Pinocchio and the definitions; nothing of the solver's is asked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.soak.hulls import capsules, clearance, segment_distance
 from bench.ik.soak.kinematics import Kinematics, Placed
-from bench.ik.soak.robots import RobotSpec
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from bench.ik.soak.robots import RobotSpec, Triple
 
 ROUNDING = 1e-9  # what two ways to compute one figure may differ by [m] or [rad]
 SAMPLES = 12  # random configurations that show what moves with what
@@ -29,19 +25,17 @@ class Goals:
     tip: str
     T: FloatArray  # (B, 4, 4)
     type: Literal["pose", "axis", "position"] = "pose"
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    position_slack: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rotation_slack: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis: Triple = (0.0, 0.0, 1.0)
+    position_slack: Triple = (0.0, 0.0, 0.0)
+    rotation_slack: Triple = (0.0, 0.0, 0.0)
 
-    def __getitem__(self, k: slice | BoolArray | npt.NDArray[np.intp]) -> Goals:
-        return Goals(
-            tip=self.tip,
-            T=self.T[k],
-            type=self.type,
-            axis=self.axis,
-            position_slack=self.position_slack,
-            rotation_slack=self.rotation_slack,
-        )
+    def __getitem__(self, k: Any) -> Self:
+        return replace(self, T=self.T[k])
+
+    @property
+    def has_slack(self) -> bool:
+        """Whether it leaves some room."""
+        return any(self.position_slack) or any(self.rotation_slack)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,10 +52,9 @@ class Asked:
     balance: Mapping[str, Any] | None = None  # arguments of pdoik.Balance
 
     @classmethod
-    def of(cls, options: Mapping[str, Any]) -> Asked:
+    def of(cls, options: Mapping[str, Any]) -> Self:
         """From arguments of pdoik.Options."""
-        known = {name: options[name] for name in cls.__slots__ if name in options}
-        return cls(**known)
+        return cls(**{name: options[name] for name in cls.__slots__ if name in options})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +80,13 @@ class Verdicts:
             "balance": self.balance_violation - asked.clearance_tolerance,
         }
 
+    def worst(self, asked: Asked, claimed: BoolArray) -> dict[str, float]:
+        """The most that any claimed answer is beyond each tolerance."""
+        return {
+            f"excess_{name}": float(values[claimed].max(initial=-np.inf))
+            for name, values in self.excess(asked).items()
+        }
+
     def solves(self, asked: Asked) -> BoolArray:
         """Whether all hold, the limits exactly and the rest up to rounding."""
         holds = self.limits_hold.copy()
@@ -96,12 +96,7 @@ class Verdicts:
 
 
 class Judge:
-    """Judges answers of one robot.
-
-    Args:
-        spec: The robot.
-        joint_names: The order of q's entries.
-    """
+    """Judges answers of one robot; q's entries are in the order of `joint_names`."""
 
     def __init__(self, spec: RobotSpec, joint_names: Sequence[str]) -> None:
         self.kinematics = Kinematics(spec, joint_names)
@@ -149,27 +144,19 @@ class Judge:
         finite = np.isfinite(Q).all(axis=1)
         Q = np.where(finite[:, None], Q, 0.0)  # of the others it is said that limits do not hold
         placed = self.kinematics.place(Q, com=asked.balance is not None)
-        position, rotation = np.zeros(count), np.zeros(count)
-        ambiguous = np.zeros(count, dtype=bool)
-        for goal in goals:
-            off, turned, unclear = _goal_errors(goal, *self.kinematics.link(placed, goal.tip))
-            position, rotation = np.maximum(position, off), np.maximum(rotation, turned)
-            ambiguous |= unclear
-        own = np.full(count, np.inf)
-        clear, hollow = own.copy(), np.zeros(count, dtype=bool)
-        if len(self.A) and (asked.self_collision or (points is not None and points.size)):
+        errors = [_goal_errors(goal, *self.kinematics.link(placed, goal.tip)) for goal in goals]
+        position, rotation, ambiguous = (np.max(each, axis=0) for each in zip(*errors, strict=True))
+        clear, own = np.full((2, count), np.inf)
+        hollow = np.zeros(count, dtype=bool)
+        among = points is not None and points.size > 0
+        if len(self.A) and (asked.self_collision or among):
             a, b = self.hulls(placed)
             empty = np.linalg.norm(b - a, axis=2) >= 2 * self.A * (1 - 1e-12)
             hollow = (empty & ~self.swept).any(axis=1)
-            if points is not None and points.size:
-                counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
-                at = (a[:, counted], b[:, counted], (self.A - self.forgiven)[counted])
-                clear = clearance(*at, points, self.swept[counted])
+            if among:
+                clear = self.clearance(a, b, points, asked)
             if asked.self_collision:
                 own = self.self_distance(a, b)
-        balance = np.zeros(count)
-        if asked.balance is not None:
-            balance = self._balance(asked.balance, placed)
         return Verdicts(
             position_error=position,
             rotation_error=rotation,
@@ -177,9 +164,17 @@ class Judge:
             clearance=clear,
             hollow=hollow,
             self_distance=own,
-            balance_violation=balance,
+            balance_violation=self._balance(asked.balance, placed),
             limits_hold=self.kinematics.limits_hold(Q) & finite,
         )
+
+    def clearance(
+        self, a: FloatArray, b: FloatArray, points: FloatArray, asked: Asked
+    ) -> FloatArray:
+        """Of the hulls that count, with what may be forgiven taken off them, (B,) [m]."""
+        counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
+        radii = (self.A - self.forgiven)[counted]
+        return clearance(a[:, counted], b[:, counted], radii, points, self.swept[counted])
 
     def travel(self, moved: FloatArray) -> FloatArray:
         """How far hulls may get when joints move by (B, n), roughly, (B,) [m]."""
@@ -197,18 +192,17 @@ class Judge:
         least: FloatArray = np.where(np.isnan(apart), np.inf, apart).min(axis=1)
         return least
 
-    def _balance(self, balance: Mapping[str, Any], placed: Placed) -> FloatArray:
+    def _balance(self, balance: Mapping[str, Any] | None, placed: Placed) -> FloatArray:
         """How far the centre of mass is outside its box and its polygon, 0 inside, (B,) [m]."""
-        com = placed.com
-        assert com is not None
-        outside = np.zeros(len(com))
-        for side in (
-            np.asarray(balance.get("com_lower", [-np.inf] * 3)) - com,
-            com - np.asarray(balance.get("com_upper", [np.inf] * 3)),
-        ):
-            outside = np.maximum(outside, side.max(axis=1))
-        contacts = balance.get("contacts", {})
-        if contacts:
+        outside, com = np.zeros(len(placed.p)), placed.com
+        if balance is None:
+            return outside
+        lower, upper = (balance.get(f"com_{end}") for end in ("lower", "upper"))
+        if lower is not None:
+            outside = np.maximum(outside, (np.asarray(lower) - com).max(axis=1))
+        if upper is not None:
+            outside = np.maximum(outside, (com - np.asarray(upper)).max(axis=1))
+        if contacts := balance.get("contacts"):
             at = [(link, tuple(xyz)) for link, points in contacts.items() for xyz in points]
             corners = _Points(self.kinematics, at)(placed)
             up = np.asarray(balance.get("up", [0.0, 0.0, 1.0]))
@@ -218,14 +212,10 @@ class Judge:
 
 
 def beyond_polygon(corners: FloatArray, point: FloatArray, up: FloatArray) -> FloatArray:
-    """How far a point lies beyond the convex hull of corners, seen along `up` (negative inside).
+    """How far points (B, 3) lie beyond the convex hull of corners (B, K, 3), seen along `up`.
 
-    The hull's edges are the lines through two corners that have all others on one side.
-
-    Args:
-        corners: (B, K, 3).
-        point: (B, 3).
-        up: (3,), of any length.
+    Negative inside. The hull's edges are the lines through two corners that have all others on one
+    side.
     """
     up = up / np.linalg.norm(up)
     side = np.cross(up, np.eye(3)[np.abs(up).argmin()])
@@ -308,57 +298,43 @@ def _pairs(
     those before it. A hull both of whose foci move with one link is on that link, the farthest from
     the base of them; any other is on the two links that it was given on.
     """
-    model = kinematics.model
-    neighbours: dict[int, set[int]] = {j: set() for j in range(model.njoints)}
-    for j in range(1, model.njoints):
-        neighbours[j].add(model.parents[j])
-        neighbours[model.parents[j]].add(j)
-    towards_base = _parents(neighbours, kinematics.base[0])
+    parents = list(kinematics.model.parents)
+    neighbours: dict[int, set[int]] = {j: set() for j in range(len(parents))}
+    for joint, parent in enumerate(parents[1:], start=1):
+        neighbours[joint].add(parent)
+        neighbours[parent].add(joint)
+    root = kinematics.base[0]
+    towards_base, queue = {root: root}, [root]  # of each joint the next one on the way
+    while queue:
+        at = queue.pop()
+        for other in neighbours[at] - towards_base.keys():
+            towards_base[other] = at
+            queue.append(other)
 
     def moved_by(link: str, focus: FloatArray) -> list[int]:
         """The joints on the way to the base whose links a focus moves with, its own first."""
-        joints = []
-        for joint in _way(towards_base, kinematics.seat(link)[0]):
+        joints, joint = [], kinematics.seat(link)[0]
+        while not joints or joint != joints[-1]:
             local = np.einsum("bji,bj->bi", placed.R[:, joint], focus - placed.p[:, joint])
             if np.ptp(local, axis=0).max() > STILL:
                 break
             joints.append(joint)
+            joint = towards_base[joint]
         return joints
 
-    seats, parts = [], []
+    seats = []
     for hull, (first, second) in enumerate(links):
         ways = moved_by(first, a[:, hull]), moved_by(second, b[:, hull])
         both = [joint for joint in ways[0] if joint in ways[1]]
-        parts.append(set(both))
         on = {both[0]} if both else {ways[0][0], ways[1][0]}
         named = {link for link in (first, second) if kinematics.seat(link)[0] in on}
-        seats.append((on, named))
+        seats.append((on, named, set(both)))
     ignored = {frozenset(pair) for pair in kinematics.spec.ignored_pairs}
     pairs = []
-    for i, (joints_i, links_i) in enumerate(seats):
-        for j in range(i):
-            joints_j, links_j = seats[j]
+    for i, (joints_i, links_i, parts_i) in enumerate(seats):
+        for j, (joints_j, links_j, parts_j) in enumerate(seats[:i]):
             near = any(x == y or y in neighbours[x] for x in joints_i for y in joints_j)
             free = any(frozenset((x, y)) in ignored for x in links_i for y in links_j)
-            if not (near or free or parts[i] & parts[j]):
+            if not (near or free or parts_i & parts_j):
                 pairs.append((j, i))
     return np.array(pairs, dtype=np.intp).reshape(-1, 2)
-
-
-def _parents(neighbours: Mapping[int, set[int]], root: int) -> dict[int, int]:
-    """Of each joint the next one on the way to the root, of the root itself."""
-    towards, queue = {root: root}, [root]
-    while queue:
-        at = queue.pop()
-        for other in neighbours[at] - towards.keys():
-            towards[other] = at
-            queue.append(other)
-    return towards
-
-
-def _way(towards: Mapping[int, int], start: int) -> list[int]:
-    """All on the way to the root, both ends included."""
-    way = [start]
-    while towards[way[-1]] != way[-1]:
-        way.append(towards[way[-1]])
-    return way

@@ -1,38 +1,41 @@
 """Where a robot's links are, by Pinocchio, and its limits, from the description's own text."""
 
-from __future__ import annotations
-
 import ctypes
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.soak.robots import RobotSpec
-
-FloatArray = npt.NDArray[np.float64]
 
 FLOATING = ("base_x", "base_y", "base_z", "base_yaw", "base_pitch", "base_roll")
 NUMBERS = 12  # of a placement in Pinocchio's memory: a rotation by columns, a translation
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Joint:
+class Joint(NamedTuple):
     """What the judge knows of a joint that moves: position = multiplier * q[index] + offset."""
 
     index: int
-    multiplier: float
-    offset: float
     lower: float
     upper: float
-    velocity: float
+    multiplier: float = 1.0
+    offset: float = 0.0
+    velocity: float = np.inf
+
+    @property
+    def follows(self) -> bool:
+        """Whether it mimics another."""
+        return self.multiplier != 1.0 or self.offset != 0.0
+
+    def at(self, Q: FloatArray) -> FloatArray:
+        """Its position in configurations (B, n)."""
+        return self.multiplier * Q[:, self.index] + self.offset
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Placed:
+class Placed(NamedTuple):
     """All links in B configurations, in the base frame."""
 
     R: FloatArray  # of the model's joints, (B, J, 3, 3)
@@ -41,18 +44,25 @@ class Placed:
 
 
 class Kinematics:
-    """Pinocchio's model of a robot.
-
-    Args:
-        spec: The robot.
-        joint_names: The order of q's entries.
-    """
+    """Pinocchio's model of a robot; q's entries are in the order of `joint_names`."""
 
     def __init__(self, spec: RobotSpec, joint_names: Sequence[str]) -> None:
-        self.spec = spec
-        self.names = list(joint_names)
-        self.model = _model_of_rows(spec.rows) if spec.rows else _model_of_urdf(spec.description())
-        self.joints = _joints_of_rows(spec.rows) if spec.rows else _joints(spec, self.names)
+        self.spec, self.names = spec, list(joint_names)
+        root = "link0"
+        if spec.rows:
+            self.model = _model_of_rows(spec.rows)
+            self.joints = {
+                f"joint{i + 1}": Joint(i, row["lower"], row["upper"])
+                for i, row in enumerate(spec.rows)
+            }
+        else:  # with a free flyer: without one Pinocchio leaves the root link's mass out
+            xml = ElementTree.fromstring(spec.description())
+            free = pin.JointModelFreeFlyer()
+            self.model = pin.buildModelFromXML(spec.description(), free)
+            self.joints = _joints(spec, xml, self.names)
+            children = {joint.find("child").attrib["link"] for joint in xml.iterfind("joint")}
+            names = [link.attrib["name"] for link in xml.iterfind("link")]
+            root = next(name for name in names if name not in children)
         self.data = self.model.createData()
         self.neutral = pin.neutral(self.model)
         self._slots = [  # entries of Pinocchio's q, and whether they are a point of the circle
@@ -62,29 +72,17 @@ class Kinematics:
         ]
         self._seats: dict[str, tuple[int, FloatArray, FloatArray]] = {}
         self._memory = _memory(self.model, self.data)
-        base = spec.base_link or self._root()
-        self.base = self.seat(base)
-        self._moved = spec.floating_base is not None or spec.T_world_base is not None
-        self._rebased = bool(spec.base_link) or self._moved
+        self.base = self.seat(spec.base_link or root)
+        moved = spec.floating_base is not None or spec.T_world_base is not None
+        self._rebased = bool(spec.base_link) or moved
         self.lower, self.upper = np.full((2, len(self.names)), np.inf) * [[-1.0], [1.0]]
         self.velocity = np.full(len(self.names), np.inf)
         for joint in self.joints.values():
-            if joint.multiplier == 1.0 and joint.offset == 0.0:
+            if not joint.follows:
                 i = joint.index
                 self.lower[i] = max(self.lower[i], joint.lower)
                 self.upper[i] = min(self.upper[i], joint.upper)
                 self.velocity[i] = min(self.velocity[i], joint.velocity)
-
-    def _root(self) -> str:
-        if self.spec.rows:
-            return "link0"
-        xml = ElementTree.fromstring(self.spec.description())
-        children = {joint.find("child").attrib["link"] for joint in xml.iterfind("joint")}  # type: ignore[union-attr]
-        return next(
-            link.attrib["name"]
-            for link in xml.iterfind("link")
-            if link.attrib["name"] not in children
-        )
 
     def seat(self, link: str) -> tuple[int, FloatArray, FloatArray]:
         """The model's joint that a link hangs on, and where it sits on it: R (3, 3), p (3,)."""
@@ -105,7 +103,7 @@ class Kinematics:
                 centres[k] = pin.centerOfMass(self.model, self.data, q, False)
         raw = raw.reshape(len(Q), -1, NUMBERS)
         R = raw[:, :, :9].reshape(len(Q), -1, 3, 3).swapaxes(-1, -2)
-        placed = Placed(R=R, p=raw[:, :, 9:], com=centres)
+        placed = Placed(R, raw[:, :, 9:], centres)
         return self._from_base(placed, Q) if self._rebased else placed
 
     def link(self, placed: Placed, name: str) -> tuple[FloatArray, FloatArray]:
@@ -113,13 +111,13 @@ class Kinematics:
         joint, R, p = self.seat(name)
         return placed.R[:, joint] @ R, placed.p[:, joint] + placed.R[:, joint] @ p
 
-    def limits_hold(self, Q: FloatArray) -> npt.NDArray[np.bool_]:
+    def limits_hold(self, Q: FloatArray) -> BoolArray:
         """Whether every joint is inside its own limits, exactly; followers but for rounding."""
         holds = ((self.lower <= Q) & (self.upper >= Q)).all(axis=1)
         for joint in self.joints.values():
-            x = joint.multiplier * Q[:, joint.index] + joint.offset
-            room = 1e-12 * (1.0 + np.abs(x))
-            if joint.multiplier != 1.0 or joint.offset != 0.0:
+            if joint.follows:
+                x = joint.at(Q)
+                room = 1e-12 * (1.0 + np.abs(x))
                 holds &= (joint.lower - room <= x) & (x <= joint.upper + room)
         return holds
 
@@ -137,7 +135,7 @@ class Kinematics:
         """As Pinocchio has them: followers filled in, unlimited angles as points of the circle."""
         whole = np.tile(self.neutral, (len(Q), 1))
         for slot, joint in self._slots:
-            x = joint.multiplier * Q[:, joint.index] + joint.offset
+            x = joint.at(Q)
             if slot.nq == 2:
                 whole[:, slot.idx_q], whole[:, slot.idx_q + 1] = np.cos(x), np.sin(x)
             else:
@@ -147,9 +145,8 @@ class Kinematics:
     def _from_base(self, placed: Placed, Q: FloatArray) -> Placed:
         """From the model's root to the base frame, or to the world that the base stands in."""
         joint, R, p = self.base
-        R_base = placed.R[:, joint] @ R
+        turn = (placed.R[:, joint] @ R).swapaxes(-1, -2)
         p_base = placed.p[:, joint] + placed.R[:, joint] @ p
-        turn = R_base.swapaxes(-1, -2)
         shift = -np.einsum("bij,bj->bi", turn, p_base)
         if self.spec.T_world_base is not None:
             T = np.array(self.spec.T_world_base)
@@ -162,11 +159,8 @@ class Kinematics:
         com = placed.com
         if com is not None:
             com = np.einsum("bij,bj->bi", turn, com) + shift
-        return Placed(
-            R=turn[:, None] @ placed.R,
-            p=np.einsum("bij,bkj->bki", turn, placed.p) + shift[:, None],
-            com=com,
-        )
+        p = np.einsum("bij,bkj->bki", turn, placed.p) + shift[:, None]
+        return Placed(turn[:, None] @ placed.R, p, com)
 
 
 def _about(axis: int, angle: FloatArray) -> FloatArray:
@@ -178,11 +172,6 @@ def _about(axis: int, angle: FloatArray) -> FloatArray:
     R[:, k, j] = np.sin(angle)
     R[:, j, k] = -np.sin(angle)
     return R
-
-
-def _model_of_urdf(text: str) -> pin.Model:
-    """With a free flyer for a root: without one Pinocchio leaves the root link's mass out."""
-    return pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
 
 
 def _model_of_rows(rows: Sequence[dict[str, float]]) -> pin.Model:
@@ -200,25 +189,11 @@ def _model_of_rows(rows: Sequence[dict[str, float]]) -> pin.Model:
     return model
 
 
-def _joints_of_rows(rows: Sequence[dict[str, float]]) -> dict[str, Joint]:
-    return {
-        f"joint{i + 1}": Joint(
-            index=i,
-            multiplier=1.0,
-            offset=0.0,
-            lower=row["lower"],
-            upper=row["upper"],
-            velocity=np.inf,
-        )
-        for i, row in enumerate(rows)
-    }
-
-
-def _joints(spec: RobotSpec, names: list[str]) -> dict[str, Joint]:
+def _joints(spec: RobotSpec, xml: ElementTree.Element, names: list[str]) -> dict[str, Joint]:
     """Of a description's joints those that move, mimic ones resolved to what they follow."""
     elements = {
         joint.attrib["name"]: joint
-        for joint in ElementTree.fromstring(spec.description()).iterfind("joint")
+        for joint in xml.iterfind("joint")
         if joint.attrib["type"] != "fixed"
     }
     joints = {}
@@ -230,28 +205,14 @@ def _joints(spec: RobotSpec, names: list[str]) -> dict[str, Joint]:
             leader = mimic.attrib["joint"]
         limit = element.find("limit")
         figures = {} if limit is None else limit.attrib
-        if element.attrib["type"] == "continuous":
-            lower, upper = -np.inf, np.inf
-        else:
+        lower, upper = -np.inf, np.inf
+        if element.attrib["type"] != "continuous":
             lower, upper = float(figures["lower"]), float(figures["upper"])
-        joints[name] = Joint(
-            index=names.index(leader),
-            multiplier=multiplier,
-            offset=offset,
-            lower=lower,
-            upper=upper,
-            velocity=float(figures.get("velocity", np.inf)),
-        )
-    for i, name in enumerate(FLOATING if spec.floating_base is not None else ()):
-        low, high = spec.floating_base[0][i], spec.floating_base[1][i]  # type: ignore[index]
-        joints[name] = Joint(
-            index=names.index(name),
-            multiplier=1.0,
-            offset=0.0,
-            lower=low,
-            upper=high,
-            velocity=np.inf,
-        )
+        velocity = float(figures.get("velocity", np.inf))
+        joints[name] = Joint(names.index(leader), lower, upper, multiplier, offset, velocity)
+    if spec.floating_base is not None:
+        for name, low, high in zip(FLOATING, *spec.floating_base, strict=True):
+            joints[name] = Joint(names.index(name), low, high)
     return joints
 
 
@@ -260,28 +221,16 @@ def _memory(model: pin.Model, data: pin.Data) -> FloatArray:
 
     They lie one after the other. To fetch them one by one takes a hundred times as long.
     """
-    addresses = [data.oMi[j].rotation.__array_interface__["data"][0] for j in range(model.njoints)]
-    size = np.dtype(np.float64).itemsize
-    memory = np.ctypeslib.as_array(
-        (ctypes.c_double * (NUMBERS * model.njoints)).from_address(addresses[0])
-    )
-    pin.forwardKinematics(model, data, pin.randomConfiguration(_bounded(model)))
-    for j, address in enumerate(addresses):
-        own = memory[NUMBERS * j : NUMBERS * (j + 1)]
-        placement = data.oMi[j]
-        is_there = address == addresses[0] + j * NUMBERS * size
-        if not (
-            is_there
-            and (own[:9] == placement.rotation.ravel(order="F")).all()
-            and (own[9:] == placement.translation).all()
-        ):
-            raise RuntimeError("Pinocchio's placements do not lie as they did in memory")
-    return memory
-
-
-def _bounded(model: pin.Model) -> pin.Model:
-    """The model with limits that random configurations can be drawn from."""
-    bounded = model.copy()
+    first = data.oMi[0].rotation.__array_interface__["data"][0]
+    count = NUMBERS * model.njoints
+    memory = np.ctypeslib.as_array((ctypes.c_double * count).from_address(first))
+    bounded = model.copy()  # with limits that random configurations can be drawn from
     bounded.lowerPositionLimit = np.full(model.nq, -1.0)
     bounded.upperPositionLimit = np.full(model.nq, 1.0)
-    return bounded
+    pin.forwardKinematics(model, data, pin.randomConfiguration(bounded))
+    for own, T in zip(memory.reshape(-1, NUMBERS), data.oMi, strict=True):
+        turned, shifted = own[:9] == T.rotation.ravel(order="F"), own[9:] == T.translation
+        at = own.__array_interface__["data"][0]
+        if at != T.rotation.__array_interface__["data"][0] or not (turned.all() and shifted.all()):
+            raise RuntimeError("Pinocchio's placements do not lie as they did in memory")
+    return memory

@@ -1,15 +1,14 @@
 """What a Tracker is put through: moving targets and obstacles, any speed limits, rubbish."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
+from bench.common.arrays import FloatArray
 from bench.ik.soak.judge import Goals, Judge, random_configurations
-from bench.ik.soak.robots import FloatArray, RobotSpec
+from bench.ik.soak.robots import RobotSpec
 from bench.ik.soak.scenes import draw_cloud, draw_goals, draw_options, four_columns
 from bench.ik.soak.trees import HUGE
 
@@ -26,8 +25,8 @@ class Step:
 
     goals: dict[str, FloatArray]  # by tip, (4, 4): as they are given, sense or not
     cloud: FloatArray | None  # as it is given; None for that of the step before
-    sound: bool  # whether the goals make sense
-    sound_cloud: bool  # whether the cloud does
+    sound: bool = True  # whether the goals make sense
+    sound_cloud: bool = True  # whether the cloud does
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,22 +42,13 @@ class Motion:
     goals: list[Goals]  # of the steps, before any of them was spoilt; the type and slack of all
     steps: list[Step]
 
-    def part(self, first: int, last: int, start: FloatArray, cloud: FloatArray | None) -> Motion:
+    def part(self, first: int, last: int, start: FloatArray, cloud: FloatArray | None) -> Self:
         """Steps first to last - 1, beginning at a configuration with a cloud."""
         steps = list(self.steps[first:last])
         if steps[0].cloud is None and cloud is not None:
-            head = steps[0]
-            steps[0] = Step(goals=head.goals, cloud=cloud, sound=head.sound, sound_cloud=True)
-        return Motion(
-            spec=self.spec,
-            speeds=self.speeds,
-            options=self.options,
-            tracker=self.tracker,
-            start=start,
-            posture=self.posture,
-            goals=[goal[first:last] for goal in self.goals],
-            steps=steps,
-        )
+            steps[0] = replace(steps[0], cloud=cloud, sound_cloud=True)
+        goals = [goal[first:last] for goal in self.goals]
+        return replace(self, start=start, goals=goals, steps=steps)
 
 
 def draw_motion(judge: Judge, speeds: str, rng: np.random.Generator, count: int) -> Motion:
@@ -69,8 +59,9 @@ def draw_motion(judge: Judge, speeds: str, rng: np.random.Generator, count: int)
     for name in ("method", "inner", "max_restarts", "max_time"):
         options.pop(name, None)
     options["max_obstacles"] = MOST_POINTS
-    if options["self_collision"] and not _is_off_itself(judge, start, options["self_clearance"]):
-        options["self_collision"] = False
+    if options["self_collision"]:
+        own = judge.self_distance(*judge.hulls(kinematics.place(start[None])))[0]
+        options["self_collision"] = bool(own > options["self_clearance"])
     tracker = _tracker(kinematics.velocity, speeds, rng)
     path = _path(judge, start, step_bounds(tracker, kinematics.velocity), count, rng)
     goals = draw_goals(judge, path, options, rng, slack=bool(rng.random() < 0.5), astray=False)
@@ -79,13 +70,8 @@ def draw_motion(judge: Judge, speeds: str, rng: np.random.Generator, count: int)
         goals[0].T[beyond, :3, 3] += rng.uniform(-3.0, 3.0, 3)
     clouds = _clouds(judge, start, options["clearance"], count, rng)
     steps = [
-        Step(
-            goals={goal.tip: goal.T[k] for goal in goals},
-            cloud=clouds[k],
-            sound=True,
-            sound_cloud=True,
-        )
-        for k in range(count)
+        Step(goals={goal.tip: goal.T[k] for goal in goals}, cloud=cloud)
+        for k, cloud in enumerate(clouds)
     ]
     if rng.random() < 0.2:
         steps = _spoil(steps, rng)
@@ -108,11 +94,6 @@ def step_bounds(tracker: Mapping[str, Any], velocity: FloatArray) -> FloatArray:
     if tracker.get("max_speed") is not None:
         speed = np.minimum(speed, tracker["max_speed"])
     return np.asarray(tracker["period"] * speed)
-
-
-def _is_off_itself(judge: Judge, q: FloatArray, by: float) -> bool:
-    a, b = judge.hulls(judge.kinematics.place(q[None]))
-    return bool(judge.self_distance(a, b)[0] > by)
 
 
 def _tracker(velocity: FloatArray, speeds: str, rng: np.random.Generator) -> dict[str, Any]:
@@ -165,9 +146,7 @@ def _clouds(
         at = middle[rng.integers(len(middle), size=balls)] + rng.normal(size=(balls, 3)) * 0.4
         speed = rng.normal(size=(balls, 3)) * rng.choice([0.0, 1e-4, 1e-3, 1e-2])
         radii = rng.uniform(0.0, 0.1, (balls, 1))
-        for k in range(count):
-            given[k] = np.hstack([at + k * speed, radii])
-        return given
+        return [np.hstack([at + k * speed, radii]) for k in range(count)]
     every = count if rng.random() < 0.4 else int(rng.integers(5, 60))
     for k in range(0, count, every):  # clouds that come and go
         points = round(10 ** rng.uniform(0.0, np.log10(MOST_POINTS - 1)))
@@ -185,28 +164,28 @@ def _spoil(steps: list[Step], rng: np.random.Generator) -> list[Step]:
         cloud = step.cloud if step.cloud is not None else cloud
         if rng.random() < 0.03:
             tip = str(rng.choice(list(step.goals)))
-            bad = {**step.goals, tip: _no_pose(step.goals[tip], rng)}
-            given = Step(goals=bad, cloud=step.cloud, sound=False, sound_cloud=True)
+            given = replace(
+                step, goals={**step.goals, tip: _no_pose(step.goals[tip], rng)}, sound=False
+            )
         elif rng.random() < 0.03:
-            bad_cloud = _no_cloud(cloud, rng)
-            given = Step(goals=step.goals, cloud=bad_cloud, sound=True, sound_cloud=False)
+            given = replace(step, cloud=_no_cloud(cloud, rng), sound_cloud=False)
         elif step.cloud is None and rng.random() < 0.2:
-            given = Step(goals=step.goals, cloud=cloud, sound=True, sound_cloud=True)
+            given = replace(step, cloud=cloud)
         spoilt.append(given)
     return spoilt
 
 
 def _no_pose(T: FloatArray, rng: np.random.Generator) -> FloatArray:
     T = T.copy()
-    kind = rng.integers(4)
-    if kind == 0:
-        T[rng.integers(3), rng.integers(4)] = rng.choice([np.nan, np.inf, -np.inf])
-    elif kind == 1:
-        T[:3, :3] *= 1.01
-    elif kind == 2:
-        T[:3, 0] *= -1.0
-    else:
-        T[3] = [0.0, 0.0, 0.1, 1.0]
+    match rng.integers(4):
+        case 0:
+            T[rng.integers(3), rng.integers(4)] = rng.choice([np.nan, np.inf, -np.inf])
+        case 1:
+            T[:3, :3] *= 1.01
+        case 2:
+            T[:3, 0] *= -1.0
+        case 3:
+            T[3] = [0.0, 0.0, 0.1, 1.0]
     return T
 
 
@@ -214,15 +193,15 @@ def _no_cloud(cloud: FloatArray, rng: np.random.Generator) -> FloatArray:
     rows = four_columns(cloud)
     assert rows is not None
     bad = np.concatenate([rows, np.ones((1, 4))])
-    kind = rng.integers(5)
-    if kind == 0:
-        bad[rng.integers(len(bad)), rng.integers(4)] = rng.choice([np.nan, np.inf])
-    elif kind == 1:
-        bad[rng.integers(len(bad)), 3] = -0.01
-    elif kind == 2:
-        bad = np.ones((MOST_POINTS + 1, 3))
-    elif kind == 3:
-        bad = np.ones((3, 5))
-    else:
-        bad[0, 0] = 1e300
+    match rng.integers(5):
+        case 0:
+            bad[rng.integers(len(bad)), rng.integers(4)] = rng.choice([np.nan, np.inf])
+        case 1:
+            bad[rng.integers(len(bad)), 3] = -0.01
+        case 2:
+            return np.ones((MOST_POINTS + 1, 3))
+        case 3:
+            return np.ones((3, 5))
+        case 4:
+            bad[0, 0] = 1e300
     return bad

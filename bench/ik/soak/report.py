@@ -1,40 +1,55 @@
 """The tables of a soak test."""
 
-from __future__ import annotations
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
+from bench.common.grouped import grouped_table
 from bench.common.intervals import duration, wilson
-from bench.common.markdown import markdown_table
 from bench.ik.soak import solves, tracking
 from bench.ik.soak.scenes import SIZES
 from bench.ik.soak.trees import FAMILIES
 
 EXCESS = ("position", "rotation", "clearance", "self", "balance")
+STEP_FAULTS = {name: f"fault {name}" for name in tracking.FAULTS}
+Cell = Callable[[pd.DataFrame], object]
 
 
 def report(solved: pd.DataFrame, tracked: pd.DataFrame, seed: int) -> str:
     """Markdown."""
     parts = [f"Seed {seed}."]
     if len(solved):
+        beside = solved.self_collision.map({True: "self-collision", False: ""})
+        both = beside + np.where((beside != "") & solved.balance, " and ", "")
+        asked = both + solved.balance.map({True: "balance", False: ""})
+        solved = solved.assign(ask=asked.where(asked != "", solved.goal))
         parts += [
             f"**{solved.n.sum():,} solves**: {solved.wrong.sum():,} wrong, "
             f"{faults_of(solved, solves.FAULTS) - solved.wrong.sum():,} other faults.",
             solve_table(solved, "family", FAMILIES),
-            solve_table(solved, "cloud", tuple(size[0] for size in SIZES)),
-            solve_table(solved.assign(ask=asked_for(solved)), "ask"),
-            worst_table(solved, "family"),
+            solve_table(solved, "cloud", [size[0] for size in SIZES]),
+            solve_table(solved, "ask", sorted(set(solved.ask))),
+            worst_table(solved),
             deadline_lines(solved),
         ]
     if len(tracked):
-        broken = faults_of(tracked, [f"fault {name}" for name in tracking.FAULTS])
         parts += [
-            f"**{tracked.n.sum():,} tracker steps**: {broken:,} faults.",
+            f"**{tracked.n.sum():,} tracker steps**: "
+            f"{faults_of(tracked, [*STEP_FAULTS.values()]):,} faults.",
             step_table(tracked, "speeds"),
             step_table(tracked, "family"),
-            fault_table(tracked),
-            late_table(tracked),
+            by_speeds(tracked, {name: total(column) for name, column in STEP_FAULTS.items()}),
+            by_speeds(
+                tracked,
+                {
+                    "late": total("late"),
+                    "of these preempted": total("preempted"),
+                    "worst overrun, wall": lambda some: _time(some.overrun.max()),
+                    "processor time": lambda some: _time(some.overrun_cpu.max()),
+                    "evaluations after the strike": lambda some: some.late_evaluations.max(),
+                },
+            ),
         ]
     return "\n\n".join(parts) + "\n\n" + LEGEND
 
@@ -55,53 +70,58 @@ processor time; *preempted*: late steps during which the thread did not have the
 """
 
 
-def faults_of(table: pd.DataFrame, names: tuple[str, ...] | list[str]) -> int:
+def faults_of(table: pd.DataFrame, names: Sequence[str]) -> int:
     """How many in all."""
     return int(table[list(names)].to_numpy().sum())
 
 
-def asked_for(table: pd.DataFrame) -> pd.Series:
-    """Goal type, or what was asked for beside it."""
-    beside = np.select(
-        [table.self_collision & table.balance, table.self_collision, table.balance],
-        ["self-collision and balance", "self-collision", "balance"],
-        "",
-    )
-    return pd.Series(np.where(beside == "", table.goal, beside), index=table.index)
+def total(*columns: str) -> Cell:
+    """A count."""
+    return lambda some: f"{faults_of(some, columns)}"
 
 
-def solve_table(table: pd.DataFrame, by: str, order: tuple[str, ...] = ()) -> str:
+def thousands(*columns: str) -> Cell:
+    """A count that may be large."""
+    return lambda some: f"{faults_of(some, columns):,}"
+
+
+def of_all(column: str) -> Cell:
+    """A share of the answers."""
+    return lambda some: f"{some[column].sum() / some.n.sum():.4f}"
+
+
+def solve_table(table: pd.DataFrame, by: str, order: Sequence[str]) -> str:
     """The four rates, and what must not be."""
-    header = [by, "n", "solved", "wrong", "broken", "misreported", "none found", "missed [95%]"]
-    groups = dict(list(table.groupby(by, sort=False)))
-    names = [*(each for each in order if each in groups), *sorted(set(groups) - {*order})]
-    rows = [[name, *_rates(groups[name])] for name in names] + [["all", *_rates(table)]]
-    return markdown_table(header, rows)
+
+    def missed(some: pd.DataFrame) -> str:
+        sampled, missed = int(some.sampled.sum()), int(some.missed.sum())
+        low, high = wilson(missed, sampled)
+        return f"{missed} of {sampled} [{low:.3f}, {high:.3f}]" if sampled else "0 of 0"
+
+    twice = pd.concat([table, table.assign(**{by: "all"})])
+    return grouped_table(
+        twice,
+        {by: by},
+        {
+            "n": thousands("n"),
+            "solved": of_all("solved"),
+            "wrong": thousands("wrong"),
+            "broken": thousands("limits", "step", "turn", "not finite"),
+            "misreported": thousands("misreported", "status"),
+            "none found": of_all("none_found"),
+            "missed [95%]": missed,
+        },
+        order={by: [*order, "all"]},
+    )
 
 
-def _rates(some: pd.DataFrame) -> list[str]:
-    n, sampled, missed = int(some.n.sum()), int(some.sampled.sum()), int(some.missed.sum())
-    low, high = wilson(missed, sampled)
-    share = f"{missed} of {sampled} [{low:.3f}, {high:.3f}]" if sampled else "0 of 0"
-    return [
-        f"{n:,}",
-        f"{some.solved.sum() / n:.4f}",
-        f"{some.wrong.sum():,}",
-        f"{faults_of(some, ['limits', 'step', 'turn', 'not finite']):,}",
-        f"{faults_of(some, ['misreported', 'status']):,}",
-        f"{some.none_found.sum() / n:.4f}",
-        share,
-    ]
-
-
-def worst_table(table: pd.DataFrame, by: str) -> str:
+def worst_table(table: pd.DataFrame) -> str:
     """Of what was claimed, by how much the worst is beyond its tolerance."""
-    header = [by, *(f"{name}, beyond tolerance" for name in EXCESS)]
-    rows = [
-        [name, *(_figure(some[f"excess_{each}"].max()) for each in EXCESS)]
-        for name, some in table.groupby(by, sort=False)
-    ]
-    return markdown_table(header, rows)
+    columns = {
+        f"{name}, beyond tolerance": lambda some, name=name: _figure(some[f"excess_{name}"].max())
+        for name in EXCESS
+    }
+    return grouped_table(table, {"family": "family"}, columns)
 
 
 def deadline_lines(table: pd.DataFrame) -> str:
@@ -114,66 +134,31 @@ def deadline_lines(table: pd.DataFrame) -> str:
         f"Deadlines of 0.1 and 1 ms, {some.n.sum():,} solves: late by {_time(some.overrun.max())} "
         f"at worst on the wall's clock, by {_time(alone.overrun_cpu.max())} of processor time "
         f"(the call from Python and the cloud's intake included, where the core does not tell it), "
-        f"{_late(some)} evaluations after the strike."
+        f"{some.late_evaluations.max()} evaluations after the strike."
     )
 
 
 def step_table(table: pd.DataFrame, by: str) -> str:
     """What became of the steps, and the worst of what must hold."""
-    header = [by, "steps", *tracking.STATUSES, "faults", "left of clearance [m]"]
-    header += ["step over its bound", "long steps, looked at", "depth on the way [m]"]
-    header += ["where it does not say tracking [m]"]
-    rows = []
-    for name, some in table.groupby(by, sort=False):
-        n = int(some.n.sum())
-        rows.append(
-            [
-                name,
-                f"{n:,}",
-                *(f"{some[status].sum() / n:.4f}" for status in tracking.STATUSES),
-                faults_of(some, [f"fault {fault}" for fault in tracking.FAULTS]),
-                _figure(some.least_clearance_left.min()),
-                _figure(some.step_over.max()),
-                f"{some.long.sum():,}, {some.looked_at.sum():,}",
-                _figure(some.path_depth.max()),
-                _figure(some.path_depth_else.max()),
-            ]
-        )
-    return markdown_table(header, rows)
+    return grouped_table(
+        table,
+        {by: by},
+        {
+            "steps": thousands("n"),
+            **{status: of_all(status) for status in tracking.STATUSES},
+            "faults": total(*STEP_FAULTS.values()),
+            "left of clearance [m]": lambda some: _figure(some.least_clearance_left.min()),
+            "step over its bound": lambda some: _figure(some.step_over.max()),
+            "long steps, looked at": lambda some: f"{some.long.sum():,}, {some.looked_at.sum():,}",
+            "depth on the way [m]": lambda some: _figure(some.path_depth.max()),
+            "where it does not say tracking [m]": lambda some: _figure(some.path_depth_else.max()),
+        },
+    )
 
 
-def fault_table(table: pd.DataFrame) -> str:
-    """What is wrong with how many steps."""
-    header = ["speeds", *tracking.FAULTS]
-    rows = [
-        [name, *(int(some[f"fault {fault}"].sum()) for fault in tracking.FAULTS)]
-        for name, some in table.groupby("speeds", sort=False)
-    ]
-    return markdown_table(header, rows)
-
-
-def late_table(table: pd.DataFrame) -> str:
-    """Steps that missed their deadline, and by how much."""
-    header = ["speeds", "late", "of these preempted", "worst overrun, wall", "processor time"]
-    header += ["evaluations after the strike"]
-    rows = [
-        [
-            name,
-            int(some.late.sum()),
-            int(some.preempted.sum()),
-            _time(some.overrun.max()),
-            _time(some.overrun_cpu.max()),
-            _late(some),
-        ]
-        for name, some in table.groupby("speeds", sort=False)
-    ]
-    return markdown_table(header, rows)
-
-
-def _late(some: pd.DataFrame) -> str:
-    """Evaluations begun after a deadline, the most of one call, where the core counts them."""
-    most = int(some.late_evaluations.max())
-    return "not told how many" if most == solves.UNTOLD else str(most)
+def by_speeds(table: pd.DataFrame, columns: dict[str, Cell]) -> str:
+    """Some columns for each kind of speed limits."""
+    return grouped_table(table, {"speeds": "speeds"}, columns)
 
 
 def _figure(value: float) -> str:

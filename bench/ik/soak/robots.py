@@ -1,25 +1,27 @@
 """Robots by their description alone: of it the library makes its robot and the judge its own."""
 
-from __future__ import annotations
-
 import importlib.resources
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Any, Self
+from xml.etree import ElementTree
 
-import numpy as np
-import numpy.typing as npt
 import yaml
 
 import pdoik
 
-FloatArray = npt.NDArray[np.float64]
 Triple = tuple[float, float, float]
 Sphere = tuple[str, Triple, float]
 Spheroid = tuple[str, Triple, str, Triple, float]
 Capsule = tuple[str, Triple, Triple, float, float]  # radius, overhang
+
+BUILTIN_TIPS = {
+    "panda": ["panda_link8"],
+    "ur10": ["tool0"],
+    "iiwa14": ["iiwa_link_ee"],
+    "h1": ["left_ankle_link", "right_ankle_link", "left_elbow_link", "right_elbow_link"],
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,22 +44,12 @@ class RobotSpec:
     ignored_pairs: list[tuple[str, str]] = field(default_factory=list)
 
     @classmethod
-    def of_json(cls, values: dict[str, Any]) -> RobotSpec:
+    def of_json(cls, values: dict[str, Any]) -> Self:
         """From what `asdict` gave and JSON kept, which turns tuples into lists."""
-        spheres = [(link, tuple(xyz), radius) for link, xyz, radius in values["spheres"]]
-        spheroids = [(a, tuple(p), b, tuple(q), A) for a, p, b, q, A in values["spheroids"]]
-        pairs = [tuple(pair) for pair in values["ignored_pairs"]]
-        capsules = [
-            (link, tuple(p), tuple(q), r, *(overhang or [0.0]))
-            for link, p, q, r, *overhang in values.get("capsules", [])
-        ]
-        hulls = {"spheres": spheres, "spheroids": spheroids, "capsules": capsules}
-        rest = {**hulls, "ignored_pairs": pairs}
-        return cls(**{**values, **rest})
-
-    def to_json(self) -> dict[str, Any]:
-        """See `of_json`."""
-        return asdict(self)
+        names = ("spheres", "spheroids", "capsules", "ignored_pairs")
+        rows = {name: [_tuples(row) for row in values.get(name, [])] for name in names}
+        rows["capsules"] = [(*row, 0.0)[:5] for row in rows["capsules"]]  # old ones: no overhang
+        return cls(**{**values, **rows})
 
     def description(self) -> str:
         """The URDF's text; "" of a DH table."""
@@ -71,18 +63,20 @@ class RobotSpec:
             where: dict[str, Any] = {"base_link": self.base_link or None}
             where["tip_link"] = self.tip_links
             if self.floating_base is not None:
-                where["floating_base"] = (self.floating_base[0], self.floating_base[1])
+                where["floating_base"] = tuple(self.floating_base)
             if self.T_world_base is not None:
                 where["T_world_base"] = self.T_world_base
-            if self.name:
-                robot = pdoik.Robot.builtin(self.name, **where)
-            else:
-                robot = pdoik.Robot.from_urdf(self.urdf, **where)
+            make = pdoik.Robot.builtin if self.name else pdoik.Robot.from_urdf
+            robot = make(self.name or self.urdf, **where)
         robot.occupancy = pdoik.Occupancy(
             spheres=self.spheres, spheroids=self.spheroids, capsules=self.capsules
         )
         robot.ignored_pairs = self.ignored_pairs
         return robot
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 @cache
@@ -96,40 +90,25 @@ def builtin_spec(name: str) -> RobotSpec:
     """A built-in robot with its hulls and ignored pairs, read from its files."""
     hulls = yaml.safe_load(builtin_text(name, "occupancy.yaml"))
     pairs = ElementTree.fromstring(builtin_text(name, "srdf")).iterfind("disable_collisions")
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, list):
+            return tuple(map(float, value))
+        return value if isinstance(value, str) else float(value)
+
+    def rows(kind: str, *names: str) -> list[Any]:
+        return [tuple(plain(each.get(n, 0.0)) for n in names) for each in hulls.get(kind, [])]
+
     return RobotSpec(
         name=name,
         tip_links=BUILTIN_TIPS[name],
-        spheres=[
-            (s["link"], tuple(map(float, s["center"])), float(s["radius"]))
-            for s in hulls.get("spheres", [])
-        ],
-        spheroids=[
-            (
-                *(s["link_a"], tuple(map(float, s["focus_a"]))),
-                *(s["link_b"], tuple(map(float, s["focus_b"]))),
-                float(s["semi_major"]),
-            )
-            for s in hulls.get("spheroids", [])
-        ],
-        capsules=[
-            (
-                *(c["link"], tuple(map(float, c["a"])), tuple(map(float, c["b"]))),
-                *(float(c["radius"]), float(c.get("overhang", 0.0))),
-            )
-            for c in hulls.get("capsules", [])
-        ],
+        spheres=rows("spheres", "link", "center", "radius"),
+        spheroids=rows("spheroids", "link_a", "focus_a", "link_b", "focus_b", "semi_major"),
+        capsules=rows("capsules", "link", "a", "b", "radius", "overhang"),
         ignored_pairs=[(pair.attrib["link1"], pair.attrib["link2"]) for pair in pairs],
     )
 
 
-BUILTIN_TIPS = {
-    "panda": ["panda_link8"],
-    "ur10": ["tool0"],
-    "iiwa14": ["iiwa_link_ee"],
-    "h1": ["left_ankle_link", "right_ankle_link", "left_elbow_link", "right_elbow_link"],
-}
-
-
-def numbers(values: Sequence[float] | FloatArray) -> str:
+def numbers(values: Sequence[float]) -> str:
     """As URDF has them, every digit kept."""
     return " ".join(repr(float(value)) for value in values)

@@ -1,7 +1,5 @@
 """What is asked: options, goals, clouds, starts. Everything follows from a seed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,9 +7,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import pdoik
-from bench.ik.soak.hulls import to_segment
+from bench.common.arrays import BoolArray, FloatArray
+from bench.ik.judges.distances import to_segment
 from bench.ik.soak.judge import Goals, Judge, random_configurations
-from bench.ik.soak.robots import FloatArray, RobotSpec
+from bench.ik.soak.robots import RobotSpec
 
 # Points of a cloud, answers of a scene with so many, and its share of all scenes.
 SIZES = (
@@ -24,6 +23,7 @@ SIZES = (
 SINGLE = 120  # answers of a scene that are asked for one by one, at most
 FARTHEST = 1e6  # coordinate that a cloud may have [m]
 LONG = 1.0  # a deadline that restarts reach first, so that answers can be had again [s]
+TYPES = ("pose", "axis", "position")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,26 +45,24 @@ class Scene:
         """B."""
         return len(self.goals[0].T)
 
+    @property
+    def has_slack(self) -> bool:
+        """Whether any goal leaves some room."""
+        return any(goal.has_slack for goal in self.goals)
+
 
 def make_options(values: dict[str, Any]) -> pdoik.Options:
     """The library's options from what a scene holds."""
-    changed = dict(values)
-    if changed.get("balance") is not None:
-        changed["balance"] = pdoik.Balance(**changed["balance"])
-    else:
-        changed.pop("balance", None)
+    changed = {name: value for name, value in values.items() if name != "balance"}
+    if values.get("balance") is not None:
+        changed["balance"] = pdoik.Balance(**values["balance"])
     return pdoik.Options(**changed)
 
 
 def make_goal(goal: Goals, T: FloatArray) -> pdoik.Goal:
     """The library's goal of the same kind and slack with the target T, (4, 4)."""
-    return pdoik.Goal(
-        T,
-        type=goal.type,
-        axis=goal.axis,
-        position_slack=goal.position_slack,
-        rotation_slack=goal.rotation_slack,
-    )
+    names = ("type", "axis", "position_slack", "rotation_slack")
+    return pdoik.Goal(T, **{name: getattr(goal, name) for name in names})
 
 
 def four_columns(cloud: FloatArray | None) -> FloatArray | None:
@@ -84,20 +82,18 @@ def draw_scene(judge: Judge, rng: np.random.Generator, at_most: int) -> Scene:
     reached = random_configurations(kinematics, count, rng)
     plain = "method" not in options and "inner" not in options  # only that knows slack and steps
     goals = draw_goals(judge, reached, options, rng, slack=single and plain)
-    cloud = None
+    cloud = q0 = posture = max_step = None
     if low > 0:
         points = round(10 ** rng.uniform(np.log10(low), np.log10(high)))
         cloud = draw_cloud(judge, reached[:30], points, options["clearance"], rng)
         if points > 1_000:
             options["max_restarts"] = min(options["max_restarts"], 3)
-    q0 = None
     near = reached + rng.uniform(-0.3, 0.3, reached.shape)
     draw = rng.random()
     if draw < 0.2:
         q0 = near
     elif draw < 0.4:
         q0 = random_configurations(kinematics, count, rng)
-    posture = max_step = None
     if single and plain:
         if rng.random() < 0.3:
             posture = random_configurations(kinematics, 1, rng)[0]
@@ -123,20 +119,21 @@ def draw_options(
 ) -> dict[str, Any]:
     """Of every kind; one in ten has a deadline that strikes.
 
-    Args:
-        judge: Of the robot.
-        rng: Decides everything.
-        about: A configuration, (n,), in which it is balanced; None for any.
+    If it has to be balanced it is `about` a configuration, (n,), or about any.
     """
+
+    def one_of(values: list[float], p: list[float] | None = None) -> float:
+        return float(rng.choice(values, p=p))
+
     options: dict[str, Any] = {
-        "goal": str(rng.choice(["pose", "axis", "position"], p=[0.5, 0.25, 0.25])),
-        "position_tolerance": float(rng.choice([1e-3, 1e-5, 1e-6, 1e-8], p=[0.2, 0.5, 0.2, 0.1])),
-        "rotation_tolerance": float(rng.choice([1e-2, 1e-5, 1e-6, 1e-8], p=[0.2, 0.5, 0.2, 0.1])),
-        "clearance": float(rng.choice([0.0, 0.005, 0.03])),
-        "clearance_tolerance": float(rng.choice([1e-6, 1e-4, 0.0], p=[0.7, 0.2, 0.1])),
+        "goal": str(rng.choice(TYPES, p=[0.5, 0.25, 0.25])),
+        "position_tolerance": one_of([1e-3, 1e-5, 1e-6, 1e-8], [0.2, 0.5, 0.2, 0.1]),
+        "rotation_tolerance": one_of([1e-2, 1e-5, 1e-6, 1e-8], [0.2, 0.5, 0.2, 0.1]),
+        "clearance": one_of([0.0, 0.005, 0.03]),
+        "clearance_tolerance": one_of([1e-6, 1e-4, 0.0], [0.7, 0.2, 0.1]),
         "base_collision": bool(rng.random() < 0.7),
         "self_collision": bool(rng.random() < 0.25),
-        "self_clearance": float(rng.choice([0.0, 0.01])),
+        "self_clearance": one_of([0.0, 0.01]),
         "max_restarts": int(rng.choice([0, 3, 10])),
         "seed": int(rng.integers(1000)),
     }
@@ -149,7 +146,7 @@ def draw_options(
     elif draw < 0.08:
         options["method"] = "paper"
     if rng.random() < 0.1:
-        options["max_time"] = float(rng.choice([1e-4, 1e-3]))
+        options["max_time"] = one_of([1e-4, 1e-3])
     if not judge.kinematics.spec.rows and rng.random() < 0.2:
         q = random_configurations(judge.kinematics, 1, rng)[0] if about is None else about
         options["balance"] = draw_balance(judge, q, rng)
@@ -203,32 +200,26 @@ def draw_goals(
         own: dict[str, Any] = {"type": options["goal"]}
         own["axis"] = tuple(options.get("goal_axis", (0.0, 0.0, 1.0)))
         if slack and rng.random() < 0.6:
-            own["type"] = str(rng.choice(["pose", "axis", "position"]))
-            own["position_slack"] = tuple(float(x) for x in _slack(rng, 0.1))
-            own["rotation_slack"] = tuple(float(x) for x in _slack(rng, np.pi))
+            own["type"] = str(rng.choice(TYPES))
+            for name, most in (("position_slack", 0.1), ("rotation_slack", np.pi)):
+                room = rng.choice([0.0, 0.0, 1.0], 3) * rng.uniform(0.0, most, 3)
+                own[name] = tuple(room.tolist())
         goals.append(Goals(tip=tip, T=T, **own))
     return goals
-
-
-def _slack(rng: np.random.Generator, most: float) -> FloatArray:
-    return np.array(rng.choice([0.0, 0.0, 1.0], 3) * rng.uniform(0.0, most, 3))
 
 
 def draw_cloud(
     judge: Judge, kept: FloatArray, count: int, margin: float, rng: np.random.Generator
 ) -> FloatArray:
     """Points about the robot, on walls or anywhere; mostly some configurations are kept free."""
-    placed = judge.kinematics.place(kept)
-    at = placed.p.reshape(-1, 3)
+    at = judge.kinematics.place(kept).p.reshape(-1, 3)
     middle, spread = at.mean(axis=0), at.std(axis=0) + 0.3
-    points = middle + rng.uniform(-2.0, 2.0, (count, 3)) * spread
+    cloud = middle + rng.uniform(-2.0, 2.0, (count, 3)) * spread
     if rng.random() < 0.4:  # walls
         axis = int(rng.integers(3))
-        points[:, axis] = middle[axis] + rng.choice([-1.0, 0.6, 1.2]) * spread[axis]
-    cloud = points
+        cloud[:, axis] = middle[axis] + rng.choice([-1.0, 0.6, 1.2]) * spread[axis]
     if rng.random() < 0.5:
-        radii = rng.choice([0.0, 1.0], count) * rng.uniform(0.0, 0.06, count)
-        cloud = np.c_[points, radii]
+        cloud = np.c_[cloud, rng.choice([0.0, 1.0], count) * rng.uniform(0.0, 0.06, count)]
     if rng.random() < 0.03:  # far away as well
         far = rng.random(count) < 0.2
         cloud[far, :3] = (cloud[far, :3] * 10 ** rng.uniform(1, 6)).clip(-FARTHEST, FARTHEST)
@@ -241,19 +232,16 @@ def draw_cloud(
     return np.ascontiguousarray(cloud)
 
 
-def _clear_of(
-    judge: Judge, kept: FloatArray, cloud: FloatArray, margin: float
-) -> np.ndarray[Any, np.dtype[np.bool_]]:
+def _clear_of(judge: Judge, kept: FloatArray, cloud: FloatArray, margin: float) -> BoolArray:
     """Points that are clear of every hull by a bound of their distance, (N,)."""
-    a, b = judge.hulls(judge.kinematics.place(kept))
     points = four_columns(cloud)
     assert points is not None
     clear = np.ones(len(cloud), dtype=bool)
-    for row in range(len(kept)):
-        for h, A in enumerate(judge.A):
-            if judge.swept[h]:
-                s = to_segment(points[:, :3], a[row, h], b[row, h])
+    for ends in zip(*judge.hulls(judge.kinematics.place(kept)), strict=True):
+        for p, q, A, is_capsule in zip(*ends, judge.A, judge.swept, strict=True):
+            if is_capsule:
+                s = to_segment(points[:, :3], p, q)
             else:
-                s = sum(np.linalg.norm(points[:, :3] - end[row, h], axis=1) for end in (a, b)) / 2
+                s = sum(np.linalg.norm(points[:, :3] - end, axis=1) for end in (p, q)) / 2
             clear &= s - points[:, 3] >= A + margin
     return clear

@@ -1,7 +1,5 @@
 """Runs a Tracker, judges every step, counts, and keeps what failed."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Mapping, Sequence
@@ -12,16 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.soak.cases import KEPT, encode
-from bench.ik.soak.hulls import clearance
 from bench.ik.soak.judge import Asked, Goals, Judge, Verdicts
 from bench.ik.soak.motions import SHARES, SPEEDS, STEPS, Motion, Step, draw_motion, step_bounds
-from bench.ik.soak.robots import FloatArray, RobotSpec
 from bench.ik.soak.scenes import four_columns, make_goal, make_options
-from bench.ik.soak.solves import FIELDS, UNTOLD, Row, misreported
+from bench.ik.soak.solves import FIELDS, Row, misreported
 from bench.ik.soak.trees import draw_robot
-
-BoolArray = npt.NDArray[np.bool_]
 
 LOOK = 0.5  # a tracker does not measure clearance beyond this [m]
 BOUND_ROUNDING = 1e-12  # of a step's bound [rad] or [m]
@@ -36,15 +31,10 @@ RUNS = 4  # of one robot before the next one is drawn
 PREEMPTED = 1e-4  # wall time that the thread did not have [s]
 WINDOWS = (1, 5, 25, STEPS)  # steps that a case is tried with, the fewest first
 FAULTS = (
-    "false claim",
-    "passed through",
-    "limits",
-    "step",
-    "not finite",
-    "not held",
-    "refused",
-    "misreported",
+    *("false claim", "passed through", "limits", "step"),
+    *("not finite", "not held", "refused", "misreported"),
 )
+KEPT_OF_MOTION = ("speeds", "options", "tracker", "start", "posture", "goals")
 STATUSES = ("tracking", "infeasible", "deadline_struck", "invalid_input")
 
 
@@ -64,15 +54,13 @@ class Record:
 
 def run(motion: Motion, robot: pdoik.Robot) -> Record:
     """All steps of a motion."""
-    solver = pdoik.Solver(robot, make_options(motion.options))
-    tracker = pdoik.Tracker(solver, **motion.tracker)
+    tracker = pdoik.Tracker(pdoik.Solver(robot, make_options(motion.options)), **motion.tracker)
     tracker.reset(motion.start)
     if motion.posture is not None:
         tracker.set_posture(motion.posture)
     kinds = {goal.tip: goal for goal in motion.goals}
     wanted = motion.options["goal"]
-    plain = all(not any((*g.position_slack, *g.rotation_slack)) for g in motion.goals)
-    plain &= all(goal.type == wanted for goal in motion.goals)
+    plain = all(not goal.has_slack and goal.type == wanted for goal in motion.goals)
     last, results, clocks = [], [], []
     for step in motion.steps:
         last.append(tracker.q.copy())
@@ -82,15 +70,20 @@ def run(motion: Motion, robot: pdoik.Robot) -> Record:
         wall, cpu = time.perf_counter(), time.thread_time()
         results.append(tracker.step(goals, step.cloud))
         clocks.append((time.perf_counter() - wall, time.thread_time() - cpu))
+
+    def of(name: str) -> Any:
+        return np.array([getattr(result, name) for result in results])
+
+    wall_times, cpu_times = np.array(clocks).T
     return Record(
-        q=np.array([result.q for result in results]),
+        q=of("q"),
         last=np.array(last),
-        status=np.array([result.tracking for result in results]),
-        said={name: np.array([getattr(r, name) for r in results]) for name in FIELDS},
-        time=np.array([result.time for result in results]),
-        wall=np.array([wall for wall, _ in clocks]),
-        cpu=np.array([cpu for _, cpu in clocks]),
-        late_evaluations=np.array([getattr(r, "late_evaluations", UNTOLD) for r in results]),
+        status=of("tracking"),
+        said={name: of(name) for name in FIELDS},
+        time=of("time"),
+        wall=wall_times,
+        cpu=cpu_times,
+        late_evaluations=of("late_evaluations"),
     )
 
 
@@ -114,8 +107,7 @@ def verdicts_of(
     judge: Judge, goals: Sequence[Goals], Q: FloatArray, asked: Asked, clouds: list[FloatArray]
 ) -> Verdicts:
     """The judge's figures of all steps; those with one cloud, or clouds of one size, together."""
-    parts = []
-    first = 0
+    parts, first = [], 0
     while first < len(Q):
         last = first + 1
         same = last < len(Q) and clouds[last] is clouds[first]
@@ -141,18 +133,17 @@ def passing_depth(
     looked at as can be afforded, in this order.
     """
     depth: dict[int, float] = {}
-    counted = np.full(len(judge.A), True) if asked.base_collision else ~judge.fixed
+    counted = len(judge.A) if asked.base_collision else int((~judge.fixed).sum())
     pairs = 0
     for k in ks:
         moved = record.q[k] - record.last[k]
         looks = int(np.clip(np.ceil(judge.travel(moved[None])[0] / EVERY), 2, LOOKS))
-        pairs += looks * (KINEMATICS + len(clouds[k]) * int(counted.sum()))
+        pairs += looks * (KINEMATICS + len(clouds[k]) * counted)
         if pairs > PAIRS and depth:
             break
         way = record.last[k] + np.linspace(0.0, 1.0, looks + 1)[:, None] * moved
         a, b = judge.hulls(judge.kinematics.place(way))
-        radii = (judge.A - judge.forgiven)[counted]
-        gaps = clearance(a[:, counted], b[:, counted], radii, clouds[k], judge.swept[counted])
+        gaps = judge.clearance(a, b, clouds[k], asked)
         allowed = min(gaps[0], gaps[-1], asked.clearance - asked.clearance_tolerance)
         depth[int(k)] = max(0.0, float(allowed - gaps.min()))
     return depth
@@ -212,10 +203,7 @@ def examine(motion: Motion, judge: Judge, record: Record) -> tuple[Row, dict[str
         "late": int((late > 0.0).sum()),
         "preempted": int(((late > 0.0) & (record.wall - record.cpu > PREEMPTED)).sum()),
         "late_evaluations": int(record.late_evaluations.max()),
-        **{
-            f"excess_{name}": float(values[tracks].max(initial=-np.inf))
-            for name, values in verdicts.excess(asked).items()
-        },
+        **verdicts.worst(asked, tracks),
     }
     return row, found
 
@@ -232,24 +220,22 @@ def case_of(
         shown = bool(examine(part, judge, run(part, robot))[1][fault][-1])
         if shown or first == 0:
             break
-    names = ("speeds", "options", "tracker", "start", "posture", "goals")
     return {
         "kind": "tracking",
         "complaints": [fault],
         "shown_again": shown,
         "robot": motion.spec,
-        **{name: getattr(part, name) for name in names},
+        **{name: getattr(part, name) for name in KEPT_OF_MOTION},
         "steps": [{name: getattr(step, name) for name in Step.__slots__} for step in part.steps],
     }
 
 
 def replay(case: Mapping[str, Any]) -> list[str]:
     """Run the steps again; the faults of any of them."""
-    spec: RobotSpec = case["robot"]
+    spec = case["robot"]
     robot = spec.make()
-    names = ("speeds", "options", "tracker", "start", "posture", "goals")
     steps = [Step(**step) for step in case["steps"]]
-    motion = Motion(spec=spec, steps=steps, **{name: case[name] for name in names})
+    motion = Motion(spec=spec, steps=steps, **{name: case[name] for name in KEPT_OF_MOTION})
     _, found = examine(motion, Judge(spec, robot.joint_names), run(motion, robot))
     return [name for name in FAULTS if found[name].any()]
 
@@ -266,14 +252,15 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
             spec = draw_robot(job["family"], rng, robot_speeds)
             robot = spec.make()
             judge = Judge(spec, robot.joint_names)
-        begun = time.thread_time()
+        clocks = [time.thread_time()]
         motion = draw_motion(judge, speeds, rng, min(STEPS, left))
-        drawn_in = time.thread_time() - begun
+        clocks.append(time.thread_time())
         record = run(motion, robot)
-        run_in = time.thread_time() - begun - drawn_in
+        clocks.append(time.thread_time())
         row, found = examine(motion, judge, record)
-        seconds = {"draw_seconds": drawn_in, "run_seconds": run_in}
-        seconds["judge_seconds"] = time.thread_time() - begun - drawn_in - run_in
+        clocks.append(time.thread_time())
+        names = ("draw_seconds", "run_seconds", "judge_seconds")
+        seconds = dict(zip(names, np.diff(clocks).tolist(), strict=True))
         failed = [(fault, int(k)) for fault in FAULTS for k in np.flatnonzero(found[fault])[:2]]
         cases = {
             f"tracking-{job['name']}-{len(rows):04d}-{k:04d}-{fault.replace(' ', '_')}": case_of(

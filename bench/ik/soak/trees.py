@@ -1,21 +1,14 @@
 """Random robots: trees with every kind of joint, DH tables, floating and mounted bases."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import pdoik
-from bench.ik.soak.robots import (
-    FloatArray,
-    RobotSpec,
-    Sphere,
-    Spheroid,
-    builtin_spec,
-    numbers,
-)
+from bench.common.arrays import FloatArray
+from bench.ik.scenes.objects import random_rotation
+from bench.ik.soak.robots import RobotSpec, Sphere, Spheroid, Triple, builtin_spec, numbers
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 SHARES = (0.55, 0.2, 0.15, 0.1)
@@ -24,13 +17,10 @@ HUGE = (1e3, 1e9)  # speed limits that are none in effect [rad/s]
 
 
 def draw_robot(family: str, rng: np.random.Generator, speeds: str = "usual") -> RobotSpec:
-    """A robot of a family.
+    """A robot of a family, of FAMILIES.
 
-    Args:
-        family: Of FAMILIES.
-        rng: Decides everything.
-        speeds: Of the limits in a random description: "usual", "none" (none wherever a description
-            need not have one) or "huge".
+    The speed limits in a random description are "usual", "none" (none wherever a description need
+    not have one) or "huge".
     """
     if family == "random tree":
         return random_tree(rng, speeds)
@@ -53,7 +43,9 @@ def _variant(spec: RobotSpec, rng: np.random.Generator) -> RobotSpec:
             left, right, *elbows = spec.tip_links
             return replace(spec, base_link=left, tip_links=[right, *elbows][: rng.integers(1, 4)])
     elif draw < 0.15:
-        return replace(spec, T_world_base=_random_pose(rng, 1.0).tolist())
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = random_rotation(rng), rng.uniform(-1.0, 1.0, 3)
+        return replace(spec, T_world_base=T.tolist())
     return spec
 
 
@@ -83,9 +75,7 @@ def random_rows(rng: np.random.Generator) -> RobotSpec:
             "a": float(rng.choice([0.0, rng.uniform(0.05, 0.4)])),
             "d": float(rng.choice([0.0, rng.uniform(-0.4, 0.4)])),
             "theta_offset": float(rng.choice([0.0, rng.uniform(-3, 3)])),
-            "prismatic": prismatic,
-            "lower": -np.inf,
-            "upper": np.inf,
+            **{"prismatic": prismatic, "lower": -np.inf, "upper": np.inf},
         }
         if prismatic:
             row["lower"], row["upper"] = -rng.uniform(0.0, 0.3), rng.uniform(0.05, 0.5)
@@ -201,7 +191,7 @@ def _link(rng: np.random.Generator, name: str) -> str:
 def _hulls(
     rng: np.random.Generator,
     links: list[str],
-    ends: list[tuple[float, float, float]],
+    ends: list[Triple],
     parents: list[str] | None = None,
 ) -> tuple[list[Sphere], list[Spheroid]]:
     """Spheres and spheroids on most links, some spheroids between a link and its parent."""
@@ -214,29 +204,10 @@ def _hulls(
         if draw < 0.3:
             spheres.append((link, at, thick))
         elif draw < 0.75 and np.linalg.norm(end) > 0.02:
-            spheroids.append((link, at, link, end, float(_semi_major(at, end, thick))))
+            half = 0.5 * np.linalg.norm(np.subtract(at, end))  # and `thick` at its waist
+            spheroids.append((link, at, link, end, float(np.hypot(half, thick))))
         elif draw < 0.85:
             other = parents[k] if parents is not None else links[max(0, k - 1)]
             if other != link:
                 spheroids.append((other, (0.0, 0.0, 0.0), link, at, float(rng.uniform(0.25, 0.5))))
     return spheres, spheroids
-
-
-def _semi_major(a: tuple[float, ...], b: tuple[float, ...], thick: float) -> float:
-    """So that the hull is `thick` at its waist [m]."""
-    half = 0.5 * np.linalg.norm(np.subtract(a, b))
-    return float(np.hypot(half, thick))
-
-
-def _random_pose(rng: np.random.Generator, reach: float) -> FloatArray:
-    """Any direction, a position within +-reach, (4, 4)."""
-    q = rng.normal(size=4)
-    w, x, y, z = q / np.linalg.norm(q)
-    T = np.eye(4)
-    T[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    T[:3, 3] = rng.uniform(-reach, reach, 3)
-    return T

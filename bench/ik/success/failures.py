@@ -6,34 +6,27 @@ Each panel shows the arm's meshes where the method left them, the objects' meshe
 the method saw, and the target's z axis, about where a link and an object meet, or the whole arm.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import typer
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
-from bench.common.whole_files import write_whole
-from bench.ik.experiment import ARMS, FloatArray
+from bench.common.arrays import FloatArray, moved
+from bench.ik.experiment import ARMS
 from bench.ik.judges.arm_meshes import arm_meshes
-from bench.ik.success.trials import (
-    arm_named,
-    mesh_judge,
-    models_of,
-    random_scene_around,
-    scenario_seed,
-)
+from bench.ik.pictures import cube, faces, plt, save
+from bench.ik.scenes.around import arm_named, mesh_judge, models_of, random_scene_around
+from bench.ik.success.trials import scenario_seed
 
-mpl.use("agg")
-import matplotlib.pyplot as plt
-
-HALF_WIDTH = {"fails_collision": 0.22, "fails_pose": 0.9, "fails_limits": 0.9}  # shown [m]
-CAUSES = {"fails_collision": "touches", "fails_pose": "misses the goal", "fails_limits": "limits"}
+# What is shown about the place [m], and what is said.
+CAUSES = {
+    "fails_collision": (0.22, "touches"),
+    "fails_pose": (0.9, "misses the goal"),
+    "fails_limits": (0.9, "limits"),
+}
 
 
 def main(
@@ -55,56 +48,44 @@ def main(
         raise typer.BadParameter("no such failure")
     chosen = some.sample(min(count, len(some)), random_state=0)
     figure = plt.figure(figsize=(5.2 * len(chosen), 5.4))
-    for k, (_, trial) in enumerate(chosen.iterrows()):
-        _panel(figure.add_subplot(1, len(chosen), k + 1, projection="3d"), trial, settings, cause)
+    for k, (_, trial) in enumerate(chosen.iterrows(), start=1):
+        _panel(figure.add_subplot(1, len(chosen), k, projection="3d"), trial, settings, cause)
     figure.tight_layout(rect=(0, 0, 1, 0.94))
-    write_whole(out, lambda file: figure.savefig(file, dpi=90))
+    save(figure, out, dpi=90)
     print(chosen[["robot", "method", "n_objects", "index", "position_error", "collision"]])
 
 
-def _panel(ax: plt.Axes, trial: pd.Series, settings: dict, cause: str) -> None:
-    arm, judge = arm_named(trial.robot), mesh_judge(trial.robot)
-    n_objects = int(trial.n_objects)
+def _panel(ax: Any, trial: pd.Series, settings: dict[str, Any], cause: str) -> None:
+    arm, n_objects = arm_named(trial.robot), int(trial.n_objects)
     seed = scenario_seed(settings["seed"], trial.robot, n_objects, trial["index"])
-    models = models_of(settings["ycb"])
+    judge, models = mesh_judge(trial.robot), models_of(settings["ycb"])
     q_known, scene, bodies = random_scene_around(arm, judge, models, n_objects, seed)
     q, cloud = np.asarray(trial.q), scene.cloud(settings["leaf"])
-    links = {}
-    for link, triangles in arm_meshes(arm).items():
-        T = arm.robot.fk(q, link)
-        links[link] = triangles @ T[:3, :3].T + T[:3, 3]
+    links = {link: moved(part, arm.robot.fk(q, link)) for link, part in arm_meshes(arm).items()}
     target = arm.robot.fk(q_known)
+    half, said = CAUSES[cause]
     centre = arm.robot.fk(q)[:3, 3] if cause == "fails_collision" else np.array([0, 0, 0.5])
-    if trial.collision:
-        link, _, name = trial.collision.partition(" and ")
+    hit, _, name = trial.collision.partition(" and ")
+    if hit:
         touching = next(body for body in bodies if body.name == name)
-        centre = _nearest(links[link], touching.triangles)
-    half = HALF_WIDTH[cause]
+        centre = _nearest(links[hit], touching.triangles)
+
+    def show(triangles: FloatArray, colour: str, alpha: float) -> None:
+        near = triangles[(np.abs(triangles.mean(axis=1) - centre) < 1.1 * half).all(axis=1)]
+        if len(near):
+            faces(ax, near, facecolor=colour, edgecolor="#00000018", lw=0.2, alpha=alpha)
+
     for link, triangles in links.items():
-        hit = trial.collision.startswith(link + " ")
-        _draw(ax, triangles, "#d3151b" if hit else "#9aa3ad", 1.0 if hit else 0.5, centre, half)
+        show(triangles, *(("#d3151b", 1.0) if link == hit else ("#9aa3ad", 0.5)))
     for body in bodies:
-        _draw(ax, body.triangles, "#f0a030", 0.35, centre, half)
+        show(body.triangles, "#f0a030", 0.35)
     near = cloud[np.abs(cloud - centre).max(axis=1) < half]
     ax.scatter(*near.T, s=22, c="black", depthshade=False)
-    tip = target[:3, 3]
-    ax.quiver(*tip, *(0.15 * target[:3, 2]), color="#1f5fd0")
-    for axis, value in zip("xyz", centre, strict=True):
-        getattr(ax, f"set_{axis}lim")(value - half, value + half)
-    ax.set_box_aspect((1, 1, 1))
+    ax.quiver(*target[:3, 3], *(0.15 * target[:3, 2]), color="#1f5fd0")
+    cube(ax, centre, half)
     ax.tick_params(labelsize=7)
     what = trial.collision or f"{1e3 * trial.position_error:.0f} mm off"
-    ax.set_title(f"{trial.method}, {trial.robot}: {CAUSES[cause]}\n{what}", fontsize=9)
-
-
-def _draw(
-    ax: plt.Axes, triangles: FloatArray, colour: str, alpha: float, centre: FloatArray, half: float
-) -> None:
-    near = triangles[(np.abs(triangles.mean(axis=1) - centre) < 1.1 * half).all(axis=1)]
-    if len(near):
-        ax.add_collection3d(
-            Poly3DCollection(near, facecolor=colour, edgecolor="#00000018", lw=0.2, alpha=alpha)
-        )
+    ax.set_title(f"{trial.method}, {trial.robot}: {said}\n{what}", fontsize=9)
 
 
 def _nearest(a: FloatArray, b: FloatArray) -> FloatArray:

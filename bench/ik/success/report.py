@@ -1,28 +1,26 @@
 """Tables and the figure of the paper's first experiment, from its trials."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 
-from bench.common.intervals import duration, share, wilson
+from bench.common.grouped import grouped_table, mean, time_at
+from bench.common.intervals import share, wilson
 from bench.common.markdown import markdown_table
-from bench.common.whole_files import write_whole
-
-mpl.use("agg")
-import matplotlib.pyplot as plt
+from bench.ik.pictures import plt, save, title_and_legend
 
 # Sec. exp1, by number of obstacles from 1 to 9.
 PAPER_POINTS = (24, 47, 68, 87, 101, 110, 122, 130, 136)
-RATES = {
-    "success": "success",
-    "fails_limits": "P_joint",
-    "fails_collision": "P_col",
-    "fails_pose": "P_ee",
+BY_METHOD = {"robot": "arm", "method": "method"}
+FAILURES = {"fails_limits": "P_joint", "fails_collision": "P_col", "fails_pose": "P_ee"}
+SUCCESS = {"n": len, "success [95%]": lambda some: share(some.success)}
+RATES = {name: mean(rate) for rate, name in FAILURES.items()}
+TIMES = {
+    "median": time_at(0.5),
+    "p95": time_at(0.95),
+    "mean log10 T": lambda some: f"{np.log10(some.time).mean():.2f}",
 }
 
 
@@ -31,80 +29,52 @@ def summary_table(trials: pd.DataFrame) -> str:
 
     P_self is the share of answers whose links meet, "off itself" of successes whose do not.
     """
-    header = ["arm", "method", "n", "success [95%]", "P_joint", "P_col", "P_ee", "P_self"]
-    header += [
-        "off itself",
-        "median",
-        "p95",
-        "mean log10 T",
-        "evaluations",
-        "claims not confirmed",
-        "language",
-    ]
-    rows = []
-    for (robot, method), some in _grouped(trials, ["robot", "method"]):
-        claims = some[some.claimed]
-        rows.append(
-            [
-                robot,
-                method,
-                len(some),
-                share(some.success),
-                *(f"{some[rate].mean():.3f}" for rate in (*list(RATES)[1:], "meets_itself")),
-                f"{(some.success & ~some.meets_itself).mean():.3f}",
-                duration(some.time.median()),
-                duration(some.time.quantile(0.95)),
-                f"{np.log10(some.time).mean():.2f}",
-                f"{some.evaluations.mean():.0f}",
-                f"{(~claims.success).sum()} of {len(claims)}",
-                some.language.iloc[0],
-            ]
-        )
-    return markdown_table(header, rows)
+    return grouped_table(
+        trials,
+        BY_METHOD,
+        {
+            **SUCCESS,
+            **RATES,
+            "P_self": mean("meets_itself"),
+            "off itself": lambda some: f"{(some.success & ~some.meets_itself).mean():.3f}",
+            **TIMES,
+            "evaluations": mean("evaluations", 0),
+            "claims not confirmed": lambda some: (
+                f"{(some.claimed & ~some.success).sum()} of {some.claimed.sum()}"
+            ),
+            "language": lambda some: some.language.iloc[0],
+        },
+    )
 
 
 def success_table(trials: pd.DataFrame) -> str:
     """Success by number of obstacles: one row per arm and method."""
-    counts = sorted(trials.n_objects.unique())
-    header = ["arm", "method", *(str(count) for count in counts)]
-    rows = []
-    for (robot, method), some in _grouped(trials, ["robot", "method"]):
-        by_count = some.groupby("n_objects").success.mean()
-        rows.append([robot, method, *(f"{by_count.get(n, np.nan):.3f}" for n in counts)])
-    return markdown_table(header, rows)
+    counts = {
+        str(n): lambda some, n=n: f"{some.success[some.n_objects == n].mean():.3f}"
+        for n in sorted(trials.n_objects.unique())
+    }
+    return grouped_table(trials, BY_METHOD, counts)
 
 
 def full_table(trials: pd.DataFrame) -> str:
     """Everything by arm, number of obstacles and method."""
-    header = ["arm", "obstacles", "method", "n", "success [95%]", "P_joint", "P_col", "P_ee"]
-    header += ["median", "p95", "mean log10 T"]
-    rows = []
-    for (robot, count, method), some in _grouped(trials, ["robot", "n_objects", "method"]):
-        rates = (f"{some[rate].mean():.3f}" for rate in list(RATES)[1:])
-        times = (duration(some.time.median()), duration(some.time.quantile(0.95)))
-        logarithm = f"{np.log10(some.time).mean():.2f}"
-        rows.append(
-            [robot, count, method, len(some), share(some.success), *rates, *times, logarithm]
-        )
-    return markdown_table(header, rows)
+    keys = {"robot": "arm", "n_objects": "obstacles", "method": "method"}
+    return grouped_table(trials, keys, {**SUCCESS, **RATES, **TIMES})
 
 
 def points_table(trials: pd.DataFrame) -> str:
     """Mean number of points in the cloud, ours and the paper's."""
     scenes = trials.drop_duplicates(["robot", "n_objects", "index"])
     means = scenes.groupby("n_objects").n_points.mean()
-    header = ["obstacles", *(str(count) for count in means.index)]
-    paper = [str(PAPER_POINTS[count - 1]) for count in means.index]
-    return markdown_table(
-        header, [["points here", *(f"{mean:.0f}" for mean in means)], ["the paper's", *paper]]
-    )
+    ours = ["points here", *(f"{mean:.0f}" for mean in means)]
+    paper = ["the paper's", *(PAPER_POINTS[count - 1] for count in means.index)]
+    return markdown_table(["obstacles", *means.index], [ours, paper])
 
 
 def speed_ratios(trials: pd.DataFrame, faster: str, slower: Sequence[str]) -> str:
     """How many times longer others take, paired by scenario: median and the middle half."""
     key = ["robot", "n_objects", "index"]
     times = trials.set_index([*key, "method"]).time.unstack("method")
-    header = ["arm", *(f"{method} / {faster}" for method in slower)]
     rows = []
     for robot, some in times.groupby("robot"):
         cells = []
@@ -113,59 +83,44 @@ def speed_ratios(trials: pd.DataFrame, faster: str, slower: Sequence[str]) -> st
             q25, q50, q75 = ratio.quantile([0.25, 0.5, 0.75])
             cells.append(f"{q50:.0f} ({q25:.0f} to {q75:.0f}, n = {len(ratio)})")
         rows.append([robot, *cells])
-    return markdown_table(header, rows)
+    return markdown_table(["arm", *(f"{method} / {faster}" for method in slower)], rows)
 
 
 def draw(trials: pd.DataFrame, path: Path, title: str) -> None:
     """The paper's figure: five rows of panels, one column per arm, 95% intervals shaded."""
-    robots = list(dict.fromkeys(trials.robot))
-    methods = list(dict.fromkeys(trials.method))
-    panels = ["success", "time", "fails_limits", "fails_collision", "fails_pose"]
-    labels = ["$P_{scs}$", "$\\log_{10} T$ [s]", "$P_{joint}$", "$P_{col}$", "$P_{ee}$"]
-    colours = dict(zip(methods, plt.get_cmap("tab10").colors, strict=False))
+    robots, methods = trials.robot.unique(), trials.method.unique()
+    panels = {
+        "success": "$P_{scs}$",
+        "time": "$\\log_{10} T$ [s]",
+        "fails_limits": "$P_{joint}$",
+        "fails_collision": "$P_{col}$",
+        "fails_pose": "$P_{ee}$",
+    }
     figure, axes = plt.subplots(
         len(panels), len(robots), figsize=(4 * len(robots), 11), sharex=True, squeeze=False
     )
     for column, robot in enumerate(robots):
         axes[0][column].set_title(robot)
         axes[-1][column].set_xlabel("obstacles")
-        for row, (panel, label) in enumerate(zip(panels, labels, strict=True)):
-            ax = axes[row][column]
-            for method in methods:
+        for ax, (panel, label) in zip(axes[:, column], panels.items(), strict=True):
+            for method, colour in zip(methods, plt.get_cmap("tab10").colors, strict=False):
                 some = trials[(trials.robot == robot) & (trials.method == method)]
-                x, middle, low, high = _curve(some, panel)
-                ax.plot(x, middle, marker=".", color=colours[method], label=method)
-                ax.fill_between(x, low, high, color=colours[method], alpha=0.12, linewidth=0)
+                curve = np.array([(n, *_middle(g, panel)) for n, g in some.groupby("n_objects")])
+                x, middle, low, high = curve.T
+                ax.plot(x, middle, marker=".", color=colour, label=method)
+                ax.fill_between(x, low, high, color=colour, alpha=0.12, linewidth=0)
             ax.set_ylabel(label if column == 0 else "")
             if panel != "time":
                 ax.set_ylim(-0.03, 1.03)
             ax.grid(alpha=0.3)
-    handles, names = axes[0][0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="upper center", ncol=4, bbox_to_anchor=(0.5, 0.985))
-    figure.suptitle(title, y=0.997, fontsize=10)
-    figure.tight_layout(rect=(0, 0, 1, 0.95))
-    write_whole(path, lambda file: figure.savefig(file, dpi=110))
-    plt.close(figure)
+    title_and_legend(figure, axes[0][0], title, below=0.95, legend=0.985)
+    save(figure, path)
 
 
-def _curve(some: pd.DataFrame, panel: str) -> tuple[list[int], list[float], ...]:  # type: ignore[misc]
-    x, middle, low, high = [], [], [], []
-    for count, trials in some.groupby("n_objects"):
-        x.append(int(count))
-        if panel == "time":
-            values = np.log10(trials.time)
-            error = 1.96 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else 0.0
-            middle.append(float(values.mean()))
-            low.append(float(values.mean() - error))
-            high.append(float(values.mean() + error))
-        else:
-            ends = wilson(int(trials[panel].sum()), len(trials))
-            middle.append(float(trials[panel].mean()))
-            low.append(ends[0])
-            high.append(ends[1])
-    return x, middle, low, high
-
-
-def _grouped(trials: pd.DataFrame, keys: list[str]) -> Iterable[tuple[tuple, pd.DataFrame]]:
-    """Groups in the order in which their keys first appear."""
-    return trials.groupby(keys, sort=False)  # type: ignore[return-value]
+def _middle(trials: pd.DataFrame, panel: str) -> tuple[float, float, float]:
+    """The mean with the ends of its interval."""
+    if panel != "time":
+        return trials[panel].mean(), *wilson(int(trials[panel].sum()), len(trials))
+    values = np.log10(trials.time)
+    error = 1.96 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else 0.0
+    return values.mean(), values.mean() - error, values.mean() + error

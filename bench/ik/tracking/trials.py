@@ -1,23 +1,18 @@
 """A moving target among moving spheres at 1 kHz, each step from the last answer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray
 from bench.ik.experiment import ARMS
-from bench.ik.hard.trials import TOLERANCE, prepared_method
-from bench.ik.judges.recheck import UrdfChain, recheck
+from bench.ik.hard.trials import OPTIONS, terms_of
+from bench.ik.judges.recheck import recheck
 from bench.ik.methods import Problem
+from bench.ik.scenes.around import arm_named, chain_of, prepared_method
 from bench.ik.scenes.objects import SceneError
-from bench.ik.success.trials import arm_named
-
-FloatArray = npt.NDArray[np.float64]
 
 PERIOD = 0.001  # [s]
 DURATION = 2.0  # of a run [s]
@@ -31,16 +26,12 @@ JUMP = 0.05  # a joint that moves by more in one step jumps: fifty times its spe
 DRAWS = 2000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
-    """A motion q(t) that reaches every target clear of every sphere, by the built-in hulls."""
+def random_run(robot_name: str, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """Sines about a random configuration, spheres that come close to it one after the other.
 
-    q: FloatArray  # (steps, n) [rad]
-    spheres: FloatArray  # (steps, SPHERES, 4): centre and radius [m]
-
-
-def random_run(robot_name: str, rng: np.random.Generator) -> Run:
-    """Sines about a random configuration, spheres that come close to it one after the other."""
+    The motion q, (steps, n) [rad], reaches every target clear of every sphere, by the built-in
+    hulls. The spheres are centres and radii, (steps, SPHERES, 4) [m].
+    """
     robot = arm_named(robot_name).robot
     judge = pdoik.Solver(robot)
     t = np.arange(0.0, DURATION, PERIOD)
@@ -53,20 +44,18 @@ def random_run(robot_name: str, rng: np.random.Generator) -> Run:
         q = middle + amplitude * np.sin(2 * np.pi * frequency * t[:, None] + phase)
         if (q < robot.lower).any() or (q > robot.upper).any():
             continue
-        spheres = _spheres(robot, judge, q, t, rng)
+        spheres = _spheres(judge, q, t, rng)
         if spheres is not None:
-            return Run(q=q, spheres=spheres)
+            return q, spheres
     raise SceneError(f"tracking: {DRAWS} motions, none of them clear")
 
 
 def _spheres(
-    robot: pdoik.Robot,
-    judge: pdoik.Solver,
-    q: FloatArray,
-    t: FloatArray,
-    rng: np.random.Generator,
+    judge: pdoik.Solver, q: FloatArray, t: FloatArray, rng: np.random.Generator
 ) -> FloatArray | None:
     """Spheres that come to a point of the arm along a line and leave again, clear all the time."""
+    robot = judge.robot
+    spheroids = robot.occupancy.spheroids
 
     def clearance(k: int, balls: FloatArray) -> float:
         return float(judge.judge(robot.fk(q[k]), q[k], obstacles=balls).clearance)
@@ -75,9 +64,7 @@ def _spheres(
     for meeting in np.linspace(0.2, 0.8, SPHERES):
         at = int(meeting * len(t))
         for _ in range(30):
-            link, focus, _, other, _ = robot.occupancy.spheroids[
-                rng.integers(len(robot.occupancy.spheroids))
-            ]
+            link, focus, _, other, _ = spheroids[rng.integers(len(spheroids))]
             local = np.add(focus, rng.uniform() * np.subtract(other, focus))
             centre = (robot.fk(q[at], link) @ [*local, 1.0])[:3]
             direction = rng.normal(size=3)
@@ -98,38 +85,39 @@ def _spheres(
 
 
 def run_method(job: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """One run by every method of the job: robot, index, seed, methods, max_time, libraries."""
-    arm = arm_named(job["robot"])
-    seed = [job["seed"], ARMS.index(arm.name), job["index"]]
-    run = random_run(arm.name, np.random.default_rng(seed))
-    chain = UrdfChain(arm.urdf, arm.robot.joint_names)
-    options = pdoik.Options(
-        position_tolerance=TOLERANCE, rotation_tolerance=TOLERANCE, clearance_tolerance=1e-6
+    """One run by every method of the job: robot, first, seed, methods, max_time, libraries.
+
+    The methods are pairs of a name and the number of runs that it takes part in.
+    """
+    name, index = job["robot"], job["first"]
+    robot, chain = arm_named(name).robot, chain_of(name)
+    motion, spheres = random_run(
+        name, np.random.default_rng([job["seed"], ARMS.index(name), index])
     )
-    reference = float(np.abs(np.diff(run.q, axis=0)).max())
     rows = []
-    for name in job["methods"]:
-        method = prepared_method(name, arm.name, job["max_time"], job["libraries"], 0)
-        q, steps, times, solved = run.q[0].copy(), [], [], []
-        for target, balls in zip(run.q, run.spheres, strict=True):
-            T_base_tip = arm.robot.fk(target)
-            problem = Problem(T_base_tip=T_base_tip, q0=q, points=balls)
-            answer = method.solve(problem)
+    for method_name, count in job["methods"]:
+        if index >= count:
+            continue
+        method = prepared_method(method_name, name, terms_of(job["max_time"]), job["libraries"])
+        q, steps, times, solved = motion[0].copy(), [], [], 0
+        for target, balls in zip(motion, spheres, strict=True):
+            T_base_tip = robot.fk(target)
+            answer = method.solve(Problem(T_base_tip, q, balls))
             times.append(answer.time)
-            verdict = recheck(chain, arm.robot, options, T_base_tip, answer.q, balls)
-            solved.append(answer.claimed and verdict.confirms(options))
-            if solved[-1]:  # what does not solve the step is not sent to the robot
+            verdict = recheck(chain, robot, OPTIONS, T_base_tip, answer.q, balls)
+            if answer.claimed and verdict.confirms(OPTIONS):
+                solved += 1  # what does not solve the step is not sent to the robot
                 steps.append(float(np.abs(answer.q - q).max()))
                 q = answer.q
         rows.append(
             {
-                "robot": arm.name,
-                "index": job["index"],
-                "method": name,
+                "robot": name,
+                "index": index,
+                "method": method_name,
                 "language": method.language,
-                "steps": len(solved),
-                "solved": int(np.sum(solved)),
-                "reference_step": reference,
+                "steps": len(times),
+                "solved": solved,
+                "reference_step": float(np.abs(np.diff(motion, axis=0)).max()),
                 "largest_step": max(steps, default=0.0),
                 "jumps": int(np.sum(np.array(steps) > JUMP)),
                 "median": float(np.median(times)),

@@ -1,29 +1,23 @@
 """The page of `pdoik view` in headless Chromium, for the README's pictures."""
 
-from __future__ import annotations
-
 import io
 import shutil
 import time
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
+from bench.common.arrays import FloatArray
 from pdoik.view import Session
-from pdoik.view.diagnosis.viewer import DiagnosisViewer
 from pdoik.view.examples import Example
 from pdoik.view.model import Model
 from pdoik.view.server import start_server
 from pdoik.view.viewer import Viewer
 
-FloatArray = npt.NDArray[np.float64]
-
-WIDTH, HEIGHT = 1440, 900  # pixels
 FLAGS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -39,10 +33,10 @@ _FRAMES = """n => new Promise(done => {
 
 
 @contextmanager
-def served(model: Model, session: Session, example: Example | None = None) -> Iterator[Viewer]:
+def running(make: Callable[[Any], Any]) -> Iterator[Any]:
     """A viewer on a port of its own."""
     server = start_server("127.0.0.1", 0)
-    viewer = Viewer(server, model, session, example)
+    viewer = make(server)
     try:
         yield viewer
     finally:
@@ -50,11 +44,16 @@ def served(model: Model, session: Session, example: Example | None = None) -> It
         server.stop()
 
 
+def served(
+    model: Model, session: Session, example: Example | None = None
+) -> AbstractContextManager[Viewer]:
+    """The viewer of a session."""
+    return running(lambda server: Viewer(server, model, session, example))
+
+
 @contextmanager
-def opened(
-    viewer: Viewer | DiagnosisViewer, height: int = HEIGHT, width: int = WIDTH
-) -> Iterator[Page]:
-    """Its page, with a first answer on it and nothing in front of it."""
+def opened(viewer: Any, width: int = 1440, height: int = 900) -> Iterator[Page]:
+    """Its page, with a first answer on it and nothing in front of it; sizes in pixels."""
     chromium = shutil.which("chromium")
     with (
         sync_playwright() as driver,

@@ -6,12 +6,9 @@ the cost is sum r_e^2, half the squared Frobenius norm over the symmetric matrix
 depends on Y Y^T only. Edges between two nodes have weights 1 and -1; an obstacle's have more.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 
 class DistanceCost:

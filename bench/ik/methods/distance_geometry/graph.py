@@ -8,19 +8,16 @@ After Maric et al. 2021. Nodes are the points of points.py. Edges carry `lower` 
     goal    from the last axis to the base; the values are a problem's
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable
 from itertools import combinations, product
 
 import networkx as nx
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.methods.distance_geometry.limits import SquaredDistance, expresses
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
 from bench.ik.methods.distance_geometry.start import embedded, smoothed
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class DistanceGraph:
@@ -30,28 +27,30 @@ class DistanceGraph:
         self._points = points
         self.graph = nx.Graph()
         self.graph.add_nodes_from((i, {"name": name}) for i, name in enumerate(points.names))
-        self.relaxed: list[int] = []  # joints whose limits the distances do not tell
-        self._add_known()
-        for joint in range(points.n_joints - 1):
-            self._add_limits(joint, float(lower[joint]), float(upper[joint]))
-        self.relaxed.append(points.n_joints - 1)  # it moves no point
-        self._add_goal()
-        edges = list(self.graph.edges(data=True))
-        self.incidence = np.zeros((len(edges), len(points.names)))  # (m, N), 1 and -1
-        for row, (i, j, _) in enumerate(edges):
-            self.incidence[row, i], self.incidence[row, j] = 1, -1
-        self._lower = np.array([edge["lower"] for _, _, edge in edges])
-        self._upper = np.array([edge["upper"] for _, _, edge in edges])
-        self._ends = np.array([(i, j) for i, j, _ in edges])
-        self._goal_rows = np.array(
-            [row for row, (_, _, edge) in enumerate(edges) if edge["kind"] == "goal"]
-        )
+        last = points.n_joints - 1
+        self._add_known("base", combinations(BASE, 2))
+        for joint in range(1, points.n_joints):
+            pair = points.pair(joint)
+            self._add_known("link", [pair, *product(points.pair(joint - 1), pair)])
+        # Joints whose limits the distances do not tell; the last one moves no point.
+        self.relaxed = [
+            joint
+            for joint in range(last)
+            if not self._add_limits(joint, float(lower[joint]), float(upper[joint]))
+        ] + [last]
+        self._add_known("goal", product(BASE, points.pair(last)))
+        self._ends = np.array(self.graph.edges)
+        told = [edge for *_, edge in self.graph.edges(data=True)]
+        rows = np.arange(len(told))
+        self.incidence = np.zeros((len(told), len(points.names)))  # (m, N), 1 and -1
+        self.incidence[rows, self._ends[:, 0]], self.incidence[rows, self._ends[:, 1]] = 1, -1
+        self._lower, self._upper = (np.array([e[end] for e in told]) for end in ("lower", "upper"))
+        self._goal_rows = np.flatnonzero([edge["kind"] == "goal" for edge in told])
 
     def ranges(self, goal: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper squared distances of all edges, (m,) each, for a place of the last axis.
+        """Lower and upper squared distances of all edges, (m,) each.
 
-        Args:
-            goal: Positions of its two points, (2, 3) [m].
+        The goal is where the last axis's two points shall be, (2, 3) [m].
         """
         zero = self._points.zero.copy()
         zero[-2:] = goal
@@ -71,16 +70,15 @@ class DistanceGraph:
         upper[i, j] = upper[j, i] = np.sqrt(greatest)
         return embedded(*smoothed(lower, upper), known=self._ends[least == greatest])
 
-    def _add_known(self) -> None:
-        for i, j in combinations(BASE, 2):
-            self._add(i, j, "base")
-        for joint in range(1, self._points.n_joints):
-            pair = self._points.pair(joint)
-            self._add(*pair, "link")
-            for i, j in product(self._points.pair(joint - 1), pair):
-                self._add(i, j, "link")
+    def _add_known(self, kind: str, edges: Iterable[tuple[int, int]]) -> None:
+        """Edges of known length, as in the zero configuration."""
+        zero = self._points.zero
+        for i, j in edges:
+            squared = float(np.sum((zero[i] - zero[j]) ** 2))
+            self.graph.add_edge(i, j, kind=kind, lower=squared, upper=squared)
 
-    def _add_limits(self, joint: int, lower: float, upper: float) -> None:
+    def _add_limits(self, joint: int, lower: float, upper: float) -> bool:
+        """Whether the distances between the axes about a joint tell its limits."""
         pairs = list(product(self._points.pair(joint - 1), self._points.pair(joint + 1)))
         turned = np.zeros((3, self._points.n_joints))
         turned[:, joint] = 2 * np.pi / 3 * np.arange(3)
@@ -90,20 +88,9 @@ class DistanceGraph:
             for i, j in pairs
         ]
         for (i, j), distance in zip(pairs, distances, strict=True):
-            if distance.is_constant:
-                self._add(i, j, "link")
-                continue
             low, high = distance.range(lower, upper)
-            if np.isfinite(low) or np.isfinite(high):
+            if distance.is_constant:
+                self._add_known("link", [(i, j)])
+            elif np.isfinite(low) or np.isfinite(high):
                 self.graph.add_edge(i, j, kind="limit", lower=low, upper=high)
-        if not expresses(distances, lower, upper):
-            self.relaxed.append(joint)
-
-    def _add_goal(self) -> None:
-        for i, j in product(BASE, self._points.pair(self._points.n_joints - 1)):
-            self._add(i, j, "goal")
-
-    def _add(self, i: int, j: int, kind: str) -> None:
-        """An edge of known length, as in the zero configuration."""
-        squared = float(np.sum((self._points.zero[i] - self._points.zero[j]) ** 2))
-        self.graph.add_edge(i, j, kind=kind, lower=squared, upper=squared)
+        return expresses(distances, lower, upper)

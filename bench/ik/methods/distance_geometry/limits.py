@@ -13,9 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 TURN = 2 * np.pi
 SAME = 1e-9  # squared distances that differ less are one [m^2]

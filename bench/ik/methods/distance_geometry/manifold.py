@@ -1,12 +1,9 @@
 """The manifold of Gram matrices of rank 3, quicker than pymanopt's own at this one size."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from pymanopt.manifolds import PSDFixedRank
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 
 class GramRank3(PSDFixedRank):

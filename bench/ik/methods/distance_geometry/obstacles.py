@@ -11,15 +11,13 @@ Links between the joints stay uncovered. This is the method's known gap, not a s
 between points say nothing of a link's side.
 """
 
-from __future__ import annotations
+from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
+from bench.common.arrays import FloatArray, moved
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
-
-FloatArray = npt.NDArray[np.float64]
 
 N_SAMPLES = 32  # configurations that a depth is the least of
 
@@ -67,13 +65,10 @@ def _depths(robot: pdoik.Robot, q: FloatArray, positions: FloatArray) -> FloatAr
     """How deep points are inside each hull, negative outside, (points, hulls) [m]."""
     poses = {link: robot.fk(q, link) for link in robot.link_names}
 
-    def away(link: str, xyz: tuple[float, float, float]) -> FloatArray:
-        center = poses[link][:3, :3] @ xyz + poses[link][:3, 3]
-        return np.asarray(np.linalg.norm(positions - center, axis=1))
+    def away(link: str, xyz: Sequence[float]) -> FloatArray:
+        return np.linalg.norm(positions - moved(np.array(xyz), poses[link]), axis=1)
 
-    depths = [radius - away(link, xyz) for link, xyz, radius in robot.occupancy.spheres]
-    depths += [
-        semi_major - (away(link_a, xyz_a) + away(link_b, xyz_b)) / 2
-        for link_a, xyz_a, link_b, xyz_b, semi_major in robot.occupancy.spheroids
-    ]
+    occupancy = robot.occupancy
+    depths = [radius - away(link, xyz) for link, xyz, radius in occupancy.spheres]
+    depths += [A - (away(la, a) + away(lb, b)) / 2 for la, a, lb, b, A in occupancy.spheroids]
     return np.stack(depths, axis=1) if depths else np.empty((len(positions), 0))

@@ -5,16 +5,12 @@ x, y make of p_0, q_0 a frame. Departs from it in that there is no pair for the 
 on the last axis, whose own pair the goal fixes just as well.
 """
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.experiment import Arm
-
-FloatArray = npt.NDArray[np.float64]
 
 AXIS_LENGTH = 1.0  # |q_k - p_k| [m], as in the public implementation
 BASE = (0, 1, 2, 3)  # rows of x, y, p_0, q_0
@@ -41,7 +37,8 @@ class ArmPoints:
             arm.robot.fk(zero, link)[:3, :3].T @ axis
             for link, axis in zip(self.links, axes, strict=True)
         ]
-        self._base = _base_frame(arm.robot.fk(zero, self.links[0])[:3, 3], axes[0])
+        origin = arm.robot.fk(zero, self.links[0])[:3, 3]
+        self._base = origin + AXIS_LENGTH * _base_directions(axes[0])
         T_last_tip = np.linalg.inv(arm.robot.fk(zero, self.links[-1])) @ arm.robot.fk(zero)
         self._tip_offset = float(T_last_tip[:3, 3] @ self._local_axes[-1])
         off = np.linalg.norm(T_last_tip[:3, 3] - self._tip_offset * self._local_axes[-1])
@@ -51,7 +48,7 @@ class ArmPoints:
         self.zero = self.positions(zero)
 
     def p(self, joint: int) -> int:
-        """Row of the joint's first point; the second follows."""
+        """Row of a joint's first point; the second follows."""
         return 2 + 2 * joint
 
     def pair(self, joint: int) -> tuple[int, int]:
@@ -83,10 +80,9 @@ def _moved_links(arm: Arm) -> list[str]:
     return [str(child.get("link")) for child in children if child is not None]
 
 
-def _base_frame(origin: FloatArray, axis: FloatArray) -> FloatArray:
-    """x, y, p_0, q_0: a right-angled frame about the first axis, (4, 3) [m]."""
+def _base_directions(axis: FloatArray) -> FloatArray:
+    """To x, y, p_0, q_0 from the first axis's origin: a right-angled frame, (4, 3)."""
     across = np.eye(3)[int(np.argmin(np.abs(axis)))]
     x = across - (across @ axis) * axis
     x /= np.linalg.norm(x)
-    y = np.cross(axis, x)
-    return np.stack([origin + AXIS_LENGTH * v for v in (x, y, np.zeros(3), axis)])
+    return np.stack([x, np.cross(axis, x), np.zeros(3), axis])

@@ -7,14 +7,11 @@ best angle in closed form (in the public implementation, a root of a polynomial)
 two neighbouring skew axes that came out mirrored is not seen here: its angles are then wrong.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
+from bench.ik.judges.recheck import rotation_about
 from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
-
-FloatArray = npt.NDArray[np.float64]
 
 TURN = 2 * np.pi
 NEGLIGIBLE = 1e-12  # lever arms squared that tell no angle [m^2]
@@ -30,10 +27,8 @@ def align(Y: FloatArray, base: FloatArray) -> FloatArray:
 def angles(points: ArmPoints, found: FloatArray, otherwise: FloatArray) -> FloatArray:
     """The joint angles that points in the base frame stand for, in (-pi, pi], (n,) [rad].
 
-    Args:
-        points: The arm's.
-        found: Where they are, (N, 3) [m].
-        otherwise: Angles of joints that no point tells, as the last one's, (n,) [rad].
+    The arm's points were found at (N, 3) [m]; joints that no point tells, as the last one, have the
+    angles `otherwise`, (n,) [rad].
     """
     theta = np.array(otherwise, dtype=np.float64)
     zero = points.zero
@@ -50,16 +45,9 @@ def angles(points: ArmPoints, found: FloatArray, otherwise: FloatArray) -> Float
         sine, cosine = float(np.sum(np.cross(across, after) @ axis)), float(np.sum(across * after))
         if np.hypot(sine, cosine) > NEGLIGIBLE:
             theta[joint] = np.arctan2(sine, cosine)
-        turn = rotation(axis, theta[joint])
+        turn = rotation_about(axis, theta[joint])
         R, t = turn @ R, turn @ (t - pivot) + pivot
     return theta
-
-
-def rotation(axis: FloatArray, angle: float) -> FloatArray:
-    """Rotation matrix about a unit axis (Rodrigues), (3, 3)."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * (K @ K))
 
 
 def within_turns(theta: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:

@@ -3,18 +3,16 @@
 Settings are those of the paper's public implementation (utiasSTARS/graphik).
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from time import perf_counter
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import pymanopt
 from pymanopt.optimizers import ConjugateGradient, TrustRegions
 from pymanopt.optimizers.optimizer import OptimizerResult
 
+from bench.common.arrays import FloatArray
 from bench.ik.experiment import Arm
 from bench.ik.methods.distance_geometry.cost import DistanceCost
 from bench.ik.methods.distance_geometry.graph import DistanceGraph
@@ -24,7 +22,6 @@ from bench.ik.methods.distance_geometry.points import BASE, ArmPoints
 from bench.ik.methods.distance_geometry.recover import align, angles, within_turns
 from bench.ik.methods.problem import Answer, Problem, Terms
 
-FloatArray = npt.NDArray[np.float64]
 Start = Literal["bounds", "q0"]
 
 OBSTACLE_SLACK = 1e-3  # how far a sphere may reach into an obstacle in a solved problem [m]
@@ -39,11 +36,8 @@ class DistanceGeometricSolver(ABC):
     that are skew, as the Panda's, may come out mirrored: the distances then fit and the answer
     does not.
 
-    Args:
-        arm: An arm of revolute joints.
-        terms: Of goal "axis".
-        start: "bounds" embeds smoothed distance bounds, as the public implementation does, and
-            takes from q0 the last joint's angle only. "q0" starts from the points of q0.
+    The `start` "bounds" embeds smoothed distance bounds, as the public implementation does, and
+    takes from q0 the last joint's angle only; "q0" starts from the points of q0.
 
     Attributes:
         relaxed_joints: Joints whose limits distances do not tell exactly: a range of a turn or
@@ -79,10 +73,9 @@ class DistanceGeometricSolver(ABC):
         q = within_turns(
             angles(self._points, found, np.clip(problem.q0, lower, upper)), lower, upper
         )
-        claimed = self._is_solved(problem, q)
         return Answer(
             q=q,
-            claimed=claimed,
+            claimed=self._is_solved(problem, q),
             time=perf_counter() - begin,
             iterations=int(result.iterations),
             evaluations=cost.evaluations,
@@ -104,20 +97,14 @@ class DistanceGeometricSolver(ABC):
         """Run pymanopt's optimizer."""
 
     def _riemannian(self, cost: DistanceCost) -> pymanopt.Problem:
-        manifold = self._manifold
-
-        def value(Y: FloatArray) -> float:
-            return cost(Y)
-
-        def hessian(Y: FloatArray, Z: FloatArray) -> FloatArray:
-            return manifold.projection(Y, cost.hessian(Y, Z))
-
-        function = pymanopt.function.numpy(manifold)
+        function = pymanopt.function.numpy(self._manifold)
         return pymanopt.Problem(
-            manifold,
-            function(value),
+            self._manifold,
+            function(lambda Y: cost(Y)),
             euclidean_gradient=function(cost.gradient),
-            riemannian_hessian=function(hessian),
+            riemannian_hessian=function(
+                lambda Y, Z: self._manifold.projection(Y, cost.hessian(Y, Z))
+            ),
         )
 
     def _first(self, problem: Problem) -> FloatArray:

@@ -6,12 +6,10 @@ three are kept along which the known distances extend most. Obstacles, which are
 have no part in it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from bench.common.arrays import FloatArray
 
 FRACTION = 0.9  # of the way from the lower bound to the upper one
 NEGLIGIBLE = 1e-8  # eigenvalue of a Gram matrix that counts as none [m^2]
@@ -20,9 +18,7 @@ NEGLIGIBLE = 1e-8  # eigenvalue of a Gram matrix that counts as none [m^2]
 def smoothed(lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Bounds of all distances by the triangle inequality, (N, N) each.
 
-    Args:
-        lower: Symmetric, 0 where nothing is known [m].
-        upper: Symmetric, inf where nothing is known [m].
+    They are symmetric, and 0 or inf where nothing is known [m].
     """
     lower, upper = lower.copy(), upper.copy()
     for k in range(len(upper)):  # Floyd and Warshall
@@ -34,12 +30,9 @@ def smoothed(lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def embedded(lower: FloatArray, upper: FloatArray, known: npt.NDArray[np.int_]) -> FloatArray:
-    """Points in space whose distances are roughly within bounds, (N, 3) [m].
+    """Points in space whose distances are roughly within smoothed bounds, (N, 3) [m].
 
-    Args:
-        lower: Smoothed, (N, N) [m].
-        upper: Smoothed, (N, N) [m].
-        known: Pairs whose distance is known, (m, 2).
+    The pairs whose distance is known are (m, 2).
     """
     squared = (lower + FRACTION * (upper - lower)) ** 2
     centered = squared - squared.mean(axis=0)

@@ -5,29 +5,25 @@ MoveIt scenes and requests (or the archive of them), VAMP's problems.json or pro
 folder of scenarios.
 """
 
-from __future__ import annotations
-
 import tarfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from bench.ik.problems.loaders.ebike import is_ebike, read_ebike
-from bench.ik.problems.loaders.errors import LoaderError
+from bench.ik.problems.loaders.ebike import read_ebike
 from bench.ik.problems.loaders.moveit import read_moveit
 from bench.ik.problems.loaders.vamp import read_vamp
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
+from pdoik.scenes.values import EntryError as LoaderError
 
 ARCHIVES = (".tar", ".gz", ".bz2", ".xz", ".tgz")
 
 
 def read_problems(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
-    """The problems of a folder or file, by the name of their set.
+    """The problems of a folder or file for a robot, by the name of their set.
 
-    Args:
-        path: A folder with scene0001.yaml and request0001.yaml, a folder of such folders, an
-            archive of these; problems.json or problems.pkl; or a folder with *.pcd and *.ply.
-        files: The robot they are for.
+    The path is a folder with scene0001.yaml and request0001.yaml, a folder of such folders, an
+    archive of these; problems.json or problems.pkl; or a folder with *.pcd and *.ply.
 
     Raises:
         LoaderError: What cannot be read, by file and entry.
@@ -40,13 +36,10 @@ def read_problems(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
         if path.suffix in ARCHIVES:
             return _read_archive(path, files)
         raise LoaderError(path, f"expected .json, .pkl or an archive, got {path.suffix!r}")
-    if is_ebike(path):
+    if any(path.glob("*.pcd")):
         return read_ebike(path, files)
-    folders = (
-        [path]
-        if any(path.glob("scene*.y*ml"))
-        else sorted(p for p in path.rglob("*") if p.is_dir())
-    )
+    here = any(path.glob("scene*.y*ml"))
+    folders = [path] if here else sorted(p for p in path.rglob("*") if p.is_dir())
     sets = {f.name: read_moveit(f, files) for f in folders if any(f.glob("scene*.y*ml"))}
     if not sets:
         raise LoaderError(path, "neither scene*.yaml nor *.pcd in it or its folders")

@@ -1,27 +1,19 @@
 """EBIKE's scenarios: NAME.ply, what stands around the robot, and NAME.pcd, targets on surfaces."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 from pypcd4 import PointCloud
 
-from bench.ik.problems.families.on_surface import facing
-from bench.ik.problems.loaders.errors import LoaderError
+from bench.common.arrays import FloatArray
+from bench.ik.problems.families.on_surfaces import facing
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Solid, mesh
+from pdoik.scenes.values import EntryError as LoaderError
 
-FloatArray = npt.NDArray[np.float64]
 FIELDS = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
-
-
-def is_ebike(folder: Path) -> bool:
-    """Whether a folder holds scenarios: clouds of targets."""
-    return any(folder.glob("*.pcd"))
 
 
 def read_ebike(folder: Path, files: RobotFiles) -> dict[str, list[Problem]]:
@@ -30,10 +22,6 @@ def read_ebike(folder: Path, files: RobotFiles) -> dict[str, list[Problem]]:
     The tool's z axis goes against the point's normal, its x axis lies along the base's x (or y)
     as nearly as it can; which of the two ways z goes is a guess (README). The tool may touch the
     scenario's mesh. No configuration is known beforehand. A scenario without a .ply is empty.
-
-    Args:
-        folder: `scenarios`.
-        files: The robot; its touch_links are the tool.
 
     Raises:
         LoaderError: A file cannot be read, or has no normals.
@@ -47,27 +35,26 @@ def read_ebike(folder: Path, files: RobotFiles) -> dict[str, list[Problem]]:
                 name=f"{file.stem}/{k}",
                 robot=files.name,
                 solids=solids,
-                targets={files.tips[0]: facing(point, normal)},
+                targets={files.tips[0]: facing(row[:3], row[3:])},
                 allowed=allowed,
             )
-            for k, (point, normal) in enumerate(_targets(file))
+            for k, row in enumerate(_points_and_normals(file))
         ]
     return sets
 
 
-def _targets(file: Path) -> list[tuple[FloatArray, FloatArray]]:
+def _points_and_normals(file: Path) -> FloatArray:
     try:
         table = PointCloud.from_path(file)
     except Exception as error:  # the reader raises whatever its parsing stumbles over
         raise LoaderError(file, f"not a PCD file that can be read: {error}") from error
-    missing = [field for field in FIELDS if field not in table.fields]
-    if missing:
+    if missing := [field for field in FIELDS if field not in table.fields]:
         raise LoaderError(file, f"has no fields {missing}")
     rows = np.asarray(table.numpy(FIELDS), dtype=np.float64)
     bad = np.flatnonzero(~np.isfinite(rows).all(axis=1) | (np.abs(rows[:, 3:]).max(axis=1) < 1e-6))
     if len(bad):
         raise LoaderError(file, "has no finite position and normal", f"point {bad[0]}")
-    return [(row[:3], row[3:]) for row in rows]
+    return rows
 
 
 def _solids(file: Path) -> tuple[Solid, ...]:

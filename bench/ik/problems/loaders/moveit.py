@@ -1,24 +1,20 @@
 """MotionBenchMaker's sets: scene0001.yaml (a PlanningScene) beside request0001.yaml."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from bench.common.arrays import FloatArray
 from bench.ik.problems.judge import Judge
-from bench.ik.problems.loaders.errors import LoaderError
-from bench.ik.problems.loaders.moveit_world import read_world
-from bench.ik.problems.loaders.values import numbers, read_pose, read_yaml, rotation
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
-from pdoik.scenes.moveit_yaml import read_allowed
-
-FloatArray = npt.NDArray[np.float64]
+from bench.ik.problems.solids import Solid, SolidError
+from pdoik.scenes.moveit_yaml import read_allowed, read_world
+from pdoik.scenes.values import EntryError as LoaderError
+from pdoik.scenes.values import numbers, read_pose, read_yaml, rotation
 
 
 def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
@@ -27,10 +23,6 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
     A scene's request has the same number. The target is the tip's pose in the goal configuration,
     or the goal's pose constraints. Everything is taken to be in the frame of the robot's base
     unless fixed_frame_transforms say otherwise.
-
-    Args:
-        folder: With scene*.yaml and request*.yaml.
-        files: The robot.
 
     Raises:
         LoaderError: A request is missing, or an entry cannot be read.
@@ -44,22 +36,34 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
         if not request_file.is_file():
             raise LoaderError(scene_file, f"its request {request_file.name} is not there")
         scene = read_yaml(scene_file)
-        solids = read_world(scene, scene_file, set(judge.link_names))
+        things = _things(scene, scene_file, judge.link_names)
         targets, goal_q = _goal(read_yaml(request_file), request_file, judge)
-        names = {solid.name.split("/")[0]: [] for solid in solids}
-        for solid in solids:
-            names[solid.name.split("/")[0]].append(solid.name)
+        names = {name: [solid.name for solid in solids] for name, solids in things.items()}
         problems.append(
             Problem(
                 name=f"{folder.name}/{scene_file.stem}",
                 robot=files.name,
-                solids=tuple(solids),
+                solids=tuple(solid for solids in things.values() for solid in solids),
                 targets=targets,
                 goal_q=goal_q,
                 allowed=frozenset(read_allowed(scene, scene_file, names)),
             )
         )
     return problems
+
+
+def _things(scene: Mapping[str, Any], file: Path, links: Sequence[str]) -> dict[str, list[Solid]]:
+    """By object; one of several pieces gives solids named id/0, id/1 and so on."""
+    things: dict[str, list[Solid]] = {}
+    for thing in read_world(scene, file, links=set(links)):
+        for k, piece in enumerate(thing.pieces):
+            name = f"{thing.name}/{k}" if len(thing.pieces) > 1 else thing.name
+            try:
+                solid = Solid(name, piece.kind, piece.size, piece.T, piece.vertices, piece.faces)
+            except SolidError as error:
+                raise LoaderError(file, str(error), piece.entry) from error
+            things.setdefault(thing.name, []).append(solid)
+    return things
 
 
 def _number(file: Path) -> tuple[int, str]:
@@ -95,8 +99,7 @@ def _joints(
         (values[constraint["joint_name"]],) = numbers(
             [constraint.get("position")], "q", file, f"{entry}.position"
         )
-    missing = [name for name in judge.joint_names if name not in values]
-    if missing:
+    if missing := [name for name in judge.joint_names if name not in values]:
         raise LoaderError(file, f"neither goal nor start has {missing}", "goal_constraints[0]")
     return np.array([float(values[name]) for name in judge.joint_names])
 

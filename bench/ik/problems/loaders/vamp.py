@@ -1,7 +1,5 @@
 """VAMP's problems.json and problems.pkl: the same problems, obstacles by kind."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from collections.abc import Mapping
@@ -9,29 +7,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
+from bench.common.arrays import FloatArray
 from bench.ik.problems.judge import Judge
-from bench.ik.problems.loaders.errors import LoaderError
-from bench.ik.problems.loaders.values import numbers, rotation
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Kind, Solid, SolidError, pose
+from pdoik.scenes.values import EntryError as LoaderError
+from pdoik.scenes.values import numbers, rotation
 
-FloatArray = npt.NDArray[np.float64]
 KINDS: tuple[Kind, ...] = ("sphere", "cylinder", "box", "capsule")
 _HARMLESS = {
-    ("builtins", "dict"),
-    ("builtins", "list"),
-    ("collections", "defaultdict"),
-    ("collections", "OrderedDict"),
-    ("numpy", "dtype"),
-    ("numpy", "ndarray"),
-    ("numpy.core.multiarray", "_reconstruct"),
-    ("numpy.core.multiarray", "scalar"),
-    ("numpy._core.multiarray", "_reconstruct"),
-    ("numpy._core.multiarray", "scalar"),
+    "builtins": ("dict", "list"),
+    "collections": ("defaultdict", "OrderedDict"),
+    "numpy": ("dtype", "ndarray"),
+    "numpy.core.multiarray": ("_reconstruct", "scalar"),
+    "numpy._core.multiarray": ("_reconstruct", "scalar"),
 }
 
 
@@ -39,7 +31,7 @@ class _Unpickler(pickle.Unpickler):
     """Makes containers and arrays only: a pickle from elsewhere may run nothing."""
 
     def find_class(self, module: str, name: str) -> Any:
-        if (module, name) not in _HARMLESS:
+        if name not in _HARMLESS.get(module, ()):
             raise pickle.UnpicklingError(f"holds a {module}.{name}")
         return super().find_class(module, name)
 
@@ -49,10 +41,6 @@ def read_vamp(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
 
     A problem of several goals gives one problem for each. Those that VAMP itself calls invalid
     (`valid: false`) are read, too: the judge says what is valid by meshes.
-
-    Args:
-        path: The file.
-        files: The robot.
 
     Raises:
         LoaderError: An entry cannot be read, or the file is for another robot.
@@ -66,15 +54,15 @@ def read_vamp(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
         raise LoaderError(path, "expected sets by name", "problems")
     judge = Judge(files, "collision")
     joints = list(content.get("joints") or judge.joint_names)
-    read: dict[str, list[Problem]] = {}
-    for name, entries in sets.items():
-        if not isinstance(entries, list):
-            continue
-        read[str(name)] = [
+    read = {
+        str(name): [
             problem
             for k, entry in enumerate(entries)
             for problem in _problems(entry, f"{name}[{k}]", joints, path, judge)
         ]
+        for name, entries in sets.items()
+        if isinstance(entries, list)
+    }
     if not read:
         raise LoaderError(path, "holds no list of problems", "problems")
     return read
@@ -128,8 +116,7 @@ def _in_order(goal: Any, joints: list[str], path: Path, where: str, judge: Judge
     if len(goal) != len(joints):
         raise LoaderError(path, f"{len(goal)} numbers for the joints {joints}", where)
     values = dict(zip(joints, goal, strict=True))
-    missing = [name for name in judge.joint_names if name not in values]
-    if missing:
+    if missing := [name for name in judge.joint_names if name not in values]:
         raise LoaderError(path, f"the robot's {missing} are not among {joints}", where)
     return np.array([float(values[name]) for name in judge.joint_names])
 
