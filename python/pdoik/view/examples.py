@@ -76,18 +76,18 @@ def _h1_standing() -> tuple[Model, Session]:
 EXAMPLES: Sequence[Example] = (
     Example(
         name="Panda among shapes",
-        try_this="Pull the hand, or push the box into the arm; Move shape has the other shapes.",
+        try_this="Drag the hand, or push the box into the arm; Move shape has the other shapes.",
         make=_panda_among_shapes,
         grip="box",
     ),
     Example(
         name="UR10 and a scanned table",
-        try_this="Pull the hand down beside the box. The points are thinned as Solve, Leaf says.",
+        try_this="Drag the hand down beside the box. The points are thinned as Solve, Leaf says.",
         make=_ur10_and_points,
     ),
     Example(
         name="iiwa 14 through a gap",
-        try_this="Pull the hand sideways and back: the arm stays within the gap.",
+        try_this="Drag the hand sideways and back: the arm stays within the gap.",
         make=_iiwa_at_a_wall,
         view=((0.45, -0.15, 0.45), (-1.5, -1.4, 1.4)),  # from behind, or the wall would hide it
     ),

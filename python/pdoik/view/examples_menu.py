@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 OWN = "your own"
 _MOUSE = (
-    "Pull arrows: the robot follows, and gives way. Elsewhere the mouse turns the view, the wheel"
+    "Drag arrows: the robot follows, and gives way. Elsewhere the mouse turns the view, the wheel"
     " zooms."
 )
 

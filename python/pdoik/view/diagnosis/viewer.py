@@ -355,8 +355,7 @@ def _headline(report: Report) -> str:
     return (
         '<div style="padding:0.3em 1em;font-size:0.9em"><b>'
         f"{escape(VERDICTS[report.diagnosis.verdict][0])}</b><br>"
-        "Play, or pull the time. Links are coloured by what the model leaves of the joint below"
-        " them.</div>"
+        "Play, or drag the time. Colours: the torque residual of the joint that moves a link.</div>"
     )
 
 
