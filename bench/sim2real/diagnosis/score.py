@@ -1,7 +1,5 @@
 """One concealed world: made, diagnosed, and held against what was hidden in it."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 import time
@@ -111,7 +109,6 @@ def name_of(entry: Entry, last: str) -> str:
 
 
 def same(finding: Entry, entry: Entry, last: str) -> bool:
-    """Whether name and place agree."""
     return name_of(finding, last) == name_of(entry, last) and placed(finding, entry)
 
 

@@ -11,8 +11,6 @@ in the description by a tenth; the log is thinned to 100 Hz and rounded to 14 bi
 ../proof does it; OUT/studies.parquet has a row per study. It goes on where it was stopped.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from concurrent.futures import ThreadPoolExecutor
@@ -27,9 +25,9 @@ import yaml
 from numpy.typing import NDArray
 from rich.progress import track
 
+from bench.common.blind import as_diagnosis, blind
 from bench.common.campaign import Row
 from bench.common.whole_files import write_text, write_whole
-from bench.sim2real.proof.diagnose import as_diagnosis, blind
 
 RATE = 100.0  # [Hz]
 POSITION_BITS, TORQUE_BITS = 14, 12
@@ -133,7 +131,6 @@ def _entry(effect: str, joints: list[str], links: list[str], figures: dict[str, 
 
 
 def _limits(urdf: str) -> dict[str, tuple[float, float]]:
-    """Effort and speed limits by joint."""
     pattern = r'<joint name="([^"]+)".*?effort="([^"]+)" velocity="([^"]+)"'
     return {n: (float(e), float(v)) for n, e, v in re.findall(pattern, urdf, re.DOTALL)}
 
