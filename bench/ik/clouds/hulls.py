@@ -31,9 +31,7 @@ class Capsule:
         """The tightest one."""
         half_length = hull.semi_major - hull.semi_minor
         return cls(
-            hull=hull,
-            shape=coal.Capsule(hull.semi_minor, 2 * half_length),
-            half_length=half_length,
+            hull=hull, shape=coal.Capsule(hull.semi_minor, 2 * half_length), half_length=half_length
         )
 
     def ends(self, T_base_link: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -107,12 +107,7 @@ def capt(job: Job) -> list[Row]:
     edges = (chosen[:, None, :] + steps).reshape(-1, robot.dof)
     lanes = [kept.validate_lanes(edges) for _ in range(PASSES)]
     rows += [
-        {
-            "method": "lanes",
-            "index": index,
-            "free": bool(free),
-            "free_time": seconds / kept.lanes,
-        }
+        {"method": "lanes", "index": index, "free": bool(free), "free_time": seconds / kept.lanes}
         for index, (free, seconds) in enumerate(
             zip(lanes[0][0], np.median([times for _, times in lanes], axis=0), strict=True)
         )

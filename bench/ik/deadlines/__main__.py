@@ -76,10 +76,7 @@ PLAN: Plan = (
     ("tracker", TRACKER_BUDGET, LOADS),
     *((call, USUAL_BUDGET, LOADS[:1]) for call in ("lbfgs", "paper")),
 )
-QUICK_PLAN: Plan = (
-    ("LM", USUAL_BUDGET, LOADS[:2]),
-    ("tracker", TRACKER_BUDGET, LOADS[:2]),
-)
+QUICK_PLAN: Plan = (("LM", USUAL_BUDGET, LOADS[:2]), ("tracker", TRACKER_BUDGET, LOADS[:2]))
 
 
 def cells(plan: Plan, robots: Sequence[str], counts: Sequence[int]) -> list[Cell]:

@@ -27,12 +27,7 @@ from bench.ik.problems.families import FAMILIES
 from bench.ik.problems.hulls import fitted_robot
 from bench.ik.problems.judge import Judge
 from bench.ik.problems.loaders import read_problems
-from bench.ik.problems.make import (
-    CEILING_STARTS,
-    judges_of,
-    problems_of,
-    with_valid_configuration,
-)
+from bench.ik.problems.make import CEILING_STARTS, judges_of, problems_of, with_valid_configuration
 from bench.ik.problems.methods import SPACING, Method, usual_way
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles, robot_files

@@ -105,11 +105,7 @@ def draw_failures(path: Path, results: Sequence[Path], most: int = 8, seed: int 
 
 
 def _draw(
-    axes: Any,
-    problem: Problem,
-    coarse: Judge,
-    fine: Judge,
-    red: frozenset[str] = frozenset(),
+    axes: Any, problem: Problem, coarse: Judge, fine: Judge, red: frozenset[str] = frozenset()
 ) -> None:
     axes.computed_zorder = False  # the robot shows through what is before it
     carriers = {solid for _, solid in problem.allowed}

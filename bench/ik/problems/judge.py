@@ -40,10 +40,7 @@ class Judge:
     """
 
     def __init__(
-        self,
-        files: RobotFiles,
-        meshes: Meshes = "visual",
-        joint_names: Sequence[str] | None = None,
+        self, files: RobotFiles, meshes: Meshes = "visual", joint_names: Sequence[str] | None = None
     ) -> None:
         self.files, self.meshes = files, meshes
         xml = files.xml()

@@ -8,14 +8,7 @@ from typing import Any
 import numpy as np
 
 import pdoik
-from bench.ik.soak.robots import (
-    FloatArray,
-    RobotSpec,
-    Sphere,
-    Spheroid,
-    builtin_spec,
-    numbers,
-)
+from bench.ik.soak.robots import FloatArray, RobotSpec, Sphere, Spheroid, builtin_spec, numbers
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 SHARES = (0.55, 0.2, 0.15, 0.1)

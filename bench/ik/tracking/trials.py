@@ -60,11 +60,7 @@ def random_run(robot_name: str, rng: np.random.Generator) -> Run:
 
 
 def _spheres(
-    robot: pdoik.Robot,
-    judge: pdoik.Solver,
-    q: FloatArray,
-    t: FloatArray,
-    rng: np.random.Generator,
+    robot: pdoik.Robot, judge: pdoik.Solver, q: FloatArray, t: FloatArray, rng: np.random.Generator
 ) -> FloatArray | None:
     """Spheres that come to a point of the arm along a line and leave again, clear all the time."""
 

@@ -33,10 +33,7 @@ def main(wide: Path, narrow: Path) -> None:
     """Take both pictures."""
     for (width, height), out in zip(WINDOWS, (wide, narrow), strict=True):
         model, session = EXAMPLES[0].make()
-        with (
-            served(model, session, EXAMPLES[0]) as viewer,
-            opened(viewer, height, width) as page,
-        ):
+        with served(model, session, EXAMPLES[0]) as viewer, opened(viewer, height, width) as page:
             drag(viewer, TIP, way(session.targets[TIP]))
             page.wait_for_timeout(8000)  # software rendering trails behind
             save(page.screenshot(timeout=120_000), out)

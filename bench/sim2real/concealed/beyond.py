@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from bench.sim2real.concealed import build
 from bench.sim2real.concealed.arm import Arm, Link, urdf
 from bench.sim2real.concealed.draft import Draft, draft_of
-from bench.sim2real.concealed.effect import Effect
+from bench.sim2real.concealed.effect import Effect, effect
 from bench.sim2real.concealed.logger import Take
 from bench.sim2real.concealed.motion import STEP, Motion, Style, recording_motion
 from bench.sim2real.concealed.reference import reference
@@ -24,13 +24,11 @@ EFFORT = 0.85  # of the drives' effort that the believed machine may need
 SPEED = 0.95  # of the drives' speed
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("known_load")
 class KnownLoad(Effect):
     """A body fixed to the last link, after whatever else has changed it; everybody is told."""
 
     body: Link = field(kw_only=True)
-
-    id = "known_load"
 
     def change_arm(self, arm: Arm) -> Arm:
         return arm.with_link(arm.n - 1, arm.links[-1].plus(self.body))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, dataclass_transform
 
 import numpy as np
 
@@ -59,11 +59,11 @@ class Effect:
     effort_share = np.inf  # of the drive's effort that the amplitude may reach
     calibrated = False  # its size is only known after a simulation
     channel = "tau"  # whose residual it makes
-    names: ClassVar[tuple[tuple[str, str], ...]] = ()  # of parameters, and their fields here
+    names: ClassVar[Mapping[str, str]] = {}  # of parameters, and their fields here
 
     def parameters(self) -> dict[str, float]:
         """Parameters as the catalogue names them."""
-        return {name: float(getattr(self, field)) for name, field in self.names}
+        return {name: float(getattr(self, field)) for name, field in self.names.items()}
 
     def beside(self) -> dict[str, dict[str, float]]:
         """Other effects of the catalogue that come with it at the same joint."""
@@ -122,11 +122,50 @@ class Effect:
         """Standard deviations of the channels, in place."""
 
 
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def effect(
+    name: str,
+    amplitude: str = "",
+    *,
+    names: Iterable[str] | Mapping[str, str] | None = None,
+    **more: object,
+) -> Callable[[type], type]:
+    """A class of effects, with what else `Effect` says of a class.
+
+    Args:
+        name: its id in the catalogue.
+        amplitude: the field that is scaled.
+        names: the catalogue's of its parameters, which fields have too, or with the fields that
+            hold them; without it the amplitude's.
+        more: other attributes of `Effect`.
+    """
+    held = {n: n for n in (filter(None, [amplitude]) if names is None else names)}
+    held |= names if isinstance(names, Mapping) else {}
+
+    def made(cls: type) -> type:
+        for key, value in {"id": name, "amplitude": amplitude, "names": held, **more}.items():
+            setattr(cls, key, value)
+        return dataclass(frozen=True, slots=True, kw_only=True)(cls)
+
+    return made
+
+
 def one_column(ref: Reference, joint: int, values: Array) -> Array:
     """A torque of one joint among zeros."""
     result = np.zeros_like(ref.q)
     result[:, joint] = values
     return result
+
+
+def joint_law(run: Run, joint: int, torque: Callable[[float, float, float], float]) -> StepLaw:
+    """A torque against a joint's motor, by its position, its speed and the time."""
+    dof, qpos, qvel = run.world.dof(joint), run.qpos, run.qvel
+    applied, data = run.applied, run.data
+
+    def law() -> None:
+        applied[dof] -= torque(float(qpos[dof]), float(qvel[dof]), data.time)
+
+    return law
 
 
 def at_joint(joint: int, change: Callable[[float], float]) -> Drive:

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.sim2real.concealed.arm import Arm, Array, Link, Machine, rotation_rpy
-from bench.sim2real.concealed.effect import Effect, Gate, Scene, StepLaw, one_column
+from bench.sim2real.concealed.effect import Effect, Gate, Scene, StepLaw, effect, one_column
 from bench.sim2real.concealed.reference import Dynamics, Reference
 from bench.sim2real.concealed.world import Run
 
@@ -18,15 +18,11 @@ def by_axis(values: Array, form: str) -> dict[str, float]:
     return {form.format(a): float(x) for a, x in zip(AXES, values, strict=True)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("rotor_inertia", "inertia")
 class RotorInertia(Effect):
     """The rotor is heavier than the data sheet says, by up to twice that."""
 
     inertia: float = 0.1
-
-    id = "rotor_inertia"
-    amplitude = "inertia"
-    names = (("inertia", "inertia"),)
 
     def residual(self, ref: Reference) -> Array:
         return one_column(ref, self.joint, self.inertia * ref.ddq[:, self.joint])
@@ -47,17 +43,13 @@ class Body(Effect):
         return true.torque(ref.q, ref.dq, ref.ddq) - ref.tau
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("payload", "mass", bounds=(0.02, 8.0), names=())
 class Payload(Body):
     """A body nobody told the model of, on the last link."""
 
     mass: float = 1.0
     com: Array = field(default_factory=lambda: np.zeros(3))
     radius: Array = field(default_factory=lambda: np.full(3, 0.03))  # of gyration [m]
-
-    id = "payload"
-    amplitude = "mass"
-    bounds = (0.02, 8.0)
 
     def _inertia(self) -> Array:
         a, b, c = self.radius**2
@@ -76,7 +68,7 @@ class Payload(Body):
         return arm.with_link(arm.n - 1, arm.links[-1].plus(body))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("link_inertial_error", "size", bounds=(0.02, 3.0), names=())
 class LinkError(Body):
     """One link is heavier, or its centre of mass is elsewhere, than believed."""
 
@@ -84,10 +76,6 @@ class LinkError(Body):
     size: float = 1.0
     mass_share: float = 0.3  # at size 1, of the link's mass
     shift: Array = field(default_factory=lambda: np.zeros(3))  # of the com at size 1 [m]
-
-    id = "link_inertial_error"
-    amplitude = "size"
-    bounds = (0.02, 3.0)
 
     def _true(self, arm: Arm) -> Link:
         old = arm.links[self.link]
@@ -113,16 +101,12 @@ class LinkError(Body):
         return arm.with_link(self.link, self._true(arm))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("gravity_direction", "tilt", bounds=(0.002, 0.25), names=())
 class GravityDirection(Effect):
     """The base is not level: rolled about its x, then about its new y axis."""
 
     tilt: float = 0.03
     heading: float = 0.0
-
-    id = "gravity_direction"
-    amplitude = "tilt"
-    bounds = (0.002, 0.25)
 
     def _tilts(self) -> Array:
         return self.tilt * np.array([np.cos(self.heading), np.sin(self.heading)])
@@ -145,7 +129,7 @@ class GravityDirection(Effect):
         machine.gravity = self.gravity()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("external_contact", "force", bounds=(0.5, 150.0), names=())
 class Contact(Effect):
     """Somebody pushes: a force constant in the base's axes on a link, for some seconds."""
 
@@ -153,10 +137,6 @@ class Contact(Effect):
     force: float = 10.0
     direction: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     at_tip: bool = True
-
-    id = "external_contact"
-    amplitude = "force"
-    bounds = (0.5, 150.0)
 
     def parameters(self) -> dict[str, float]:
         """On the arm."""

@@ -1,28 +1,31 @@
 """Drives: gain, offset, saturation, ripple; and what pulls at a joint."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from bench.sim2real.concealed.arm import Array
-from bench.sim2real.concealed.effect import Drive, Effect, Scene, StepLaw, at_joint, one_column
+from bench.sim2real.concealed.effect import (
+    Drive,
+    Effect,
+    Scene,
+    StepLaw,
+    at_joint,
+    effect,
+    joint_law,
+    one_column,
+)
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import Run
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("torque_gain", "error", names=("gain",), bounds=(0.01, 0.35))
 class TorqueGain(Effect):
     """Reported = gain * true: by the drive's wrong torque constant, or by its sensor alone."""
 
     error: float = 0.1
     sign: float = 1.0
     by_drive: bool = True  # the drive exerts command / gain and reports the command
-
-    id = "torque_gain"
-    amplitude = "error"
-    bounds = (0.01, 0.35)
-    names = (("gain", "gain"),)
 
     @property
     def gain(self) -> float:
@@ -42,18 +45,13 @@ class TorqueGain(Effect):
         channels["tau"][:, self.joint] *= 1.0 + self.sign * self.error * weight
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("torque_offset", "size", names=("offset",), effort_share=0.1)
 class TorqueOffset(Effect):
     """Reported = true + offset: by the drive's current sensor in its loop, or by a sensor alone."""
 
     size: float = 0.5
     sign: float = 1.0
     by_drive: bool = True
-
-    id = "torque_offset"
-    amplitude = "size"
-    effort_share = 0.1
-    names = (("offset", "offset"),)
 
     @property
     def offset(self) -> float:
@@ -73,19 +71,13 @@ class TorqueOffset(Effect):
         channels["tau"][:, self.joint] += self.offset * weight
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("torque_saturation", "depth", names=("level",), calibrated=True, bounds=(0.02, 0.7))
 class Saturation(Effect):
     """The drive gives no more than a level, and reports what it gave."""
 
     depth: float = 0.2  # of what the motion asks for at most
     peak: float = 1.0  # [N m]
     floor: float = 0.0  # below this the arm would fall [N m]
-
-    id = "torque_saturation"
-    amplitude = "depth"
-    calibrated = True
-    bounds = (0.02, 0.7)
-    names = (("level", "level"),)
 
     @property
     def level(self) -> float:
@@ -101,7 +93,12 @@ class Saturation(Effect):
         return at_joint(self.joint, lambda tau: min(max(tau, -level), level))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect(
+    "torque_ripple",
+    "size",
+    names={"amplitude": "size", "phase": "phase", "harmonic": "harmonic"},
+    effort_share=0.1,
+)
 class Ripple(Effect):
     """A wave over the joint's turn."""
 
@@ -109,39 +106,27 @@ class Ripple(Effect):
     phase: float = 0.0
     harmonic: int = 12
 
-    id = "torque_ripple"
-    amplitude = "size"
-    effort_share = 0.1
-    names = (("amplitude", "size"), ("phase", "phase"), ("harmonic", "harmonic"))
-
     def residual(self, ref: Reference) -> Array:
         q = ref.q[:, self.joint]
         wave = self.size * np.cos(self.harmonic * q + self.phase)
         return one_column(ref, self.joint, wave * self.gate.weight(q, ref.time))
 
     def step_law(self, run: Run) -> StepLaw | None:
-        dof, A, h, phase = run.world.dof(self.joint), self.size, self.harmonic, self.phase
-        qpos, applied, data, weight = run.qpos, run.applied, run.data, self.gate.weight_of
-
-        def law() -> None:
-            q = float(qpos[dof])
-            applied[dof] -= A * math.cos(h * q + phase) * weight(q, data.time)
-
-        return law
+        A, h, phase, weight = self.size, self.harmonic, self.phase, self.gate.weight_of
+        return joint_law(
+            run, self.joint, lambda q, v, t: A * math.cos(h * q + phase) * weight(q, t)
+        )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect(
+    "position_dependent_spring", "stiffness", names=("stiffness", "onset", "side"), effort_share=0.5
+)
 class Spring(Effect):
     """A cable or counterbalance that pulls beyond an onset, or everywhere."""
 
     stiffness: float = 5.0
     onset: float = 0.0
     side: int = 1
-
-    id = "position_dependent_spring"
-    amplitude = "stiffness"
-    effort_share = 0.5
-    names = (("stiffness", "stiffness"), ("onset", "onset"), ("side", "side"))
 
     def residual(self, ref: Reference) -> Array:
         way = ref.q[:, self.joint] - self.onset
@@ -150,15 +135,13 @@ class Spring(Effect):
         return one_column(ref, self.joint, self.stiffness * way)
 
     def step_law(self, run: Run) -> StepLaw | None:
-        dof, k, onset, side = run.world.dof(self.joint), self.stiffness, self.onset, self.side
-        qpos, applied = run.qpos, run.applied
+        k, onset, side = self.stiffness, self.onset, self.side
 
-        def law() -> None:
-            way = float(qpos[dof]) - onset
-            if side == 0 or side * way > 0.0:
-                applied[dof] -= k * way
+        def pull(q: float, v: float, t: float) -> float:
+            way = q - onset
+            return k * way if side == 0 or side * way > 0.0 else 0.0
 
-        return law
+        return joint_law(run, self.joint, pull)
 
 
 def by_drive_or_sensor(scene: Scene, make: type[TorqueGain | TorqueOffset]) -> Effect:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bench.sim2real.concealed.arm import Arm, Array, Machine
-from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, one_column
+from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, effect, joint_law, one_column
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
 
@@ -22,28 +22,20 @@ def elastoplastic(run: Run, joint: int, yields: Yields, inertia: float) -> StepL
 
     The stiffness is a quarter of what the step would bear for the joint's least inertia.
     """
-    dof = run.world.dof(joint)
     stiffness = 0.25 * inertia / TIMESTEP**2
     damping = 0.7 * math.sqrt(stiffness * inertia)
-    qpos, qvel, applied, data = run.qpos, run.qvel, run.applied, run.data
     force = 0.0
 
-    def law() -> None:
+    def torque(q: float, speed: float, time: float) -> float:
         nonlocal force
-        speed = float(qvel[dof])
-        backwards, forwards = yields(float(qpos[dof]), speed, data.time)
+        backwards, forwards = yields(q, speed, time)
         force += stiffness * speed * TIMESTEP
-        if force > forwards:
-            force = forwards
-            applied[dof] -= force
-        elif force < -backwards:
-            force = -backwards
-            applied[dof] -= force
-        else:
-            total = force + damping * speed
-            applied[dof] -= min(max(total, -backwards), forwards)
+        if -backwards <= force <= forwards:
+            return min(max(force + damping * speed, -backwards), forwards)
+        force = forwards if force > forwards else -backwards
+        return force
 
-    return law
+    return joint_law(run, joint, torque)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,16 +63,12 @@ class Friction(Effect):
         return elastoplastic(run, self.joint, self.yields, self.inertia)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("coulomb_friction", "size", names={"level": "size"})
 class Coulomb(Friction):
     """Constant against the motion, by MuJoCo's frictionloss or by the elastoplastic stick."""
 
     size: float = 1.0
     native: bool = False
-
-    id = "coulomb_friction"
-    amplitude = "size"
-    names = (("level", "size"),)
 
     def level(self, position: Any, speed: Any, time: Any) -> Any:
         return self.size
@@ -101,16 +89,11 @@ class Coulomb(Friction):
         return None if self._by_mujoco else Friction.step_law(self, run)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("viscous_friction", "coefficient", effort_share=0.2)
 class Viscous(Effect):
     """Against the motion in proportion to speed: MuJoCo's own damping but for a window's."""
 
     coefficient: float = 1.0
-
-    id = "viscous_friction"
-    amplitude = "coefficient"
-    effort_share = 0.2
-    names = (("coefficient", "coefficient"),)
 
     def residual(self, ref: Reference) -> Array:
         j = self.joint
@@ -124,26 +107,17 @@ class Viscous(Effect):
     def step_law(self, run: Run) -> StepLaw | None:
         if self.gate.kind == "everywhere":
             return None
-        dof, c, weight = run.world.dof(self.joint), self.coefficient, self.gate.weight_of
-        qpos, qvel, applied, data = run.qpos, run.qvel, run.applied, run.data
-
-        def law() -> None:
-            applied[dof] -= c * weight(float(qpos[dof]), data.time) * qvel[dof]
-
-        return law
+        c, weight = self.coefficient, self.gate.weight_of
+        return joint_law(run, self.joint, lambda q, v, t: c * weight(q, t) * v)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("stribeck_friction", "extra", names=("extra", "speed"))
 class Stribeck(Friction):
     """More friction near standstill than in motion; comes with Coulomb friction beside it."""
 
     extra: float = 1.0
     speed: float = 0.1
     coulomb_ratio: float = 1.0  # the Coulomb level beside it over the extra
-
-    id = "stribeck_friction"
-    amplitude = "extra"
-    names = (("extra", "extra"), ("speed", "speed"))
 
     def beside(self) -> dict[str, dict[str, float]]:
         return {"coulomb_friction": {"level": self.coulomb_ratio * self.extra}}
@@ -161,7 +135,7 @@ class Stribeck(Friction):
         return level, level
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("asymmetric_friction", "level_difference", names=("level_difference", "viscous_difference"))
 class Asymmetric(Friction):
     """Other friction forwards than backwards, about a Coulomb level and a viscous coefficient."""
 
@@ -169,10 +143,6 @@ class Asymmetric(Friction):
     viscous_share: float = 0.0  # viscous difference = share * level difference [s/rad]
     coulomb_ratio: float = 1.0  # mean level over the difference, at least 0.5
     viscous_ratio: float = 1.0  # mean coefficient over the difference
-
-    id = "asymmetric_friction"
-    amplitude = "level_difference"
-    names = (("level_difference", "level_difference"), ("viscous_difference", "viscous_difference"))
 
     @property
     def viscous_difference(self) -> float:
@@ -202,18 +172,12 @@ class Asymmetric(Friction):
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("load_dependent_friction", "coefficient", bounds=(0.02, 0.4), effort_share=np.inf)
 class LoadDependent(Friction):
     """The level is a share of the torque that the gear hands on."""
 
     coefficient: float = 0.1
     armature: float = 0.0
-
-    id = "load_dependent_friction"
-    amplitude = "coefficient"
-    bounds = (0.02, 0.4)
-    effort_share = np.inf
-    names = (("coefficient", "coefficient"),)
 
     def residual(self, ref: Reference) -> Array:
         j = self.joint
@@ -246,16 +210,12 @@ class LoadDependent(Friction):
         return law
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("presliding_hysteresis", "size", names={"level": "size", "displacement": "displacement"})
 class Dahl(Friction):
     """Friction that builds up over a way after each reversal."""
 
     size: float = 1.0
     displacement: float = 0.02
-
-    id = "presliding_hysteresis"
-    amplitude = "size"
-    names = (("level", "size"), ("displacement", "displacement"))
 
     def level(self, position: Any, speed: Any, time: Any) -> Any:
         """Roughly: once built up."""
@@ -263,31 +223,25 @@ class Dahl(Friction):
 
     def step_law(self, run: Run) -> StepLaw | None:
         """The exact solution over a step of constant speed."""
-        dof, L, rate = run.world.dof(self.joint), self.size, TIMESTEP / self.displacement
-        qpos, qvel, applied, data = run.qpos, run.qvel, run.applied, run.data
+        L, rate = self.size, TIMESTEP / self.displacement
         weight, z = self.gate.weight_of, 0.0
 
-        def law() -> None:
+        def torque(q: float, v: float, t: float) -> float:
             nonlocal z
-            v = float(qvel[dof])
             end = 1.0 if v > 0.0 else -1.0
             z = end + (z - end) * math.exp(-abs(v) * rate)
-            applied[dof] -= L * z * weight(float(qpos[dof]), data.time)
+            return L * z * weight(q, t)
 
-        return law
+        return joint_law(run, self.joint, torque)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("friction_drift", "extra", names=("extra", "time_constant"))
 class Warming(Friction):
     """Extra friction that goes as the joint warms up, over a Coulomb level that stays."""
 
     extra: float = 1.0
     time_constant: float = 8.0
     coulomb_ratio: float = 1.0  # the level that stays over the extra
-
-    id = "friction_drift"
-    amplitude = "extra"
-    names = (("extra", "extra"), ("time_constant", "time_constant"))
 
     def beside(self) -> dict[str, dict[str, float]]:
         return {"coulomb_friction": {"level": self.coulomb_ratio * self.extra}}

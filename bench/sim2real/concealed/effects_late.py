@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.sim2real.concealed.arm import Array
-from bench.sim2real.concealed.effect import Drive, Effect, Scene, multiple
+from bench.sim2real.concealed.effect import Drive, Effect, Scene, effect, multiple
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
 
@@ -22,18 +22,13 @@ class Late(Effect):
         return self.places
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("command_delay", "delay", bounds=(0.0015, 0.08))
 class Delay(Late):
     """Commands act late: positions sent over a bus, or torques inside the drives."""
 
     delay: float = 0.01
     of: str = "q_des"  # or tau_cmd
     kp: tuple[float, ...] = ()
-
-    id = "command_delay"
-    amplitude = "delay"
-    bounds = (0.0015, 0.08)
-    names = (("delay", "delay"),)
 
     def residual(self, ref: Reference) -> Array:
         """Of the control law, roughly."""
@@ -72,16 +67,12 @@ class Delay(Late):
         return exerted
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("actuator_lag", "time_constant")
 class Lag(Late):
     """Torque follows the command with a time constant."""
 
     time_constant: float = 0.005
     slowest: float = 0.03  # that the controller bears [s]
-
-    id = "actuator_lag"
-    amplitude = "time_constant"
-    names = (("time_constant", "time_constant"),)
 
     def limits(self, ref: Reference) -> tuple[float, float]:
         return 0.001, max(0.001, min(self.slowest, 0.04))

@@ -1,12 +1,11 @@
 """Physics that the catalogue does not hold: the right answer is that it is unknown."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from bench.sim2real.concealed.arm import Arm, Array, Link, Machine
-from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, one_column
+from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, effect, one_column
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
 
@@ -16,7 +15,7 @@ KINDS = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("unknown", "size", effort_share=0.15, names=())
 class Outside(Effect):
     """A torque law of position, speed, time and another joint."""
 
@@ -25,10 +24,6 @@ class Outside(Effect):
     size: float = 1.0
     figures: tuple[float, float, float] = (0.0, 0.0, 0.0)
     inertia: float = 0.1
-
-    id = "unknown"
-    amplitude = "size"
-    effort_share = 0.15
 
     def torque(self, q: Array, v: Array, t: Array) -> Array:
         """What the drive must add; q and v are (n, ...) so that both joints can be seen.
@@ -74,16 +69,12 @@ class Outside(Effect):
         return law
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("unknown", "share", bounds=(0.005, 0.5), names=())
 class Crosstalk(Effect):
     """A torque sensor that also feels its neighbour's torque."""
 
     other: int = 0
     share: float = 0.1
-
-    id = "unknown"
-    amplitude = "share"
-    bounds = (0.005, 0.5)
 
     def residual(self, ref: Reference) -> Array:
         return one_column(ref, self.joint, self.share * ref.tau[:, self.other])
@@ -92,7 +83,7 @@ class Crosstalk(Effect):
         channels["tau"][:, self.joint] += self.share * channels["tau"][:, self.other]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("unknown", "mass", names=())
 class Slosh(Effect):
     """A known load that swings on a spring instead of being fixed; the model has it at rest."""
 
@@ -100,9 +91,6 @@ class Slosh(Effect):
     pivot: Array | None = None  # (3,) in the last link's frame [m]
     drop: float = 0.1  # from the pivot to the load, along the last link's z [m]
     hertz: float = 2.0
-
-    id = "unknown"
-    amplitude = "mass"
 
     def load(self) -> Link:
         """As the believed model has it."""

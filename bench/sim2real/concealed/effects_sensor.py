@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.sim2real.concealed.arm import Array
-from bench.sim2real.concealed.effect import Effect, Scene, one_column
+from bench.sim2real.concealed.effect import Effect, Scene, effect, one_column
 from bench.sim2real.concealed.effects_late import rate
 from bench.sim2real.concealed.logger import torque_along
 from bench.sim2real.concealed.reference import Reference
@@ -25,16 +25,11 @@ class Channel(Effect):
         return self.of
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("timestamp_skew", "skew", bounds=(0.0015, 0.06))
 class Skew(Channel):
     """A channel of all joints is logged late."""
 
     skew: float = 0.01
-
-    id = "timestamp_skew"
-    amplitude = "skew"
-    bounds = (0.0015, 0.06)
-    names = (("skew", "skew"),)
 
     def joints(self, ref: Reference) -> tuple[int, ...]:
         return tuple(range(ref.arm.n))
@@ -50,17 +45,12 @@ class Skew(Channel):
             values[:, j] = np.interp(time - self.skew, time, values[:, j])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("sensor_gain", "error", names=("gain",), bounds=(0.002, 0.35))
 class SensorGain(Channel):
     """One joint's speed or position is scaled."""
 
     error: float = 0.1
     sign: float = 1.0
-
-    id = "sensor_gain"
-    amplitude = "error"
-    bounds = (0.002, 0.35)
-    names = (("gain", "gain"),)
 
     @property
     def gain(self) -> float:
@@ -74,15 +64,11 @@ class SensorGain(Channel):
         channels[self.channel][:, self.joint] *= self.gain
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("sensor_noise", "std")
 class SensorNoise(Channel):
     """One joint's channel is noisier than the others'."""
 
     std: float = 0.1
-
-    id = "sensor_noise"
-    amplitude = "std"
-    names = (("std", "std"),)
 
     def residual(self, ref: Reference) -> Array:
         return one_column(ref, self.joint, np.full(len(ref.time), self.std))
@@ -91,14 +77,12 @@ class SensorNoise(Channel):
         noise[self.channel][self.joint] = self.std
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("lying_channel")
 class Lie(Channel):
     """A channel that is not what its name says: scaled, or the controller's own model."""
 
     kind: str = "tau_sign"
     factor: float = 1.0
-
-    id = "lying_channel"
 
     def parameters(self) -> dict[str, float]:
         """Logged over true, where it is a factor."""

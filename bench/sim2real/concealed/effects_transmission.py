@@ -1,28 +1,22 @@
 """Gears and geometry: play, springs, offsets, wrong placements, coupled motors."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.sim2real.concealed.arm import Arm, Array, Machine, rotation_rpy
-from bench.sim2real.concealed.effect import Effect, Scene
+from bench.sim2real.concealed.effect import Effect, Scene, effect
 from bench.sim2real.concealed.effects_body import Body
 from bench.sim2real.concealed.reference import Dynamics, Reference
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("backlash", "gap", bounds=(0.0003, 0.05), calibrated=True)
 class Backlash(Effect):
     """Play between motor and link: two hinges in series, the second with stops."""
 
     gap: float = 0.01
     grease: float = 0.01  # damping inside the play [N m s/rad]
-
-    id = "backlash"
-    amplitude = "gap"
-    bounds = (0.0003, 0.05)
-    calibrated = True
-    names = (("gap", "gap"),)
 
     def change_machine(self, machine: Machine, arm: Arm) -> None:
         half = 0.5 * self.gap
@@ -35,18 +29,14 @@ class Backlash(Effect):
         return -0.5 * self.gap * float(np.sign(load))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("joint_elasticity", "compliance", names=("stiffness", "damping"), calibrated=True)
 class Elasticity(Effect):
     """A spring and a damper between motor and link."""
 
     compliance: float = 1e-3  # [rad/(N m)]
     damping: float = 0.5
 
-    id = "joint_elasticity"
-    amplitude = "compliance"
-    calibrated = True
     softest: float = 0.01
-    names = (("stiffness", "stiffness"), ("damping", "damping"))
 
     @property
     def stiffness(self) -> float:
@@ -61,17 +51,12 @@ class Elasticity(Effect):
         return -load / self.stiffness
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("joint_offset", "size", names={"offset": "encoder_offset"}, bounds=(0.001, 0.12))
 class JointOffset(Effect):
     """The encoder's zero is elsewhere: true = measured + offset."""
 
     size: float = 0.02
     sign: float = 1.0
-
-    id = "joint_offset"
-    amplitude = "size"
-    bounds = (0.001, 0.12)
-    names = (("offset", "encoder_offset"),)
 
     @property
     def encoder_offset(self) -> float:
@@ -90,7 +75,7 @@ class JointOffset(Effect):
         return ref.dynamics.tips(q)[0] - before
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("kinematic_error", "size", bounds=(0.02, 10.0), names=())
 class KinematicError(Body):
     """A joint sits elsewhere on its parent.
 
@@ -101,10 +86,6 @@ class KinematicError(Body):
     size: float = 1.0
     shift: Array = field(default_factory=lambda: np.zeros(3))  # at size 1 [m]
     turn: Array = field(default_factory=lambda: np.zeros(3))  # at size 1 [rad]
-
-    id = "kinematic_error"
-    amplitude = "size"
-    bounds = (0.02, 10.0)
 
     def parameters(self) -> dict[str, float]:
         turn = Rotation.from_matrix(rotation_rpy(self.size * self.turn)).as_rotvec()
@@ -123,18 +104,13 @@ class KinematicError(Body):
         return true.tips(ref.q[rows])[0] - ref.dynamics.tips(ref.q[rows])[0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("joint_coupling", "ratio", names={"ratio": "motor_ratio"}, bounds=(0.003, 0.35))
 class Coupling(Effect):
     """One motor moves two joints: true q_k = q_k + ratio q_j."""
 
     other: int = 0
     ratio: float = 0.05
     sign: float = 1.0
-
-    id = "joint_coupling"
-    amplitude = "ratio"
-    bounds = (0.003, 0.35)
-    names = (("ratio", "motor_ratio"),)
 
     @property
     def motor_ratio(self) -> float:

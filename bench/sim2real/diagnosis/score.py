@@ -74,10 +74,7 @@ def scores(truth: Truth, said: dict[str, Any]) -> Row:
     rest = rest_of(truth.effects, found, last)
     first = rest[0] if rest else None
     named = first is not None and name_of(first, last) == name_of(hidden, last)
-    match = next(
-        (e for e in rest if e["effect"] == hidden["effect"] and placed(e, hidden)),
-        None,
-    )
+    match = next((e for e in rest if e["effect"] == hidden["effect"] and placed(e, hidden)), None)
     return {
         "named": named,
         "listed": any(

@@ -131,12 +131,7 @@ def _place(finding: Content) -> list[str]:
     return [*finding["joints"], *(finding["links"] or finding.get("feet") or [])]
 
 
-KEYS = {
-    "named": "named",
-    "and sized": "sized",
-    "or listed": "listed",
-    "or suspected": "suspected",
-}
+KEYS = {"named": "named", "and sized": "sized", "or listed": "listed", "or suspected": "suspected"}
 RATE = "false findings in a world"
 SORT = ["robot", "background"]
 

@@ -74,10 +74,7 @@ def draw(
 
 
 def plan(
-    seed: int,
-    count: int,
-    robots: Iterable[str] = ROBOTS,
-    backgrounds: Iterable[str] = BACKGROUNDS,
+    seed: int, count: int, robots: Iterable[str] = ROBOTS, backgrounds: Iterable[str] = BACKGROUNDS
 ) -> dict[str, Spec]:
     """Specs by names that tell nothing but their order.
 

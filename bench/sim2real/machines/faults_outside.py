@@ -20,9 +20,7 @@ def _tool(scene: Scene, figures: dict[str, float], **parameters: float) -> Fault
 
 def _joint(j: int, figures: dict[str, float], **parameters: float) -> Fault:
     return Fault(
-        joints=(j,),
-        parameters=parameters,
-        figures=lambda machine: machine.with_joint(j, **figures),
+        joints=(j,), parameters=parameters, figures=lambda machine: machine.with_joint(j, **figures)
     )
 
 

@@ -3,24 +3,20 @@
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bench.common.markdown import markdown_table, table_of
 from bench.common.whole_files import write_whole
 from bench.sim2real.proof.peers_data import Array, smooth
 from bench.sim2real.proof.peers_study import METHODS, Case, WorldSpec, affected, nothing, one_thread
 
-TITLES = {
-    "validate": "held out",
-    "faster": "faster",
-    "poses": "other poses",
-    "load": "other load",
-}
+TITLES = {"validate": "held out", "faster": "faster", "poses": "other poses", "load": "other load"}
 LEVEL = 1.05  # times the lowest error is level with it
 BLUR = 0.1  # of the noise: errors nearer than this cannot be told apart in use
 
@@ -31,35 +27,35 @@ def levels(rows: pd.DataFrame, blur: float) -> pd.Series:
     return (rows.floors <= LEVEL * lowest) | (rows.floors <= lowest + blur)
 
 
-def method_table(rows: pd.DataFrame, value: str) -> tuple[list[str], list[list[str]]]:
+def method_table(rows: pd.DataFrame, value: str) -> str:
     """Median with quartiles of `ratio` or `floors`, per method and column."""
-    header = ["method", *TITLES.values()]
-    table = []
-    for method, some in rows.groupby("method", sort=False):
-        cells = [quartiles(some[some.column == column][value]) for column in TITLES]
-        table.append([str(method), *cells])
-    return header, table
+    columns = {
+        title: lambda some, c=column: quartiles(some[some.column == c][value])
+        for column, title in TITLES.items()
+    }
+    return table_of("method", rows.groupby("method", sort=False), columns)
 
 
-def level_table(rows: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
+def level_table(rows: pd.DataFrame) -> str:
     """Share of studies in which a method is lowest or level; and median seconds of its fit."""
-    header = ["method"]
-    for title in TITLES.values():
-        header += [title, f"{title}, or within {BLUR:g} of the noise"]
-    table = []
     rivals = rows[rows.method != "nothing"]
-    for method, some in rivals.groupby("method", sort=False):
-        cells = [str(method)]
-        for column in TITLES:
-            here = some[some.column == column]
-            for blur in (0.0, BLUR):
-                won = levels(rivals, blur)[here.index]
-                cells.append(f"{100.0 * float(np.mean(won)):.0f} %")
-        table.append([*cells, f"{some.seconds.median():.1f}"])
-    return [*header, "seconds"], table
+
+    def won(some: pd.DataFrame, column: str, blur: float) -> str:
+        level = levels(rivals, blur)[some[some.column == column].index]
+        return f"{100.0 * float(np.mean(level)):.0f} %"
+
+    columns = {
+        title if blur == 0.0 else f"{title}, or within {blur:g} of the noise": partial(
+            won, column=column, blur=blur
+        )
+        for column, title in TITLES.items()
+        for blur in (0.0, BLUR)
+    }
+    columns["seconds"] = lambda some: f"{some.seconds.median():.1f}"
+    return table_of("method", rivals.groupby("method", sort=False), columns)
 
 
-def effect_table(rows: pd.DataFrame, column: str | None) -> tuple[list[str], list[list[str]]]:
+def effect_table(rows: pd.DataFrame, column: str | None) -> str:
     """Median error over the noise by effect and method; of no column: the worst beyond the fit.
 
     The lowest and those level with it are bold.
@@ -79,7 +75,7 @@ def effect_table(rows: pd.DataFrame, column: str | None) -> tuple[list[str], lis
             for value, best in zip(values, level, strict=True)
         ]
         table.append([str(effect), *cells])
-    return ["effect", *map(str, wide.columns)], table
+    return markdown_table(["effect", *map(str, wide.columns)], table)
 
 
 def not_lowest(rows: pd.DataFrame) -> list[str]:
@@ -91,17 +87,13 @@ def not_lowest(rows: pd.DataFrame) -> list[str]:
     for row in lost.itertuples():
         others = rivals[(rivals.seed == row.seed) & (rivals.column == row.column)]
         best = others.loc[others.floors.idxmin()]
-        lines.append((row.floors - best.floors, lost_line(row, best)))
+        text = (
+            f"- {row.effect}, {row.robot}, seed {row.seed}, {TITLES[row.column]}: ours"
+            f" {row.floors:.2f} of the noise, {best.method} {best.floors:.2f};"
+            f" ours said: {row.said}"
+        )
+        lines.append((row.floors - best.floors, text))
     return [line for _, line in sorted(lines, reverse=True)]
-
-
-def lost_line(row: Any, best: Any) -> str:
-    """One place where a peer was lower."""
-    return (
-        f"- {row.effect}, {row.robot}, seed {row.seed}, {TITLES[row.column]}: ours"
-        f" {row.floors:.2f} of the noise, {best.method} {best.floors:.2f};"
-        f" ours said: {row.said}"
-    )
 
 
 def quartiles(values: Sequence[float]) -> str:

@@ -17,7 +17,6 @@ import typer
 
 from bench.common import commands as cli
 from bench.common.digests import code_digest
-from bench.common.markdown import markdown_table
 from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.proof.peers_report import (
@@ -90,19 +89,19 @@ def report(rows: pd.DataFrame, absent: list[str]) -> str:
         " misses some joint's held-out torque by more than the noise.",
         *absent,
         "### Error over that of the model as given, median [quartiles] over studies",
-        markdown_table(*method_table(seen, "ratio")),
+        method_table(seen, "ratio"),
         "### Error in units of the torque's noise, median [quartiles] over studies",
-        markdown_table(*method_table(seen, "floors")),
+        method_table(seen, "floors"),
         "### The same, only while the joint moves at 0.05 rad/s and more",
-        markdown_table(*method_table(seen, "moving_floors")),
+        method_table(seen, "moving_floors"),
         "### Error in units of the noise, all joints of all studies",
-        markdown_table(*method_table(rows, "all_joints")),
+        method_table(rows, "all_joints"),
         "### Share of studies in which a method is lowest or within 5 % of it",
-        markdown_table(*level_table(seen)),
+        level_table(seen),
         "### By effect: error in units of the noise, held out (lowest and level in bold)",
-        markdown_table(*effect_table(rows, "validate")),
+        effect_table(rows, "validate"),
         "### By effect: the same, the worst of the three conditions beyond the fit",
-        markdown_table(*effect_table(rows, None)),
+        effect_table(rows, None),
         "### Where ours is neither lowest nor level",
         "\n".join(not_lowest(rows)) + "\n",
     ]
