@@ -19,8 +19,8 @@ from typing import Any, ClassVar
 import pandas as pd
 
 from bench.common.blind import diagnose
-from bench.common.campaign import CampaignError, Job, Row, dask_client
-from bench.common.commands import console, run_stage
+from bench.common.campaign import CampaignError, Job, Row
+from bench.common.commands import console, run_campaign
 from bench.common.digests import digest_of, digest_of_files, digest_of_folder, tool_digest
 from bench.common.whole_files import write_text
 
@@ -138,8 +138,9 @@ class SealedRun:
         jobs: Mapping[str, Job],
     ) -> pd.DataFrame:
         """All rows of a stage, run where they are not there yet."""
-        with dask_client(self.scheduler, self.workers) as client:
-            return run_stage(self.out, name, settings, function, jobs, client)
+        console.print(f"[bold]{name}[/]", highlight=False)
+        folder = self.out / name
+        return run_campaign(folder, settings, function, jobs, self.scheduler, self.workers)
 
     def conceal(self) -> bool:
         """Makes the worlds and seals them; False where they are sealed already."""

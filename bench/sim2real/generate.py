@@ -9,6 +9,7 @@ DIR/studies/00000/ holds study.yaml, robot.urdf and recordings; DIR/truth/00000.
 
 import time
 from dataclasses import replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -22,6 +23,7 @@ from bench.sim2real.concealed.effects_sensor import LIES
 from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.machines import build
+from bench.sim2real.machines.kinds import KINDS as FAULTS
 from bench.sim2real.machines.plan import spec_of
 
 DECOYS = (*(f"outside:{kind}" for kind in KINDS), *(f"lying:{kind}" for kind in LIES), "still")
@@ -29,7 +31,8 @@ DECOYS = (*(f"outside:{kind}" for kind in KINDS), *(f"lying:{kind}" for kind in 
 Out = Annotated[Path, typer.Option(help="Folder of studies/ and truth/.")]
 Seed = Annotated[int, typer.Option(min=0, help="The first.")]
 Count = Annotated[int, typer.Option(min=1)]
-Robot = Annotated[str, typer.Option(help=f"One of {', '.join(NAMES)}; else drawn.")]
+Robots = StrEnum("Robots", {name: name for name in NAMES})
+Robot = Annotated[Robots | None, typer.Option(help="Drawn without it.")]
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__)
 
@@ -41,7 +44,7 @@ def concealed(
     count: Count = 1,
     effect: Annotated[str, typer.Option(help="Id, clean, still, outside:KIND, lying:KIND.")] = "",
     hide: Annotated[str, typer.Option(help="Way of hiding; else drawn.")] = "",
-    robot: Robot = "",
+    robot: Robot = None,
     size: Annotated[float | None, typer.Option(help="Multiple of the noise floor.")] = None,
 ) -> None:
     """Machines that are their models but for what is hidden; what is left open the seed draws."""
@@ -54,7 +57,10 @@ def concealed(
         arm = robot or str(rng.choice(NAMES))
         spec = WorldSpec(seed=each, effect=what, hide=way, robot=arm, size=size)
         begin = time.perf_counter()
-        truth = make_study(out / "studies" / f"{each:05d}", spec, out / "truth")
+        try:
+            truth = make_study(out / "studies" / f"{each:05d}", spec, out / "truth")
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
         took = time.perf_counter() - begin
         print(f"{each:05d} {what} {way} {arm} x{truth.size:.1f} {took:.1f} s", flush=True)
 
@@ -65,11 +71,13 @@ def machines(
     seed: Seed = 0,
     count: Count = 1,
     fault: Annotated[str, typer.Option(help="A kind, or none; else drawn.")] = "",
-    robot: Robot = "",
+    robot: Robot = None,
 ) -> None:
     """Machines as they stand in workshops, with a fault on top or none."""
     for each in range(seed, seed + count):
         spec = spec_of(each)
+        if fault not in ("", "none", *FAULTS):
+            raise typer.BadParameter(f"fault is {fault!r}, expected one of {', '.join(FAULTS)}")
         faults = {"": spec.faults, "none": ()}.get(fault, (fault,))
         spec = replace(spec, faults=faults, robot=robot or spec.robot)
         begin, names = time.perf_counter(), ", ".join(faults) or "none"

@@ -1,4 +1,4 @@
-"""Every effect's id, how it is drawn, and the ways of hiding that make sense for it."""
+"""Every effect's id, how it is drawn, how it can be hidden, and a campaign of all of it."""
 
 from collections.abc import Callable, Iterator
 from functools import partial

@@ -1,4 +1,4 @@
-"""Everything of one study that is decided before anything moves."""
+"""Everything of one study that is decided before anything moves, ways of hiding with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What something concealed may change: the body, the drive, the channels."""
+"""What something concealed may change, and what it is drawn for: a machine, a place, a size."""
 
 from __future__ import annotations
 

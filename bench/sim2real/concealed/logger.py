@@ -1,4 +1,7 @@
-"""What the machine's computer writes: noise, quantised torque, jitter, lost rows."""
+"""What the machine's computer writes: noise, quantised torque, jitter, lost rows.
+
+And how visible something is in the truth itself: residuals of the believed model over the noise.
+"""
 
 from __future__ import annotations
 

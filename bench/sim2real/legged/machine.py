@@ -1,4 +1,4 @@
-"""One machine's true figures; what it was told to be until something changes them."""
+"""One machine's true figures, and what is hidden in it as the truth tells it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A world's truth beside what was said of it."""
+"""A world's truth beside what was said of it, and what a campaign came to."""
 
 import json
 import math

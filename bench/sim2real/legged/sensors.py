@@ -1,4 +1,7 @@
-"""What is written down of what is true: coarse, noisy, off by what the machine's sensors are."""
+"""What is written down of what is true: coarse, noisy, off by what the machine's sensors are.
+
+A study folder as a user would have it, and the truth in another folder.
+"""
 
 import json
 import shutil

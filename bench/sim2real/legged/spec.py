@@ -1,4 +1,4 @@
-"""What a world is asked to be."""
+"""What a world is asked to be, and which worlds a campaign is of."""
 
 import zlib
 from collections.abc import Iterable

@@ -1,4 +1,7 @@
-"""One world: record, diagnose from the folder alone, feed forward, run on other paths."""
+"""One world: record, diagnose from the folder alone, feed forward, run on other paths.
+
+Recorded are paths among the obstacles, each with an excitation of the empty cell behind it.
+"""
 
 import tempfile
 import time

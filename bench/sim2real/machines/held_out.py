@@ -4,7 +4,9 @@
 
 Of joints that carry no fault and of those that do, on the recordings that only judge, in the band
 of the diagnosis; worlds whose fault no law of torques has (contacts, logs with glitches, loose or
-limited drives) are left out.
+limited drives) are left out. The true law has the true bodies, rotors, gears' losses and bearings,
+with the friction of a mean day: what it leaves is the day, the structure, the twist of gears and
+the sensors. Nobody who knows the machine would leave less.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Which worlds there are: the kinds of faults by turns, robots and pairs drawn by the seed."""
+"""What a world is asked to be: kinds of faults by turns, robots and pairs drawn by the seed."""
 
 from __future__ import annotations
 

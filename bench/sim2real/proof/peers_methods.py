@@ -1,4 +1,4 @@
-"""Least squares with the full regressor, and sparse regression on a library of terms."""
+"""Methods that are compared: least squares, sparse regression, black boxes, and the diagnosis."""
 
 import warnings
 from collections.abc import Callable
@@ -121,9 +121,6 @@ def library(track: Track, joint: int, rows: slice) -> Array:
     shared += [np.sin(x + s * q[:, k]) for k in others for s in (1.0, -1.0)]
     shared += [np.cos(x + s * q[:, k]) for k in others for s in (1.0, -1.0)]
     return np.stack(own + shared, axis=1)
-
-
-STEP = 0.02  # between rows that enter a fit [s]
 
 
 def features(track: Track, rows: slice) -> Array:

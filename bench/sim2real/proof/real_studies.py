@@ -1,4 +1,7 @@
-"""Studies of real machines' recordings, and what their models leave out."""
+"""Studies of real machines' recordings, what their models leave out, and what is known of them.
+
+A known fact takes a diagnosis, and gives what that says of it in words and whether it agrees.
+"""
 
 import shutil
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The robots whose simulators are wrong."""
+"""The robots whose simulators are wrong, and what scripts on real recordings share."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
