@@ -101,8 +101,11 @@ class SealedRun:
     schema: ClassVar[str]
     fixed: ClassVar[tuple[str, ...]] = ("tool", "generator", "plan")  # for good, of a folder
 
-    def freeze(self) -> None:
+    def freeze(self, *, anew: bool = True) -> None:
         """Prints and stores the digests of all that decides the scores.
+
+        Args:
+            anew: whether worlds may be made; if not, what made those that are there may be other.
 
         Raises:
             CampaignError: the folder was begun with another tool, generator or plan.
@@ -119,7 +122,7 @@ class SealedRun:
         if path.is_file():
             old = json.loads(path.read_text())["digests"]
             changed = [key for key in self.fixed if old[key] != self.frozen[key]]
-            if changed:
+            if changed and anew:
                 raise CampaignError(
                     f"{self.out} was begun with another {' and '.join(changed)}: choose another"
                     " --out, or remove it"

@@ -29,11 +29,11 @@ def main(
 ) -> None:
     """Conceal, seal, diagnose blind, score."""
     run = Run(out=out.resolve(), plan=plan(seed, count), scheduler=scheduler, workers=workers)
+    stages = [stage for stage in Stage if stage in (only or Stage)]
     with plain_errors():
-        run.freeze()
-        for stage in Stage:
-            if stage in (only or Stage):
-                getattr(run, stage)()
+        run.freeze(anew=Stage.CONCEAL in stages)
+        for stage in stages:
+            getattr(run, stage)()
 
 
 if __name__ == "__main__":

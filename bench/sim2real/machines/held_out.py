@@ -83,10 +83,6 @@ def main(worlds: Worlds, tool: Tool = "") -> None:
         show(joint_table(joints, columns))
 
 
-if __name__ == "__main__":
-    typer.run(main)
-
-
 _BRISTLE, _COULOMB, _ROTOR = (INDEX[name] for name in ("bristle", "coulomb", "rotor"))
 _CREEP = 0.02  # speed below which directions are not sharp [rad/s]
 _WARMER = 4.0  # than 25 deg C, on a mean day [K]
@@ -145,3 +141,7 @@ def _rubbed(f, q, dq, load, period):
         inner = 0.5 * np.sqrt(max(f[_COULOMB], 0.0) * f[_ROTOR] * reach)
         result[k] = level - inner * np.exp(-((dq[k] / 0.05) ** 2)) * rate
     return result
+
+
+if __name__ == "__main__":
+    typer.run(main)
