@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import pandas as pd
 import typer
-from dask.distributed import Client
 from rich.console import Console
 
 from bench.common.campaign import Campaign, CampaignError, Job, Row, dask_client
@@ -75,23 +74,6 @@ def run_campaign(
     campaign = Campaign(out, settings)
     with dask_client(scheduler, workers) as client:
         return campaign.run(function, jobs, client, console)
-
-
-def run_stage(
-    folder: Path,
-    stage: str,
-    settings: Mapping[str, Any],
-    function: Callable[[Job], list[Row]],
-    jobs: Mapping[str, Job],
-    client: Client,
-) -> pd.DataFrame:
-    """All rows of a stage, run where they are not there yet.
-
-    Raises:
-        CampaignError: jobs failed, or the folder is of other settings.
-    """
-    console.print(f"[bold]{stage}[/]", highlight=False)
-    return Campaign(folder / stage, settings).run(function, jobs, client, console)
 
 
 def write_report(file: Path, text: str, more: Mapping[str, object] | None = None) -> None:

@@ -8,8 +8,6 @@ The machine is MuJoCo's. Its elbow has dry and viscous friction and its forearm 
 and arm.urdf says nothing of either. The same files come out every time.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -121,7 +119,6 @@ def aims(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
 
 
 def recording(seed: int) -> tuple[list[str], FloatArray]:
-    """Names and columns of a log."""
     rng = np.random.default_rng(seed)
     model, described = machine()
     data, believed = mujoco.MjData(model), mujoco.MjData(described)

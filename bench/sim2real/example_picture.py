@@ -3,8 +3,6 @@
 python -m bench.sim2real.example_picture bench/sim2real/diagnose.png
 """
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -5,8 +5,6 @@
 A row's colours compare its joints: the lighter, the smaller an effect is seen there.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

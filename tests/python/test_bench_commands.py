@@ -19,7 +19,7 @@ from bench.common.publish import PublishError, published
 REPOSITORY = Path(__file__).parents[2]
 SHARED = Path(os.environ.get("PDOIK_SHARED", REPOSITORY.parent / "shared"))
 READMES = sorted((REPOSITORY / "bench").rglob("README.md"))
-BY_PATH = {"bench.sim2real.proof.one", "bench.ik.clouds.trials"}  # parts of others, not for hands
+BY_PATH = {"bench.common.one", "bench.ik.clouds.trials"}  # parts of others, not for hands
 
 COMMANDS = sorted(
     ".".join(path.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__main__")

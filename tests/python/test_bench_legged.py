@@ -18,11 +18,16 @@ pin = pytest.importorskip("pinocchio")
 
 from bench.sim2real.legged import build  # noqa: E402
 from bench.sim2real.legged.machine import Machine  # noqa: E402
-from bench.sim2real.legged.plan import plan  # noqa: E402
 from bench.sim2real.legged.robots import has_go2, robot  # noqa: E402
 from bench.sim2real.legged.run import Rows  # noqa: E402
 from bench.sim2real.legged.score import is_sized, score  # noqa: E402
-from bench.sim2real.legged.spec import HEALTHY, KINDS, Spec, draw  # noqa: E402
+from bench.sim2real.legged.spec import (  # noqa: E402
+    HEALTHY,
+    KINDS,
+    Spec,
+    draw,
+    plan,
+)
 
 go2 = pytest.param("go2", marks=pytest.mark.skipif(not has_go2(), reason="no example-robot-data"))
 NAMES = [go2, "h1"]

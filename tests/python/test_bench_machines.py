@@ -16,16 +16,15 @@ from bench.sim2real.machines import build, kinds  # noqa: E402
 from bench.sim2real.machines.background import in_background  # noqa: E402
 from bench.sim2real.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  # noqa: E402
 from bench.sim2real.machines.figures import Figures  # noqa: E402
-from bench.sim2real.machines.held_out.residuals import rows_of  # noqa: E402
-from bench.sim2real.machines.held_out.true_law import draft_behind  # noqa: E402
+from bench.sim2real.machines.held_out import draft_behind, rows_of  # noqa: E402
 from bench.sim2real.machines.physics import STATES, friction, rates  # noqa: E402
-from bench.sim2real.machines.plan import spec_of  # noqa: E402
-from bench.sim2real.machines.replayed.replay import replays_of  # noqa: E402
-from bench.sim2real.machines.rivals.ablations import OFF  # noqa: E402
-from bench.sim2real.machines.rivals.regression import named_by_regression  # noqa: E402
+from bench.sim2real.machines.plan import WorldSpec, spec_of  # noqa: E402
+from bench.sim2real.machines.regression import named_by_regression  # noqa: E402
+from bench.sim2real.machines.replayed import replays_of  # noqa: E402
+from bench.sim2real.machines.rivals import OFF  # noqa: E402
 from bench.sim2real.machines.score import score  # noqa: E402
 from bench.sim2real.machines.simulate import torque_of  # noqa: E402
-from bench.sim2real.machines.spec import WorldSpec  # noqa: E402
+from bench.sim2real.machines.worlds import World  # noqa: E402
 from pdoik.sim2real import Diagnosis, diagnose  # noqa: E402
 from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
 
@@ -115,16 +114,16 @@ def test_the_true_law_leaves_little_of_held_out_torques(tmp_path) -> None:
     truth = build.make_study(tmp_path / "x", spec, tmp_path)
     said = diagnose(tmp_path / "x" / "study.yaml")
     joints = json.loads(said.to_json())["joints"]
-    rows = rows_of("x", tmp_path / "x" / "study.yaml", truth, {"joints": joints})
-    assert [row[1] for row in rows] == ["joint1", "joint2"]
-    assert sum(row[2] for row in rows) == 1
-    for _, name, _, before, after, true in rows:
-        assert before == joints[name]["before"]
-        assert true < 0.35 * before
-        assert after < 2.0 * true
-    wrong = [{"coefficient": 1.0}]
+    rows = rows_of(World("x", tmp_path / "x" / "study.yaml", truth, {"joints": joints}))
+    assert [row["joint"] for row in rows] == ["joint1", "joint2"]
+    assert sum(row["faulty"] for row in rows) == 1
+    for row in rows:
+        assert row["before"] == joints[row["joint"]]["before"]
+        assert row["true"] < 0.35 * row["before"]
+        assert row["after"] < 2.0 * row["true"]
+    truth["faults"][0]["parameters"] = {"coefficient": 1.0}
     with pytest.raises(ValueError, match="no draft has the truth's faults"):
-        draft_behind(spec, wrong)
+        draft_behind(truth)
 
 
 def test_every_kind_of_fault_can_be_drawn_and_moves_something(tmp_path) -> None:
@@ -232,7 +231,7 @@ def test_replays_are_of_the_machine_and_behind_its_own_controller(tmp_path) -> N
     truth = build.make_study(tmp_path / "study", spec)
     study = tmp_path / "study" / "study.yaml"
     said = Diagnosis(verdict="mismatch_unexplained", findings=(), joints={}, notes=())
-    rows = replays_of("w", study, truth, said.to_json())
+    rows = replays_of(World("w", study, truth, json.loads(said.to_json())))
     assert [row.joint for row in rows] == truth["joints"]
     for row in rows:
         assert row.before == row.after or np.isnan(row.before)

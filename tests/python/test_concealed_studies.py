@@ -13,8 +13,7 @@ pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
 from bench.sim2real.concealed.build import drawn, make_study
-from bench.sim2real.concealed.campaign import campaign
-from bench.sim2real.concealed.catalogue import EFFECTS, ways_of
+from bench.sim2real.concealed.catalogue import EFFECTS, campaign, ways_of
 from bench.sim2real.concealed.draft import draft_of
 from bench.sim2real.concealed.robots import NAMES, robot
 from bench.sim2real.concealed.spec import WorldSpec

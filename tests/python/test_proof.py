@@ -17,12 +17,14 @@ pytest.importorskip("dask")
 pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
+from bench.common import blind as diagnose
 from bench.common import campaign
+from bench.common import sealed as sealing
 from bench.common.campaign import CampaignError
+from bench.common.sealed import SEALED, STUDIES
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
-from bench.sim2real.proof import conceal, diagnose, run, seal
 from bench.sim2real.proof import plan as plan_module
-from bench.sim2real.proof.conceal import SEALED, STUDIES
+from bench.sim2real.proof import run
 from bench.sim2real.proof.plan import QUICK, Plan, plan
 
 # What is planned
@@ -68,6 +70,11 @@ def test_the_quick_plan_has_every_kind_on_development_seeds() -> None:
 # What is sealed
 
 
+def of(out: Path, plan: Plan) -> run.Run:
+    """A run whose tool has a digest of its own."""
+    return run.Run(out=out, plan=plan, frozen={"tool": "0"})
+
+
 @pytest.fixture
 def sealed(tmp_path: Path) -> tuple[Path, Plan, dict[str, Any]]:
     """A run of two studies, by their files' names only."""
@@ -78,43 +85,46 @@ def sealed(tmp_path: Path) -> tuple[Path, Plan, dict[str, Any]]:
         (tmp_path / STUDIES / name / "study.yaml").write_text(f"robot: {name}\n")
         (tmp_path / SEALED).mkdir(exist_ok=True)
         (tmp_path / SEALED / f"{name}.json").write_text('{"effects": []}\n')
-    return tmp_path, small, seal.write_seal(tmp_path, small, {"tool": "0"})
+    return tmp_path, small, of(tmp_path, small).write_seal()
 
 
 def test_the_seal_holds_while_nothing_changes(sealed: tuple[Path, Plan, dict]) -> None:
     out, small, written = sealed
-    seal.verify(out, small, written)
-    assert seal.read_seal(out) == written
+    for name in small.specs:
+        (out / "diagnoses").mkdir(exist_ok=True)
+        (out / "diagnoses" / f"{name}.json").write_text('{"elsewhere": []}')
+    assert list(of(out, small).opened()) == list(small.specs)
+    assert of(out, small).seal() == written
 
 
 @pytest.mark.parametrize("file", ["sealed/study0002.json", "studies/study0001/study.yaml"])
 def test_a_truth_or_a_study_changed_afterwards_is_refused(
     sealed: tuple[Path, Plan, dict], file: str
 ) -> None:
-    out, small, written = sealed
+    out, small, _ = sealed
     path = out / file
     path.write_text(path.read_text() + " ")
     with pytest.raises(CampaignError, match="not those that were sealed"):
-        seal.verify(out, small, written)
+        of(out, small).opened()
 
 
 def test_truths_exchanged_between_studies_are_refused(sealed: tuple[Path, Plan, dict]) -> None:
     out, small, _ = sealed
     one, two = (out / SEALED / f"{name}.json" for name in small.specs)
     one.write_text('{"effects": [1]}\n')
-    written = seal.write_seal(out, small, {"tool": "0"})
+    of(out, small).write_seal()
     first, second = one.read_bytes(), two.read_bytes()
     one.write_bytes(second)
     two.write_bytes(first)
     with pytest.raises(CampaignError, match="not those that were sealed"):
-        seal.verify(out, small, written)
+        of(out, small).opened()
 
 
 def test_a_study_more_or_less_is_refused(sealed: tuple[Path, Plan, dict]) -> None:
-    out, small, written = sealed
+    out, small, _ = sealed
     (out / SEALED / "study0003.json").write_text("{}")
     with pytest.raises(CampaignError, match="study0003"):
-        seal.verify(out, small, written)
+        of(out, small).opened()
 
 
 def test_a_world_that_cannot_be_made_is_left_out_and_said(
@@ -123,18 +133,19 @@ def test_a_world_that_cannot_be_made_is_left_out_and_said(
     def fails(*arguments: object) -> None:
         raise RuntimeError("no arm came through")
 
-    monkeypatch.setattr(conceal, "make_study", fails)
-    monkeypatch.setattr(conceal, "generator_digest", lambda: "g")
-    job = conceal.conceal_jobs(tmp_path, {"study0001": asdict(WorldSpec(seed=1))}, "g")
-    (row,) = conceal.conceal(job["study0001"])
+    monkeypatch.setattr(run, "make_study", fails)
+    monkeypatch.setattr(run, "generator_digest", lambda: "g")
+    job = {"out": str(tmp_path), "generator": "g", "room": run.Run.room, "name": "study0001"}
+    job |= {"spec": asdict(WorldSpec(seed=1))}
+    (row,) = sealing.conceal(job)
     assert row["not_made"] == "no arm came through"
     assert list(tmp_path.iterdir()) == []
     one = Plan(seed=1, specs={"study0001": WorldSpec(seed=1)})
-    written = seal.write_seal(tmp_path, one, {"tool": "0"}, ["study0001"])
+    written = of(tmp_path, one).write_seal(["study0001"])
     assert written["not_made"] == ["study0001"]
-    assert seal.made(one, written) == []
+    assert of(tmp_path, one).names() == []
     with pytest.raises(RuntimeError, match="frozen"):
-        conceal.conceal({**job["study0001"], "generator": "another"})
+        sealing.conceal({**job, "generator": "another"})
 
 
 def test_nothing_is_diagnosed_before_the_seal_nor_scored_before_a_diagnosis(
@@ -144,10 +155,10 @@ def test_nothing_is_diagnosed_before_the_seal_nor_scored_before_a_diagnosis(
     proof = run.Run(out=out, plan=small)
     proof.freeze()
     with pytest.raises(CampaignError, match="no diagnosis yet"):
-        proof.score(None, 1)
-    (out / seal.FILE).unlink()
+        proof.score()
+    (out / sealing.SEAL).unlink()
     with pytest.raises(CampaignError, match="nothing was sealed"):
-        proof.diagnose(None, 1)
+        proof.diagnose()
 
 
 def test_a_run_goes_on_with_the_same_tool_and_plan_only(
@@ -156,7 +167,7 @@ def test_a_run_goes_on_with_the_same_tool_and_plan_only(
     out, small, _ = sealed
     run.Run(out=out, plan=small).freeze()
     run.Run(out=out, plan=small).freeze()
-    monkeypatch.setattr(seal, "tool_digest", lambda: "another")
+    monkeypatch.setattr(sealing, "tool_digest", lambda: "another")
     with pytest.raises(CampaignError, match="another tool"):
         run.Run(out=out, plan=small).freeze()
 
@@ -263,17 +274,16 @@ def test_two_worlds_from_concealment_to_score(
     small = Plan(seed=1, specs=specs)
 
     def here(
-        folder: Path, stage: str, settings: object, function: Any, jobs: dict, client: object
+        proof: run.Run, stage: str, settings: object, function: Any, jobs: dict
     ) -> pd.DataFrame:
         return pd.DataFrame([row for job in jobs.values() for row in function(job)])
 
-    monkeypatch.setattr(run, "run_stage", here)  # without a cluster
-    monkeypatch.setattr(run, "dask_client", lambda *address: SimpleContext())
+    monkeypatch.setattr(run.Run, "stage", here)  # without a cluster
     proof = run.Run(out=tmp_path, plan=small)
     proof.freeze()
-    proof.conceal(None, 1)
-    proof.diagnose(None, 1)
-    proof.score(None, 1)
+    proof.conceal()
+    proof.diagnose()
+    proof.score()
     rows = pd.read_parquet(tmp_path / "studies.parquet").set_index("name")
     assert rows.right.all()
     assert rows.loc["study0002", "first"] == "viscous_friction"
@@ -281,18 +291,10 @@ def test_two_worlds_from_concealment_to_score(
     assert not rows.loc["study0002", "by_floor"]
     assert rows.loc["study0002", "replay_after"] <= rows.loc["study0002", "replay_before"]
     tables = (tmp_path / "tables.md").read_text()
-    assert seal.read_seal(tmp_path)["truths"] in tables
+    assert proof.seal()["truths"] in tables
     assert "these figures prove nothing" in tables
     assert json.loads((tmp_path / "diagnoses" / "study0001.json").read_text())["elsewhere"] == []
     truth = tmp_path / SEALED / "study0002.json"
     truth.write_text(truth.read_text().replace("viscous", "coulomb"))
     with pytest.raises(CampaignError, match="not those that were sealed"):
-        proof.score(None, 1)
-
-
-class SimpleContext:
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, *error: object) -> None:
-        return None
+        proof.score()

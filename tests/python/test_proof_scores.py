@@ -15,8 +15,9 @@ pytest.importorskip("dask")
 pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
+from bench.common.sealed import append_record, record
 from bench.sim2real.diagnosis.score import scores
-from bench.sim2real.proof import confusion, failures, reach, record
+from bench.sim2real.proof import confusion, failures, reach, run
 from bench.sim2real.proof.score import score
 
 # How it is scored
@@ -353,15 +354,15 @@ def test_the_record_keeps_every_run_once_and_knows_the_earlier_ones(
     path, digests = tmp_path / "record.jsonl", {"tool": "a"}
     written = {"sealed_at": "now", "seed": 1, "count": 2, "truths": "t", "studies": "s"}
     written |= {"not_made": [], "digests": digests}
-    assert record.entries(path) == []
-    assert record.append(record.sealed_line(written), path)
-    assert record.append(record.scored_line(written, "b", studies), path)
-    assert not record.append(record.scored_line(written, "b", studies), path)
-    lines = record.entries(path)
+    assert record(path) == []
+    assert append_record(path, run.record_line("sealed", written))
+    assert append_record(path, run.scored_line(written, "b", studies))
+    assert not append_record(path, run.scored_line(written, "b", studies))
+    lines = record(path)
     assert [line["event"] for line in lines] == ["sealed", "scored"]
     assert lines[1]["scores"]["plain: named first"]["verdict"] == "PASS"
     assert lines[1]["truths"] == written["truths"]
-    assert record.earlier_runs(written, path) == []
+    assert run.earlier_runs(written, path) == []
     again = {**written, "sealed_at": "later"}
-    assert len(record.earlier_runs(again, path)) == 2
-    assert record.earlier_runs({**again, "digests": {"tool": "c"}}, path) == []
+    assert len(run.earlier_runs(again, path)) == 2
+    assert run.earlier_runs({**again, "digests": {"tool": "c"}}, path) == []

@@ -14,7 +14,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
 
 from bench.sim2real.machines import build
-from bench.sim2real.machines.spec import WorldSpec
+from bench.sim2real.machines.plan import WorldSpec
 from pdoik.sim2real import Diagnosis, Finding, diagnose, load_study
 from pdoik.sim2real.controllers.cut_off import CutOff, cut_off, saved_by
 from pdoik.sim2real.controllers.feeds import Feeds

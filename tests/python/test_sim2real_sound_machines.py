@@ -16,7 +16,7 @@ pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
 
 from bench.sim2real.machines import build
 from bench.sim2real.machines.background import in_background
-from bench.sim2real.machines.spec import WorldSpec
+from bench.sim2real.machines.plan import WorldSpec
 from pdoik.sim2real import diagnose, load_study
 from pdoik.sim2real.confirm.ordinary_looks import Ordinary
 from pdoik.sim2real.effects import CATALOGUE

@@ -60,11 +60,22 @@ class Arm:
 
     @property
     def n(self) -> int:
-        """Number of joints."""
         return len(self.joints)
 
+    @property
+    def efforts(self) -> Array:
+        return np.array([joint.effort for joint in self.joints])
+
+    @property
+    def speeds(self) -> Array:
+        return np.array([joint.speed for joint in self.joints])
+
+    @property
+    def limits(self) -> tuple[Array, Array]:
+        """Lower and upper, (n,) each [rad]."""
+        return np.array([j.lower for j in self.joints]), np.array([j.upper for j in self.joints])
+
     def with_link(self, index: int, link: Link) -> Arm:
-        """The arm with one link exchanged."""
         links = list(self.links)
         links[index] = link
         return replace(self, links=tuple(links))
@@ -90,7 +101,6 @@ class Machine:
 
     @classmethod
     def of(cls, armature: Array) -> Machine:
-        """Rotors and nothing else."""
         n = len(armature)
         return cls(list(map(float, armature)), [0.0] * n, [0.0] * n)
 

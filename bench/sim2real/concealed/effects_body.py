@@ -1,43 +1,36 @@
 """Bodies and their surroundings: rotors, payloads, wrong links, a tilted base, a push."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 
 from bench.sim2real.concealed.arm import Arm, Array, Link, Machine, rotation_rpy
-from bench.sim2real.concealed.effect import Effect, StepLaw, one_column
+from bench.sim2real.concealed.effect import Effect, Gate, Scene, StepLaw, effect, one_column
 from bench.sim2real.concealed.reference import Dynamics, Reference
 from bench.sim2real.concealed.world import Run
 
 AXES = ("x", "y", "z")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+def by_axis(values: Array, form: str) -> dict[str, float]:
+    """Parameters of a vector: their names have {} where an axis is named."""
+    return {form.format(a): float(x) for a, x in zip(AXES, values, strict=True)}
+
+
+@effect("rotor_inertia", "inertia")
 class RotorInertia(Effect):
-    """The rotor is heavier than the data sheet says."""
+    """The rotor is heavier than the data sheet says, by up to twice that."""
 
     inertia: float = 0.1
 
-    id = "rotor_inertia"
-    amplitude = "inertia"
-
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"inertia": self.inertia}
-
     def residual(self, ref: Reference) -> Array:
-        """In proportion to acceleration."""
         return one_column(ref, self.joint, self.inertia * ref.ddq[:, self.joint])
 
     def limits(self, ref: Reference) -> tuple[float, float]:
-        """Up to twice what the data sheet says, beyond it."""
         return 0.0, 2.0 * float(ref.armature[self.joint])
 
     def change_machine(self, machine: Machine, arm: Arm) -> None:
-        """More armature."""
         machine.armature[self.joint] += self.inertia
 
 
@@ -46,12 +39,11 @@ class Body(Effect):
     """The true chain differs from the believed one."""
 
     def residual(self, ref: Reference) -> Array:
-        """Inverse dynamics of the one less the other's."""
         true = Dynamics(self.change_arm(ref.arm), ref.armature)
         return true.torque(ref.q, ref.dq, ref.ddq) - ref.tau
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("payload", "mass", bounds=(0.02, 8.0), names=())
 class Payload(Body):
     """A body nobody told the model of, on the last link."""
 
@@ -59,35 +51,24 @@ class Payload(Body):
     com: Array = field(default_factory=lambda: np.zeros(3))
     radius: Array = field(default_factory=lambda: np.full(3, 0.03))  # of gyration [m]
 
-    id = "payload"
-    amplitude = "mass"
-    bounds = (0.02, 8.0)
-
-    def _body(self) -> Link:
+    def _inertia(self) -> Array:
         a, b, c = self.radius**2
-        return Link(
-            mass=self.mass, com=self.com, inertia=self.mass * np.diag([b + c, a + c, a + b])
-        )
+        return self.mass * np.diag([b + c, a + c, a + b])
 
     def parameters(self) -> dict[str, float]:
-        """As the catalogue names them; inertia about the payload's centre of mass."""
-        J = np.diag(self._body().inertia)
-        return {
-            "mass": self.mass,
-            **{f"com_{a}": float(x) for a, x in zip(AXES, self.com, strict=True)},
-            **{f"i{a}{a}": float(x) for a, x in zip(AXES, J, strict=True)},
-        }
+        """Inertia about the payload's centre of mass."""
+        inertia = by_axis(np.diag(self._inertia()), "i{0}{0}")
+        return {"mass": self.mass, **by_axis(self.com, "com_{}"), **inertia}
 
     def links(self, ref: Reference) -> tuple[int, ...]:
-        """The last link."""
         return (ref.arm.n - 1,)
 
     def change_arm(self, arm: Arm) -> Arm:
-        """Fixed to the last link."""
-        return arm.with_link(arm.n - 1, arm.links[-1].plus(self._body()))
+        body = Link(mass=self.mass, com=self.com, inertia=self._inertia())
+        return arm.with_link(arm.n - 1, arm.links[-1].plus(body))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("link_inertial_error", "size", bounds=(0.02, 3.0), names=())
 class LinkError(Body):
     """One link is heavier, or its centre of mass is elsewhere, than believed."""
 
@@ -95,10 +76,6 @@ class LinkError(Body):
     size: float = 1.0
     mass_share: float = 0.3  # at size 1, of the link's mass
     shift: Array = field(default_factory=lambda: np.zeros(3))  # of the com at size 1 [m]
-
-    id = "link_inertial_error"
-    amplitude = "size"
-    bounds = (0.02, 3.0)
 
     def _true(self, arm: Arm) -> Link:
         old = arm.links[self.link]
@@ -111,60 +88,48 @@ class LinkError(Body):
         old, new = arm.links[self.link], self._true(arm)
         first = new.mass * new.com - old.mass * old.com
         J = new.about(np.zeros(3)) - old.about(np.zeros(3))
-        return {
-            "d_mass": new.mass - old.mass,
-            **{f"d_first_moment_{a}": float(x) for a, x in zip(AXES, first, strict=True)},
-            **{
-                f"d_i{AXES[r]}{AXES[c]}": float(J[r, c])
-                for r, c in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-            },
+        second = {
+            f"d_i{AXES[r]}{AXES[c]}": float(J[r, c])
+            for r, c in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
         }
+        return {"d_mass": new.mass - old.mass, **by_axis(first, "d_first_moment_{}"), **second}
 
     def links(self, ref: Reference) -> tuple[int, ...]:
-        """The wrong one."""
         return (self.link,)
 
     def change_arm(self, arm: Arm) -> Arm:
-        """With the true link."""
         return arm.with_link(self.link, self._true(arm))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("gravity_direction", "tilt", bounds=(0.002, 0.25), names=())
 class GravityDirection(Effect):
     """The base is not level: rolled about its x, then about its new y axis."""
 
     tilt: float = 0.03
     heading: float = 0.0
 
-    id = "gravity_direction"
-    amplitude = "tilt"
-    bounds = (0.002, 0.25)
-
     def _tilts(self) -> Array:
         return self.tilt * np.array([np.cos(self.heading), np.sin(self.heading)])
 
     def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
         x, y = self._tilts()
         return {"tilt_x": float(x), "tilt_y": float(y)}
 
     def gravity(self) -> Array:
-        """In the base's axes."""
+        """In the base's axes, (3,)."""
         x, y = self._tilts()
         turned = rotation_rpy(np.array([x, 0.0, 0.0])) @ rotation_rpy(np.array([0.0, y, 0.0]))
         return turned.T @ np.array([0.0, 0.0, -9.81])
 
     def residual(self, ref: Reference) -> Array:
-        """Other gravity torques."""
         true = Dynamics(ref.arm, ref.armature, self.gravity())
         return true.torque(ref.q, ref.dq, ref.ddq) - ref.tau
 
     def change_machine(self, machine: Machine, arm: Arm) -> None:
-        """Gravity as the base sees it."""
         machine.gravity = self.gravity()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("external_contact", "force", bounds=(0.5, 150.0), names=())
 class Contact(Effect):
     """Somebody pushes: a force constant in the base's axes on a link, for some seconds."""
 
@@ -173,17 +138,11 @@ class Contact(Effect):
     direction: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     at_tip: bool = True
 
-    id = "external_contact"
-    amplitude = "force"
-    bounds = (0.5, 150.0)
-
     def parameters(self) -> dict[str, float]:
-        """As the catalogue names them: on the arm."""
-        f = self.force * self.direction
-        return {f"force_{a}": float(x) for a, x in zip(AXES, f, strict=True)}
+        """On the arm."""
+        return by_axis(self.force * self.direction, "force_{}")
 
     def links(self, ref: Reference) -> tuple[int, ...]:
-        """The pushed one."""
         return (self.link,)
 
     def residual(self, ref: Reference) -> Array:
@@ -221,3 +180,48 @@ class Contact(Effect):
             data.xfrc_applied[body, 3:] = np.cross(point - data.xipos[body], force)
 
         return law
+
+
+def rotor(scene: Scene) -> Effect:
+    """A heavier rotor."""
+    return scene.somewhere(lambda j: RotorInertia(joint=j, inertia=0.01))
+
+
+def payload(scene: Scene) -> Effect:
+    """Near the tip, up to 14 cm off."""
+    rng = scene.rng
+    com = scene.ref.arm.T_last_tip[:3, 3] + rng.uniform(-0.08, 0.08, 3)
+    radius = np.round(rng.uniform(0.02, 0.06, 3), 4)
+    return scene.sized(Payload(com=np.round(com, 4), radius=radius, mass=0.5))
+
+
+def link_error(scene: Scene) -> Effect:
+    """Heavier or lighter, or with its centre of mass a few centimetres off, or both."""
+    rng = scene.rng
+    kind = rng.integers(3)
+    share = 0.0 if kind == 0 else float(np.round(rng.choice([-0.15, 0.3]) * rng.uniform(0.5, 1), 4))
+    shift = np.zeros(3) if kind == 1 else np.round(rng.normal(0.0, 0.015, 3), 4)
+    return scene.somewhere(lambda k: LinkError(link=k, mass_share=share, shift=shift, size=0.5))
+
+
+def gravity(scene: Scene) -> Effect:
+    """Up to some degrees."""
+    return scene.sized(GravityDirection(heading=scene.uniform(-np.pi, np.pi)))
+
+
+def contact(scene: Scene) -> Effect:
+    """On one of the last links for a few seconds (in a corner: one) of one recording."""
+    rng, ref = scene.rng, scene.ref
+    n = ref.arm.n
+    link = int(rng.integers(max(0, n - 3), n))
+    recording = int(rng.integers(ref.recording[-1] + 1))
+    end = float(ref.time[ref.recording == recording][-1])
+    length = rng.uniform(0.8, 1.3) if scene.corner else rng.uniform(1.5, 4.0)
+    first = end - length - 1.5 if scene.corner else 2.0
+    low = float(np.round(rng.uniform(first, end - length - 1.0), 2))
+    window = {"low": low, "high": round(low + length, 2), "edge": 0.1}
+    gate = Gate(kind="time", **window, recordings=(recording,))
+    direction = rng.normal(size=3)
+    direction = direction / np.linalg.norm(direction)
+    at_tip = link == n - 1 and bool(rng.random() < 0.5)
+    return scene.sized(Contact(link=link, direction=direction, at_tip=at_tip, gate=gate))

@@ -1,19 +1,25 @@
-"""Drives: gain, offset, saturation, ripple, delay, lag; and what pulls at a joint."""
-
-from __future__ import annotations
+"""Drives: gain, offset, saturation, ripple; and what pulls at a joint."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from bench.sim2real.concealed.arm import Array
-from bench.sim2real.concealed.effect import Drive, Effect, StepLaw, one_column
+from bench.sim2real.concealed.effect import (
+    Drive,
+    Effect,
+    Scene,
+    StepLaw,
+    at_joint,
+    effect,
+    joint_law,
+    one_column,
+)
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import Run
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("torque_gain", "error", names=("gain",), bounds=(0.01, 0.35))
 class TorqueGain(Effect):
     """Reported = gain * true: by the drive's wrong torque constant, or by its sensor alone."""
 
@@ -21,45 +27,25 @@ class TorqueGain(Effect):
     sign: float = 1.0
     by_drive: bool = True  # the drive exerts command / gain and reports the command
 
-    id = "torque_gain"
-    amplitude = "error"
-    bounds = (0.01, 0.35)
-
     @property
     def gain(self) -> float:
-        """Reported over true."""
         return 1.0 + self.sign * self.error
 
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"gain": self.gain}
-
     def residual(self, ref: Reference) -> Array:
-        """In proportion to torque."""
         return one_column(ref, self.joint, self.sign * self.error * ref.tau[:, self.joint])
 
-    def _at(self, run: Run, time: Array | float) -> Array | float:
-        return 1.0 + self.sign * self.error * self.gate.weight(0.0, time)
-
     def drive(self, run: Run) -> Drive | None:
-        """Less, or more, than commanded."""
         if not self.by_drive:
             return None
-        j, error, weight, data = self.joint, self.sign * self.error, self.gate.weight_of, run.data
-
-        def exerted(torque: Array) -> Array:
-            torque = torque.copy()
-            torque[j] /= 1.0 + error * weight(0.0, data.time)
-            return torque
-
-        return exerted
+        error, weight, data = self.sign * self.error, self.gate.weight_of, run.data
+        return at_joint(self.joint, lambda tau: tau / (1.0 + error * weight(0.0, data.time)))
 
     def change_channels(self, channels: dict[str, Array], run: Run) -> None:
-        """What the drive says."""
-        channels["tau"][:, self.joint] *= self._at(run, channels["time"])
+        weight = self.gate.weight(0.0, channels["time"])
+        channels["tau"][:, self.joint] *= 1.0 + self.sign * self.error * weight
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("torque_offset", "size", names=("offset",), effort_share=0.1)
 class TorqueOffset(Effect):
     """Reported = true + offset: by the drive's current sensor in its loop, or by a sensor alone."""
 
@@ -67,39 +53,25 @@ class TorqueOffset(Effect):
     sign: float = 1.0
     by_drive: bool = True
 
-    id = "torque_offset"
-    amplitude = "size"
-    effort_share = 0.1
-
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"offset": self.sign * self.size}
+    @property
+    def offset(self) -> float:
+        return self.sign * self.size
 
     def residual(self, ref: Reference) -> Array:
-        """Constant."""
-        weight = self.gate.weight(0.0, ref.time)
-        return one_column(ref, self.joint, self.sign * self.size * weight)
+        return one_column(ref, self.joint, self.offset * self.gate.weight(0.0, ref.time))
 
     def drive(self, run: Run) -> Drive | None:
-        """Less, or more, than commanded."""
         if not self.by_drive:
             return None
-        j, offset, weight, data = self.joint, self.sign * self.size, self.gate.weight_of, run.data
-
-        def exerted(torque: Array) -> Array:
-            torque = torque.copy()
-            torque[j] -= offset * weight(0.0, data.time)
-            return torque
-
-        return exerted
+        offset, weight, data = self.offset, self.gate.weight_of, run.data
+        return at_joint(self.joint, lambda tau: tau - offset * weight(0.0, data.time))
 
     def change_channels(self, channels: dict[str, Array], run: Run) -> None:
-        """What the drive says."""
         weight = self.gate.weight(0.0, channels["time"])
-        channels["tau"][:, self.joint] += self.sign * self.size * weight
+        channels["tau"][:, self.joint] += self.offset * weight
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("torque_saturation", "depth", names=("level",), calibrated=True, bounds=(0.02, 0.7))
 class Saturation(Effect):
     """The drive gives no more than a level, and reports what it gave."""
 
@@ -107,40 +79,26 @@ class Saturation(Effect):
     peak: float = 1.0  # [N m]
     floor: float = 0.0  # below this the arm would fall [N m]
 
-    id = "torque_saturation"
-    amplitude = "depth"
-    calibrated = True
-    bounds = (0.02, 0.7)
-
     @property
     def level(self) -> float:
         """The most it gives [N m]."""
         return float(f"{max(self.peak * (1.0 - self.depth), self.floor):.5g}")
 
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"level": self.level}
-
     def residual(self, ref: Reference) -> Array:
-        """What is cut off."""
         tau = ref.tau[:, self.joint]
         return one_column(ref, self.joint, tau - np.clip(tau, -self.level, self.level))
 
     def drive(self, run: Run) -> Drive | None:
-        """Clipped."""
-        j, level = self.joint, self.level
-
-        def exerted(torque: Array) -> Array:
-            if -level <= torque[j] <= level:
-                return torque
-            torque = torque.copy()
-            torque[j] = level if torque[j] > 0.0 else -level
-            return torque
-
-        return exerted
+        level = self.level
+        return at_joint(self.joint, lambda tau: min(max(tau, -level), level))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect(
+    "torque_ripple",
+    "size",
+    names={"amplitude": "size", "phase": "phase", "harmonic": "harmonic"},
+    effort_share=0.1,
+)
 class Ripple(Effect):
     """A wave over the joint's turn."""
 
@@ -148,33 +106,21 @@ class Ripple(Effect):
     phase: float = 0.0
     harmonic: int = 12
 
-    id = "torque_ripple"
-    amplitude = "size"
-    effort_share = 0.1
-
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"amplitude": self.size, "phase": self.phase, "harmonic": float(self.harmonic)}
-
     def residual(self, ref: Reference) -> Array:
-        """A cosine of position."""
         q = ref.q[:, self.joint]
         wave = self.size * np.cos(self.harmonic * q + self.phase)
         return one_column(ref, self.joint, wave * self.gate.weight(q, ref.time))
 
     def step_law(self, run: Run) -> StepLaw | None:
-        """The same on the machine."""
-        dof, A, h, phase = run.world.dof(self.joint), self.size, self.harmonic, self.phase
-        qpos, applied, data, weight = run.qpos, run.applied, run.data, self.gate.weight_of
-
-        def law() -> None:
-            q = float(qpos[dof])
-            applied[dof] -= A * math.cos(h * q + phase) * weight(q, data.time)
-
-        return law
+        A, h, phase, weight = self.size, self.harmonic, self.phase, self.gate.weight_of
+        return joint_law(
+            run, self.joint, lambda q, v, t: A * math.cos(h * q + phase) * weight(q, t)
+        )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect(
+    "position_dependent_spring", "stiffness", names=("stiffness", "onset", "side"), effort_share=0.5
+)
 class Spring(Effect):
     """A cable or counterbalance that pulls beyond an onset, or everywhere."""
 
@@ -182,29 +128,57 @@ class Spring(Effect):
     onset: float = 0.0
     side: int = 1
 
-    id = "position_dependent_spring"
-    amplitude = "stiffness"
-    effort_share = 0.5
-
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"stiffness": self.stiffness, "onset": self.onset, "side": float(self.side)}
-
     def residual(self, ref: Reference) -> Array:
-        """In proportion to the way beyond the onset."""
         way = ref.q[:, self.joint] - self.onset
         if self.side:
             way = np.where(self.side * way > 0.0, way, 0.0)
         return one_column(ref, self.joint, self.stiffness * way)
 
     def step_law(self, run: Run) -> StepLaw | None:
-        """The same on the machine."""
-        dof, k, onset, side = run.world.dof(self.joint), self.stiffness, self.onset, self.side
-        qpos, applied = run.qpos, run.applied
+        k, onset, side = self.stiffness, self.onset, self.side
 
-        def law() -> None:
-            way = float(qpos[dof]) - onset
-            if side == 0 or side * way > 0.0:
-                applied[dof] -= k * way
+        def pull(q: float, v: float, t: float) -> float:
+            way = q - onset
+            return k * way if side == 0 or side * way > 0.0 else 0.0
 
-        return law
+        return joint_law(run, self.joint, pull)
+
+
+def by_drive_or_sensor(scene: Scene, make: type[TorqueGain | TorqueOffset]) -> Effect:
+    """A wrong torque constant, or a current sensor's zero; half of them of the sensor alone."""
+    sign = scene.sign()
+    drive = not scene.torque_logged or bool(scene.rng.random() < 0.5)
+    return scene.somewhere(lambda j: make(joint=j, gate=scene.gate, sign=sign, by_drive=drive))
+
+
+def saturation(scene: Scene) -> Effect:
+    """Above what holds the arm, below what the motion asks for."""
+    tau, ref = np.abs(scene.ref.tau), scene.ref
+    some = range(0, len(ref.q), 10)
+    holding = np.max([np.abs(ref.dynamics.gravity(ref.q[row])) for row in some], axis=0)
+    peak = np.max(tau, axis=0)
+    room = sorted(scene.places, key=lambda j: holding[j] / peak[j])[: max(2, ref.arm.n // 2)]
+    j = next(j for j in scene.places if j in room)
+    return Saturation(joint=j, depth=0.1, peak=float(peak[j]), floor=float(1.15 * holding[j]))
+
+
+def ripple(scene: Scene) -> Effect:
+    """Four to forty waves per turn."""
+    harmonic, phase = int(scene.rng.integers(4, 41)), scene.uniform(-np.pi, np.pi)
+    return scene.somewhere(
+        lambda j: Ripple(joint=j, gate=scene.gate_at(j), harmonic=harmonic, phase=phase)
+    )
+
+
+def spring(scene: Scene) -> Effect:
+    """One sided with an onset inside the motion (in a corner: near its end), or everywhere."""
+    rng = scene.rng
+    side = int(rng.choice([-1, 1])) if scene.corner else int(rng.choice([-1, 0, 1]))
+    share = rng.uniform(0.8, 0.93) if scene.corner else rng.uniform(0.45, 0.8)
+    quantile = 0.5 if side == 0 else (share if side > 0 else 1.0 - share)
+
+    def make(j: int) -> Effect:
+        onset = float(np.round(np.quantile(scene.ref.q[:, j], quantile), 3))
+        return Spring(joint=j, side=side, onset=onset)
+
+    return scene.somewhere(make)

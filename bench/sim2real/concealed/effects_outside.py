@@ -1,32 +1,21 @@
 """Physics that the catalogue does not hold: the right answer is that it is unknown."""
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from bench.sim2real.concealed.arm import Arm, Array, Link, Machine
-from bench.sim2real.concealed.effect import Effect, StepLaw, one_column
+from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, effect, one_column
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
 
 KINDS = (
-    "quadratic_drag",
-    "friction_by_neighbour",
-    "detents",
-    "pump",
-    "damping_by_position",
-    "root_friction",
-    "drag_by_neighbour",
-    "speed_ripple",
-    "crosstalk",
-    "slosh",
+    *("quadratic_drag", "friction_by_neighbour", "detents", "pump", "damping_by_position"),
+    *("root_friction", "drag_by_neighbour", "speed_ripple", "crosstalk", "slosh"),
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("unknown", "size", effort_share=0.15, names=())
 class Outside(Effect):
     """A torque law of position, speed, time and another joint."""
 
@@ -36,16 +25,11 @@ class Outside(Effect):
     figures: tuple[float, float, float] = (0.0, 0.0, 0.0)
     inertia: float = 0.1
 
-    id = "unknown"
-    amplitude = "size"
-    effort_share = 0.15
-
-    def parameters(self) -> dict[str, float]:
-        """None that the catalogue has."""
-        return {}
-
     def torque(self, q: Array, v: Array, t: Array) -> Array:
-        """What the drive must add; q and v are (n, ...) so that both joints can be seen."""
+        """What the drive must add; q and v are (n, ...) so that both joints can be seen.
+
+        Dry friction is steep near rest, as the step bears.
+        """
         a, b, c = self.figures
         x, u = q[self.joint], v[self.joint]
         y, w = q[self.other], v[self.other]
@@ -73,11 +57,9 @@ class Outside(Effect):
         return self.size * shape
 
     def residual(self, ref: Reference) -> Array:
-        """Along the commanded motion."""
         return one_column(ref, self.joint, self.torque(ref.q.T, ref.dq.T, ref.time))
 
     def step_law(self, run: Run) -> StepLaw | None:
-        """The same on the machine; dry friction is steep near rest, as the step bears."""
         dof, applied, data = run.world.dof(self.joint), run.applied, run.data
         qpos, qvel, motor = run.qpos, run.qvel, run.motor
 
@@ -87,27 +69,21 @@ class Outside(Effect):
         return law
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("unknown", "share", bounds=(0.005, 0.5), names=())
 class Crosstalk(Effect):
     """A torque sensor that also feels its neighbour's torque."""
 
     other: int = 0
     share: float = 0.1
 
-    id = "unknown"
-    amplitude = "share"
-    bounds = (0.005, 0.5)
-
     def residual(self, ref: Reference) -> Array:
-        """A share of the neighbour's torque."""
         return one_column(ref, self.joint, self.share * ref.tau[:, self.other])
 
     def change_channels(self, channels: dict[str, Array], run: Run) -> None:
-        """Logged together."""
         channels["tau"][:, self.joint] += self.share * channels["tau"][:, self.other]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("unknown", "mass", names=())
 class Slosh(Effect):
     """A known load that swings on a spring instead of being fixed; the model has it at rest."""
 
@@ -116,20 +92,12 @@ class Slosh(Effect):
     drop: float = 0.1  # from the pivot to the load, along the last link's z [m]
     hertz: float = 2.0
 
-    id = "unknown"
-    amplitude = "mass"
-
     def load(self) -> Link:
         """As the believed model has it."""
         com = self.pivot + np.array([0.0, 0.0, self.drop])
         return Link(mass=self.mass, com=com, inertia=np.eye(3) * self.mass * 4e-4)
 
-    def joints(self, ref: Reference) -> tuple[int, ...]:
-        """Nowhere: on the last link."""
-        return ()
-
     def links(self, ref: Reference) -> tuple[int, ...]:
-        """The last."""
         return (ref.arm.n - 1,)
 
     def change_machine(self, machine: Machine, arm: Arm) -> None:
@@ -154,3 +122,46 @@ class Slosh(Effect):
         com = (link.mass * link.com - load.mass * load.com) / mass
         inertia = link.about(com) - load.about(com)
         return arm.with_link(arm.n - 1, Link(mass=mass, com=com, inertia=inertia))
+
+
+def outside(scene: Scene, kind: str) -> Effect:
+    """A law of one of the kinds, sized against the noise."""
+    rng, ref = scene.rng, scene.ref
+    if kind not in KINDS:
+        raise ValueError(f"kind is {kind!r}, expected one of {', '.join(KINDS)}")
+    if kind == "crosstalk":
+        return scene.somewhere(lambda j: Crosstalk(joint=j, other=neighbour(j)))
+    raw = rng.uniform(0.0, 1.0, 3)
+
+    def make(j: int) -> Effect:
+        figures = _figures(kind, raw, ref.q[:, j])
+        inertia = float(ref.lightest[j])
+        return Outside(joint=j, other=neighbour(j), kind=kind, figures=figures, inertia=inertia)
+
+    return scene.somewhere(make)
+
+
+def neighbour(joint: int) -> int:
+    """The joint before, of the first the one after."""
+    return joint - 1 if joint > 0 else 1
+
+
+def _figures(kind: str, raw: Array, q: Array) -> tuple[float, float, float]:
+    if kind == "detents":
+        a, b, c = np.quantile(q, [0.2 + 0.15 * raw[0], 0.45 + 0.1 * raw[1], 0.65 + 0.15 * raw[2]])
+        return float(a), float(b), float(c)
+    if kind == "pump":
+        return 2.0 * np.pi * (0.4 + 1.5 * raw[0]), 6.28 * raw[1], 6.28 * raw[2]
+    if kind == "speed_ripple":
+        return 5.0 + 15.0 * raw[0], 6.28 * raw[1], 0.0
+    return 6.28 * raw[0], 0.0, 0.0
+
+
+def slosh(arm: Arm, rng: np.random.Generator) -> Slosh:
+    """A load of about a tenth of what the strongest drive holds at full stretch."""
+    reach = sum(float(np.linalg.norm(joint.T_parent_joint[:3, 3])) for joint in arm.joints[1:])
+    reach += float(np.linalg.norm(arm.T_last_tip[:3, 3]))
+    effort = max(joint.effort for joint in arm.joints)
+    mass = float(f"{rng.uniform(0.05, 0.12) * effort / (9.81 * reach):.4g}")
+    drop, hertz = (float(x) for x in np.round(rng.uniform([0.05, 1.0], [0.15, 2.5]), 3))
+    return Slosh(mass=mass, pivot=arm.T_last_tip[:3, 3].copy(), drop=drop, hertz=hertz)

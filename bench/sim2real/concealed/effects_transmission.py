@@ -1,35 +1,24 @@
 """Gears and geometry: play, springs, offsets, wrong placements, coupled motors."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.sim2real.concealed.arm import Arm, Array, Machine, rotation_rpy
-from bench.sim2real.concealed.effect import Effect
+from bench.sim2real.concealed.effect import Effect, Scene, effect
+from bench.sim2real.concealed.effects_body import Body
 from bench.sim2real.concealed.reference import Dynamics, Reference
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("backlash", "gap", bounds=(0.0003, 0.05), calibrated=True)
 class Backlash(Effect):
     """Play between motor and link: two hinges in series, the second with stops."""
 
     gap: float = 0.01
     grease: float = 0.01  # damping inside the play [N m s/rad]
 
-    id = "backlash"
-    amplitude = "gap"
-    bounds = (0.0003, 0.05)
-    calibrated = True
-
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"gap": self.gap}
-
     def change_machine(self, machine: Machine, arm: Arm) -> None:
-        """Stops as stiff as the step bears."""
         half = 0.5 * self.gap
         machine.series[self.joint] = (
             f'damping="{self.grease:.6g}" limited="true" range="{-half:.9g} {half:.9g}"'
@@ -37,20 +26,16 @@ class Backlash(Effect):
         )
 
     def rest(self, load: float) -> float:
-        """The second hinge's position under a load."""
         return -0.5 * self.gap * float(np.sign(load))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("joint_elasticity", "compliance", names=("stiffness", "damping"), calibrated=True)
 class Elasticity(Effect):
     """A spring and a damper between motor and link."""
 
     compliance: float = 1e-3  # [rad/(N m)]
     damping: float = 0.5
 
-    id = "joint_elasticity"
-    amplitude = "compliance"
-    calibrated = True
     softest: float = 0.01
 
     @property
@@ -58,57 +43,40 @@ class Elasticity(Effect):
         """[N m/rad]."""
         return float(f"{1.0 / min(self.compliance, self.softest):.6g}")
 
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"stiffness": self.stiffness, "damping": self.damping}
-
     def change_machine(self, machine: Machine, arm: Arm) -> None:
-        """A sprung second hinge."""
-        machine.series[self.joint] = (
-            f'stiffness="{self.stiffness:.9g}" damping="{self.damping:.9g}"'
-        )
+        spring = f'stiffness="{self.stiffness:.9g}" damping="{self.damping:.9g}"'
+        machine.series[self.joint] = spring
 
     def rest(self, load: float) -> float:
-        """The second hinge's position under a load."""
         return -load / self.stiffness
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("joint_offset", "size", names={"offset": "encoder_offset"}, bounds=(0.001, 0.12))
 class JointOffset(Effect):
     """The encoder's zero is elsewhere: true = measured + offset."""
 
     size: float = 0.02
     sign: float = 1.0
 
-    id = "joint_offset"
-    amplitude = "size"
-    bounds = (0.001, 0.12)
-
     @property
     def encoder_offset(self) -> float:
         """What the world adds to the encoder [rad]."""
         return self.sign * self.size
 
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"offset": self.encoder_offset}
-
     def residual(self, ref: Reference) -> Array:
-        """Torques at the true position less those at the measured one."""
         q = ref.q.copy()
         q[:, self.joint] += self.encoder_offset
         return ref.dynamics.torque(q, ref.dq, ref.ddq) - ref.tau
 
     def tip_shift(self, ref: Reference, rows: Array) -> Array:
-        """How far the tip is from where the model has it, (T, 3)."""
         q = ref.q[rows].copy()
         before = ref.dynamics.tips(q)[0]
         q[:, self.joint] += self.encoder_offset
         return ref.dynamics.tips(q)[0] - before
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class KinematicError(Effect):
+@effect("kinematic_error", "size", bounds=(0.02, 10.0), names=())
+class KinematicError(Body):
     """A joint sits elsewhere on its parent.
 
     True origin = believed + (dx, dy, dz) in the parent link's axes; true rotation = believed
@@ -119,36 +87,24 @@ class KinematicError(Effect):
     shift: Array = field(default_factory=lambda: np.zeros(3))  # at size 1 [m]
     turn: Array = field(default_factory=lambda: np.zeros(3))  # at size 1 [rad]
 
-    id = "kinematic_error"
-    amplitude = "size"
-    bounds = (0.02, 10.0)
-
     def parameters(self) -> dict[str, float]:
-        """As the catalogue names them: the rotation as a vector."""
         turn = Rotation.from_matrix(rotation_rpy(self.size * self.turn)).as_rotvec()
         figures = [*(self.size * self.shift), *turn]
         names = ("dx", "dy", "dz", "rx", "ry", "rz")
         return {name: float(x) for name, x in zip(names, figures, strict=True)}
 
     def change_arm(self, arm: Arm) -> Arm:
-        """Placed truly."""
         T = arm.joints[self.joint].T_parent_joint.copy()
         T[:3, 3] += self.size * self.shift
         T[:3, :3] = T[:3, :3] @ rotation_rpy(self.size * self.turn)
         return arm.with_placement(self.joint, T)
 
-    def residual(self, ref: Reference) -> Array:
-        """Inverse dynamics of the one less the other's."""
-        true = Dynamics(self.change_arm(ref.arm), ref.armature)
-        return true.torque(ref.q, ref.dq, ref.ddq) - ref.tau
-
     def tip_shift(self, ref: Reference, rows: Array) -> Array:
-        """How far the tip is from where the model has it, (T, 3)."""
         true = Dynamics(self.change_arm(ref.arm), ref.armature)
         return true.tips(ref.q[rows])[0] - ref.dynamics.tips(ref.q[rows])[0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@effect("joint_coupling", "ratio", names={"ratio": "motor_ratio"}, bounds=(0.003, 0.35))
 class Coupling(Effect):
     """One motor moves two joints: true q_k = q_k + ratio q_j."""
 
@@ -156,25 +112,15 @@ class Coupling(Effect):
     ratio: float = 0.05
     sign: float = 1.0
 
-    id = "joint_coupling"
-    amplitude = "ratio"
-    bounds = (0.003, 0.35)
-
     @property
     def motor_ratio(self) -> float:
         """What the world turns joint k by, per motor j."""
         return self.sign * self.ratio
 
-    def parameters(self) -> dict[str, float]:
-        """As the catalogue names them."""
-        return {"ratio": self.motor_ratio}
-
     def joints(self, ref: Reference | None) -> tuple[int, ...]:
-        """The one moved too, and the one that moves it."""
         return (self.joint, self.other)
 
     def change_machine(self, machine: Machine, arm: Arm) -> None:
-        """Rotor k turns with joint k less ratio times joint j: an inertia on a tendon."""
         inertia = machine.armature[self.joint]
         machine.armature[self.joint] = 0.0
         machine.tendons.append(
@@ -183,7 +129,6 @@ class Coupling(Effect):
         )
 
     def residual(self, ref: Reference) -> Array:
-        """Motor torques of the true motion less the believed ones."""
         q, dq, ddq = ref.q.copy(), ref.dq.copy(), ref.ddq.copy()
         for x in (q, dq, ddq):
             x[:, self.joint] += self.motor_ratio * x[:, self.other]
@@ -195,8 +140,78 @@ class Coupling(Effect):
         return tau - ref.tau
 
     def tip_shift(self, ref: Reference, rows: Array) -> Array:
-        """How far the tip is from where the model has it, (T, 3)."""
         q = ref.q[rows].copy()
         before = ref.dynamics.tips(q)[0]
         q[:, self.joint] += self.motor_ratio * q[:, self.other]
         return ref.dynamics.tips(q)[0] - before
+
+
+def backlash(scene: Scene) -> Effect:
+    """At a joint whose load changes sides, where there is one; its size is found by simulating."""
+    load = scene.load()
+    sides = np.minimum(np.mean(load > 0.0, axis=0), np.mean(load < 0.0, axis=0))
+    loaded = scene.loaded()
+    joint = next((j for j in loaded if sides[j] > 0.15), loaded[0])
+    inertia = float(scene.ref.inertia[joint] - scene.ref.armature[joint])
+    grease = float(f"{inertia * scene.rng.uniform(0.3, 1.0):.4g}")
+    return Backlash(joint=joint, gap=scene.uniform(0.004, 0.02), grease=grease)
+
+
+def elasticity(scene: Scene) -> Effect:
+    """The locked link swings at 5 to 12 Hz, never where it would sag by more than 3 degrees."""
+    ref = scene.ref
+    body = ref.inertia - ref.armature
+    loaded = scene.loaded()
+    share = body / ref.armature  # of a link that swings against a light rotor more is seen
+    least = 0.1 if scene.sensors.tip else 0.6
+    heaviest = max(scene.places, key=lambda j: share[j])
+    joint = next((j for j in loaded if share[j] > least), heaviest)
+    stiffness = body[joint] * (2.0 * np.pi * scene.uniform(5.0, 12.0)) ** 2
+    load = float(np.max(np.abs(ref.tau[:, joint])))
+    stiffness = max(stiffness, load / 0.05)
+    ratio = scene.uniform(0.03, 0.12)
+    damping = float(f"{2.0 * ratio * np.sqrt(stiffness * body[joint]):.4g}")
+    compliance = 1.0 / float(f"{stiffness:.5g}")
+    return Elasticity(joint=joint, compliance=compliance, damping=damping, softest=0.07 / load)
+
+
+def joint_offset(scene: Scene) -> Effect:
+    """An encoder's zero."""
+    sign = scene.sign()
+    return scene.somewhere(lambda j: JointOffset(joint=j, sign=sign))
+
+
+def kinematic_error(scene: Scene) -> Effect:
+    """A length, a twist or both; what an encoder's zero or a slide along an axis does is left."""
+    rng, arm = scene.rng, scene.ref.arm
+    kind = rng.choice(3, p=[0.5, 0.25, 0.25])
+    raw_shift, raw_turn = rng.normal(size=3), rng.normal(size=3)
+
+    def make(j: int) -> Effect:
+        R = arm.joints[j].T_parent_joint[:3, :3]
+        own, parent = R @ arm.joints[j].axis, arm.joints[max(j - 1, 0)].axis
+        shift, turn = across(raw_shift, own, parent), R.T @ across(raw_turn, own, parent)
+        shift = 0.005 * shift if kind != 1 else np.zeros(3)
+        turn = 0.01 * turn if kind != 0 else np.zeros(3)
+        return KinematicError(joint=j, shift=np.round(shift, 6), turn=np.round(turn, 6))
+
+    places = [j for j in scene.places if j > 0] or [1]
+    return scene.somewhere(make, places)
+
+
+def across(vector: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """A unit vector without the parts along two axes."""
+    axes = np.linalg.svd(np.column_stack([first, second]))
+    span = axes[0][:, : int(np.sum(axes[1] > 1e-2))]
+    rest = vector - span @ (span.T @ vector)
+    return rest / np.linalg.norm(rest)
+
+
+def coupling(scene: Scene) -> Effect:
+    """A joint moved too by its neighbour's motor."""
+    sign = scene.sign()
+
+    def make(k: int) -> Effect:
+        return Coupling(joint=k, other=k - 1 if k > 0 else 1, sign=sign)
+
+    return scene.somewhere(make, [k for k in scene.places if k > 0] or [0])

@@ -1,7 +1,5 @@
 """Drives, controller and sensors of one machine, drawn at random within what is usual."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,11 +37,17 @@ class Sensors:
     dq: bool
     tip: bool
 
+    @property
+    def q_seen(self) -> Array:
+        """Standard deviations (n,) of positions, quantisation with them [rad]."""
+        return np.hypot(self.q_noise, self.q_step / np.sqrt(12.0))
+
 
 def rotors(arm: Arm, rng: np.random.Generator) -> Array:
     """Inertia of each rotor seen at its joint: strong drives have heavy ones [kg m^2]."""
-    efforts = np.array([joint.effort for joint in arm.joints])
-    return np.array([float(f"{value:.3g}") for value in efforts * rng.uniform(1.5e-3, 5e-3, arm.n)])
+    return np.array(
+        [float(f"{value:.3g}") for value in arm.efforts * rng.uniform(1.5e-3, 5e-3, arm.n)]
+    )
 
 
 def controller(ref: Reference, rng: np.random.Generator, *, tight: bool, soft: bool) -> Controller:
@@ -69,14 +73,13 @@ def controller(ref: Reference, rng: np.random.Generator, *, tight: bool, soft: b
 
 def sensors(ref: Reference, control: Controller, rng: np.random.Generator) -> Sensors:
     """Torque noise about one percent of what each drive usually gives, less of its effort."""
-    efforts = np.array([joint.effort for joint in ref.arm.joints])
-    usual = np.quantile(np.abs(ref.tau), 0.9, axis=0)
+    n, usual = ref.arm.n, np.quantile(np.abs(ref.tau), 0.9, axis=0)
     tau_noise = np.maximum(
-        usual * rng.uniform(0.004, 0.012, ref.arm.n), efforts * rng.uniform(1e-3, 3e-3, ref.arm.n)
+        usual * rng.uniform(0.004, 0.012, n), ref.arm.efforts * rng.uniform(1e-3, 3e-3, n)
     )
     # noise that the controller turns into torque stays well below the torque sensor's own
     q_step = np.minimum(2.0 * np.pi / 2.0 ** rng.integers(17, 20), 0.5 * tau_noise / control.kp)
-    dq_noise = np.minimum(rng.uniform(1e-3, 4e-3, ref.arm.n), 0.4 * tau_noise / control.kd)
+    dq_noise = np.minimum(rng.uniform(1e-3, 4e-3, n), 0.4 * tau_noise / control.kd)
     return Sensors(
         q_step=q_step,
         q_noise=0.4 * q_step,

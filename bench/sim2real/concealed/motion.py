@@ -20,6 +20,12 @@ class Motion:
     dq: Array  # (K, n) [rad/s]
     ddq: Array  # (K, n) [rad/s^2]
 
+    @classmethod
+    def of(cls, q: Array) -> Motion:
+        """Of positions, by differences."""
+        dq = np.gradient(q, STEP, axis=0)
+        return cls(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
+
     @property
     def time(self) -> Array:
         """Times of the rows [s]."""
@@ -36,8 +42,7 @@ class Style:
 
 def center(arm: Arm, rng: np.random.Generator) -> tuple[Array, Array]:
     """A pose and how far each joint goes from it [rad]."""
-    lower = np.array([joint.lower for joint in arm.joints])
-    upper = np.array([joint.upper for joint in arm.joints])
+    lower, upper = arm.limits
     half = np.minimum(0.42 * (upper - lower), rng.uniform(0.8, 1.3, arm.n))
     room = np.minimum(0.5 * (upper - lower) - half, 0.6)
     return np.clip(0.5 * (lower + upper), -2.0, 2.0) + room * rng.uniform(-0.8, 0.8, arm.n), half
@@ -53,38 +58,28 @@ def recording_motion(
 ) -> Motion:
     """Segments of the given kinds one after the other, starting and ending at rest."""
     middle, half = center(arm, rng)
-    share = duration / len(kinds)
-    parts = [_segment(arm, rng, kind, share, pace, middle, half) for kind in kinds]
+    rows, limits = round(duration / len(kinds) / STEP), arm.speeds
+    parts = [middle + _segment(rng, kind, rows, limits, pace, half) for kind in kinds]
     q = np.concatenate(parts)
     for joint in style.slow:
-        q[:, joint] = _creep(rng, len(q), middle[joint], half[joint])
+        pace, reach = rng.uniform(0.04, 0.12), half[joint] * rng.uniform(0.1, 0.3)
+        q[:, joint] = middle[joint] + _triangle(len(q), pace, reach, rng.uniform(0.0, 1.0))
     for joint, position in style.still.items():
         q[:, joint] = position
-    q = smoothed(q)
-    dq = np.gradient(q, STEP, axis=0)
-    return Motion(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
+    return Motion.of(smoothed(q))
 
 
 def _segment(
-    arm: Arm,
-    rng: np.random.Generator,
-    kind: str,
-    duration: float,
-    pace: float,
-    middle: Array,
-    half: Array,
+    rng: np.random.Generator, kind: str, rows: int, limits: Array, pace: float, half: Array
 ) -> Array:
-    speed = np.minimum([0.7 * joint.speed for joint in arm.joints], 1.6) * pace
-    rows = round(duration / STEP)
+    """A path (rows, n) about zero, within its reach and the joints' speeds."""
+    speed = np.minimum(0.7 * limits, 1.6) * pace
     make = {"sines": _sines, "reversals": _reversals}.get(kind, _moves)
-    if kind == "fast_moves":
-        speed = 1.6 * speed
-    path = make(rng, rows, speed, half)
+    path = make(rng, rows, 1.6 * speed if kind == "fast_moves" else speed, half)
     reach = np.max(np.abs(path), axis=0)
     fastest = np.max(np.abs(np.diff(path, axis=0)), axis=0) / STEP
-    allowed = np.array([0.85 * joint.speed for joint in arm.joints])
-    share = np.minimum(half / np.maximum(reach, 1e-9), allowed / np.maximum(fastest, 1e-9))
-    return middle + path * np.minimum(1.0, share)
+    share = np.minimum(half / np.maximum(reach, 1e-9), 0.85 * limits / np.maximum(fastest, 1e-9))
+    return path * np.minimum(1.0, share)
 
 
 def _sines(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Array:
@@ -97,8 +92,7 @@ def _sines(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Ar
         waves = (weights / rates) * np.sin(np.outer(time, rates) + phases)
         path[:, joint] = waves.sum(axis=1)
         path[:, joint] *= speed[joint] / np.max(np.abs(np.gradient(path[:, joint], STEP)))
-    fade = np.clip(np.minimum(time, time[-1] - time) / 1.5, 0.0, 1.0)
-    return path * (fade**3 * (10.0 - 15.0 * fade + 6.0 * fade**2))[:, None]
+    return path * smoothstep(np.minimum(time, time[-1] - time) / 1.5)[:, None]
 
 
 def _moves(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Array:
@@ -128,8 +122,7 @@ def _moves(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Ar
 
 def _landing(rows: int) -> Array:
     """One, and down to zero over the last 1.6 s, so that segments meet at the middle."""
-    left = np.clip(np.arange(rows)[::-1] * STEP / 1.6, 0.0, 1.0)
-    return left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
+    return smoothstep(np.arange(rows)[::-1] * STEP / 1.6)
 
 
 def _trapezoid(count: int) -> Array:
@@ -150,15 +143,16 @@ def _reversals(rng: np.random.Generator, rows: int, speed: Array, half: Array) -
     return path * _landing(rows)[:, None] * _landing(rows)[::-1, None]
 
 
-def _creep(rng: np.random.Generator, rows: int, middle: float, half: float) -> Array:
-    pace, reach = rng.uniform(0.04, 0.12), half * rng.uniform(0.1, 0.3)
-    return middle + _triangle(rows, pace, reach, rng.uniform(0.0, 1.0))
-
-
 def _triangle(rows: int, pace: float, reach: float, phase: float) -> Array:
     period = 4.0 * reach / pace
     turns = STEP * np.arange(rows) / period + phase
     return reach * (4.0 * np.abs((turns % 1.0) - 0.5) - 1.0)
+
+
+def smoothstep(t: Array) -> Array:
+    """From 0 to 1, at rest and without acceleration at both ends; constant beyond."""
+    s = np.clip(t, 0.0, 1.0)
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
 
 def smoothed(q: Array, width: float = 0.2) -> Array:

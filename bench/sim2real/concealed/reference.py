@@ -1,7 +1,5 @@
 """The believed machine along the commanded motions: what effects are sized against."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -86,9 +84,10 @@ class Reference:
 def reference(arm: Arm, armature: Array, motions: Sequence[Motion]) -> Reference:
     """What the believed machine does along the motions."""
     dynamics = Dynamics(arm, armature)
-    q = np.concatenate([motion.q[::EVERY] for motion in motions])
-    dq = np.concatenate([motion.dq[::EVERY] for motion in motions])
-    ddq = np.concatenate([motion.ddq[::EVERY] for motion in motions])
+    q, dq, ddq = (
+        np.concatenate([getattr(motion, name)[::EVERY] for motion in motions])
+        for name in ("q", "dq", "ddq")
+    )
     lengths = [len(motion.q[::EVERY]) for motion in motions]
     poses = q[:: max(1, len(q) // 12)]
     masses = [dynamics.mass_matrix(row) for row in poses]

@@ -1,7 +1,5 @@
 """The arms of the worlds: four known ones and random ones of 2 to 7 joints."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

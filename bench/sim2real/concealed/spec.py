@@ -1,7 +1,5 @@
 """What a world is asked to be, and what it turned out to be."""
 
-from __future__ import annotations
-
 import zlib
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -22,7 +20,6 @@ class WorldSpec:
     size: float | None = None  # multiple of the noise floor; None: drawn by the way of hiding
 
     def stream(self, purpose: str) -> np.random.Generator:
-        """Random numbers for one purpose."""
         words = [self.effect, self.hide, self.robot, purpose]
         return np.random.default_rng([self.seed, *(zlib.crc32(w.encode()) for w in words)])
 
@@ -43,5 +40,4 @@ class Truth:
     visibility: dict[str, Any] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data."""
         return {"schema": "pdoik.concealed/1", **asdict(self)}

@@ -1,7 +1,5 @@
 """The study folder as a user would have it, and the truth in another folder."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -16,7 +14,6 @@ TIP = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 def joint_names(arm: Arm) -> list[str]:
-    """joint1 to jointN along the chain."""
     return [f"joint{k + 1}" for k in range(arm.n)]
 
 
@@ -48,13 +45,11 @@ def write_recording(
 
 
 def write_study(folder: Path, arm: Arm, study: dict[str, Any]) -> None:
-    """robot.urdf and study.yaml."""
     (folder / "robot.urdf").write_text(urdf(arm))
     text = yaml.safe_dump(study, sort_keys=False, default_flow_style=None, width=100)
     (folder / "study.yaml").write_text(text)
 
 
 def write_truth(path: Path, truth: dict[str, Any]) -> None:
-    """The sealed answer."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(truth, indent=1, sort_keys=True) + "\n")

@@ -1,10 +1,6 @@
 """What is sealed: the answer to one study."""
 
-from __future__ import annotations
-
 from typing import Any
-
-import numpy as np
 
 from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.draft import Draft
@@ -23,22 +19,20 @@ def truth_of(
 ) -> Truth:
     """The answer; `size` is the hidden effect's beside the noise."""
     spec, sense, names = draft.spec, draft.sensors, joint_names(draft.arm)
+    noise = {"tau": sense.tau_noise, "tau_step": sense.tau_step}
+    noise |= {"q": sense.q_seen, "dq": sense.dq_noise}
     entries = []
     for index, effect in enumerate(effects):
         entries += _entries(effect, draft.ref, names, "hidden" if index == 0 else "second")
-    noise = np.hypot(sense.q_noise, sense.q_step / np.sqrt(12.0))
     return Truth(
         spec=spec,
-        expected=_expected(spec, effects),
+        expected=_expected(spec),
         effects=tuple(entries),
         joints=tuple(names[k] for k in order),
         still=tuple(names[k] for k in sorted(draft.plan.style.still)),
         corner=draft.plan.corner,
         noise={
-            "tau": [float(sense.tau_noise[k]) for k in order],
-            "tau_step": [float(sense.tau_step[k]) for k in order],
-            "q": [float(noise[k]) for k in order],
-            "dq": [float(sense.dq_noise[k]) for k in order],
+            **{name: values[order].tolist() for name, values in noise.items()},
             "tip": sense.tip_noise if sense.tip else None,
             "tip_turn": sense.tip_turn_noise if sense.tip else None,
         },
@@ -51,14 +45,15 @@ def truth_of(
     )
 
 
-def _expected(spec: WorldSpec, effects: tuple[Effect, ...]) -> str:
-    if spec.effect == "clean":
-        return "no_mismatch"
-    if spec.effect == "still" or spec.hide == "poor":
+def _expected(spec: WorldSpec) -> str:
+    if spec.hide == "poor":
         return "cannot_tell"
-    if spec.effect.startswith("outside:"):
-        return "unknown"
-    return "lying_channel" if spec.effect.startswith("lying:") else "mismatch"
+    return {
+        "clean": "no_mismatch",
+        "still": "cannot_tell",
+        "outside": "unknown",
+        "lying": "lying_channel",
+    }.get(spec.effect.partition(":")[0], "mismatch")
 
 
 def _entries(effect: Effect, ref: Reference, names: list[str], role: str) -> list[dict[str, Any]]:
@@ -93,5 +88,4 @@ VARIANTS = {
 
 
 def size_of(seen: dict[str, list[float]]) -> float:
-    """The worst residual over its noise."""
     return max(max(values) for name, values in seen.items() if name != "noise")

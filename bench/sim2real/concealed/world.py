@@ -56,7 +56,6 @@ class Run:
         mujoco.mj_forward(self.model, self.data)
 
     def simulate(self) -> Truth:
-        """All ticks."""
         world, data, model = self.world, self.data, self.model
         control, sensors = world.control, world.sensors
         n = world.arm.n

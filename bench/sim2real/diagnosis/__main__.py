@@ -8,8 +8,6 @@ continues where it was stopped. --quick is a two-minute version; --times measure
 memory of long studies instead. Needs the extras bench and sim2real.
 """
 
-from __future__ import annotations
-
 import json
 import multiprocessing
 import resource
@@ -26,19 +24,7 @@ import numpy as np
 import pandas as pd
 import typer
 
-from bench.common.commands import (
-    BUILD,
-    OutFolder,
-    Quick,
-    Scheduler,
-    Seed,
-    Workers,
-    console,
-    plain_errors,
-    run_campaign,
-    show,
-    write_report,
-)
+from bench.common import commands as cli
 from bench.common.digests import code_digest
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
@@ -55,27 +41,23 @@ from pdoik.sim2real import diagnose
 
 ROOM = 50  # seeds between two effects, half of them for each way of hiding
 QUICK = (
-    "coulomb_friction",
-    "viscous_friction",
-    "payload",
-    "torque_offset",
-    "command_delay",
-    "backlash",
+    *("coulomb_friction", "viscous_friction", "payload", "torque_offset", "command_delay"),
+    *("backlash",),
 )
 LONG = 40.0  # of each of three recordings [s]
 REPEATS = 3
 
 
 def main(
-    out: OutFolder = BUILD / "diagnosis",
-    quick: Quick = False,
+    out: cli.OutFolder = cli.BUILD / "diagnosis",
+    quick: cli.Quick = False,
     plain: Annotated[int, typer.Option(min=0, max=ROOM // 2, help="In plain view, each.")] = 2,
     noise: Annotated[int, typer.Option(min=0, max=ROOM // 2, help="Near the noise, each.")] = 2,
     clean: Annotated[int, typer.Option(min=0, max=1000, help="With nothing wrong.")] = 20,
     times: Annotated[bool, typer.Option("--times", help="Seconds and memory instead.")] = False,
-    seed: Seed = 5000,
-    scheduler: Scheduler = None,
-    workers: Workers = 2,
+    seed: cli.Seed = 5000,
+    scheduler: cli.Scheduler = None,
+    workers: cli.Workers = 2,
 ) -> None:
     """Diagnose worlds with something concealed, and score it."""
     effects = QUICK if quick else tuple(EFFECTS)
@@ -86,21 +68,21 @@ def main(
     if times:
         table = times_table(seed)
         out.mkdir(parents=True, exist_ok=True)
-        write_report(out / "times.md", table)
-        show(table)
+        cli.write_report(out / "times.md", table)
+        cli.show(table)
         return
     jobs = {
         f"{spec.seed}-{spec.effect}-{spec.hide}": {"spec": asdict(spec)}
         for spec in specs(seed, effects, {"plain": plain, "noise": noise}, clean)
     }
-    with plain_errors():
+    with cli.plain_errors():
         settings = {"experiment": "diagnosis", "seed": seed, "code": code_digest("concealed")}
-        studies = run_campaign(out, settings, run_study, jobs, scheduler, workers)
+        studies = cli.run_campaign(out, settings, run_study, jobs, scheduler, workers)
     tables = f"{way_table(studies)}\n{effect_table(studies)}"
-    write_report(out / "tables.md", tables)
+    cli.write_report(out / "tables.md", tables)
     write_text(out / "failures.md", "".join(map(failure, failed(studies).itertuples())))
-    show(tables)
-    console.print(f"tables: {out}/tables.md; failures: failures.md; studies: trials.parquet")
+    cli.show(tables)
+    cli.console.print(f"tables: {out}/tables.md; failures: failures.md; studies: trials.parquet")
 
 
 def specs(
@@ -189,14 +171,12 @@ def failure(study: tuple) -> str:
 
 
 def place(entry: dict) -> str:
-    """Joints, links and window."""
     window = entry["window"]
     parts = [*entry["joints"], *entry["links"]]
     return " ".join(parts) + (f" {window} of {entry['recordings']}" if window else "")
 
 
 def residuals(joint: dict) -> str:
-    """Before, after, noise floor."""
     return " ".join(f"{joint[name]:.3g}" for name in ("before", "after", "noise_floor"))
 
 
@@ -206,7 +186,7 @@ def times_table(seed: int) -> str:
     for factor in (1, 2, 4):
         with (
             tempfile.TemporaryDirectory(prefix="pdoik-diagnosis-") as folder,
-            console.status(f"three recordings of {factor * LONG:g} s"),
+            cli.console.status(f"three recordings of {factor * LONG:g} s"),
         ):
             samples = long_study(Path(folder) / "study", seed, factor * LONG)
             runs = [alone(Path(folder) / "study" / "study.yaml") for _ in range(REPEATS)]
@@ -225,7 +205,6 @@ def alone(study: Path) -> tuple[float, float, int]:
 
 
 def timed(study: Path) -> tuple[float, float, int]:
-    """The same in this process."""
     begin = time.perf_counter()
     findings = diagnose(study).findings
     seconds = time.perf_counter() - begin

@@ -9,8 +9,6 @@ one of the study's hidden effects has its name and place; where a channel lies, 
 name in the catalogue, where it is at the hidden joint, of the latter without a name.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,10 +16,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, cast
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import typer
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
@@ -150,7 +148,8 @@ def compared(known: list[Claim], title: str) -> Table:
 
 def drawn(known: dict[str, list[Claim]], path: Path) -> None:
     """The reliability diagram, one line per kind of world."""
-    figure, axes = plt.subplots(figsize=(5.5, 5.0), layout="constrained")
+    figure = Figure(figsize=(5.5, 5.0), layout="constrained")
+    axes = figure.subplots()
     axes.plot([0.0, 1.0], [0.0, 1.0], color="0.7", lw=1, label="as it should be")
     for name, some in known.items():
         rows = reliability(some)
@@ -163,7 +162,6 @@ def drawn(known: dict[str, list[Claim]], path: Path) -> None:
     )
     axes.legend(loc="upper left", frameon=False)
     write_whole(path, lambda temporary: figure.savefig(temporary, dpi=140))
-    plt.close(figure)
 
 
 def main(

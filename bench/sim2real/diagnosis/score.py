@@ -1,7 +1,5 @@
 """One concealed world: made, diagnosed, and held against what was hidden in it."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 import time
@@ -76,10 +74,7 @@ def scores(truth: Truth, said: dict[str, Any]) -> Row:
     rest = rest_of(truth.effects, found, last)
     first = rest[0] if rest else None
     named = first is not None and name_of(first, last) == name_of(hidden, last)
-    match = next(
-        (e for e in rest if e["effect"] == hidden["effect"] and placed(e, hidden)),
-        None,
-    )
+    match = next((e for e in rest if e["effect"] == hidden["effect"] and placed(e, hidden)), None)
     return {
         "named": named,
         "listed": any(
@@ -111,7 +106,6 @@ def name_of(entry: Entry, last: str) -> str:
 
 
 def same(finding: Entry, entry: Entry, last: str) -> bool:
-    """Whether name and place agree."""
     return name_of(finding, last) == name_of(entry, last) and placed(finding, entry)
 
 

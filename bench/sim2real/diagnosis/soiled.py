@@ -11,8 +11,6 @@ in the description by a tenth; the log is thinned to 100 Hz and rounded to 14 bi
 ../proof does it; OUT/studies.parquet has a row per study. It goes on where it was stopped.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from concurrent.futures import ThreadPoolExecutor
@@ -27,16 +25,16 @@ import yaml
 from numpy.typing import NDArray
 from rich.progress import track
 
+from bench.common.blind import as_diagnosis, blind
 from bench.common.campaign import Row
 from bench.common.whole_files import write_text, write_whole
-from bench.sim2real.proof.diagnose import as_diagnosis, blind
+from bench.sim2real.proof.score import GROUPS
 
 RATE = 100.0  # [Hz]
 POSITION_BITS, TORQUE_BITS = 14, 12
 FRICTION = (0.02, 0.06)  # of a joint's effort limit: Coulomb's; viscous at the speed limit the same
 BY_DAY, FACTOR, INERTIA = 0.1, 0.04, 0.075  # standard deviations, relative
 _SMOOTH = 0.01  # [rad/s]
-_GROUPS = ("clean", "outside", "lying", "still")
 
 
 def main(
@@ -47,7 +45,12 @@ def main(
 ) -> None:
     """Soil a run's studies and diagnose them."""
     truths = sorted((run / "sealed").glob("*.json"))
-    kept = [path for path in truths if _hides(json.loads(path.read_text()))][::every]
+    specs = {path: json.loads(path.read_text())["spec"] for path in truths}
+    kept = [
+        path
+        for path, spec in specs.items()
+        if spec["effect"].partition(":")[0] not in GROUPS and spec["hide"] != "no_torque"
+    ][::every]
     for folder in ("sealed", "said"):
         (out / folder).mkdir(parents=True, exist_ok=True)
     for path in kept:
@@ -83,11 +86,6 @@ def _row(out: Path, name: str) -> Row:
     return row
 
 
-def _hides(truth: dict[str, Any]) -> bool:
-    group = truth["spec"]["effect"].partition(":")[0]
-    return group not in _GROUPS and truth["spec"]["hide"] != "no_torque"
-
-
 def soil(study: Path, to: Path, truth: dict[str, Any]) -> None:
     """One study's copy; what is added to the truth are the background's effects."""
     to.mkdir(parents=True, exist_ok=True)
@@ -96,44 +94,35 @@ def soil(study: Path, to: Path, truth: dict[str, Any]) -> None:
     joints, limits = content["joints"], _limits((study / "robot.urdf").read_text())
     for key in ("controller", "simulation"):
         content.pop(key, None)
-    sizes = {j: rng.uniform(*FRICTION) * limits[j][0] for j in joints}
-    slopes = {j: rng.uniform(*FRICTION) * limits[j][0] / limits[j][1] for j in joints}
-    factors = {j: 1.0 + FACTOR * rng.standard_normal() for j in joints}
+    dirt = pd.DataFrame(limits, index=["effort", "speed"]).T.loc[joints]
+    dirt["size"] = [rng.uniform(*FRICTION) * limits[j][0] for j in joints]
+    dirt["slope"] = [rng.uniform(*FRICTION) * limits[j][0] / limits[j][1] for j in joints]
+    dirt["factor"] = [1.0 + FACTOR * rng.standard_normal() for _ in joints]
     for entry in content["recordings"]:
-        table = pd.read_csv(study / entry["file"])
-        day = {j: 1.0 + BY_DAY * rng.standard_normal() for j in joints}
-        write_text(to / entry["file"], _soiled(table, joints, limits, sizes, slopes, factors, day))
+        dirt["day"] = [1.0 + BY_DAY * rng.standard_normal() for _ in joints]
+        write_text(to / entry["file"], _soiled(pd.read_csv(study / entry["file"]), dirt))
     write_text(to / "robot.urdf", _misjudged((study / "robot.urdf").read_text(), rng))
     write_text(to / "study.yaml", yaml.safe_dump(content))
-    for name, figures, key in (
-        ("coulomb_friction", sizes, "level"),
-        ("viscous_friction", slopes, "coefficient"),
-        ("torque_gain", factors, "gain"),
-        ("sensor_gain", factors, "gain"),
+    for name, figure, key in (
+        ("coulomb_friction", "size", "level"),
+        ("viscous_friction", "slope", "coefficient"),
+        ("torque_gain", "factor", "gain"),
+        ("sensor_gain", "factor", "gain"),
     ):
-        truth["effects"] += [_entry(name, [j], [], {key: float(v)}) for j, v in figures.items()]
+        told = dirt[figure].items()
+        truth["effects"] += [_entry(name, [j], [], {key: float(value)}) for j, value in told]
     links = [f"link{k + 1}" for k in range(len(joints))]
     truth["effects"] += [_entry("link_inertial_error", [], [link], {}) for link in links]
     truth["effects"].append(_entry("payload", [], links[-1:], {}))
 
 
 def _entry(effect: str, joints: list[str], links: list[str], figures: dict[str, float]) -> Any:
-    return {
-        "effect": effect,
-        "joints": joints,
-        "links": links,
-        "parameters": figures,
-        "recordings": None,
-        "window": None,
-        "position_window": None,
-        "channel": None,
-        "kind": None,
-        "role": "background",
-    }
+    place = {"effect": effect, "joints": joints, "links": links, "parameters": figures}
+    nowhere = ("recordings", "window", "position_window", "channel", "kind")
+    return {**place, **dict.fromkeys(nowhere), "role": "background"}
 
 
 def _limits(urdf: str) -> dict[str, tuple[float, float]]:
-    """Effort and speed limits by joint."""
     pattern = r'<joint name="([^"]+)".*?effort="([^"]+)" velocity="([^"]+)"'
     return {n: (float(e), float(v)) for n, e, v in re.findall(pattern, urdf, re.DOTALL)}
 
@@ -153,24 +142,16 @@ def _misjudged(urdf: str, rng: np.random.Generator) -> str:
     return re.sub(r"<inertial>.*?</inertial>", scaled, urdf, flags=re.DOTALL)
 
 
-def _soiled(
-    table: pd.DataFrame,
-    joints: list[str],
-    limits: dict[str, tuple[float, float]],
-    sizes: dict[str, float],
-    slopes: dict[str, float],
-    factors: dict[str, float],
-    day: dict[str, float],
-) -> str:
+def _soiled(table: pd.DataFrame, dirt: pd.DataFrame) -> str:
     """A recording's rows as the dirtier machine would have logged them."""
     time = table["time"].to_numpy()
     step = max(1, round(1.0 / (RATE * float(np.median(np.diff(time))))))
-    for j in joints:
-        q = table[f"q.{j}"].to_numpy()
+    for own in dirt.itertuples():
+        j, q = own.Index, table[f"q.{own.Index}"].to_numpy()
         dq = table[f"dq.{j}"].to_numpy() if f"dq.{j}" in table else np.gradient(q, time)
-        rubbed = day[j] * (sizes[j] * np.tanh(dq / _SMOOTH) + slopes[j] * dq)
-        tau = factors[j] * (table[f"tau.{j}"].to_numpy() + rubbed)
-        table[f"tau.{j}"] = _rounded(tau, 2.0 * limits[j][0] / 2**TORQUE_BITS)
+        rubbed = own.day * (own.size * np.tanh(dq / _SMOOTH) + own.slope * dq)
+        tau = own.factor * (table[f"tau.{j}"].to_numpy() + rubbed)
+        table[f"tau.{j}"] = _rounded(tau, 2.0 * own.effort / 2**TORQUE_BITS)
         table[f"q.{j}"] = _rounded(q, 2.0 * np.pi / 2**POSITION_BITS)
     dropped = [c for c in table if c.startswith(("tau_cmd.", "dq.", "dq_des."))]
     return str(table.drop(columns=dropped).iloc[::step].to_csv(index=False, float_format="%.9g"))

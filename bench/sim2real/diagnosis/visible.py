@@ -8,8 +8,6 @@ check says it, and the recordings are diagnosed. Results are kept as they come, 
 goes on where it was stopped. One process; needs the extras bench and sim2real.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -52,32 +50,31 @@ class Case:
     joint: int  # or the link it moves; of the base any
 
 
-CASES = (
-    *(
-        Case(robot="random3", seed=11, effect=effect, joint=joint)
-        for effect, joint in (
-            ("coulomb_friction", 1),
-            ("viscous_friction", 0),
-            ("torque_offset", 1),
-            ("torque_ripple", 2),
-            ("position_dependent_spring", 0),
-            ("payload", 2),
-            ("gravity_direction", 0),
-            ("command_delay", 1),
-            ("backlash", 1),
-        )
-    ),
-    *(
-        Case(robot="random4", seed=12, effect=effect, joint=joint)
-        for effect, joint in (
-            ("coulomb_friction", 2),
-            ("viscous_friction", 3),
-            ("torque_offset", 0),
-            ("torque_ripple", 1),
-            ("payload", 3),
-            ("command_delay", 2),
-        )
-    ),
+_PLACES = {
+    ("random3", 11): {
+        "coulomb_friction": 1,
+        "viscous_friction": 0,
+        "torque_offset": 1,
+        "torque_ripple": 2,
+        "position_dependent_spring": 0,
+        "payload": 2,
+        "gravity_direction": 0,
+        "command_delay": 1,
+        "backlash": 1,
+    },
+    ("random4", 12): {
+        "coulomb_friction": 2,
+        "viscous_friction": 3,
+        "torque_offset": 0,
+        "torque_ripple": 1,
+        "payload": 3,
+        "command_delay": 2,
+    },
+}
+CASES = tuple(
+    Case(robot=robot, seed=seed, effect=effect, joint=joint)
+    for (robot, seed), places in _PLACES.items()
+    for effect, joint in places.items()
 )
 
 
@@ -99,7 +96,6 @@ def main(out: OutFolder = BUILD / "visible", quick: Quick = False) -> None:
 
 
 def _rows(case: Case) -> Iterator[Row]:
-    """One of each size."""
     draft = draft_of(WorldSpec(seed=case.seed, robot=case.robot))
     smallest = foretold(case, draft)
     for times in TIMES:
@@ -186,7 +182,6 @@ def _lists(finding: Finding, case: Case) -> bool:
 
 
 def tables(rows: pd.DataFrame) -> str:
-    """By size, then by effect."""
     found = [
         [f"{times:g}", *(share(part[what]) for what in ("found", "listed"))]
         for times, part in rows.groupby("times")

@@ -9,8 +9,6 @@ writes the study to DIR/studies/NAME and its answer to DIR/truth/NAME.json;
 makes worlds, diagnoses them blind and says how many causes were named at their place.
 """
 
-from __future__ import annotations
-
 import time
 from enum import StrEnum
 from pathlib import Path
@@ -21,9 +19,8 @@ import typer
 from bench.common.commands import Scheduler, Workers, plain_errors, show, write_report
 from bench.sim2real.legged.build import make_study
 from bench.sim2real.legged.campaign import run
-from bench.sim2real.legged.plan import plan
-from bench.sim2real.legged.spec import BACKGROUNDS, HEALTHY, KINDS, ROBOTS, draw
-from bench.sim2real.legged.tables import tables
+from bench.sim2real.legged.score import tables
+from bench.sim2real.legged.spec import BACKGROUNDS, HEALTHY, KINDS, ROBOTS, draw, plan
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__)
 

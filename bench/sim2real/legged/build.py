@@ -1,7 +1,5 @@
 """From a spec to a study folder: draw the machine, hide something, let it move, write files."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -11,17 +9,22 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.sim2real.legged import draw_base, draw_joint
-from bench.sim2real.legged.draw_joint import Draw, Scene
+from bench.sim2real.legged.draw_joint import Draw, Scene, at_a_joint
 from bench.sim2real.legged.gait import Trot
-from bench.sim2real.legged.hidden import Hidden
 from bench.sim2real.legged.legs import Legs
-from bench.sim2real.legged.machine import Machine, as_told, dense
+from bench.sim2real.legged.machine import Hidden, Machine, as_told, dense
 from bench.sim2real.legged.postures import hang, home, stand
 from bench.sim2real.legged.robots import Robot, robot
 from bench.sim2real.legged.run import FallenError, Policy, Rows, simulate
-from bench.sim2real.legged.sensors import Sensors, measured, sensors
+from bench.sim2real.legged.sensors import (
+    Sensors,
+    measured,
+    sensors,
+    write_log,
+    write_study,
+    write_truth,
+)
 from bench.sim2real.legged.spec import HEALTHY, JOINT_KINDS, KINDS, Array, Spec
-from bench.sim2real.legged.study_files import write_log, write_study, write_truth
 from bench.sim2real.legged.visibility import visibility
 from bench.sim2real.legged.world import GRAVITY, build, massive_links
 
@@ -35,7 +38,8 @@ PLANS = {
 """Motions of the recordings by their role."""
 
 DRAWS: dict[str, Draw] = {
-    kind: getattr(draw_joint if kind in JOINT_KINDS else draw_base, kind) for kind in KINDS
+    **{kind: at_a_joint(getattr(draw_joint, kind)) for kind in JOINT_KINDS},
+    **{kind: getattr(draw_base, kind) for kind in KINDS if kind not in JOINT_KINDS},
 }
 
 
@@ -69,7 +73,6 @@ class Made:
 
 @cache
 def legs_of(name: str) -> Legs:
-    """Kinematics of a robot as described."""
     return Legs(robot(name))
 
 
@@ -96,7 +99,6 @@ def takes_of(spec: Spec) -> list[Take]:
 
 
 def policy_of(spec: Spec, index: int, take: Take) -> Policy:
-    """Who commands a take."""
     legs, rng = legs_of(spec.robot), spec.stream(f"motion{index}")
     if take.hold is not None:
         return hang(legs, take.hold, take.seconds, rng)
@@ -106,11 +108,7 @@ def policy_of(spec: Spec, index: int, take: Take) -> Policy:
 
 
 def moved(spec: Spec, machine: Machine, takes: list[Take], rate: int) -> list[Rows]:
-    """All takes.
-
-    Raises:
-        FallenError: the robot did not stay up.
-    """
+    """All takes."""
     rows = []
     for index, take in enumerate(takes):
         policy = policy_of(spec, index, take)
@@ -129,11 +127,7 @@ def _start(kind: Robot, machine: Machine, policy: Policy, take: Take) -> tuple[A
 
 
 def made(spec: Spec) -> Made:
-    """Draws and moves the world, again where the robot does not bear what is hidden.
-
-    Raises:
-        FallenError: it never does.
-    """
+    """Draws and moves the world, again where the robot does not bear what is hidden."""
     before, takes = background(spec), takes_of(spec)
     legs = legs_of(spec.robot)
     weight = GRAVITY * float(legs.model.body_mass.sum())
@@ -172,7 +166,6 @@ def made(spec: Spec) -> Made:
 
 
 def truth_of(world: Made) -> dict[str, Any]:
-    """The answer."""
     spec, machine = world.spec, world.machine
     return {
         "schema": SCHEMA,
@@ -192,12 +185,7 @@ def truth_of(world: Made) -> dict[str, Any]:
 
 
 def make_study(folder: Path, spec: Spec, truth: Path) -> Made:
-    """Writes study.yaml, robot.urdf and recordings to a folder, the truth to a file elsewhere.
-
-    Raises:
-        ValueError: the truth would lie in the study's folder.
-        FallenError: the robot does not stay up.
-    """
+    """Writes study.yaml, robot.urdf and recordings to a folder, the truth to a file elsewhere."""
     if truth.resolve().is_relative_to(folder.resolve()):
         raise ValueError(f"truth: expected a file outside of {folder}, got {truth}")
     world = made(spec)

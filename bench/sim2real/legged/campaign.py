@@ -1,37 +1,34 @@
 """Worlds made, diagnosed blind and scored, one job each; what was done is not done again."""
 
-from __future__ import annotations
-
 import json
-import subprocess
-import sys
 import tempfile
-import time
 from dataclasses import asdict
 from pathlib import Path
-from shutil import copytree, rmtree
+from shutil import rmtree
 from typing import Any
 
 import pandas as pd
 
-from bench.common.campaign import Campaign, Job, Row, dask_client
-from bench.common.commands import console
+import pdoik
+from bench.common.blind import blind
+from bench.common.campaign import Job, Row
+from bench.common.commands import run_campaign
 from bench.common.digests import digest_of, digest_of_files, tool_digest
 from bench.common.whole_files import write_text
 from bench.sim2real.legged.build import make_study
 from bench.sim2real.legged.run import FallenError
 from bench.sim2real.legged.score import score
 from bench.sim2real.legged.spec import Spec
-from bench.sim2real.proof.diagnose import ONE, environment
 
 HERE = Path(__file__).parent
 JUDGING = ("score.py", "tables.py", "campaign.py", "plan.py", "__main__.py")
 LONGEST = 1800.0  # of one diagnosis [s]
 
 
-def generator_digest() -> str:
-    """All that decides what a world is."""
-    return digest_of_files((p.name, p) for p in HERE.glob("*.py") if p.name not in JUDGING)
+def digests() -> dict[str, str]:
+    """Of the tool, and of all that decides what a world is."""
+    own = ((p.name, p) for p in HERE.glob("*.py") if p.name not in JUDGING)
+    return {"tool": tool_digest(), "generator": digest_of_files(own)}
 
 
 def run(
@@ -41,24 +38,15 @@ def run(
 
     Scores are of what was said, whenever that was.
     """
-    tool, generator = tool_digest(), generator_digest()
-    worlds = out / f"worlds-{generator[:12]}"
-    said = out / f"said-{tool[:12]}-{generator[:12]}"
-    settings = {"tool": tool, "generator": generator}
-    facts = {name: asdict(spec) for name, spec in specs.items()}
+    settings = digests()
+    short = settings["generator"][:12]
+    worlds, said = out / f"worlds-{short}", out / f"said-{settings['tool'][:12]}-{short}"
+    common = {"worlds": str(worlds), "said": str(said), "digests": settings}
     jobs = {
-        f"{name}-{digest_of(facts[name])[:8]}": {
-            "worlds": str(worlds),
-            "said": str(said),
-            "name": name,
-            "spec": facts[name],
-            **settings,
-        }
-        for name in specs
+        f"{name}-{digest_of(asdict(spec))[:8]}": {**common, "name": name, "spec": asdict(spec)}
+        for name, spec in specs.items()
     }
-    with dask_client(scheduler, workers) as client:
-        campaign = Campaign(said, settings)
-        made = campaign.run(one_world, jobs, client, console)
+    made = run_campaign(said, settings, one_world, jobs, scheduler, workers)
     return pd.DataFrame([_scored(row, worlds, said) for row in made.to_dict("records")])
 
 
@@ -73,63 +61,24 @@ def _scored(row: dict[str, Any], worlds: Path, said: Path) -> dict[str, Any]:
 
 
 def one_world(job: Job) -> list[Row]:
-    """Makes a world where it is not yet, diagnoses it, keeps what was said.
-
-    Raises:
-        RuntimeError: pdoik or the generator is not the one of the campaign.
-    """
-    if tool_digest() != job["tool"] or generator_digest() != job["generator"]:
-        raise RuntimeError(
-            "pdoik or bench/sim2real/legged is not the one that the campaign began with"
-        )
+    """Makes a world where it is not yet, diagnoses it, keeps what was said."""
+    if digests() != job["digests"]:
+        raise RuntimeError("pdoik or bench/sim2real/legged is not what the campaign began with")
     spec, worlds = Spec(**job["spec"]), Path(job["worlds"])
-    study, truth = worlds / "studies" / spec.name, worlds / "truth" / f"{spec.name}.json"
-    if not study.is_dir():
+    study, row = worlds / "studies" / spec.name, {"name": job["name"], **job["spec"]}
+    if not study.is_dir():  # it is there when it is whole
         worlds.mkdir(parents=True, exist_ok=True)
-        try:
-            _make(worlds, study, truth, spec)
-        except FallenError as error:
-            return [{"name": job["name"], **job["spec"], "not_made": str(error)}]
-    said = diagnosed(study)
+        with tempfile.TemporaryDirectory(prefix=".making-", dir=worlds) as folder:
+            made = Path(folder) / spec.name
+            try:
+                make_study(made, spec, worlds / "truth" / f"{spec.name}.json")
+            except FallenError as error:
+                return [{**row, "not_made": str(error)}]
+            study.parent.mkdir(exist_ok=True)
+            rmtree(study, ignore_errors=True)
+            made.rename(study)
     answer = Path(job["said"]) / "answers" / f"{spec.name}.json"
     answer.parent.mkdir(parents=True, exist_ok=True)
+    said = blind(study, LONGEST, Path(pdoik.__file__).parents[1])
     write_text(answer, json.dumps(said, indent=1))
-    return [{"name": job["name"], **job["spec"], "not_made": ""}]
-
-
-def _make(worlds: Path, study: Path, truth: Path, spec: Spec) -> None:
-    """A study is there when it is whole."""
-    with tempfile.TemporaryDirectory(prefix=".making-", dir=worlds) as folder:
-        made = Path(folder) / spec.name
-        make_study(made, spec, truth)
-        study.parent.mkdir(exist_ok=True)
-        rmtree(study, ignore_errors=True)
-        made.rename(study)
-
-
-def diagnosed(study: Path, longest: float = LONGEST) -> dict[str, Any]:
-    """What the pdoik of this process says of a copy of a study; a crash is an answer too."""
-    import pdoik
-
-    with tempfile.TemporaryDirectory(prefix="pdoik-legged-") as folder:
-        copytree(study, Path(folder) / "study")
-        tool = {"PYTHONPATH": str(Path(pdoik.__file__).parents[1])}
-        begin = time.perf_counter()
-        try:
-            done = subprocess.run(
-                [sys.executable, "-P", str(ONE), "study/study.yaml", "result.json"],
-                cwd=folder,
-                env=environment(folder) | tool,
-                capture_output=True,
-                text=True,
-                timeout=longest,
-                check=False,
-            )
-            ended = f"status {done.returncode}: {(done.stderr.strip().splitlines() or ['?'])[-1]}"
-        except subprocess.TimeoutExpired:
-            ended = f"no answer within {longest:g} s"
-        took = time.perf_counter() - begin
-        result = Path(folder) / "result.json"
-        if not result.is_file():
-            return {"error": ended, "seconds": took}
-        return dict(json.loads(result.read_text()))
+    return [{**row, "not_made": ""}]

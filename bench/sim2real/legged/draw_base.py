@@ -1,18 +1,18 @@
 """What is hidden in bodies, in the IMU, under the feet and in the ground."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 
 from bench.sim2real.legged.draw_joint import Scene
-from bench.sim2real.legged.hidden import Hidden
-from bench.sim2real.legged.machine import Body, Load, Machine
+from bench.sim2real.legged.machine import Body, Hidden, Load, Machine
 from bench.sim2real.legged.spec import Array
 from bench.sim2real.legged.world import body_of
 
-AXES = ("x", "y", "z")
+
+def by_axis(name: str, vector: Array) -> dict[str, float]:
+    """Parameters NAME_x, NAME_y, NAME_z."""
+    return {f"{name}_{axis}": float(value) for axis, value in zip("xyz", vector, strict=True)}
 
 
 def payload(scene: Scene) -> tuple[Machine, Hidden]:
@@ -23,7 +23,7 @@ def payload(scene: Scene) -> tuple[Machine, Hidden]:
     low, high = _PLACES[robot.name]
     com = rng.uniform(low, high)
     load = Load(link=robot.trunk, mass=mass, com=(com[0], com[1], com[2]), size=0.12)
-    figures = {"mass": mass, **{f"com_{a}": float(c) for a, c in zip(AXES, com, strict=True)}}
+    figures = {"mass": mass, **by_axis("com", com)}
     told = Hidden(effect="payload", links=(robot.trunk,), parameters=figures)
     return replace(machine, loads=(*machine.loads, load)), told
 
@@ -47,7 +47,7 @@ def link_inertial_error(scene: Scene) -> tuple[Machine, Hidden]:
     body = Body(scale=scale, shift=(float(shift[0]), float(shift[1]), float(shift[2])))
     moment = scale * mass * (com + shift) - mass * com
     figures = {"d_mass": mass * (scale - 1.0)}
-    figures |= {f"d_first_moment_{a}": float(v) for a, v in zip(AXES, moment, strict=True)}
+    figures |= by_axis("d_first_moment", moment)
     changed = replace(machine, bodies={**machine.bodies, link: body})
     return changed, Hidden(effect="link_inertial_error", links=(link,), parameters=figures)
 
@@ -61,8 +61,8 @@ def imu_offset(scene: Scene) -> tuple[Machine, Hidden]:
     machine, rng = scene.machine, scene.rng
     gyro = machine.gyro_bias + _way(rng) * rng.uniform(0.02, 0.05)
     acc = machine.acc_bias + _way(rng) * rng.uniform(0.2, 0.6)
-    figures = {f"gyro_{a}": float(v) for a, v in zip(AXES, gyro, strict=True)}
-    figures |= {f"acc_{a}": float(v) for a, v in zip(AXES, acc, strict=True)}
+    figures = by_axis("gyro", gyro)
+    figures |= by_axis("acc", acc)
     told = Hidden(effect="imu_offset", links=(machine.robot.base,), parameters=figures)
     return replace(machine, gyro_bias=gyro, acc_bias=acc), told
 
@@ -71,7 +71,7 @@ def imu_tilt(scene: Scene) -> tuple[Machine, Hidden]:
     """An IMU that is not screwed on straight."""
     machine, rng = scene.machine, scene.rng
     tilt = machine.imu_tilt + _way(rng) * np.radians(rng.uniform(2.0, 5.0))
-    figures = {f"tilt_{a}": float(v) for a, v in zip(AXES, tilt, strict=True)}
+    figures = by_axis("tilt", tilt)
     told = Hidden(effect="imu_tilt", links=(machine.robot.base,), parameters=figures)
     return replace(machine, imu_tilt=tilt), told
 

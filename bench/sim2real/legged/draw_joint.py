@@ -1,19 +1,17 @@
-"""What is hidden in a joint: the changed machine, and the answer.
+"""What is hidden in a joint: figures of the machine that are others, and how they are told.
 
 Sizes go by what the motions ask of the joint (`Robot.load`, `Robot.speed`), so that they matter
 beside the sensors' noise and are none that one sees with the naked eye.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from bench.sim2real.legged.hidden import Hidden
-from bench.sim2real.legged.machine import Machine
+from bench.sim2real.legged.machine import Hidden, Machine
 
+Figures = dict[str, float]
 Draw = Callable[["Scene"], tuple[Machine, Hidden]]
 
 
@@ -25,93 +23,89 @@ class Scene:
     rng: np.random.Generator
     peaks: Callable[[], np.ndarray]  # (n,) what the commands ask for at most [N m]
 
-    def joint(self) -> int:
-        """Any."""
-        return int(self.rng.integers(self.machine.robot.n))
-
     def sign(self) -> float:
-        """Either."""
         return float(self.rng.choice([-1.0, 1.0]))
 
+    def share(self, low: float, high: float, j: int) -> float:
+        """Of a joint's load [N m]."""
+        return self.rng.uniform(low, high) * self.machine.robot.load[j]
 
-def _told(scene: Scene, effect: str, j: int, **parameters: float) -> Hidden:
-    return Hidden(effect=effect, joints=(scene.machine.robot.joints[j],), parameters=parameters)
+
+def at_a_joint(make: Callable[[Scene, int], tuple[Figures, Figures]]) -> Draw:
+    """At any joint; the effect has the function's name."""
+
+    def draw(scene: Scene) -> tuple[Machine, Hidden]:
+        machine, robot = scene.machine, scene.machine.robot
+        j = int(scene.rng.integers(robot.n))
+        figures, told = make(scene, j)
+        for name, value in figures.items():
+            machine = machine.at(name, j, value)
+        return machine, Hidden(effect=make.__name__, joints=(robot.joints[j],), parameters=told)
+
+    return draw
 
 
-def coulomb_friction(scene: Scene) -> tuple[Machine, Hidden]:
+def coulomb_friction(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """Dry friction, beside what there is."""
-    machine, j = scene.machine, scene.joint()
-    level = float(scene.rng.uniform(0.15, 0.4) * machine.robot.load[j])
-    total = float(machine.coulomb[j]) + level
-    return machine.at("coulomb", j, total), _told(scene, "coulomb_friction", j, level=total)
+    total = float(scene.machine.coulomb[j]) + float(scene.share(0.15, 0.4, j))
+    return {"coulomb": total}, {"level": total}
 
 
-def viscous_friction(scene: Scene) -> tuple[Machine, Hidden]:
+def viscous_friction(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """Friction in proportion to speed, beside what there is."""
-    machine, j, robot = scene.machine, scene.joint(), scene.machine.robot
-    total = float(
-        machine.viscous[j] + scene.rng.uniform(0.2, 0.45) * robot.load[j] / robot.speed[j]
-    )
-    return machine.at("viscous", j, total), _told(scene, "viscous_friction", j, coefficient=total)
+    machine = scene.machine
+    total = float(machine.viscous[j] + scene.share(0.2, 0.45, j) / machine.robot.speed[j])
+    return {"viscous": total}, {"coefficient": total}
 
 
-def torque_gain(scene: Scene) -> tuple[Machine, Hidden]:
+def torque_gain(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A motor that is weaker than its drive says, seldom one that is stronger."""
-    machine, j, rng = scene.machine, scene.joint(), scene.rng
+    rng = scene.rng
     share = float(rng.uniform(0.7, 0.88) if rng.random() < 0.8 else rng.uniform(1.12, 1.25))
-    gain = float(machine.sensor_gain[j]) / share
-    return machine.at("drive_gain", j, share), _told(scene, "torque_gain", j, gain=gain)
+    return {"drive_gain": share}, {"gain": float(scene.machine.sensor_gain[j]) / share}
 
 
-def torque_offset(scene: Scene) -> tuple[Machine, Hidden]:
+def torque_offset(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A torque sensor whose zero is off."""
-    machine, j = scene.machine, scene.joint()
-    extra = scene.sign() * scene.rng.uniform(0.2, 0.45) * machine.robot.load[j]
-    total = float(machine.sensor_offset[j] + extra)
-    return machine.at("sensor_offset", j, total), _told(scene, "torque_offset", j, offset=total)
+    extra = scene.sign() * scene.rng.uniform(0.2, 0.45) * scene.machine.robot.load[j]
+    total = float(scene.machine.sensor_offset[j] + extra)
+    return {"sensor_offset": total}, {"offset": total}
 
 
-def rotor_inertia(scene: Scene) -> tuple[Machine, Hidden]:
+def rotor_inertia(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A rotor that is heavier than told."""
-    machine, j = scene.machine, scene.joint()
-    rotor = float(machine.rotor[j] + scene.rng.uniform(0.8, 2.0) * machine.robot.rotor[j])
-    extra = rotor - float(machine.robot.rotor[j])
-    return machine.at("rotor", j, rotor), _told(scene, "rotor_inertia", j, inertia=extra)
+    told = scene.machine.robot.rotor[j]
+    rotor = float(scene.machine.rotor[j] + scene.rng.uniform(0.8, 2.0) * told)
+    return {"rotor": rotor}, {"inertia": rotor - float(told)}
 
 
-def joint_offset(scene: Scene) -> tuple[Machine, Hidden]:
+def joint_offset(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """An encoder whose zero is off."""
-    machine, j = scene.machine, scene.joint()
     offset = float(scene.sign() * scene.rng.uniform(0.03, 0.08))
-    return machine.at("joint_offset", j, offset), _told(scene, "joint_offset", j, offset=offset)
+    return {"joint_offset": offset}, {"offset": offset}
 
 
-def position_dependent_spring(scene: Scene) -> tuple[Machine, Hidden]:
+def position_dependent_spring(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A cable that pulls the joint to some angle."""
-    machine, j, robot = scene.machine, scene.joint(), scene.machine.robot
-    stiffness = float(scene.rng.uniform(0.3, 0.7) * robot.load[j] / 0.35)
-    onset = float(robot.rest[j] + scene.rng.uniform(-0.25, 0.25))
-    changed = machine.at("spring", j, stiffness).at("spring_rest", j, onset)
-    figures = {"stiffness": stiffness, "onset": onset, "side": 0.0}
-    return changed, _told(scene, "position_dependent_spring", j, **figures)
+    stiffness = float(scene.share(0.3, 0.7, j) / 0.35)
+    onset = float(scene.machine.robot.rest[j] + scene.rng.uniform(-0.25, 0.25))
+    told = {"stiffness": stiffness, "onset": onset, "side": 0.0}
+    return {"spring": stiffness, "spring_rest": onset}, told
 
 
-def torque_saturation(scene: Scene) -> tuple[Machine, Hidden]:
+def torque_saturation(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A drive that gives less at most than the motions ask for."""
-    machine, j = scene.machine, scene.joint()
     level = float(scene.rng.uniform(0.65, 0.9) * scene.peaks()[j])
-    return machine.at("limit", j, level), _told(scene, "torque_saturation", j, level=level)
+    return {"limit": level}, {"level": level}
 
 
-def command_delay(scene: Scene) -> tuple[Machine, Hidden]:
+def command_delay(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A drive that gets its commanded positions late."""
-    machine, j = scene.machine, scene.joint()
     delay = 1e-3 * float(scene.rng.integers(4, 13)) * 2.0
-    return machine.at("delay", j, delay), _told(scene, "command_delay", j, delay=delay)
+    return {"delay": delay}, {"delay": delay}
 
 
-def backlash(scene: Scene) -> tuple[Machine, Hidden]:
+def backlash(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """Play between motor and link."""
-    machine, j = scene.machine, scene.joint()
     gap = float(scene.rng.uniform(0.012, 0.035))
-    return machine.at("gap", j, gap), _told(scene, "backlash", j, gap=gap)
+    return {"gap": gap}, {"gap": gap}

@@ -1,14 +1,11 @@
 """A trot in place: diagonal pairs of legs lift in turn, feet land where the speed asks for them."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 
 from bench.sim2real.legged.legs import UPRIGHT, Legs
-from bench.sim2real.legged.motion import sines
-from bench.sim2real.legged.postures import GRID, State, home
+from bench.sim2real.legged.postures import GRID, State, home, sines
 from bench.sim2real.legged.spec import Array
 
 PAIRS = np.array([0.0, 0.5, 0.5, 0.0])  # phases of FL FR RL RR

@@ -1,7 +1,5 @@
 """Kinematics and weights of the robot as described, for whoever commands it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import mujoco
@@ -20,7 +18,6 @@ class Legs:
     """The description, moved to where one asks: feet, joints that put them there, torques."""
 
     def __init__(self, robot: Robot) -> None:
-        """At the origin."""
         self.robot, self.world = robot, build(as_told(robot))
         self.model: Any = self.world.model
         self.data: Any = mujoco.MjData(self.model)

@@ -1,8 +1,8 @@
-"""One machine's true figures; what it was told to be until something changes them."""
+"""One machine's true figures, and what is hidden in it as the truth tells it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -76,7 +76,6 @@ class Machine:
 
 
 def as_told(robot: Robot) -> Machine:
-    """The machine that the study describes."""
     n, feet = robot.n, len(robot.feet)
     zero, one = np.zeros(n), np.ones(n)
     return Machine(
@@ -136,3 +135,18 @@ def dense(robot: Robot, links: list[str], rng: np.random.Generator) -> Machine:
 
 def _triple(values: Array) -> tuple[float, float, float]:
     return (float(values[0]), float(values[1]), float(values[2]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hidden:
+    """One cause: its name, its place, its figures in the catalogue's names and units."""
+
+    effect: str
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    feet: tuple[str, ...] = ()
+    parameters: dict[str, float] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)

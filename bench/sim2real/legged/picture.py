@@ -3,8 +3,6 @@
 python -m bench.sim2real.legged.picture STUDY/study.yaml --out bench/sim2real/legged/legged.png
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The robots: descriptions, drives, where their IMU sits, and what touches the ground."""
 
-from __future__ import annotations
-
 import importlib.util
 from dataclasses import dataclass
 from functools import cache
@@ -60,23 +58,19 @@ class Robot:
 
     @property
     def n(self) -> int:
-        """Joints."""
         return len(self.joints)
 
     @property
     def legs(self) -> list[slice]:
-        """Each foot's joints."""
         k = self.leg_size
         return [slice(i * k, (i + 1) * k) for i in range(len(self.feet))]
 
 
 def robot(name: str) -> Robot:
-    """By name: go2 or h1."""
     return {"go2": _go2, "h1": _h1}[name]()
 
 
 def has_go2() -> bool:
-    """Whether example-robot-data is installed."""
     return _go2_urdf() is not None
 
 

@@ -1,7 +1,5 @@
 """One recording's simulation: commands, physics, and what is true at each row."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -77,9 +75,6 @@ def simulate(
         seconds: of the log; commands begin with it, and hold their first before.
         rate: of the log, 200 or 500 [Hz].
         start: base pose (7,) and joints (n,) to begin at.
-
-    Raises:
-        FallenError: it did not stay up, or left its path.
     """
     model, data, robot = world.model, mujoco.MjData(world.model), world.machine.robot
     steps, _ = TICKS[rate]
@@ -202,7 +197,6 @@ class _Record:
         self.table["drive"][k] += self._force / steps
 
     def after(self, k: int) -> None:
-        """Forces and accelerations at that state."""
         table, world, sensors, sensed = self.table, self.world, self._sensors, self._sensed
         table["ddq"][k] = self._qacc[world.dof]
         table["speed"][k] = 0.5 * (table["dq"][k] + self._qvel[world.dof])
@@ -217,7 +211,6 @@ class _Record:
         self.arm[k] = self._com - self._place[self._feet]
 
     def rows(self, tick: float) -> Rows:
-        """All of it."""
         table, machine = self.table, self.world.machine
         steps = round(tick / TIMESTEP)
         table["q_des"] = _centred(table["q_des"], steps)

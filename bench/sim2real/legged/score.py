@@ -1,12 +1,14 @@
-"""A world's truth beside what was said of it."""
-
-from __future__ import annotations
+"""A world's truth beside what was said of it, and what a campaign came to."""
 
 import json
 import math
 from collections.abc import Mapping
 from typing import Any
 
+import pandas as pd
+
+from bench.common.blind import as_diagnosis
+from bench.common.markdown import markdown_table
 from bench.sim2real.legged.machine import FRICTION
 from bench.sim2real.legged.spec import GROUND_KINDS, HEALTHY, IMU_KINDS
 
@@ -14,15 +16,10 @@ Content = Mapping[str, Any]  # of JSON
 
 CLAIMED = 0.75  # confidence from which a finding is a claim
 SIZED = 0.34  # relative error of a figure that is right without its interval
-OF_JOINTS = (
-    "coulomb_friction",
-    "viscous_friction",
-    "torque_gain",
-    "torque_offset",
-    "rotor_inertia",
+OF_DENSE = (
+    *("coulomb_friction", "viscous_friction", "torque_gain", "torque_offset", "rotor_inertia"),
+    *("link_inertial_error", *IMU_KINDS),
 )
-OF_BODIES = ("link_inertial_error",)
-OF_DENSE = (*OF_JOINTS, *OF_BODIES, *IMU_KINDS)
 """What every dense machine has anyway, everywhere: neither right nor false."""
 
 LIGHT = 0.06  # of the machine's mass: a load that the links' own errors come to
@@ -30,7 +27,7 @@ LIGHT = 0.06  # of the machine's mass: a load that the links' own errors come to
 
 def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
     """One row: all that the tables need."""
-    spec, diagnosis = truth["spec"], _diagnosis(said)
+    spec, diagnosis = truth["spec"], as_diagnosis(said)
     claimed = [f for f in diagnosis["findings"] if f.get("confidence", 1.0) >= CLAIMED]
     hidden = truth["effects"][0] if truth["effects"] else None
     right = [f for f in claimed if hidden is not None and is_right(f, hidden)]
@@ -134,7 +131,50 @@ def _place(finding: Content) -> list[str]:
     return [*finding["joints"], *(finding["links"] or finding.get("feet") or [])]
 
 
-def _diagnosis(said: Content) -> dict[str, Any]:
-    if "diagnosis" in said:
-        return dict(said["diagnosis"])
-    return {"verdict": f"error: {said['error']}", "findings": [], "suspected": []}
+KEYS = {"named": "named", "and sized": "sized", "or listed": "listed", "or suspected": "suspected"}
+RATE = "false findings in a world"
+SORT = ["robot", "background"]
+
+
+def tables(rows: pd.DataFrame) -> str:
+    """By sort of world, of healthy worlds, and by kind."""
+    made = rows[rows.not_made == ""].infer_objects()
+    hidden = made[made.kind != HEALTHY]
+    took, crashed = made.seconds, int(made.crash.sum())
+    parts = [
+        _by_sort(hidden),
+        _healthy(made[made.kind == HEALTHY]),
+        _by_kind(hidden),
+        f"A diagnosis takes {took.median():.0f} s, at most {took.max():.0f} s;"
+        f" {crashed} of {len(made)} studies were not diagnosed.",
+    ]
+    fallen = rows[rows.not_made != ""]
+    if len(fallen):
+        parts.append(f"Not made, for the robot always fell: {', '.join(fallen.name)}.")
+    return "\n\n".join(part.rstrip() for part in parts) + "\n"
+
+
+def _by_sort(hidden: pd.DataFrame) -> str:
+    lines = [(*sort, len(group), *_counts(group)) for sort, group in hidden.groupby(SORT)]
+    return markdown_table(
+        (*SORT, "worlds", *KEYS, RATE), [*lines, ("all", "", len(hidden), *_counts(hidden))]
+    )
+
+
+def _healthy(healthy: pd.DataFrame) -> str:
+    lines = [
+        (*sort, len(group), int(group.alarm.astype(bool).sum()), int(group["false"].sum()))
+        for sort, group in healthy.groupby(SORT)
+    ]
+    return markdown_table((*SORT, "healthy worlds", "with a false alarm", "false findings"), lines)
+
+
+def _by_kind(hidden: pd.DataFrame) -> str:
+    lines = [(kind, len(group), *_counts(group)) for kind, group in hidden.groupby("kind")]
+    return markdown_table(("kind", "worlds", *KEYS, RATE), lines)
+
+
+def _counts(group: pd.DataFrame) -> tuple[str, ...]:
+    """Of the columns of KEYS, and the rate of false findings."""
+    rate = f"{group['false'].mean():.2f}" if len(group) else "-"
+    return (*(str(int(group[key].sum())) for key in KEYS.values()), rate)

@@ -1,8 +1,7 @@
-"""What a world is asked to be."""
-
-from __future__ import annotations
+"""What a world is asked to be, and which worlds a campaign is of."""
 
 import zlib
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,16 +14,9 @@ ROBOTS = ("go2", "h1")
 BACKGROUNDS = ("plain", "dense")
 
 JOINT_KINDS = (
-    "coulomb_friction",
-    "viscous_friction",
-    "torque_gain",
-    "torque_offset",
-    "rotor_inertia",
-    "joint_offset",
-    "position_dependent_spring",
-    "torque_saturation",
-    "command_delay",
-    "backlash",
+    *("coulomb_friction", "viscous_friction", "torque_gain", "torque_offset", "rotor_inertia"),
+    *("joint_offset", "position_dependent_spring", "torque_saturation", "command_delay"),
+    *("backlash",),
 )
 BODY_KINDS = ("payload", "link_inertial_error")
 IMU_KINDS = ("imu_offset", "imu_tilt")
@@ -44,7 +36,6 @@ class Spec:
     seconds: float | None = None  # of each run; None: 15 to 18 s, drawn
 
     def __post_init__(self) -> None:
-        """Refuses what there is not."""
         for name, value, known in (
             ("robot", self.robot, ROBOTS),
             ("background", self.background, BACKGROUNDS),
@@ -55,7 +46,6 @@ class Spec:
 
     @property
     def name(self) -> str:
-        """Of the world in words."""
         return f"{self.robot}_{self.kind}_{self.background}_{self.seed}"
 
     def stream(self, purpose: str) -> np.random.Generator:
@@ -81,3 +71,29 @@ def draw(
         background=background or drawn_background,
         kind=kind or drawn_kind,
     )
+
+
+def plan(
+    seed: int, count: int, robots: Iterable[str] = ROBOTS, backgrounds: Iterable[str] = BACKGROUNDS
+) -> dict[str, Spec]:
+    """Specs by names that tell nothing but their order.
+
+    Robots and backgrounds take turns; with each, every fifth world or so has nothing hidden, and
+    the kinds come one after the other in an order that the seed tells.
+    """
+    sorts = [(r, b) for r in robots for b in backgrounds]
+    queues = {sort: _kinds(seed, *sort) for sort in sorts}
+    specs = {}
+    for k in range(count):
+        robot, background = sorts[k % len(sorts)]
+        queue = queues[robot, background]
+        kind = queue[(k // len(sorts)) % len(queue)]
+        specs[f"world{k:04d}"] = Spec(seed=seed + k, robot=robot, background=background, kind=kind)
+    return specs
+
+
+def _kinds(seed: int, robot: str, background: str) -> list[str]:
+    """All kinds once, and as many healthy machines as there are sixths of the whole."""
+    rng = np.random.default_rng([seed, zlib.crc32(f"{robot} {background}".encode())])
+    kinds = [*KINDS, *[HEALTHY] * -(-len(KINDS) // 5)]
+    return [str(kind) for kind in rng.permutation(kinds)]

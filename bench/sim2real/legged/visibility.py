@@ -1,7 +1,5 @@
 """How much of the torques the described machine does not explain, beside the sensors' noise."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import mujoco

@@ -1,7 +1,5 @@
 """The machine in MuJoCo: links of the URDF, drives, feet, ground and IMU as they truly are."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree
@@ -79,7 +77,6 @@ def build(machine: Machine, hold: Array | None = None) -> World:
 
 
 def urdf_text(robot: Robot) -> str:
-    """The description without looks."""
     root = ElementTree.parse(robot.urdf).getroot()
     for link in root.findall("link"):
         for looks in (*link.findall("visual"), *link.findall("collision")):
@@ -98,7 +95,6 @@ def body_of(robot: Robot, link: str) -> tuple[float, Array]:
 
 
 def massive_links(robot: Robot) -> list[str]:
-    """Links that weigh something."""
     bodies = mujoco.MjSpec.from_string(urdf_text(robot)).bodies
     return [body.name for body in bodies if float(np.ravel(body.mass)[0]) > 1e-6]
 

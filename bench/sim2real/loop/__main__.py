@@ -8,29 +8,14 @@ as they come; the same command goes on where it was stopped. --quick is a two-mi
 the extras bench and sim2real.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer
 
-from bench.common.commands import (
-    BUILD,
-    OutFolder,
-    Quick,
-    Scheduler,
-    Seed,
-    Workers,
-    console,
-    plain_errors,
-    run_campaign,
-    show,
-    write_report,
-)
+from bench.common import commands as cli
 from bench.common.digests import code_digest
 from bench.sim2real.loop.hidden import HIDDEN
-from bench.sim2real.loop.picture import write_picture
-from bench.sim2real.loop.report import details, main_table, reach_table
+from bench.sim2real.loop.report import details, main_table, reach_table, write_picture
 from bench.sim2real.loop.trial import run_world
 
 ROOM = 10  # seeds between two effects
@@ -38,16 +23,16 @@ QUICK = ("coulomb_friction", "joint_offset")
 
 
 def main(
-    out: OutFolder = BUILD / "loop",
-    quick: Quick = False,
-    seed: Seed = 3000,
+    out: cli.OutFolder = cli.BUILD / "loop",
+    quick: cli.Quick = False,
+    seed: cli.Seed = 3000,
     worlds: Annotated[int, typer.Option(min=1, max=ROOM, help="Of each effect.")] = 3,
     paths: Annotated[int, typer.Option(min=1, help="In each world, to judge by.")] = 2,
     effects: Annotated[
         str, typer.Option(help=f"Some of {', '.join(HIDDEN)}, with commas between.")
     ] = "",
-    scheduler: Scheduler = None,
-    workers: Workers = 2,
+    scheduler: cli.Scheduler = None,
+    workers: cli.Workers = 2,
 ) -> None:
     """Record, diagnose, feed forward, run again."""
     if quick:
@@ -65,19 +50,19 @@ def main(
         for k in range(worlds)
         for effect in chosen
     }
-    with plain_errors():
+    with cli.plain_errors():
         settings = {
             "experiment": "loop",
             "seed": seed,
             "paths": paths,
             "code": code_digest("concealed", "loop"),
         }
-        rows = run_campaign(out, settings, run_world, jobs, scheduler, workers)
+        rows = cli.run_campaign(out, settings, run_world, jobs, scheduler, workers)
     tables = f"{main_table(rows)}\n{reach_table(rows)}"
-    write_report(out / "loop.md", f"{tables}\n![Tip errors](loop.png)\n\n{details(rows)}")
+    cli.write_report(out / "loop.md", f"{tables}\n![Tip errors](loop.png)\n\n{details(rows)}")
     write_picture(rows, out / "loop.png")
-    show(tables)
-    console.print(f"tables: {out}/loop.md; picture: loop.png; runs: trials.parquet")
+    cli.show(tables)
+    cli.console.print(f"tables: {out}/loop.md; picture: loop.png; runs: trials.parquet")
 
 
 if __name__ == "__main__":

@@ -1,19 +1,15 @@
 """A robot's surroundings: boxes and balls, as points for the solver and as shapes for the judge."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import coal
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
 from bench.ik.scenes.primitives import Ball, box, sample_surface
-
-FloatArray = npt.NDArray[np.float64]
+from bench.sim2real.concealed.arm import Array
 
 LEAF = 0.015  # of the cloud that the solver gets [m]
 POINTS_PER_AREA = 30_000.0  # before the grid thins them [1/m^2]
@@ -24,11 +20,11 @@ SHAPES = 5
 class Shape:
     """An upright box, or a ball."""
 
-    center: FloatArray  # (3,) [m]
-    edges: FloatArray  # (3,) [m]; of a ball its diameter, three times
+    center: Array  # (3,) [m]
+    edges: Array  # (3,) [m]; of a ball its diameter, three times
     ball: bool
 
-    def points(self, rng: np.random.Generator) -> FloatArray:
+    def points(self, rng: np.random.Generator) -> Array:
         """Its surface, sampled, (N, 3) [m]."""
         patches = (Ball(radius=0.5 * self.edges[0]),) if self.ball else box(*self.edges)
         count = int(POINTS_PER_AREA * sum(patch.area for patch in patches))
@@ -45,10 +41,10 @@ class Cell:
     """The shapes, and the cloud that stands for them."""
 
     shapes: tuple[Shape, ...]
-    cloud: FloatArray  # (N, 3) [m]
+    cloud: Array  # (N, 3) [m]
 
 
-def random_cell(robot: pdoik.Robot, home: FloatArray, rng: np.random.Generator) -> Cell:
+def random_cell(robot: pdoik.Robot, home: Array, rng: np.random.Generator) -> Cell:
     """Shapes before the robot, none within 6 cm of it at home."""
     judge, shapes, clouds = pdoik.Solver(robot), [], []
     T_home = robot.fk(home)
@@ -77,7 +73,7 @@ class Clearance:
         self._hulls = [_ellipsoid(*spheroid) for spheroid in occupancy.spheroids]
         self._bodies = [shape.body() for shape in cell.shapes]
 
-    def __call__(self, links: Mapping[str, FloatArray]) -> float:
+    def __call__(self, links: Mapping[str, Array]) -> float:
         """Of the links at these poses (4, 4) in the base; negative where something is pierced."""
         request, least = coal.DistanceRequest(), np.inf
         for link, geometry, T_link_hull in self._hulls:
@@ -92,7 +88,7 @@ class Clearance:
 
 def _ellipsoid(
     link: str, focus: tuple[float, ...], other: str, far: tuple[float, ...], semi_major: float
-) -> tuple[str, Any, FloatArray]:
+) -> tuple[str, Any, Array]:
     """A prolate spheroid of one link, long along its own z."""
     if link != other:
         raise ValueError(f"hull of {link} and {other}: expected both foci on one link")

@@ -4,22 +4,17 @@ All of it goes through the controller's own input: a torque T more is a commande
 further on, which to a PD law is the same. The model is what `pdoik diagnose` wrote, nothing else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio
 from scipy.ndimage import gaussian_filter1d
 
-from bench.sim2real.concealed.motion import STEP, Motion
-from bench.sim2real.loop.path import motion_of, quintic
+from bench.sim2real.concealed.arm import Array
+from bench.sim2real.concealed.motion import STEP, Motion, smoothstep
 from pdoik import sim2real
 from pdoik.sim2real import Finding, Model, Recording
-
-FloatArray = npt.NDArray[np.float64]
 
 BEGIN = 0.4  # in which an arm at rest gets from nothing to the first torque [s]
 CROSSING = 0.03  # in which a play is crossed, as a Gaussian's width [s]
@@ -45,7 +40,7 @@ def commands(model: Model, motion: Motion) -> Motion:
     control = model.controller
     assert control is not None  # the study names it
     own = still_torque(model, motors.q) if control.gravity_compensation else 0.0
-    start = quintic(np.clip(motion.time / BEGIN, 0.0, 1.0))[:, None]
+    start = smoothstep(motion.time / BEGIN)[:, None]
     shifted = motion.q + start * (motors.q - motion.q + (torque - own) / control.kp)
     q, dq = shifted.copy(), motors.dq.copy()
     time = motion.time
@@ -57,7 +52,7 @@ def commands(model: Model, motion: Motion) -> Motion:
     return Motion(q=q, dq=dq, ddq=motors.ddq)
 
 
-def needed(model: Model, links: Motion, motors: Motion) -> FloatArray:
+def needed(model: Model, links: Motion, motors: Motion) -> Array:
     """Torque of the drives for a motion, (K, n) [N m]; what only a sensor says is left out.
 
     Behind gears that give, links move as they shall and rotors otherwise.
@@ -70,7 +65,7 @@ def needed(model: Model, links: Motion, motors: Motion) -> FloatArray:
     return np.asarray(torque + rotor * (motors.ddq - links.ddq))
 
 
-def predicted(model: Model, motion: Motion) -> FloatArray:
+def predicted(model: Model, motion: Motion) -> Array:
     """`sim2real.predict` for a commanded motion, which has no noise to be filtered."""
     recording = Recording(
         name="commands",
@@ -85,7 +80,7 @@ def predicted(model: Model, motion: Motion) -> FloatArray:
     return np.asarray(sim2real.predict(replace(model, cutoff=CUTOFF), recording))
 
 
-def still_torque(model: Model, q: FloatArray) -> FloatArray:
+def still_torque(model: Model, q: Array) -> Array:
     """What the controller's own model gives to hold the arm, (K, n) [N m]."""
     arm = pinocchio.buildModelFromXML(model.robot)
     data = arm.createData()
@@ -106,7 +101,7 @@ def _indices(model: Model, finding: Finding) -> Sequence[int]:
     return [model.joints.index(j) for j in finding.joints] or range(len(model.joints))
 
 
-def _sum(model: Model, effect: str, parameter: str, variant: str) -> FloatArray:
+def _sum(model: Model, effect: str, parameter: str, variant: str) -> Array:
     """A parameter of each joint, over the findings of one variant, (n,)."""
     total = np.zeros(len(model.joints))
     for finding in _of(model, effect):
@@ -132,10 +127,10 @@ def _geared(model: Model, motion: Motion) -> Motion:
             else:
                 side = gaussian_filter1d(flank(load[:, k]), CROSSING / STEP, mode="nearest")
                 q[:, k] += 0.5 * finding.values["gap"] * side
-    return motion_of(q)
+    return Motion.of(q)
 
 
-def flank(load: FloatArray) -> FloatArray:
+def flank(load: Array) -> Array:
     """The side of a play that a load (K,) presses, -1 or 1; without load, the one it did last."""
     pressed = np.abs(load) > LOADED * np.max(np.abs(load))
     last = np.maximum.accumulate(np.where(pressed, np.arange(len(load)), 0))
@@ -143,7 +138,7 @@ def flank(load: FloatArray) -> FloatArray:
     return np.sign(load[last])
 
 
-def _driven(model: Model, torque: FloatArray) -> FloatArray:
+def _driven(model: Model, torque: Array) -> Array:
     """What to ask drives for that exert something else than they are asked for."""
     torque = torque.copy()
     for finding in _of(model, *TORQUE_CHANNEL):
@@ -154,7 +149,7 @@ def _driven(model: Model, torque: FloatArray) -> FloatArray:
     return torque
 
 
-def _early_torque(model: Model, torque: FloatArray) -> FloatArray:
+def _early_torque(model: Model, torque: Array) -> Array:
     """What to ask for that comes late, or lags."""
     time = STEP * np.arange(len(torque))
     result = torque.copy()

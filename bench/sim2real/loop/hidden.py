@@ -1,7 +1,5 @@
 """What is concealed, and how large: enough to lead the tip astray by millimetres."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -22,12 +20,8 @@ from bench.sim2real.concealed.effects_transmission import (
 STRAY = 0.007  # of a joint, which the tip feels over half a metre [rad]
 LARGE = (0, 1, 3)  # joints that move the tip over long ways
 WITH_TIP = (
-    "backlash",
-    "backlash_unloaded",
-    "joint_elasticity",
-    "joint_offset",
-    "kinematic_error",
-    "several_at_once",
+    *("backlash", "backlash_unloaded", "joint_elasticity"),
+    *("joint_offset", "kinematic_error", "several_at_once"),
 )
 """Effects beyond the encoders: their recordings hold the tip's measured pose."""
 
@@ -44,33 +38,36 @@ def torques(draft: Draft, joints: tuple[int, ...], rng: np.random.Generator) -> 
     ]
 
 
+def _each(
+    draft: Draft,
+    joints: tuple[int, ...],
+    rng: np.random.Generator,
+    make: Callable[[int, float], Effect],
+) -> tuple[Effect, ...]:
+    """At each joint, by such a torque."""
+    levels = torques(draft, joints, rng)
+    return tuple(make(j, level) for j, level in zip(joints, levels, strict=True))
+
+
 def _stick(draft: Draft, joint: int) -> dict[str, object]:
     return {"joint": joint, "inertia": float(0.8 * draft.ref.lightest[joint])}
 
 
 def coulomb(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     """Dry friction in four joints."""
-    joints = (*LARGE, 5)
-    levels = torques(draft, joints, rng)
-    return tuple(
-        Coulomb(**_stick(draft, j), size=level) for j, level in zip(joints, levels, strict=True)
-    )
+    return _each(draft, (*LARGE, 5), rng, lambda j, tau: Coulomb(**_stick(draft, j), size=tau))
 
 
 def viscous(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     """In three joints, as large as the torques above at 0.5 rad/s."""
-    levels = torques(draft, LARGE, rng)
-    return tuple(
-        Viscous(joint=j, coefficient=2.0 * level) for j, level in zip(LARGE, levels, strict=True)
-    )
+    return _each(draft, LARGE, rng, lambda j, tau: Viscous(joint=j, coefficient=2.0 * tau))
 
 
 def stribeck(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     """In two joints, with Coulomb friction beside it."""
-    levels = torques(draft, (0, 3), rng)
-    return tuple(
-        Stribeck(**_stick(draft, j), extra=0.6 * level, coulomb_ratio=1.0, speed=0.15)
-        for j, level in zip((0, 3), levels, strict=True)
+    figures = {"coulomb_ratio": 1.0, "speed": 0.15}
+    return _each(
+        draft, (0, 3), rng, lambda j, tau: Stribeck(**_stick(draft, j), extra=0.6 * tau, **figures)
     )
 
 
@@ -138,16 +135,19 @@ def elasticity(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     return tuple(effects)
 
 
+def _play(draft: Draft, rng: np.random.Generator, j: int, low: float, high: float) -> Effect:
+    grease = float(f"{0.5 * (draft.ref.inertia[j] - draft.ref.armature[j]):.4g}")
+    return Backlash(joint=j, gap=float(np.round(rng.uniform(low, high), 4)), grease=grease)
+
+
 def backlash(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     """Play in the fourth joint's gear."""
-    grease = float(f"{0.5 * (draft.ref.inertia[3] - draft.ref.armature[3]):.4g}")
-    return (Backlash(joint=3, gap=float(np.round(rng.uniform(0.02, 0.035), 4)), grease=grease),)
+    return (_play(draft, rng, 3, 0.02, 0.035),)
 
 
 def backlash_unloaded(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     """Play in the first joint's gear, about an upright axis: nothing presses it to one side."""
-    grease = float(f"{0.5 * (draft.ref.inertia[0] - draft.ref.armature[0]):.4g}")
-    return (Backlash(joint=0, gap=float(np.round(rng.uniform(0.008, 0.016), 4)), grease=grease),)
+    return (_play(draft, rng, 0, 0.008, 0.016),)
 
 
 def joint_offset(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
@@ -161,7 +161,6 @@ def joint_offset(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
 
 def link_length(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
     """The upper arm is 6 to 12 mm longer or shorter than its URDF says, and a little crooked."""
-    shift = np.zeros(3)
     believed = draft.arm.joints[2].T_parent_joint[:3, 3]
     length = rng.choice([-1.0, 1.0]) * rng.uniform(0.006, 0.012)
     shift = np.round(length * believed / np.linalg.norm(believed), 6)

@@ -1,24 +1,16 @@
 """The machine: a Panda of the generator's, its controller and sensors, what is concealed in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 import pdoik
-from bench.sim2real.concealed.arm import urdf
-from bench.sim2real.concealed.draft import Draft, draft_of
-from bench.sim2real.concealed.effect import Effect
-from bench.sim2real.concealed.hide import misjudged
-from bench.sim2real.concealed.motion import Motion
+from bench.sim2real.concealed.arm import Array, urdf
+from bench.sim2real.concealed.draft import Draft, draft_of, misjudged
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.concealed.world import Run, Truth, World
+from bench.sim2real.concealed.world import Run, World
 from bench.sim2real.loop.cell import Clearance
-
-FloatArray = npt.NDArray[np.float64]
 
 EVERY = 10  # ticks between two at which the clearance is measured
 
@@ -27,8 +19,8 @@ EVERY = 10  # ticks between two at which the clearance is measured
 class Outcome:
     """Where the true machine was, tick by tick."""
 
-    tip: FloatArray  # (K, 3) true positions [m]
-    clearance: FloatArray  # (K / EVERY,) of the true links [m]
+    tip: Array  # (K, 3) true positions [m]
+    clearance: Array  # (K / EVERY,) of the true links [m]
 
 
 def machine(seed: int, model_error: float = 0.0) -> Draft:
@@ -66,27 +58,13 @@ def renamed(link: str) -> str:
     return "base" if number == "0" else f"link{number}"
 
 
-def world_of(draft: Draft, effects: tuple[Effect, ...]) -> World:
-    """The true machine with something in it that its URDF does not know."""
-    return World(draft.arm, draft.armature, draft.control, draft.sensors, effects, draft.believed)
-
-
 def clean_world(draft: Draft) -> World:
-    """The same machine with nothing concealed."""
     return World(draft.arm, draft.armature, draft.control, draft.sensors, ())
 
 
-def run(
-    world: World, motion: Motion, rng: np.random.Generator, recording: int = 0
-) -> tuple[Run, Truth]:
-    """The machine simulated along commands."""
-    simulation = Run(world, motion, recording, rng)
-    return simulation, simulation.simulate()
-
-
-def outcome(simulation: Run, truth: Truth, clearance: Clearance) -> Outcome:
+def outcome(simulation: Run, clearance: Clearance) -> Outcome:
     """True tip positions, and clearances, from MuJoCo's kinematics of the true machine."""
-    model, data = simulation.model, simulation.data
+    model, data, truth = simulation.model, simulation.data, simulation.simulate()
     tip = np.empty((len(truth.time), 3))
     gaps = []
     bodies = {f"link{k + 1}": model.body(f"b{k}").id for k in range(simulation.world.arm.n)}
@@ -101,7 +79,7 @@ def outcome(simulation: Run, truth: Truth, clearance: Clearance) -> Outcome:
     return Outcome(tip=tip, clearance=np.array(gaps))
 
 
-def _pose(data: mujoco.MjData, body: int) -> FloatArray:
+def _pose(data: mujoco.MjData, body: int) -> Array:
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = data.xmat[body].reshape(3, 3), data.xpos[body]
     return T

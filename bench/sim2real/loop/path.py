@@ -1,19 +1,15 @@
 """Paths of tip poses among obstacles, and the joint positions that `pdoik` finds for them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 import pdoik
-from bench.sim2real.concealed.motion import STEP, Motion
+from bench.sim2real.concealed.arm import Array
+from bench.sim2real.concealed.motion import STEP, Motion, smoothstep
 from bench.sim2real.loop.cell import Cell
-
-FloatArray = npt.NDArray[np.float64]
 
 HOME = np.array([0.0, -0.3, 0.0, -2.1, 0.0, 1.9, 0.8])  # [rad]
 CLEARANCE = 0.02  # asked of the solver [m]
@@ -33,21 +29,21 @@ DRAWS = 4000
 class Leg:
     """A straight line of the tip, its turn at an even rate."""
 
-    start: FloatArray  # (4, 4)
-    end: FloatArray  # (4, 4)
+    start: Array  # (4, 4)
+    end: Array  # (4, 4)
 
     @property
-    def knots(self) -> FloatArray:
+    def knots(self) -> Array:
         """Shares of the way at which the solver is asked."""
         way = float(np.linalg.norm(self.end[:3, 3] - self.start[:3, 3]))
         turn = Rotation.from_matrix(self.start[:3, :3].T @ self.end[:3, :3]).magnitude()
         return np.linspace(0.0, 1.0, max(6, int(np.ceil(max(way / KNOT, turn / TURN)))))
 
-    def positions(self, s: FloatArray) -> FloatArray:
+    def positions(self, s: Array) -> Array:
         """Of the tip at shares of the way, (K, 3) [m]."""
         return np.asarray(self.start[:3, 3] + s[:, None] * (self.end - self.start)[:3, 3])
 
-    def poses(self, s: FloatArray) -> FloatArray:
+    def poses(self, s: Array) -> Array:
         """Of the tip, (K, 4, 4)."""
         ends = Rotation.from_matrix([self.start[:3, :3], self.end[:3, :3]])
         T = np.tile(np.eye(4), (len(s), 1, 1))
@@ -62,30 +58,26 @@ class Path:
 
     legs: tuple[Leg, ...]
     durations: tuple[float, ...]  # [s]
-    q0: FloatArray  # where the solver begins
+    q0: Array  # where the solver begins
 
-    def targets(self) -> FloatArray:
+    def targets(self) -> Array:
         """Tip positions wanted at every row of the commands, (K, 3) [m]."""
         parts = [leg.positions(s) for leg, s in zip(self.legs, self._shares(), strict=True)]
         return np.concatenate([*parts, parts[-1][-1:]])
 
-    def _shares(self) -> list[FloatArray]:
+    def _shares(self) -> list[Array]:
         """Of each leg's way at its rows; a leg ends where the next begins."""
         shares = []
         for k, duration in enumerate(self.durations):
             before = REST if k == 0 else PAUSE
             after = REST if k == len(self.durations) - 1 else 0.0
             rows = [round(x / STEP) for x in (before, duration, after)]
-            s = quintic(np.arange(rows[1]) / rows[1])
+            s = smoothstep(np.arange(rows[1]) / rows[1])
             shares.append(np.concatenate([np.zeros(rows[0]), s, np.ones(rows[2])]))
         return shares
 
     def motion(self, robot: pdoik.Robot, cell: Cell) -> Motion:
-        """Joint positions along the path, as the solver finds them for this robot.
-
-        Raises:
-            ValueError: It finds none somewhere.
-        """
+        """Joint positions along the path, as the solver finds them for this robot."""
         q, parts, solver = self.q0, [], solver_of(robot)
         for leg, s in zip(self.legs, self._shares(), strict=True):
             solved = solve_leg(solver, cell, leg, q)
@@ -93,18 +85,7 @@ class Path:
                 raise ValueError("the solver finds no way along the path")
             q = solved[-1]
             parts.append(CubicSpline(leg.knots, solved)(s))
-        return motion_of(np.concatenate([*parts, parts[-1][-1:]]))
-
-
-def quintic(t: FloatArray) -> FloatArray:
-    """From 0 to 1, at rest and without acceleration at both ends."""
-    return np.asarray(t**3 * (10.0 - 15.0 * t + 6.0 * t**2))
-
-
-def motion_of(q: FloatArray) -> Motion:
-    """Positions on the grid of commands with their derivatives."""
-    dq = np.gradient(q, STEP, axis=0)
-    return Motion(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
+        return Motion.of(np.concatenate([*parts, parts[-1][-1:]]))
 
 
 def solver_of(robot: pdoik.Robot, clearance: float = CLEARANCE) -> pdoik.Solver:
@@ -115,7 +96,7 @@ def solver_of(robot: pdoik.Robot, clearance: float = CLEARANCE) -> pdoik.Solver:
     return pdoik.Solver(robot, options)
 
 
-def solve_leg(solver: pdoik.Solver, cell: Cell, leg: Leg, q: FloatArray) -> FloatArray | None:
+def solve_leg(solver: pdoik.Solver, cell: Cell, leg: Leg, q: Array) -> Array | None:
     """Solutions (K, n) one after the other from q on; None where one is missing or far off."""
     solved = []
     for T in leg.poses(leg.knots):
@@ -128,11 +109,7 @@ def solve_leg(solver: pdoik.Solver, cell: Cell, leg: Leg, q: FloatArray) -> Floa
 
 
 def random_path(robot: pdoik.Robot, cell: Cell, count: int, rng: np.random.Generator) -> Path:
-    """Legs between random poses before the robot, beginning at home.
-
-    Raises:
-        ValueError: The cell leaves no room.
-    """
+    """Legs between random poses before the robot, beginning at home."""
     legs: list[Leg] = []
     durations: list[float] = []
     q, here, solver = HOME, robot.fk(HOME), solver_of(robot, CLEARANCE + ROOM)
@@ -152,7 +129,7 @@ def random_path(robot: pdoik.Robot, cell: Cell, count: int, rng: np.random.Gener
     raise ValueError(f"{DRAWS} legs were drawn and only {len(legs)} of {count} can be gone")
 
 
-def random_pose(rng: np.random.Generator) -> FloatArray:
+def random_pose(rng: np.random.Generator) -> Array:
     """Of a tip that points down, more or less, within a Panda's reach."""
     T = np.eye(4)
     down = Rotation.from_euler("x", np.pi)
@@ -162,25 +139,19 @@ def random_pose(rng: np.random.Generator) -> FloatArray:
     return T
 
 
-def _stray(robot: pdoik.Robot, leg: Leg, solved: FloatArray) -> float:
+def _stray(robot: pdoik.Robot, leg: Leg, solved: Array) -> float:
     """Largest distance of the tip from the leg half way between solutions [m]."""
     s = 0.5 * (leg.knots[1:] + leg.knots[:-1])
     tips = np.array([robot.fk(q)[:3, 3] for q in CubicSpline(leg.knots, solved)(s)])
     return float(np.linalg.norm(tips - leg.positions(s), axis=1).max())
 
 
-def _duration(robot: pdoik.Robot, leg: Leg, solved: FloatArray) -> float:
+def _duration(robot: pdoik.Robot, leg: Leg, solved: Array) -> float:
     """So that no joint is faster than its share of the limit, nor accelerates too much [s]."""
     spline = CubicSpline(leg.knots, solved)
     t = np.linspace(0.0, 1.0, 200)
-    path = motion_like(spline(quintic(t)), t[1])
+    dq = np.gradient(spline(smoothstep(t)), t[1], axis=0)
     limits = np.array([2.175] * 4 + [2.61] * 3)
-    speed = float(np.max(np.abs(path[0]) / (SPEED_SHARE * limits)))
-    acceleration = float(np.sqrt(np.max(np.abs(path[1])) / ACCELERATION))
+    speed = float(np.max(np.abs(dq) / (SPEED_SHARE * limits)))
+    acceleration = float(np.sqrt(np.max(np.abs(np.gradient(dq, t[1], axis=0))) / ACCELERATION))
     return float(np.round(max(speed, acceleration, 0.8), 2))
-
-
-def motion_like(q: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """First and second derivatives on a grid."""
-    dq = np.gradient(q, step, axis=0)
-    return dq, np.gradient(dq, step, axis=0)

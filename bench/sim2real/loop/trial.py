@@ -1,6 +1,7 @@
-"""One world: record, diagnose from the folder alone, feed forward, run on other paths."""
+"""One world: record, diagnose from the folder alone, feed forward, run on other paths.
 
-from __future__ import annotations
+Recorded are paths among the obstacles, each with an excitation of the empty cell behind it.
+"""
 
 import tempfile
 import time
@@ -13,12 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from bench.sim2real.concealed.arm import urdf
-from bench.sim2real.concealed.motion import STEP, Motion
+from bench.sim2real.concealed.arm import Array, urdf
+from bench.sim2real.concealed.build import world_of
+from bench.sim2real.concealed.draft import Draft
+from bench.sim2real.concealed.logger import Take
+from bench.sim2real.concealed.motion import STEP, Motion, Style, recording_motion, smoothstep
 from bench.sim2real.concealed.reference import Dynamics
-from bench.sim2real.concealed.world import World
+from bench.sim2real.concealed.study_files import joint_names, write_study
+from bench.sim2real.concealed.world import Run, World
 from bench.sim2real.loop.cell import Clearance, random_cell
-from bench.sim2real.loop.commission import SECONDS, recorded_motion, write_commissioning
 from bench.sim2real.loop.feed_forward import commands
 from bench.sim2real.loop.hidden import HIDDEN, MODEL_ERROR, WITH_TIP
 from bench.sim2real.loop.machine import (
@@ -28,14 +32,63 @@ from bench.sim2real.loop.machine import (
     machine,
     outcome,
     robot_of,
-    run,
-    world_of,
 )
 from bench.sim2real.loop.path import HOME, REST, Path, random_path
 from pdoik import sim2real
 from pdoik.sim2real import Diagnosis, Model
 
-FloatArray = npt.NDArray[np.float64]
+EXCITATIONS = (("sines", "reversals"), ("moves", "sines"), ("reversals", "moves"))
+ROLES = ("fit", "fit", "validate")
+SECONDS = 16.0  # of an excitation
+CALM = 0.8  # rad/s, of moves from one part to the next
+LOGGED = ["q", "dq", "q_des", "dq_des", "tau", "tau_cmd"]
+
+
+def recorded_motion(
+    draft: Draft, path: Motion, index: int, seconds: float, rng: np.random.Generator
+) -> Motion:
+    """A path, then an excitation of the empty cell."""
+    kinds, pace = EXCITATIONS[index], (0.8, 0.9, 1.0)[index]
+    excitation = recording_motion(draft.arm, rng, kinds, seconds, pace, Style())
+    return Motion.of(np.concatenate([path.q, _move(path.q[-1], excitation.q[0]), excitation.q]))
+
+
+def _move(start: Array, end: Array) -> Array:
+    duration = max(1.0, 1.9 * float(np.max(np.abs(end - start))) / CALM)
+    s = smoothstep(np.arange(round(duration / STEP)) / round(duration / STEP))
+    return np.asarray(start + s[:, None] * (end - start))
+
+
+def write_commissioning(
+    folder: Folder, draft: Draft, world: World, motions: list[Motion], seed: int, *, tip: bool
+) -> None:
+    """Run the motions on the true machine under PD control and write a study of what it logs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rng = np.random.default_rng([seed, 11])
+    for index, motion in enumerate(motions):
+        take = Take.of(Run(world, motion, index, rng))
+        take.write(folder / f"rec{index + 1}.csv", LOGGED, rng, tip=tip)
+    control = draft.control
+    study = {
+        "robot": "robot.urdf",
+        "tip": "tool",
+        "joints": joint_names(draft.arm),
+        "recordings": [
+            {"file": f"rec{index + 1}.csv", "role": role} for index, role in enumerate(ROLES)
+        ],
+        "controller": {
+            "type": "pd",
+            "kp": control.kp.tolist(),
+            "kd": control.kd.tolist(),
+            "gravity_compensation": True,
+            "period": control.period,
+        },
+        "rotor_inertia": draft.armature.tolist(),
+    }
+    if draft.believed is not draft.arm:
+        study["trust"] = {"rigid_body": 0.1}
+    write_study(folder, draft.believed, study)
+
 
 LEGS = 4
 WAYS = ("pd", "given", "diagnosed", "floor")
@@ -59,7 +112,6 @@ class Experiment:
         return np.random.default_rng([self.seed, purpose])
 
     def test_paths(self, count: int) -> list[Path]:
-        """Not used in the diagnosis."""
         rng = self._stream(3)
         return [random_path(self.robot, self.cell, LEGS, rng) for _ in range(count)]
 
@@ -75,8 +127,7 @@ class Experiment:
 
     def follow(self, world: World, motion: Motion) -> Outcome:
         """What the true machine does with commands."""
-        simulation, truth = run(world, motion, self._stream(5))
-        return outcome(simulation, truth, self.clearance)
+        return outcome(Run(world, motion, 0, self._stream(5)), self.clearance)
 
     def ways(self, found: Model, path: Path) -> dict[str, tuple[Outcome, float]]:
         """The four ways of following a path, and how far off the solutions themselves are [m]."""
@@ -142,7 +193,7 @@ def run_world(job: Mapping[str, Any]) -> list[dict[str, Any]]:
     return rows
 
 
-def tip_errors(experiment: Experiment, path: Path, each: Outcome) -> FloatArray:
+def tip_errors(experiment: Experiment, path: Path, each: Outcome) -> Array:
     """Distance of the true tip from where it shall be, from when it sets out, (K,) [m]."""
     period = experiment.draft.control.period
     error = np.linalg.norm(each.tip - path.targets()[:: round(period / STEP)], axis=1)
@@ -175,10 +226,12 @@ def hidden_in_words(experiment: Experiment) -> str:
 
 
 def said(diagnosis: Diagnosis) -> str:
-    """Findings in one line."""
     parts = []
     for finding in diagnosis.findings:
         where = ",".join(finding.joints + finding.links)
         values = ", ".join(f"{name} {value:.3g}" for name, value in finding.values.items())
         parts.append(f"{finding.effect} {finding.variant} {where} {values}".replace("  ", " "))
     return "; ".join(parts) or diagnosis.verdict
+
+
+Array = npt.NDArray[np.float64]

@@ -7,8 +7,6 @@ Stages: conceal, diagnose, score. Each goes on where it was stopped. Another too
 same worlds: what was said is kept by the tool's digest.
 """
 
-from __future__ import annotations
-
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -16,15 +14,9 @@ from typing import Annotated
 import typer
 
 from bench.common.commands import Scheduler, Workers, plain_errors
-from bench.sim2real.machines.stages import Run
+from bench.sim2real.machines.stages import Run, plan
 
-
-class Stage(StrEnum):
-    """What can be run by itself."""
-
-    CONCEAL = "conceal"
-    DIAGNOSE = "diagnose"
-    SCORE = "score"
+Stage = StrEnum("Stage", {name.upper(): name for name in ("conceal", "diagnose", "score")})
 
 
 def main(
@@ -36,15 +28,12 @@ def main(
     only: Annotated[list[Stage] | None, typer.Option(help="Repeatable; all otherwise.")] = None,
 ) -> None:
     """Conceal, seal, diagnose blind, score."""
-    stages = set(only or Stage)
-    run = Run(out=out.resolve(), seed=seed, count=count, scheduler=scheduler, workers=workers)
+    run = Run(out=out.resolve(), plan=plan(seed, count), scheduler=scheduler, workers=workers)
+    stages = [stage for stage in Stage if stage in (only or Stage)]
     with plain_errors():
-        if Stage.CONCEAL in stages:
-            run.conceal()
-        if Stage.DIAGNOSE in stages:
-            run.diagnose()
-        if Stage.SCORE in stages:
-            run.score()
+        run.freeze(anew=Stage.CONCEAL in stages)
+        for stage in stages:
+            getattr(run, stage)()
 
 
 if __name__ == "__main__":

@@ -1,13 +1,10 @@
 """Whether a finding says what an ordinary machine has anyway, and whether in the right size."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 Content = Mapping[str, Any]
-
-_FACTOR = 2.0  # within which a size is right
+Judge = Callable[[Content, Content], Any]  # of the finding's values and of the joint's figures
 
 
 def in_background(finding: Content, truth: Content) -> tuple[bool, bool]:
@@ -16,125 +13,77 @@ def in_background(finding: Content, truth: Content) -> tuple[bool, bool]:
     Every joint of these machines rubs, has a rotor and a gear that gives; every link's inertia,
     every torque sensor is a little off. What is said of a joint must hold for all that are named.
     """
-    joints = [
-        truth["background"][int(name.removeprefix("joint")) - 1] for name in finding["joints"]
-    ]
+    effect, own = finding["effect"], truth["background"]
     values = {name: each["value"] for name, each in finding["parameters"].items()}
-    judge = _JUDGES.get(finding["effect"])
-    if judge is None or finding["window"] is not None or finding.get("positions") is not None:
+    if finding["window"] is not None or finding.get("positions") is not None:
         return False, False
-    if finding["effect"] in ("payload", "link_inertial_error"):
-        return True, _inertia(finding, values, truth)
-    answers = [judge(values, joint) for joint in joints]
-    return bool(answers) and all(a for a, _ in answers), bool(answers) and all(
-        b for _, b in answers
-    )
+    if effect in ("payload", "link_inertial_error"):  # a quarter of the link and those it carries
+        beyond = own[int(finding["links"][0].removeprefix("link")) - 1 :]
+        most = 0.25 * sum(joint["mass"] for joint in beyond)
+        return True, abs(values.get("d_mass", values.get("mass", 0.0))) <= most
+    if effect not in _SIZED or not finding["joints"]:
+        return False, False
+    joints = [own[int(name.removeprefix("joint")) - 1] for name in finding["joints"]]
+    there = _THERE.get(effect, lambda joint: True)
+    return all(map(there, joints)), all(bool(_SIZED[effect](values, joint)) for joint in joints)
 
 
-def _near(value: float, true: float, factor: float = _FACTOR) -> bool:
+def _near(value: float, true: float, factor: float = 2.0) -> bool:
     return true > 0.0 and true / factor <= value <= true * factor
 
 
-def _inertia(finding: Content, values: Mapping[str, float], truth: Content) -> bool:
-    """No more than a quarter of the link and those it carries."""
-    index = int(finding["links"][0].removeprefix("link")) - 1
-    beyond = sum(joint["mass"] for joint in truth["background"][index:])
-    return abs(values.get("d_mass", values.get("mass", 0.0))) <= 0.25 * beyond
+def _loss(joint: Content) -> float:
+    return joint["load_share"] + 0.5 * (joint["loss_driving"] + joint["loss_driven"])
 
 
-def _coulomb(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, _near(values["level"], joint["level"])
+def _lost(values: Content, joint: Content) -> bool:
+    both = 0.5 * (values.get("driving_loss", 0.0) + values.get("driven_loss", 0.0))
+    return _near(values.get("coefficient", both), _loss(joint))
 
 
-def _viscous(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, _near(values["coefficient"], joint["slope"])
+def _asymmetric(values: Content, joint: Content) -> bool:
+    said, true = values["level_difference"], joint["asymmetry"] * joint["coulomb"]
+    return said * true > 0.0 and _near(abs(said), abs(true), 3.0)
 
 
-def _stribeck(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, _near(values["extra"], joint["stiction"], 3.0)
+def _rotor(values: Content, joint: Content) -> bool:
+    said, true = values["inertia"], joint["rotor"] - joint["rotor_told"]
+    return _near(said, true) or abs(said - true) < 0.1 * joint["rotor"]
 
 
-def _asymmetric(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    true = joint["asymmetry"] * joint["coulomb"]
-    said = values["level_difference"]
-    return abs(joint["asymmetry"]) > 0.03, said * true > 0.0 and _near(abs(said), abs(true), 3.0)
+def _wave(figure: str) -> Judge:
+    def judge(values: Content, joint: Content) -> bool:
+        right = abs(values["harmonic"] - joint[f"{figure}_cycles"]) < 1.0
+        return right and _near(values["amplitude"], joint[figure], 3.0)
+
+    return judge
 
 
-def _load(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    true = joint["load_share"] + 0.5 * (joint["loss_driving"] + joint["loss_driven"])
-    said = values.get(
-        "coefficient", 0.5 * (values.get("driving_loss", 0.0) + values.get("driven_loss", 0.0))
-    )
-    return true > 0.01, _near(said, true)
-
-
-def _presliding(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, _near(values["displacement"], joint["bristle"], 5.0)
-
-
-def _rotor(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    true = joint["rotor"] - joint["rotor_told"]
-    return True, _near(values["inertia"], true) or abs(values["inertia"] - true) < 0.1 * joint[
-        "rotor"
-    ]
-
-
-def _gain(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, abs(values["gain"] - joint["torque_gain"]) < 0.1
-
-
-def _offset(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, abs(values["offset"] - joint["torque_offset"]) < 0.03 * joint["rated"]
-
-
-def _elastic(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, _near(values["stiffness"], joint["stiffness"], 3.0)
-
-
-def _backlash(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return joint["gap"] > 0.0, _near(values["gap"], joint["gap"], 3.0)
-
-
-def _wave(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    right = abs(values["harmonic"] - joint["error_cycles"]) < 1.0
-    return joint["error"] > 0.0, right and _near(values["amplitude"], joint["error"], 3.0)
-
-
-def _ripple(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    right = abs(values["harmonic"] - joint["cogging_cycles"]) < 1.0
-    return True, right and _near(values["amplitude"], joint["cogging"], 3.0)
-
-
-def _lag(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, values["time_constant"] < 0.012
-
-
-def _drift(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, abs(values["extra"]) < 0.3 * joint["level"]
-
-
-def _skew(values: Mapping[str, float], joint: Content) -> tuple[bool, bool]:
-    return True, abs(values["skew"]) < 0.015
-
-
-_JUDGES = {
-    "coulomb_friction": _coulomb,
-    "viscous_friction": _viscous,
-    "stribeck_friction": _stribeck,
+_THERE: dict[str, Callable[[Content], bool]] = {  # of what not every joint has
+    "asymmetric_friction": lambda joint: abs(joint["asymmetry"]) > 0.03,
+    "load_dependent_friction": lambda joint: _loss(joint) > 0.01,
+    "gear_efficiency": lambda joint: _loss(joint) > 0.01,
+    "backlash": lambda joint: joint["gap"] > 0.0,
+    "strain_wave_error": lambda joint: joint["error"] > 0.0,
+}
+_SIZED: dict[str, Judge] = {
+    "coulomb_friction": lambda said, own: _near(said["level"], own["level"]),
+    "viscous_friction": lambda said, own: _near(said["coefficient"], own["slope"]),
+    "stribeck_friction": lambda said, own: _near(said["extra"], own["stiction"], 3.0),
     "asymmetric_friction": _asymmetric,
-    "load_dependent_friction": _load,
-    "gear_efficiency": _load,
-    "presliding_hysteresis": _presliding,
+    "load_dependent_friction": _lost,
+    "gear_efficiency": _lost,
+    "presliding_hysteresis": lambda said, own: _near(said["displacement"], own["bristle"], 5.0),
     "rotor_inertia": _rotor,
-    "torque_gain": _gain,
-    "torque_offset": _offset,
-    "joint_elasticity": _elastic,
-    "backlash": _backlash,
-    "strain_wave_error": _wave,
-    "torque_ripple": _ripple,
-    "actuator_lag": _lag,
-    "friction_drift": _drift,
-    "timestamp_skew": _skew,
-    "payload": _coulomb,
-    "link_inertial_error": _coulomb,
+    "torque_gain": lambda said, own: abs(said["gain"] - own["torque_gain"]) < 0.1,
+    "torque_offset": lambda said, own: (
+        abs(said["offset"] - own["torque_offset"]) < 0.03 * own["rated"]
+    ),
+    "joint_elasticity": lambda said, own: _near(said["stiffness"], own["stiffness"], 3.0),
+    "backlash": lambda said, own: _near(said["gap"], own["gap"], 3.0),
+    "strain_wave_error": _wave("error"),
+    "torque_ripple": _wave("cogging"),
+    "actuator_lag": lambda said, own: said["time_constant"] < 0.012,
+    "friction_drift": lambda said, own: abs(said["extra"]) < 0.3 * own["level"],
+    "timestamp_skew": lambda said, own: abs(said["skew"]) < 0.015,
 }

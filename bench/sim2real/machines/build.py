@@ -1,14 +1,11 @@
 """From a spec to a study folder: a machine, its days, its fault, files; and the truth elsewhere."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm
 from bench.sim2real.concealed.motion import Motion
 from bench.sim2real.concealed.robots import robot
 from bench.sim2real.concealed.study_files import write_recording, write_study, write_truth
@@ -18,8 +15,8 @@ from bench.sim2real.machines.draw import Machine, machine, path_torque
 from bench.sim2real.machines.fault import Fault, Log, Scene
 from bench.sim2real.machines.figures import INDEX, Array, Figures
 from bench.sim2real.machines.motions import STYLES, motion
+from bench.sim2real.machines.plan import WorldSpec
 from bench.sim2real.machines.simulate import Day, Track, simulate
-from bench.sim2real.machines.spec import WorldSpec
 from bench.sim2real.machines.visibility import visibility
 
 _TURNS = 6  # of the gains
@@ -44,11 +41,7 @@ class Draft:
 
 
 def make_study(folder: Path, spec: WorldSpec, truth_folder: Path | None = None) -> dict[str, Any]:
-    """Writes robot.urdf, study.yaml and recordings; the truth only where asked for.
-
-    Raises:
-        RuntimeError: the machine does not come through its motions.
-    """
+    """Writes robot.urdf, study.yaml and recordings; the truth only where asked for."""
     draft, (logs, tracks), seen = _visible(spec)
     truth = {
         "schema": "pdoik.machines/1",
@@ -141,7 +134,7 @@ def commissioned(made: Machine, spec: WorldSpec) -> Machine:
     day = {"friction": np.ones(made.arm.n), "warmer": np.zeros(made.arm.n)}
     for _ in range(_TURNS):
         chain, believed = chain_of(made.arm), chain_of(made.believed)
-        plain = _plain_day(made, day, len(moved.q), rng)
+        plain = _as_on(made, day, len(moved.q), rng)
         try:
             torque = simulate(chain, believed, made.control, plain, moved.q, moved.dq).torque
         except RuntimeError:
@@ -159,26 +152,23 @@ def commissioned(made: Machine, spec: WorldSpec) -> Machine:
     return made
 
 
-def _plain_day(made: Machine, day: dict[str, Any], ticks: int, rng: np.random.Generator) -> Day:
+def _as_on(made: Machine, day: dict[str, Any], ticks: int, rng: np.random.Generator) -> Day:
+    """A day without faults; encoders are on the motors, so finer than at the joints."""
     n = made.arm.n
-    step = _reading_step(made)
+    step = np.asarray(2.0 * np.pi / 2.0 ** (made.sensors.bits + 5.0))  # [rad]
+    figures = _on(made.figures, day["friction"])
     return Day(
-        figures=_on(made.figures, day["friction"]),
-        later=_on(made.figures, day["friction"]),
+        figures=figures,
+        later=figures,
         since=1e6,
         warmer=day["warmer"],
-        heating=np.zeros(n),
+        heating=day.get("heating", np.zeros(n)),
         cooling=900.0,
         braked=np.zeros((ticks, n)),
         push=np.zeros((ticks, 3)),
         reading=rng.normal(0.0, 0.4, (ticks, n)) * step,
         step=step,
     )
-
-
-def _reading_step(made: Machine) -> Array:
-    """Of the encoders as the drives read them: on the motor, so finer than at the joint [rad]."""
-    return np.asarray(2.0 * np.pi / 2.0 ** (made.sensors.bits + 5.0))
 
 
 def _begin(fault: Fault, scene: Scene) -> tuple[int, float] | None:
@@ -208,7 +198,7 @@ def run(draft: Draft, faults: tuple[Fault, ...]) -> tuple[list[Log], list[Track]
     chain, believed = chain_of(arm), chain_of(made.believed)
     logs, tracks = [], []
     for k, moved in enumerate(draft.motions):
-        day = _figures_of_day(draft, faults, arm, k, len(moved.q))
+        day = _figures_of_day(draft, faults, k)
         track = simulate(chain, believed, made.control, day, moved.q, moved.dq)
         rng = draft.spec.stream(f"log {k}")
         log = logger.logged(track, moved.q, moved.dq, made.sensors, draft.days[k]["hours"], rng)
@@ -220,19 +210,21 @@ def run(draft: Draft, faults: tuple[Fault, ...]) -> tuple[list[Log], list[Track]
     return logs, tracks
 
 
-def _figures_of_day(draft: Draft, faults: tuple[Fault, ...], arm: Arm, k: int, ticks: int) -> Day:
-    made, day, n = draft.machine, draft.days[k], arm.n
+def _figures_of_day(draft: Draft, faults: tuple[Fault, ...], k: int) -> Day:
+    """A recording's day with these faults."""
+    made, day = draft.machine, draft.days[k]
+    plain = _as_on(made, day, len(draft.motions[k].q), draft.spec.stream(f"reading {k}"))
+    (ticks, n), since = plain.braked.shape, plain.since
     before = after = made.figures
-    since = 1e6
-    braked, push = np.zeros((ticks, n)), np.zeros((ticks, 3))
+    braked, push = plain.braked, plain.push
     begins = dict(zip([f.kind for f in draft.faults], draft.begins, strict=True))
     for fault in faults:
         begin = begins[fault.kind]
         rng = draft.spec.stream(f"fault {fault.kind} {k}")
         if fault.braked is not None:
-            braked += fault.braked(ticks, n, rng)
+            braked = braked + fault.braked(ticks, n, rng)
         if fault.push is not None:
-            push += fault.push(k, ticks, rng)
+            push = push + fault.push(k, ticks, rng)
         if fault.figures is None or (begin is not None and k < begin[0]):
             continue
         after = fault.figures(after)
@@ -240,20 +232,8 @@ def _figures_of_day(draft: Draft, faults: tuple[Fault, ...], arm: Arm, k: int, t
             before = fault.figures(before)
         else:
             since = begin[1]
-    rng = draft.spec.stream(f"reading {k}")
-    step = _reading_step(made)
-    return Day(
-        figures=_on(before, day["friction"]),
-        later=_on(after, day["friction"]),
-        since=since,
-        warmer=day["warmer"],
-        heating=day["heating"],
-        cooling=900.0,
-        braked=braked,
-        push=push,
-        reading=rng.normal(0.0, 0.4, (ticks, n)) * step,
-        step=step,
-    )
+    figures, later = (_on(each, day["friction"]) for each in (before, after))
+    return replace(plain, figures=figures, later=later, since=since, braked=braked, push=push)
 
 
 def _on(figures: Figures, factor: Array) -> Figures:

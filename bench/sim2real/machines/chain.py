@@ -5,8 +5,6 @@ Everything is expressed in the base's axes. A chain is four arrays: `rotation` (
 centre (3), inertia about the centre (9) in the joint's own axes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 
@@ -31,7 +29,6 @@ def chain_of(arm: Arm) -> Chain:
 
 @njit(cache=True)
 def cross(a, b, out):
-    """A x b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]

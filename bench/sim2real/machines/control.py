@@ -1,7 +1,5 @@
 """Controllers of the machines: what nobody tells the diagnosis of."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +34,6 @@ class Controller:
     knows_speed: bool  # dq_des is used
 
     def arrays(self) -> tuple[Array, Array]:
-        """For the compiled law."""
         flags = np.array(
             [KINDS.index(self.kind), self.filter, self.gravity, self.inertia, self.knows_speed],
             dtype=float,

@@ -1,7 +1,5 @@
 """One machine as it leaves the workshop: figures within what datasheets and papers give."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is on top of an ordinary machine, and what a fault is drawn for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,8 +17,8 @@ Log = dict[str, Array]  # channels (T, n) and time (T,)
 class Fault:
     """One fault; each part changes what it is about and leaves the rest."""
 
-    kind: str
-    effect: str  # the usual name, or "outside"
+    kind: str = ""  # as kinds.py has it
+    effect: str = ""  # the usual name, or "outside"
     joints: tuple[int, ...] = ()
     links: tuple[int, ...] = ()
     recordings: tuple[int, ...] = ()  # where it acts, if not in all
@@ -34,7 +32,6 @@ class Fault:
     log: Callable[[Log, np.random.Generator], None] | None = None
 
     def truth(self, begins: tuple[int, float] | None) -> dict[str, Any]:
-        """As the truth's file has it."""
         return {
             "kind": self.kind,
             "effect": self.effect,
@@ -63,23 +60,24 @@ class Scene:
 
     @property
     def n(self) -> int:
-        """Number of joints."""
         return self.machine.arm.n
 
     def uniform(self, low: float, high: float) -> float:
-        """Three digits."""
         return float(f"{self.rng.uniform(low, high):.3g}")
 
     def size(self, low: float, high: float, most: float = np.inf) -> float:
         """A fault's size, as severe as is asked; three digits."""
         return float(f"{min(self.severity * self.rng.uniform(low, high), most):.3g}")
 
+    def reach(self) -> float:
+        """From the base to the tool, roughly [m]."""
+        ways = [np.linalg.norm(j.T_parent_joint[:3, 3]) for j in self.machine.arm.joints]
+        return 0.2 + float(np.sum(ways))
+
     def sign(self) -> float:
-        """Either."""
         return float(self.rng.choice([-1.0, 1.0]))
 
     def joint(self) -> int:
-        """Any that moves."""
         return int(self.rng.integers(self.n))
 
     def rated(self, j: int, low: float, high: float) -> float:

@@ -1,7 +1,5 @@
 """What the machine's computer writes: filtered, coarse, noisy, late, now and then stale."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.signal import lfilter
 

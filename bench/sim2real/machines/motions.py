@@ -1,22 +1,23 @@
 """What the machines are asked to do: excitation, work, teleoperation, a policy's commands."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bench.sim2real.concealed.arm import Arm
-from bench.sim2real.concealed.motion import STEP, Motion, Style, center, recording_motion
+from bench.sim2real.concealed.motion import (
+    STEP,
+    Motion,
+    Style,
+    center,
+    recording_motion,
+    smoothstep,
+)
 from bench.sim2real.machines.figures import Array
 
 STYLES = ("excitation", "work", "teleoperation", "policy")
 
 
 def motion(arm: Arm, rng: np.random.Generator, style: str, duration: float, pace: float) -> Motion:
-    """One recording's commands on a grid of 1 ms.
-
-    Raises:
-        ValueError: no such style.
-    """
+    """One recording's commands on a grid of 1 ms."""
     if style == "excitation":
         return recording_motion(arm, rng, ("sines", "reversals"), duration, pace, Style())
     if style == "work":
@@ -39,8 +40,7 @@ def _reaches(arm: Arm, rng: np.random.Generator, duration: float, pace: float) -
         moving = rng.random(arm.n) < 0.6
         goal = np.where(moving, middle + half * rng.uniform(-0.9, 0.9, arm.n), here)
         time = max(0.6, float(np.max(1.9 * np.abs(goal - here) / speed)) * rng.uniform(1.0, 1.4))
-        s = np.linspace(0.0, 1.0, round(time / STEP))
-        s = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        s = smoothstep(np.linspace(0.0, 1.0, round(time / STEP)))
         end = min(row + len(s), rows)
         q[row:end] = here + s[: end - row, None] * (goal - here)
         q[end:] = q[end - 1]
@@ -72,5 +72,4 @@ def _moved(q: Array) -> Motion:
     kernel = np.ones(width) / width
     padded = np.pad(q, ((width, width), (0, 0)), mode="edge")
     smooth = np.apply_along_axis(np.convolve, 0, padded, kernel, mode="same")[width:-width]
-    dq = np.gradient(smooth, STEP, axis=0)
-    return Motion(q=smooth, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
+    return Motion.of(smooth)

@@ -5,8 +5,6 @@ angle and speed, bristle (-1 to 1), twist of the gear's inner friction (-1 to 1)
 (-1 to 1), believed torque of the current loop, angle that the link has slipped.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

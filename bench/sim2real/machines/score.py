@@ -1,13 +1,12 @@
 """A world's truth beside what was said of it: its fault, its background, and what is neither."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from bench.common.blind import as_diagnosis
 from bench.sim2real.machines.background import in_background
 
 Content = Mapping[str, Any]
@@ -45,7 +44,7 @@ RELATIVES = {
 
 def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
     """One row: all that the tables need."""
-    diagnosis = _diagnosis(said)
+    diagnosis = as_diagnosis(said)
     found, suspected = diagnosis["findings"], diagnosis.get("suspected", [])
     faults = truth["faults"]
     judged = [_judged(each, truth) for each in found]
@@ -90,12 +89,6 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
         "seconds": said["seconds"],
         "peak_gib": said.get("peak_gib", np.nan),
     }
-
-
-def _diagnosis(said: Content) -> dict[str, Any]:
-    if "diagnosis" in said:
-        return dict(said["diagnosis"])
-    return {"verdict": f"error: {said['error']}", "findings": [], "joints": {}, "notes": []}
 
 
 def _outstanding(joints: Content) -> set[str]:
@@ -147,8 +140,6 @@ def _carried(finding: Content, fault: Content, truth: Content) -> bool:
 
 def _names(fault: Content) -> tuple[set[str], set[str]]:
     strict = {fault["effect"]}
-    if fault["effect"] in ("payload", "link_inertial_error"):
-        strict = {fault["effect"]}
     return strict, strict | RELATIVES.get(fault["effect"], set())
 
 
@@ -170,7 +161,6 @@ def _told(
     suspected: list[Content],
     joints: Content,
 ) -> dict[str, Any]:
-    """How one fault was answered."""
     strict, lenient = _names(fault)
     ranks = {"named": 0, "listed": 0, "relative": 0, "suspected": 0, "sized": 0, "unknown": 0}
     for rank, finding in enumerate(found, start=1):

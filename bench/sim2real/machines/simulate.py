@@ -1,7 +1,5 @@
 """One recording: a controller's ticks, and between them steps as long as the error allows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,37 +51,18 @@ class Track:
 def simulate(
     chain: Chain, believed: Chain, control: Controller, day: Day, q_des: Array, dq_des: Array
 ) -> Track:
-    """All ticks, from rest at the first command.
-
-    Raises:
-        RuntimeError: the machine left its path.
-    """
+    """All ticks, from rest at the first command."""
     ticks, n = q_des.shape
     track = np.zeros((7, ticks, n))
     flags, gains = control.arrays()
     state = _rest(chain, day.figures, q_des[0])
-    whole = _run(
-        chain,
-        believed,
-        flags,
-        gains,
-        day.figures.joints,
-        day.figures.whole,
-        day.later.joints,
-        day.later.whole,
-        round(min(day.since, 1e6) / TICK),
-        day.warmer.copy(),
-        day.heating,
-        day.cooling,
-        day.braked,
-        day.push,
-        day.reading,
-        day.step,
-        np.ascontiguousarray(q_des),
-        np.ascontiguousarray(dq_des),
-        state,
-        track,
-    )
+    figures = (day.figures.joints, day.figures.whole), (day.later.joints, day.later.whole)
+    switch = round(min(day.since, 1e6) / TICK)
+    heat = (day.warmer.copy(), day.heating, day.cooling)
+    around = (day.braked, day.push, day.reading, day.step)
+    wanted = (np.ascontiguousarray(q_des), np.ascontiguousarray(dq_des))
+    controller = (flags, gains, believed)
+    whole = _run(chain, controller, figures, switch, heat, around, wanted, state, track)
     if not whole or np.max(np.abs(track[0] - q_des)) > 1.5:
         raise RuntimeError("the simulated machine left its path")
     rotor, speed, read, link, torque, command, friction = track
@@ -183,35 +162,18 @@ def _advance(y, span, h, command, F, W, chain, warmer, braked, push, work):
 
 
 @njit(cache=True)
-def _run(
-    chain,
-    believed,
-    flags,
-    gains,
-    F0,
-    W0,
-    F1,
-    W1,
-    switch,
-    warmer,
-    heating,
-    cooling,
-    braked,
-    push,
-    reading,
-    steps,
-    q_des,
-    dq_des,
-    y,
-    track,
-):
+def _run(chain, controller, figures, switch, heat, around, wanted, y, track):
+    flags, gains, believed = controller
+    warmer, heating, cooling = heat
+    braked, push, reading, steps = around
+    q_des, dq_des = wanted
     ticks, n = q_des.shape
     memory = np.zeros((4, n))  # of the controller: integral, last reading, filtered speed, started
     work = np.empty((6, len(y)))
     h = 1e-4
     command, read = np.empty(n), np.empty(n)
     for k in range(ticks):
-        F, W = (F0, W0) if k < switch else (F1, W1)
+        F, W = figures[0] if k < switch else figures[1]
         for j in range(n):
             s = STATES * j
             exact = y[s] + F[j, _OFFSET]

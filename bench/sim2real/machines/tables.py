@@ -1,17 +1,16 @@
 """The scores as tables: asked and measured, by kind, false names, confidence against truth."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 
 import numpy as np
 import pandas as pd
 
-from bench.common.markdown import markdown_table
+from bench.common.markdown import markdown_table, table_of
 from bench.sim2real.machines.score import FEW
 
 CLEAR = 6.0  # a clear fault moves its channel by so many times what is left without it
+KEYS = ("named", "sized", "listed", "relative", "unknown", "suspected")
 
 
 def faults_of(worlds: pd.DataFrame) -> pd.DataFrame:
@@ -22,10 +21,6 @@ def faults_of(worlds: pd.DataFrame) -> pd.DataFrame:
         for fault in json.loads(world.faults)
     ]
     return pd.DataFrame(rows)
-
-
-def _share(part: float, whole: float) -> str:
-    return f"{part / whole:.2f} ({part:.0f} of {whole:.0f})" if whole else "none"
 
 
 def _asked(worlds: pd.DataFrame) -> list[tuple[str, str, float, float]]:
@@ -64,7 +59,10 @@ def _asked(worlds: pd.DataFrame) -> list[tuple[str, str, float, float]]:
 
 def asked_table(worlds: pd.DataFrame) -> str:
     """What is asked of the second generation, and how it came out."""
-    rows = [[what, asked, _share(part, whole)] for what, asked, part, whole in _asked(worlds)]
+    rows = [
+        [what, asked, f"{part / whole:.2f} ({part:.0f} of {whole:.0f})" if whole else "none"]
+        for what, asked, part, whole in _asked(worlds)
+    ]
     rows += [
         ["friction's size off by, median", "", f"{worlds.friction_error.median():.3f}"],
         ["seconds, median", "", f"{worlds.seconds.median():.1f}"],
@@ -79,67 +77,33 @@ def summary(worlds: pd.DataFrame) -> dict[str, list[float]]:
     return {what: [float(part), float(whole)] for what, _, part, whole in _asked(worlds)}
 
 
-def kind_table(worlds: pd.DataFrame) -> str:
-    """One row per kind of fault."""
-    rows = []
-    for kind, some in faults_of(worlds).groupby("kind", sort=True):
-        counts = [
-            int((some[key] > 0).sum())
-            for key in ("named", "sized", "listed", "relative", "unknown", "suspected")
-        ]
-        rows.append([kind, len(some), f"{some.most.median():.1f}", *counts])
-    head = [
-        "kind",
-        "faults",
-        "moves, median",
-        "named",
-        "sized",
-        "listed",
-        "relative",
-        "unknown",
-        "suspected",
-    ]
-    return markdown_table(head, rows)
-
-
-def false_table(worlds: pd.DataFrame) -> str:
-    """False names by kind."""
-    counts: Counter[str] = Counter()
-    sure: Counter[str] = Counter()
-    for world in worlds.itertuples(index=False):
-        for effect, _, confidence in json.loads(world.false):
-            counts[effect] += 1
-            sure[effect] += confidence >= 0.9
-    rows = [[effect, count, sure[effect]] for effect, count in counts.most_common()]
-    return markdown_table(["false name", "findings", "of these at 0.9 or more"], rows)
+def all_tables(worlds: pd.DataFrame) -> str:
+    """Everything: asked and measured, by kind, false names, confidence against truth."""
+    faults = faults_of(worlds)
+    by_kind = {"faults": len, "moves, median": lambda some: f"{some.most.median():.1f}"} | {
+        key: lambda some, key=key: int((some[key] > 0).sum()) for key in KEYS
+    }
+    kinds = faults.groupby("kind", sort=True) if len(faults) else ()
+    false = [each for world in worlds.false for each in json.loads(world)]
+    counts = Counter(effect for effect, _, _ in false)
+    sure = Counter(effect for effect, _, confidence in false if confidence >= 0.9)
+    names = [[effect, count, sure[effect]] for effect, count in counts.most_common()]
+    parts = {
+        "Asked and measured": asked_table(worlds),
+        "By kind": table_of("kind", kinds, by_kind),
+        "False names": markdown_table(["false name", "findings", "of these at 0.9 or more"], names),
+        "Confidence": confidence_table(worlds),
+    }
+    return "\n".join(f"## {title}\n\n{table}" for title, table in parts.items())
 
 
 def confidence_table(worlds: pd.DataFrame) -> str:
-    """Confidence against truth."""
+    """Stated confidence against truth."""
     pairs = np.array([row for world in worlds.confidences for row in json.loads(world)], float)
     rows = []
     for low, high in ((0.75, 0.85), (0.85, 0.9), (0.9, 0.95), (0.95, 0.98), (0.98, 1.01)):
         some = pairs[(pairs[:, 0] >= low) & (pairs[:, 0] < high)]
         if len(some):
-            rows.append(
-                [
-                    f"{low:g} to {min(high, 1.0):g}",
-                    len(some),
-                    f"{some[:, 0].mean():.3f}",
-                    f"{some[:, 1].mean():.3f}",
-                    f"{some[:, 2].mean():.3f}",
-                ]
-            )
+            means = [f"{mean:.3f}" for mean in some.mean(axis=0)]
+            rows.append([f"{low:g} to {min(high, 1.0):g}", len(some), *means])
     return markdown_table(["stated", "findings", "mean", "true", "in its size"], rows)
-
-
-def all_tables(worlds: pd.DataFrame) -> str:
-    """Everything."""
-    return "\n".join(
-        [
-            "## Asked and measured\n\n" + asked_table(worlds),
-            "## By kind\n\n" + kind_table(worlds),
-            "## False names\n\n" + false_table(worlds),
-            "## Confidence\n\n" + confidence_table(worlds),
-        ]
-    )

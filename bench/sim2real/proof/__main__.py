@@ -7,8 +7,6 @@ Stages: conceal, diagnose, score, machines, real. Each goes on where it was stop
 the second edition: worlds of bench.sim2real.machines, sealed and scored in a folder of their own.
 """
 
-from __future__ import annotations
-
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -17,21 +15,12 @@ import typer
 
 from bench.common.commands import Quick, Scheduler, Workers, plain_errors
 from bench.sim2real.machines import stages as machines
-from bench.sim2real.proof import run
 from bench.sim2real.proof.plan import plan
 from bench.sim2real.proof.real import diagnose_real
+from bench.sim2real.proof.run import Run
 
-
-class Stage(StrEnum):
-    """What can be run by itself."""
-
-    CONCEAL = "conceal"
-    DIAGNOSE = "diagnose"
-    SCORE = "score"
-    MACHINES = "machines"
-    REAL = "real"
-
-
+OWN = ("conceal", "diagnose", "score")
+Stage = StrEnum("Stage", {name.upper(): name for name in (*OWN, "machines", "real")})
 MACHINES = 200  # worlds of the second edition
 
 
@@ -50,37 +39,32 @@ def main(
     only: Annotated[list[Stage] | None, typer.Option(help="Repeatable; all otherwise.")] = None,
 ) -> None:
     """Conceal, seal, diagnose blind, score."""
-    stages = set(only or Stage)
+    stages = [stage for stage in Stage if stage in (only or Stage)]
     try:
         chosen = plan(seed, quick=quick, every=every)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    if Stage.REAL in stages and only and recordings is None:
+    if only and Stage.REAL in stages and recordings is None:
         raise typer.BadParameter("real needs --recordings")
+    out, cluster = out.resolve(), {"scheduler": scheduler, "workers": workers}
     with plain_errors():
-        proof = run.Run(out=out.resolve(), plan=chosen)
-        if stages & {Stage.CONCEAL, Stage.DIAGNOSE, Stage.SCORE}:
+        own = [stage for stage in stages if stage in OWN]
+        proof = Run(out=out, plan=chosen, **cluster)
+        if own:
             proof.freeze()
-        if stages & {Stage.CONCEAL, Stage.DIAGNOSE}:
-            proof.conceal(scheduler, workers)
-        if Stage.DIAGNOSE in stages:
-            proof.diagnose(scheduler, workers)
-        if Stage.SCORE in stages:
-            proof.score(scheduler, workers)
+        if Stage.DIAGNOSE in own:
+            proof.conceal()
+        for stage in own:
+            getattr(proof, stage)()
         if Stage.MACHINES in stages:
             first = machines.FIRST_PROOF_SEED if seed is None and not quick else seed or 0
-            second = machines.Run(
-                out=out.resolve() / "machines",
-                seed=first,
-                count=max(1, (10 if quick else MACHINES) // every),
-                scheduler=scheduler,
-                workers=workers,
-            )
-            second.conceal()
-            second.diagnose()
-            second.score()
+            worlds = machines.plan(first, max(1, (10 if quick else MACHINES) // every))
+            second = machines.Run(out=out / "machines", plan=worlds, **cluster)
+            second.freeze()
+            for stage in OWN:
+                getattr(second, stage)()
         if recordings is not None and Stage.REAL in stages:
-            diagnose_real(recordings, out.resolve())
+            diagnose_real(recordings, out)
 
 
 if __name__ == "__main__":

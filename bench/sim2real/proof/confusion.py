@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from bench.common.whole_files import write_whole
 from bench.sim2real.concealed.catalogue import EFFECTS
-
-mpl.use("agg")
-import matplotlib.pyplot as plt
 
 SAID = ("unknown", "nothing", "cannot tell", "error")
 DECOYS = {
@@ -36,7 +33,8 @@ def draw(studies: pd.DataFrame, path: Path) -> None:
     right = _table(studies, good).to_numpy(float) >= 0.5  # nothing said there: False
     shares = table.to_numpy(float) / np.maximum(table.sum(axis=1).to_numpy(float)[:, None], 1.0)
     height, width = table.shape
-    figure, axes = plt.subplots(figsize=(3.2 + 0.31 * width, 2.6 + 0.31 * height), dpi=120)
+    figure = Figure(figsize=(3.2 + 0.31 * width, 2.6 + 0.31 * height), dpi=120)
+    axes = figure.subplots()
     for cells, colours in ((right, "Blues"), (~right & (shares > 0.0), "Reds")):
         shade = np.where(cells, 0.12 + 0.8 * shares, np.nan)
         axes.imshow(shade, cmap=colours, vmin=0.0, vmax=1.0, aspect="auto")
@@ -66,7 +64,6 @@ def draw(studies: pd.DataFrame, path: Path) -> None:
     axes.set_title(title, fontsize=11)
     figure.tight_layout()
     write_whole(path, lambda temporary: figure.savefig(temporary, format="png"))
-    plt.close(figure)
 
 
 def _table(studies: pd.DataFrame, values: pd.Series[float] | None = None) -> pd.DataFrame:

@@ -1,7 +1,5 @@
 """A page per class of failure: what was hidden, what was said instead, study by study."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
@@ -45,7 +43,9 @@ def write_pages(studies: pd.DataFrame, folder: Path) -> int:
     for name, count in sorted(frequent.items(), key=lambda each: (-each[1], each[0])):
         each = some[some.failure == name]
         page = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-") + ".md"
-        (making / page).write_text(page_of(name, each))
+        parts = [f"# {name}\n\nStudies: {len(each)}.\n"]
+        parts += [study_of(row) for row in each.sort_values(["hide", "seed"]).itertuples()]
+        (making / page).write_text("\n".join(parts))
         ways = each.hide.value_counts()
         by_way = ", ".join(f"{way} {number}" for way, number in ways.items())
         rows.append([f"[{name}]({page})", count, by_way])
@@ -55,13 +55,6 @@ def write_pages(studies: pd.DataFrame, folder: Path) -> int:
     shutil.rmtree(folder, ignore_errors=True)
     making.rename(folder)
     return len(some)
-
-
-def page_of(name: str, some: pd.DataFrame) -> str:
-    """All studies of a class."""
-    parts = [f"# {name}\n\nStudies: {len(some)}.\n"]
-    parts += [study_of(row) for row in some.sort_values(["hide", "seed"]).itertuples()]
-    return "\n".join(parts)
 
 
 def study_of(row: Any) -> str:

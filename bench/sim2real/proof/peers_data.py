@@ -1,7 +1,5 @@
 """What every method is given: smoothed motions and torques of recordings, and the model."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -41,7 +39,6 @@ class Track:
 
     @property
     def inner(self) -> slice:
-        """Rows away from the ends."""
         rows = round(ENDS / self.period)
         return slice(rows, len(self.q) - rows)
 
@@ -54,7 +51,6 @@ class Believed:
     """The user's model: a URDF and known rotors, by Pinocchio."""
 
     def __init__(self, urdf: Path, joints: tuple[str, ...], rotors: Array | None) -> None:
-        """Joints in the study's order."""
         self.model = pin.buildModelFromUrdf(str(urdf))
         self.data = self.model.createData()
         self.rotors = np.zeros(len(joints)) if rotors is None else rotors

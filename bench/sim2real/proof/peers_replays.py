@@ -7,8 +7,6 @@ recorded commands, of which a 20 s recording gives one run, and its positions ar
 those of the machine. Torque regressions are no simulators: they have no part in this.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from dataclasses import asdict
@@ -19,18 +17,7 @@ import numpy as np
 import pandas as pd
 import typer
 
-from bench.common.commands import (
-    BUILD,
-    OutFolder,
-    Quick,
-    Scheduler,
-    Seed,
-    Workers,
-    plain_errors,
-    run_campaign,
-    show,
-    write_report,
-)
+from bench.common import commands as cli
 from bench.common.digests import code_digest
 from bench.common.markdown import markdown_table
 from bench.sim2real.concealed.spec import WorldSpec
@@ -47,12 +34,12 @@ SAME = 0.01  # of a milliradian: nearer than this nobody cares
 
 
 def main(
-    out: OutFolder = BUILD / "peers-replays",
-    quick: Quick = False,
-    seed: Seed = 4000,
+    out: cli.OutFolder = cli.BUILD / "peers-replays",
+    quick: cli.Quick = False,
+    seed: cli.Seed = 4000,
     studies: Annotated[int, typer.Option(min=1, max=ROOM, help="Of each effect.")] = 1,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
+    scheduler: cli.Scheduler = None,
+    workers: cli.Workers = None,
 ) -> None:
     """Compare simulated motions."""
     if quick:
@@ -60,20 +47,19 @@ def main(
     jobs = {
         f"{spec.seed}-{spec.effect}": {"spec": asdict(spec)} for spec in specs(seed, studies, quick)
     }
-    with plain_errors():
+    with cli.plain_errors():
         settings = {
             "experiment": "replays",
             "seed": seed,
             "code": code_digest("concealed", "proof"),
         }
-        rows = run_campaign(out, settings, run_study, jobs, scheduler, workers)
+        rows = cli.run_campaign(out, settings, run_study, jobs, scheduler, workers)
         tables = report(rows)
-        write_report(out / "replays.md", tables)
-        show(tables)
+        cli.write_report(out / "replays.md", tables)
+        cli.show(tables)
 
 
 def run_study(job: dict[str, Any]) -> list[dict[str, Any]]:
-    """One row per method and column."""
     spec = WorldSpec(**job["spec"])
     rows = []
     with tempfile.TemporaryDirectory(prefix="pdoik-replays-") as folder, one_thread():

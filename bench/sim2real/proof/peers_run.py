@@ -8,8 +8,6 @@ kept as they come, and the same command continues where it was stopped. --quick 
 Needs the extras bench, sim2real and peers; peers that are missing are left out and named.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Annotated
@@ -17,53 +15,35 @@ from typing import Annotated
 import pandas as pd
 import typer
 
-from bench.common.commands import (
-    BUILD,
-    OutFolder,
-    Quick,
-    Scheduler,
-    Seed,
-    Workers,
-    console,
-    plain_errors,
-    run_campaign,
-    show,
-    write_report,
-)
+from bench.common import commands as cli
 from bench.common.digests import code_digest
-from bench.common.markdown import markdown_table
 from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.proof.peers_picture import picture
-from bench.sim2real.proof.peers_report import effect_table, level_table, method_table, not_lowest
+from bench.sim2real.proof.peers_report import (
+    effect_table,
+    level_table,
+    method_table,
+    not_lowest,
+    picture,
+)
 from bench.sim2real.proof.peers_study import METHODS, missing, run_study
 
 EFFECTS = (
-    "coulomb_friction",
-    "stribeck_friction",
-    "load_dependent_friction",
-    "payload",
-    "link_inertial_error",
-    "command_delay",
-    "backlash",
-    "joint_elasticity",
-    "torque_gain",
-    "torque_offset",
-    "torque_ripple",
-    "position_dependent_spring",
-    "joint_offset",
+    *("coulomb_friction", "stribeck_friction", "load_dependent_friction", "payload"),
+    *("link_inertial_error", "command_delay", "backlash", "joint_elasticity", "torque_gain"),
+    *("torque_offset", "torque_ripple", "position_dependent_spring", "joint_offset"),
 )
 QUICK = ("coulomb_friction", "payload")
 ROOM = 10  # seeds between two effects
 
 
 def main(
-    out: OutFolder = BUILD / "peers",
-    quick: Quick = False,
-    seed: Seed = 4000,
+    out: cli.OutFolder = cli.BUILD / "peers",
+    quick: cli.Quick = False,
+    seed: cli.Seed = 4000,
     studies: Annotated[int, typer.Option(min=1, max=ROOM, help="Of each effect.")] = 3,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
+    scheduler: cli.Scheduler = None,
+    workers: cli.Workers = None,
 ) -> None:
     """Compare the diagnosis with what users would do instead."""
     if quick:
@@ -71,25 +51,25 @@ def main(
     absent = missing()
     methods = [name for name in METHODS if name not in absent]
     for sentence in absent.values():
-        console.print(sentence)
+        cli.console.print(sentence)
     jobs = {
         f"{spec.seed}-{spec.effect}": {"spec": asdict(spec), "methods": methods}
         for spec in specs(seed, studies, quick)
     }
-    with plain_errors():
+    with cli.plain_errors():
         settings = {
             "experiment": "peers",
             "seed": seed,
             "methods": methods,
             "code": code_digest("concealed", "proof"),
         }
-        rows = run_campaign(out, settings, run_study, jobs, scheduler, workers)
+        rows = cli.run_campaign(out, settings, run_study, jobs, scheduler, workers)
         tables = report(rows, list(absent.values()))
-        write_report(out / "peers.md", tables)
-        show(tables)
+        cli.write_report(out / "peers.md", tables)
+        cli.show(tables)
         if "gradient boosting" not in absent:
             picture(out / "black_box.png", rows, seed, quick=quick)
-    console.print(f"tables: {out}/peers.md; picture: black_box.png; rows: trials.parquet")
+    cli.console.print(f"tables: {out}/peers.md; picture: black_box.png; rows: trials.parquet")
 
 
 def specs(first: int, studies: int, quick: bool) -> Iterator[WorldSpec]:
@@ -103,26 +83,25 @@ def specs(first: int, studies: int, quick: bool) -> Iterator[WorldSpec]:
 
 
 def report(rows: pd.DataFrame, absent: list[str]) -> str:
-    """All tables."""
     seen = rows[rows.seen]
     parts = [
         f"{rows.seed.nunique()} studies, of which {seen.seed.nunique()} in which the model as given"
         " misses some joint's held-out torque by more than the noise.",
         *absent,
         "### Error over that of the model as given, median [quartiles] over studies",
-        markdown_table(*method_table(seen, "ratio")),
+        method_table(seen, "ratio"),
         "### Error in units of the torque's noise, median [quartiles] over studies",
-        markdown_table(*method_table(seen, "floors")),
+        method_table(seen, "floors"),
         "### The same, only while the joint moves at 0.05 rad/s and more",
-        markdown_table(*method_table(seen, "moving_floors")),
+        method_table(seen, "moving_floors"),
         "### Error in units of the noise, all joints of all studies",
-        markdown_table(*method_table(rows, "all_joints")),
+        method_table(rows, "all_joints"),
         "### Share of studies in which a method is lowest or within 5 % of it",
-        markdown_table(*level_table(seen)),
+        level_table(seen),
         "### By effect: error in units of the noise, held out (lowest and level in bold)",
-        markdown_table(*effect_table(rows, "validate")),
+        effect_table(rows, "validate"),
         "### By effect: the same, the worst of the three conditions beyond the fit",
-        markdown_table(*effect_table(rows, None)),
+        effect_table(rows, None),
         "### Where ours is neither lowest nor level",
         "\n".join(not_lowest(rows)) + "\n",
     ]

@@ -1,7 +1,5 @@
 """One study and its recordings beyond it: every method fitted, every prediction judged."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import tempfile
@@ -17,10 +15,16 @@ import numpy as np
 from bench.sim2real.concealed.beyond import CONDITIONS, make_beyond
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.proof.peers_black_box import boosting, network
 from bench.sim2real.proof.peers_data import Array, Track, beyond_track, smooth, study_tracks
-from bench.sim2real.proof.peers_ours import nothing, ours
-from bench.sim2real.proof.peers_regressions import Predictor, least_squares, pysindy
+from bench.sim2real.proof.peers_methods import (
+    Predictor,
+    boosting,
+    least_squares,
+    network,
+    nothing,
+    ours,
+    pysindy,
+)
 from bench.sim2real.proof.peers_sysid import sysid
 from pdoik.sim2real import Study, load_study
 
@@ -104,7 +108,6 @@ def affected(errors: dict[str, Array]) -> Array:
 
 
 def run_study(job: dict[str, Any]) -> list[dict[str, Any]]:
-    """One row per method and column."""
     spec = WorldSpec(**job["spec"])
     rows = []
     with tempfile.TemporaryDirectory(prefix="pdoik-peers-") as folder, one_thread():
@@ -155,7 +158,6 @@ def scores(errors: Array, before: Array, joints: Array) -> dict[str, Any]:
 
 
 def remembered(predict: Predictor) -> Predictor:
-    """The same, each track predicted once."""
     known: dict[int, Array] = {}
 
     def once(track: Track) -> Array:

@@ -1,7 +1,5 @@
 """MuJoCo's system identification toolbox with every number set free that it can vary."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import logging
@@ -12,7 +10,7 @@ import mujoco
 import numpy as np
 
 from bench.sim2real.proof.peers_data import Array, Track
-from bench.sim2real.proof.peers_regressions import Predictor, error_of
+from bench.sim2real.proof.peers_methods import Predictor, error_of
 from pdoik.sim2real import Study
 
 STEP = 0.05  # between rows that enter the fit [s]
@@ -73,11 +71,7 @@ def sysid(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
     )
 
     def fitted(params: Any) -> tuple[Any, Predictor]:
-        low, high = params.get_bounds()
-        with contextlib.redirect_stdout(io.StringIO()):  # the optimizer tells each step
-            found, _ = toolbox.optimize(
-                params, residual, verbose=False, max_iters=ROUNDS, x_scale=0.1 * (high - low)
-            )
+        found = optimized(toolbox, params, residual)
         identified = toolbox.apply_param_modifiers(found, spec)
 
         def predict(track: Track) -> Array:
@@ -97,10 +91,23 @@ def sysid(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
     return scaled if gain < WORTH else predict
 
 
-def set_gains(params: Any, names: list[str], *, frozen: bool) -> None:
-    """Fix or free the sensors' gains."""
+def optimized(toolbox: Any, params: Any, residual: Any) -> Any:
+    """The parameters found; the optimizer would tell each step."""
+    low, high = params.get_bounds()
+    with contextlib.redirect_stdout(io.StringIO()):
+        found, _ = toolbox.optimize(
+            params, residual, verbose=False, max_iters=ROUNDS, x_scale=0.1 * (high - low)
+        )
+    return found
+
+
+def set_gains(
+    params: Any, names: list[str], of: tuple[str, ...] = ("gain",), *, frozen: bool
+) -> None:
+    """Of the sensors, and of the drives where they are meant: fixed, or free."""
     for name in names:
-        params[f"{name}_gain"].frozen = frozen
+        for what in of:
+            params[f"{name}_{what}"].frozen = frozen
 
 
 def specification(urdf: Path, study: Study, names: list[str]) -> Any:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import logging
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,9 +16,11 @@ from bench.sim2real.proof.peers_sysid import (
     LATEST,
     WORTH,
     carried,
+    optimized,
     parameters,
     sensed,
     set_body,
+    set_gains,
     specification,
 )
 from pdoik.sim2real import Recording, Study
@@ -28,7 +28,6 @@ from pdoik.sim2real import Recording, Study
 TIMESTEP = 2e-3  # of all simulations [s]
 CHUNK = 4.0  # begun at the recorded state and simulated at a stretch [s]
 APART = 2  # only every second chunk is simulated: a Panda takes minutes as it is
-ROUNDS = 6  # of Gauss and Newton, at most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +77,6 @@ class Identified:
     """What the toolbox found, ready to be simulated."""
 
     def __init__(self, study: Study, params: Any, toolbox: Any) -> None:
-        """`params` hold all figures found."""
         self.study, self.params, self.toolbox = study, params, toolbox
         self.delays = delays_of(params, list(study.joints))
 
@@ -136,25 +134,15 @@ def trajectory_sysid(study: Study) -> Identified:
         return [result if x.ndim > 1 else result[:, 0]], None, None
 
     def fitted(params: Any) -> Identified:
-        low, high = params.get_bounds()
-        with contextlib.redirect_stdout(io.StringIO()):  # the optimizer tells each step
-            found, _ = toolbox.optimize(
-                params, residual, verbose=False, max_iters=ROUNDS, x_scale=0.1 * (high - low)
-            )
-        return Identified(study, found, toolbox)
+        return Identified(study, optimized(toolbox, params, residual), toolbox)
 
-    set_gains(params, names, frozen=True)  # beside free masses a gain is hard to tell
+    of = ("gain", "drive")  # hard to tell beside free masses
+    set_gains(params, names, of, frozen=True)
     plain = fitted(params)
     freed = plain.params.copy()
-    set_gains(freed, names, frozen=False)
+    set_gains(freed, names, of, frozen=False)
     scaled = fitted(freed)
     return scaled if held_out(scaled) < WORTH * held_out(plain) else plain
-
-
-def set_gains(params: Any, names: list[str], *, frozen: bool) -> None:
-    """Fix or free the gains of sensors and drives."""
-    for name in names:
-        params[f"{name}_gain"].frozen = params[f"{name}_drive"].frozen = frozen
 
 
 def held_out(identified: Identified) -> float:

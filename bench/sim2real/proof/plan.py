@@ -1,16 +1,13 @@
 """Which worlds are made, under which names, and what is asked of the diagnosis."""
 
-from __future__ import annotations
-
 import zlib
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from bench.common.digests import digest_of
-from bench.sim2real.concealed.campaign import campaign
-from bench.sim2real.concealed.catalogue import EFFECTS
+from bench.common import sealed
+from bench.sim2real.concealed.catalogue import EFFECTS, campaign
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
 from bench.sim2real.proof.reach import ASKED
 
@@ -32,11 +29,8 @@ QUICK = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """The worlds of one run by their neutral names."""
-
-    seed: int
-    specs: dict[str, WorldSpec]  # in the order of the names, which tells nothing
+class Plan(sealed.Plan):
+    """The worlds of one run of the proof."""
 
     @property
     def proof(self) -> bool:
@@ -44,18 +38,12 @@ class Plan:
         return self.seed >= FIRST_PROOF_SEED
 
     def facts(self) -> dict[str, Any]:
-        """All that the plan fixes before anything is made."""
         return {
-            "seed": self.seed,
-            "specs": {name: asdict(spec) for name, spec in self.specs.items()},
+            **sealed.Plan.facts(self),
             "catalogue": list(EFFECTS),
             "asked": [asdict(each) for each in ASKED],
             "split": "by the study: its roles fit and validate",
         }
-
-    def digest(self) -> str:
-        """SHA-256 of the facts."""
-        return digest_of(self.facts())
 
 
 def plan(seed: int | None = None, *, quick: bool = False, every: int = 1) -> Plan:
@@ -65,9 +53,6 @@ def plan(seed: int | None = None, *, quick: bool = False, every: int = 1) -> Pla
         seed: first of the campaign; the proof's where it is None, or development's with `quick`.
         quick: a handful, for development.
         every: one study in so many, for development.
-
-    Raises:
-        ValueError: the seeds belong to neither, or the proof's would be run in part.
     """
     if seed is None:
         seed = QUICK_SEED if quick else FIRST_PROOF_SEED

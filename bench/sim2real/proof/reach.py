@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,7 @@ from bench.common.intervals import wilson
 from bench.common.markdown import markdown_table
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Asked:
     """One threshold; a share unless it says otherwise."""
 
@@ -24,52 +25,30 @@ class Asked:
 
 
 ASKED = (
-    Asked(what="plain: named first", column="named", of="plain", least=0.92),
-    Asked(what="plain: named or equivalent", column="listed", of="plain", least=0.97),
-    Asked(what="plain: placed", column="placed", of="plain", least=0.97),
+    Asked("plain: named first", "named", "plain", least=0.92),
+    Asked("plain: named or equivalent", "listed", "plain", least=0.97),
+    Asked("plain: placed", "placed", "plain", least=0.97),
     Asked(
-        what="all ways, poor by its right answer: named or equivalent",
-        column="listed_or_right",
-        of="effects",
+        *("all ways, poor by its right answer: named or equivalent", "listed_or_right", "effects"),
         least=0.85,
     ),
-    Asked(
-        what="all ways, poor by its right answer: placed",
-        column="placed_or_right",
-        of="effects",
-        least=0.90,
-    ),
-    Asked(what="all ways but poor: named or equivalent", column="listed", of="seen", least=0.85),
-    Asked(what="all ways but poor: placed", column="placed", of="seen", least=0.90),
-    Asked(what="false alarms on clean studies", column="alarm", of="clean", most=0.02),
-    Asked(what="clean studies", column="count", of="clean", least=100),
-    Asked(what="unknown recognised", column="right", of="outside", least=0.90),
-    Asked(
-        what="true parameters within the 95 % interval",
-        column="coverage",
-        of="seen",
-        least=0.90,
-        most=0.98,
-    ),
-    Asked(
-        what="held-out residual after, of the true model's (median)",
-        column="over_true",
-        of="seen",
-        most=1.15,
-    ),
+    Asked("all ways, poor by its right answer: placed", "placed_or_right", "effects", least=0.90),
+    Asked("all ways but poor: named or equivalent", "listed", "seen", least=0.85),
+    Asked("all ways but poor: placed", "placed", "seen", least=0.90),
+    Asked("false alarms on clean studies", "alarm", "clean", most=0.02),
+    Asked("clean studies", "count", "clean", least=100),
+    Asked("unknown recognised", "right", "outside", least=0.90),
+    Asked("true parameters within the 95 % interval", "coverage", "seen", least=0.90, most=0.98),
+    Asked("held-out residual after, of the true model's (median)", "over_true", "seen", most=1.15),
 )
 
 
 def chosen(studies: pd.DataFrame, of: str) -> pd.DataFrame:
     """Studies by a word: effects, seen (effects that motion shows), plain, or a group's name."""
     hidden = studies[studies.group == "effect"]
-    if of == "effects":
-        return hidden
-    if of == "seen":
-        return hidden[hidden.hide != "poor"]
-    if of == "plain":
-        return hidden[hidden.hide == "plain"]
-    return studies[studies.group == of]
+    chosen = {"effects": hidden, "seen": hidden[hidden.hide != "poor"]}
+    chosen["plain"] = hidden[hidden.hide == "plain"]
+    return chosen[of] if of in chosen else studies[studies.group == of]
 
 
 def reached(studies: pd.DataFrame, asked: Asked) -> tuple[float, str, int]:
@@ -106,8 +85,21 @@ def verdict(value: float, asked: Asked) -> str:
     return "PASS" if low and (asked.most is None or value <= asked.most) else "MISS"
 
 
+def scores_of(studies: pd.DataFrame) -> dict[str, Any]:
+    """What is asked and how it came out, as the record keeps it."""
+    scores = {}
+    for asked in ASKED:
+        value, interval, total = reached(studies, asked)
+        scores[asked.what] = {
+            "value": round(value, 4) if total else None,
+            "interval95": interval,
+            "of": total,
+            "verdict": verdict(value, asked),
+        }
+    return scores
+
+
 def reach_table(studies: pd.DataFrame) -> str:
-    """Asked beside measured."""
     rows = []
     for asked in ASKED:
         value, interval, total = reached(studies, asked)

@@ -1,18 +1,16 @@
 """Recordings of real machines: what was found, what is left, what was not claimed."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from pathlib import Path
 from typing import Any
 
+from bench.common.blind import as_diagnosis, blind
 from bench.common.commands import BUILD, console
 from bench.common.digests import tool_digest
 from bench.common.markdown import markdown_table
 from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
-from bench.sim2real.proof.diagnose import as_diagnosis, blind
 from bench.sim2real.proof.real_studies import MACHINES, Machine, write_study
 
 HEAD = """# On real machines
@@ -59,15 +57,14 @@ def _said(machine: Machine, recordings: Path, kept: Path) -> dict[str, Any]:
 def known_rows(machine: Machine, said: dict[str, Any]) -> list[list[str]]:
     """What is known of a machine beside what was said of it."""
     diagnosis = as_diagnosis(said)
-    rows = []
-    for each in machine.known:
-        words, agrees = each.said(diagnosis)
-        rows.append([machine.name, each.fact, words, "yes" if agrees else "NO"])
-    return rows
+    said_of = {fact: said(diagnosis) for fact, said in machine.known.items()}
+    return [
+        [machine.name, fact, words, "yes" if agrees else "NO"]
+        for fact, (words, agrees) in said_of.items()
+    ]
 
 
 def section(machine: Machine, said: dict[str, Any]) -> str:
-    """One machine."""
     diagnosis = as_diagnosis(said)
     lines = [
         f"## {machine.title}",

@@ -1,10 +1,12 @@
-"""Studies of real machines' recordings, and what their models leave out."""
+"""Studies of real machines' recordings, what their models leave out, and what is known of them.
 
-from __future__ import annotations
+A known fact takes a diagnosis, and gives what that says of it in words and whether it agrees.
+"""
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +14,78 @@ import yaml
 
 import pdoik
 from bench.ik.judges.arm_meshes import go2_urdf
-from bench.sim2real.proof.real_truths import (
-    Known,
-    delay_between,
-    friction_everywhere,
-    friction_within,
-    no_load_beyond,
-    none_of,
-)
 from bench.sim2real.servo import study as servo
+from pdoik.sim2real.effects import CATALOGUE
+
+Content = Mapping[str, Any]
+Said = tuple[str, bool]
+
+FRICTION = {each.id for each in CATALOGUE.values() if each.family == "friction"} | {
+    "gear_efficiency"
+}
+LOADS = {"payload": "mass", "link_inertial_error": "d_mass"}
+DELAYS = ("command_delay", "actuator_lag")
+
+
+def friction_everywhere(diagnosis: Content) -> Said:
+    """Friction of some kind at every joint that is judged."""
+    judged = [name for name, each in diagnosis["joints"].items() if each["excited"]]
+    rubbing = {j for f in _findings(diagnosis, FRICTION) for j in f["joints"]}
+    missing = [name for name in judged if name not in rubbing]
+    words = f"friction at {len(judged) - len(missing)} of {len(judged)} joints"
+    return words + (f", not {', '.join(missing)}" if missing else ""), not missing
+
+
+def friction_within(diagnosis: Content, least: float, most: float) -> Said:
+    """Levels of dry friction, where they are told, within bounds [N m]."""
+    levels = [
+        f["parameters"]["level"]["value"]
+        for f in _findings(diagnosis, FRICTION)
+        if "level" in f["parameters"]
+    ]
+    if not levels:
+        return "no dry friction", False
+    words = f"{len(levels)} levels, {min(levels):.2g} to {max(levels):.2g} N m"
+    return words, least <= min(levels) and max(levels) <= most
+
+
+def no_load_beyond(diagnosis: Content, most: float) -> Said:
+    """No mass that was not there, but for so much [kg]."""
+    found = [
+        (f["links"][0], f["parameters"][LOADS[f["effect"]]]["value"])
+        for f in _findings(diagnosis, LOADS)
+        if LOADS[f["effect"]] in f["parameters"]
+    ]
+    words = ", ".join(f"{mass:+.2g} kg at {link}" for link, mass in found)
+    return words or "no mass", all(abs(mass) <= most for _, mass in found)
+
+
+def delay_between(diagnosis: Content, least: float, most: float) -> Said:
+    """Delay and lag of commands together at every joint, of those that are told [s]."""
+    late: dict[str, float] = {}
+    for f in _findings(diagnosis, DELAYS):
+        for joint in f["joints"]:
+            told = sum(each["value"] for each in f["parameters"].values())
+            late[joint] = late.get(joint, 0.0) + told
+    if not late:
+        return "no delay", False
+    words = f"{len(late)} joints, {min(late.values()):.2g} to {max(late.values()):.2g} s"
+    return words, all(least <= each <= most for each in late.values())
+
+
+def none_of(diagnosis: Content, effects: Sequence[str], joints: Sequence[str] = ()) -> Said:
+    """None of these names, at some joints or anywhere."""
+    wrong = [
+        f"{f['effect']} at {', '.join(f['joints'])}"
+        for f in _findings(diagnosis, effects)
+        if not joints or set(f["joints"]) & set(joints)
+    ]
+    return "; ".join(wrong) or "none of it", not wrong
+
+
+def _findings(diagnosis: Content, effects: Any) -> list[Content]:
+    return [each for each in diagnosis["findings"] if each["effect"] in effects]
+
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
 
@@ -33,7 +98,7 @@ class Machine:
     title: str
     withheld: str  # the physics that its model does not have
     doubtful: str  # what keeps these recordings from proving more
-    known: tuple[Known, ...]  # what is known to be true, and whether a diagnosis agrees
+    known: dict[str, Callable[[Content], Said]]  # facts, and whether a diagnosis agrees
     build: Callable[[Path, Path], dict[str, Any]]  # writes what it needs, gives the study
 
 
@@ -134,15 +199,15 @@ MACHINES = (
         " masses and inertias are public figures that nobody checked on this arm.",
         doubtful="Torque is current times a gain from elsewhere. There is one recording: the last"
         " 30 % of it is held out, so no other speed, load or pose is.",
-        known=(
-            friction_everywhere("every joint of a geared arm rubs"),
-            none_of(
-                ("stribeck_friction",),
-                "friction of joints 1 to 3 passes smoothly through zero speed (its authors)",
-                ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+        known={
+            "every joint of a geared arm rubs": friction_everywhere,
+            "friction of joints 1 to 3 passes smoothly through zero speed (its authors)": partial(
+                none_of,
+                effects=("stribeck_friction",),
+                joints=("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
             ),
-            no_load_beyond(0.5, "it holds nothing"),
-        ),
+            "it holds nothing": partial(no_load_beyond, most=0.5),
+        },
         build=_ur10,
     ),
     Machine(
@@ -151,10 +216,10 @@ MACHINES = (
         withheld="All friction, the rotors' inertia and the drives' own errors. Masses, lengths and"
         " inertias are those its builders identified.",
         doubtful="The reported torque is itself doubtful.",
-        known=(
-            friction_everywhere("both drives rub"),
-            no_load_beyond(0.1, "its builders identified its masses"),
-        ),
+        known={
+            "both drives rub": friction_everywhere,
+            "its builders identified its masses": partial(no_load_beyond, most=0.1),
+        },
         build=_pendulum,
     ),
     Machine(
@@ -165,10 +230,12 @@ MACHINES = (
         " stiction or play.",
         doubtful="Without torques or the servos' gains friction, play, loads and inertias cannot be"
         " told apart.",
-        known=(
-            delay_between(0.04, 0.16, "commands act about 0.1 s late (its authors)"),
-            no_load_beyond(0.0, "no torque was logged: masses cannot be told"),
-        ),
+        known={
+            "commands act about 0.1 s late (its authors)": partial(
+                delay_between, least=0.04, most=0.16
+            ),
+            "no torque was logged: masses cannot be told": partial(no_load_beyond, most=0.0),
+        },
         build=_so101,
     ),
     Machine(
@@ -178,10 +245,12 @@ MACHINES = (
         " else a rigid body lacks. Masses and inertias are figures identified on another Panda.",
         doubtful="Accelerations are poor at 30 Hz. There is one recording: the last 30 % of it is"
         " held out.",
-        known=(
-            no_load_beyond(0.5, "it holds nothing"),
-            none_of(("backlash", "torque_saturation", "command_delay"), "a sound new arm"),
-        ),
+        known={
+            "it holds nothing": partial(no_load_beyond, most=0.5),
+            "a sound new arm": partial(
+                none_of, effects=("backlash", "torque_saturation", "command_delay")
+            ),
+        },
         build=_panda,
     ),
     Machine(
@@ -189,11 +258,15 @@ MACHINES = (
         title="Dynamixel XL330 that swings a point load, 4 x 6 s at about 190 Hz",
         withheld="The motor (torque per volt, resistance, rotor), its friction, the firmware.",
         doubtful="Torque is known as a duty only: masses and drive are known by their ratio.",
-        known=(
-            no_load_beyond(0.05, "the load is weighed and measured: 0.49 kg at 0.1 m"),
-            friction_everywhere("a geared servo rubs"),
-            none_of(("sensor_gain", "joint_offset", "torque_gain"), "nothing else was concealed"),
-        ),
+        known={
+            "the load is weighed and measured: 0.49 kg at 0.1 m": partial(
+                no_load_beyond, most=0.05
+            ),
+            "a geared servo rubs": friction_everywhere,
+            "nothing else was concealed": partial(
+                none_of, effects=("sensor_gain", "joint_offset", "torque_gain")
+            ),
+        },
         build=_servo,
     ),
     Machine(
@@ -202,10 +275,12 @@ MACHINES = (
         withheld="Friction, rotors and damping of all joints. Nothing was concealed.",
         doubtful="No torque was logged: it is the drives' law on commands and positions. There is"
         " one recording.",
-        known=(
-            friction_within(0.05, 0.6, "its authors' simulation: dry 0.2, damping 0.6 N m s/rad"),
-            no_load_beyond(0.3, "nothing was added to it"),
-        ),
+        known={
+            "its authors' simulation: dry 0.2, damping 0.6 N m s/rad": partial(
+                friction_within, least=0.05, most=0.6
+            ),
+            "nothing was added to it": partial(no_load_beyond, most=0.3),
+        },
         build=_go2,
     ),
 )

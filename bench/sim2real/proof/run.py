@@ -1,143 +1,107 @@
-"""A run of the proof: its stages, and what is printed and stored between them."""
-
-from __future__ import annotations
+"""A run of the proof: what its worlds are, and what is printed and stored of the scores."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pandas as pd
 
-from bench.common.campaign import CampaignError, dask_client
-from bench.common.commands import BUILD, console, run_stage, show
-from bench.common.digests import digest_of_files
+from bench.common.commands import BUILD, console, show
+from bench.common.digests import digest_of_files, digest_of_folder
 from bench.common.provenance import provenance
-from bench.common.whole_files import write_text
-from bench.sim2real.proof import confusion, failures, record, seal, true_model
-from bench.sim2real.proof.conceal import SEALED, STUDIES, conceal, conceal_jobs
-from bench.sim2real.proof.diagnose import diagnose
+from bench.common.sealed import SealedRun, append_record, record
+from bench.common.whole_files import write_text, write_whole
+from bench.sim2real.concealed.build import make_study
+from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.proof import confusion, failures, true_model
 from bench.sim2real.proof.plan import Plan
+from bench.sim2real.proof.reach import scores_of
 from bench.sim2real.proof.score import score
 from bench.sim2real.proof.tables import all_tables, notes_of
 from bench.sim2real.proof.true_model import refit
 
-FROZEN = "frozen.json"
+__all__ = ["Run", "WorldSpec", "generator_digest", "make_study", "scoring_digest"]
+
+HERE = Path(__file__).parent
+RECORD = HERE / "record.jsonl"  # every run of the proof's seeds, bad ones too
+
+
+def generator_digest() -> str:
+    """The worlds."""
+    return digest_of_folder(HERE.parent / "concealed", "*.py")
+
+
+def scoring_digest() -> str:
+    """What turns truths and diagnoses into scores and tables."""
+    files = [(path.name, path) for path in HERE.glob("*.py") if not path.name.startswith("peers_")]
+    others = ("sim2real/diagnosis/score.py", "common/blind.py", "common/one.py", "common/sealed.py")
+    return digest_of_files([*files, *((name, HERE.parents[1] / name) for name in others)])
 
 
 @dataclass(kw_only=True)
-class Run:
+class Run(SealedRun):
     """One folder, one plan."""
 
-    out: Path
     plan: Plan
-    frozen: dict[str, str] = field(default_factory=dict)
 
-    def freeze(self) -> None:
-        """Prints and stores the digests of all that decides the scores.
+    room: ClassVar[str] = __name__
+    schema: ClassVar[str] = "pdoik.proof.seal/1"
 
-        Raises:
-            CampaignError: the folder was begun with another tool, generator or plan.
-        """
-        self.out.mkdir(parents=True, exist_ok=True)
-        self.frozen = seal.digests(self.plan)
-        path = self.out / FROZEN
-        if path.is_file():
-            old = json.loads(path.read_text())["digests"]
-            changed = [k for k in ("tool", "generator", "plan") if old[k] != self.frozen[k]]
-            if changed:
-                raise CampaignError(
-                    f"{self.out} was begun with another {' and '.join(changed)}: choose another"
-                    " --out, or remove it"
-                )
-        else:
-            content = {"digests": self.frozen, "plan": self.plan.facts()}
-            write_text(path, json.dumps(content, indent=1) + "\n")
-        for name, digest in self.frozen.items():
-            console.print(f"{name:9} sha256 {digest}", highlight=False)
+    def conceal(self) -> bool:
+        made = super().conceal()
+        if made and self.plan.proof:
+            append_record(RECORD, record_line("sealed", self.seal()))
+        return made
 
-    def conceal(self, scheduler: str | None, workers: int | None) -> None:
-        """Makes the worlds and seals them; nothing is left to do where they are sealed."""
-        if seal.read_seal(self.out) is not None:
-            return
-        specs = {name: asdict(spec) for name, spec in self.plan.specs.items()}
-        with dask_client(scheduler, workers) as client:
-            settings = {key: self.frozen[key] for key in ("generator", "plan")}
-            jobs = conceal_jobs(self.out, specs, self.frozen["generator"])
-            rows = run_stage(self.out, "conceal", settings, conceal, jobs, client)
-        not_made = rows.name[rows.not_made != ""]
-        sealed = seal.write_seal(self.out, self.plan, self.frozen, not_made)
-        if self.plan.proof:
-            record.append(record.sealed_line(sealed))
-
-    def diagnose(self, scheduler: str | None, workers: int | None) -> None:
-        """Diagnoses every study blind.
-
-        Raises:
-            CampaignError: nothing was sealed.
-        """
-        sealed = self._seal()
-        for when in record.earlier_runs(sealed) if self.plan.proof else ():
+    def diagnose(self, into: str = "diagnoses", stage: str = "diagnose") -> None:
+        for when in self._earlier(self._told()):
             console.print(f"[bold]this tool was run on these seeds before: {when}[/]")
-        tool = self.frozen["tool"]
-        jobs = {
-            name: {"name": name, "study": str(self.out / STUDIES / name), "tool": tool}
-            for name in seal.made(self.plan, sealed)
-        }
-        with dask_client(scheduler, workers) as client:
-            settings = {"tool": tool, "studies": sealed["studies"]}
-            rows = run_stage(self.out, "diagnose", settings, diagnose, jobs, client)
-        folder = self.out / "diagnoses"
-        folder.mkdir(exist_ok=True)
-        for row in rows.itertuples():
-            write_text(folder / f"{row.name}.json", row.said)
+        super().diagnose(into, stage)
 
-    def score(self, scheduler: str | None, workers: int | None) -> None:
-        """Opens the truths, if they are those that were sealed, and scores what was said.
-
-        Raises:
-            CampaignError: they are not, or diagnoses are missing.
-        """
-        sealed = self._seal()
-        seal.verify(self.out, self.plan, sealed)
+    def score(self) -> None:
+        """Opens the truths, if they are those that were sealed, and scores what was said."""
+        sealed, both = self._told(), self.opened()
         console.print("the truths are those that were sealed")
-        said = {name: self._said(name) for name in seal.made(self.plan, sealed)}
         decoy = {
             n: ":" in spec.effect or spec.effect == "still" for n, spec in self.plan.specs.items()
         }
-        jobs = {name: {"out": str(self.out), "name": name} for name in said if not decoy[name]}
-        with dask_client(scheduler, workers) as client:
-            own = digest_of_files([("true_model.py", Path(true_model.__file__))])
-            settings = {"tool": self.frozen["tool"], "truths": sealed["truths"], "own": own}
-            true = run_stage(self.out, f"refit-{own[:8]}", settings, refit, jobs, client)
+        jobs = {name: {"out": str(self.out), "name": name} for name in both if not decoy[name]}
+        own = digest_of_files([("true_model.py", Path(true_model.__file__))])
+        settings = {"tool": self.frozen["tool"], "truths": sealed["truths"], "own": own}
+        true = self.stage(f"refit-{own[:8]}", settings, refit, jobs)
         left = dict(zip(true.name, map(json.loads, true.true), strict=True))
-        rows = []
-        for name in said:
-            truth = json.loads((self.out / SEALED / f"{name}.json").read_text())
-            rows.append(score(name, truth, said[name], left.get(name, {})))
+        rows = [score(name, *each, left.get(name, {})) for name, each in both.items()]
         studies = pd.DataFrame(rows).merge(true[["name", "why_not"]], on="name", how="left")
         self._write(studies, sealed)
 
     def _write(self, studies: pd.DataFrame, sealed: Mapping[str, Any]) -> None:
-        studies.to_parquet(self.out / ".studies.parquet", index=False, compression="zstd")
-        (self.out / ".studies.parquet").replace(self.out / "studies.parquet")
+        write_whole(
+            self.out / "studies.parquet",
+            lambda path: studies.to_parquet(path, index=False, compression="zstd"),
+        )
         confusion.draw(studies, self.out / "confusion.png")
         count = failures.write_pages(studies, self.out / "failures")
         tables = all_tables(studies, notes_of(studies))
         write_text(self.out / "tables.md", f"# The proof\n\n{self.head(sealed)}\n{tables}")
         if self.plan.proof:
-            record.append(record.scored_line(sealed, self.frozen["scoring"], studies))
+            append_record(RECORD, scored_line(sealed, self.frozen["scoring"], studies))
         show(tables)
         console.print(f"tables: {self.out}/tables.md; {count} failures: {self.out}/failures")
 
     def head(self, sealed: Mapping[str, Any]) -> str:
         """Provenance, digests and seal; other code than was frozen is said."""
         kind = "the proof's" if self.plan.proof else "development's: these figures prove nothing"
+        specs = [self.plan.specs[name] for name in sealed["not_made"]]
         facts = {
             **provenance(BUILD),
             "studies": f"{sealed['count']}, seeds {kind}, first {self.plan.seed}",
-            "worlds that could not be made": self._not_made(sealed),
+            "worlds that could not be made": ", ".join(
+                f"{each.seed} {each.effect} {each.hide}" for each in specs
+            )
+            or "none",
             "sealed at": sealed["sealed_at"],
             "seal of the truths": sealed["truths"],
             "seal of the studies": sealed["studies"],
@@ -145,29 +109,45 @@ class Run:
         }
         if sealed["digests"]["scoring"] != self.frozen["scoring"]:
             facts["scored by other code than was frozen"] = self.frozen["scoring"]
-        for when in record.earlier_runs(sealed) if self.plan.proof else ():
+        for when in self._earlier(sealed):
             facts["this tool ran on these seeds before"] = when
         return "".join(f"- {name}: {value}\n" for name, value in facts.items())
 
-    def _not_made(self, sealed: Mapping[str, Any]) -> str:
-        specs = [self.plan.specs[name] for name in sealed["not_made"]]
-        return ", ".join(f"{each.seed} {each.effect} {each.hide}" for each in specs) or "none"
-
-    def _seal(self) -> dict[str, Any]:
-        sealed = seal.read_seal(self.out)
-        if sealed is None:
-            raise CampaignError(f"{self.out}: nothing was sealed yet; run the stage conceal first")
+    def _told(self) -> dict[str, Any]:
+        sealed = self.seal()
         console.print(f"sealed {sealed['sealed_at']}", highlight=False)
         for what in ("truths", "studies"):
             console.print(f"{what:9} sha256 {sealed[what]}", highlight=False)
         return sealed
 
-    def _said(self, name: str) -> dict[str, Any]:
-        path = self.out / "diagnoses" / f"{name}.json"
-        if not path.is_file():
-            raise CampaignError(f"{path}: no diagnosis yet; run the stage diagnose first")
-        said = json.loads(path.read_text())
-        seen = [each for each in said["elsewhere"] if Path(each).is_relative_to(self.out)]
-        if seen:
-            raise CampaignError(f"{name}: its diagnosis opened {seen[0]}: nothing is scored")
-        return dict(said)
+    def _earlier(self, sealed: Mapping[str, Any]) -> Iterable[str]:
+        return earlier_runs(sealed, RECORD) if self.plan.proof else ()
+
+
+def record_line(event: str, seal: Mapping[str, Any]) -> dict[str, Any]:
+    """That a run began: it is kept even where it is never scored."""
+    kept = ("sealed_at", "seed", "count", "truths", "studies", "digests")
+    return {"event": event, "pdoik": version("pdoik"), **{key: seal[key] for key in kept}}
+
+
+def scored_line(seal: Mapping[str, Any], scoring: str, studies: pd.DataFrame) -> dict[str, Any]:
+    """That it was scored, by which code, and how it came out."""
+    counts = {str(name): int(count) for name, count in studies.group.value_counts().items()}
+    return {
+        **record_line("scored", seal),
+        "scored_by": scoring,
+        "counts": counts,
+        "wrong": int((~studies.right).sum()),
+        "scores": scores_of(studies),
+    }
+
+
+def earlier_runs(seal: Mapping[str, Any], path: Path) -> list[str]:
+    """When this same tool was run on these seeds before, in other runs than this one."""
+    return [
+        f"{old['date']} ({old['event']})"
+        for old in record(path)
+        if old["seed"] == seal["seed"]
+        and old["digests"]["tool"] == seal["digests"]["tool"]
+        and old["sealed_at"] != seal["sealed_at"]
+    ]

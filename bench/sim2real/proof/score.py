@@ -1,18 +1,35 @@
-"""One study's scores: its truth beside what was said of it."""
+"""One study's scores: its truth beside what was said of it.
 
-from __future__ import annotations
+What the right answer to a decoy is, and to a study whose motion cannot show what is hidden.
+
+- *outside*: physics that the catalogue lacks. Right where the mismatch is seen and no name is
+  claimed to explain it all: the verdict is `mismatch_unexplained` without any name, or it is
+  `mismatch_unexplained` or `mismatch_partly_explained` and one of the findings is `unknown` at the
+  hidden joint (at any joint where no joint but a link carries it). Names claimed beside `unknown`
+  do not make it wrong; they are counted (`beside_unknown`).
+- *lying*: a channel that is not what its name says. Right where a finding says that a sensor or
+  torque of that joint reads wrong, and of that channel; where a note names that channel of that
+  joint (`tau.joint3`); where the study is refused with a question about that channel; or, where the
+  model was logged as torque, where a note says that torque is no measurement.
+- *still*: joints that do not move. Right where none of these is judged (they are marked as moved
+  too little, or the verdict is `cannot_tell`) and nothing is found at them.
+- *poor*: an effect of the catalogue under motion that hardly shows it. Right where it is named, or
+  listed, all the same; or where no other name is claimed (`unknown` is none) and either the verdict
+  is `cannot_tell`, or all joints that stood still are marked as moved too little, or the study is
+  refused because nothing moves in it. "No mismatch" without such a mark is wrong, and so is another
+  name.
+"""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from bench.common.blind import as_diagnosis
 from bench.common.campaign import Row
 from bench.sim2real.diagnosis.score import AFFECTED, last_link, name_of, overlap, rest_of, scores
-from bench.sim2real.proof import decoys
-from bench.sim2real.proof.diagnose import as_diagnosis
 
 Content = Mapping[str, Any]  # of JSON
 
@@ -47,7 +64,7 @@ def score(name: str, truth: Content, said: Content, true: Mapping[str, float]) -
         "process_seconds": said["process_seconds"],
         "peak_gib": said.get("peak_gib", np.nan),
         "alarm": alarm(diagnosis),
-        "beside_unknown": decoys.beside_unknown(diagnosis) if group == "outside" else 0,
+        "beside_unknown": beside_unknown(diagnosis) if group == "outside" else 0,
     }
     row["answer"] = answer(group, row, truth, diagnosis)
     row["right"] = row["answer"] in ("named", "not judged", "told", "no mismatch")
@@ -84,16 +101,16 @@ def answer(group: str, row: Row, truth: Content, diagnosis: Content) -> str:
         return "no mismatch" if right else "wrong"
     hidden = truth["effects"][0] if truth["effects"] else None
     if group == "outside":
-        return "told" if decoys.unknown_told(hidden, diagnosis) else "wrong"
+        return "told" if unknown_told(hidden, diagnosis) else "wrong"
     if group == "lying":
-        return "told" if decoys.lie_told(hidden, diagnosis) else "wrong"
+        return "told" if lie_told(hidden, diagnosis) else "wrong"
     if group == "still":
-        return "not judged" if decoys.still_told(truth["still"], diagnosis) else "wrong"
+        return "not judged" if still_told(truth["still"], diagnosis) else "wrong"
     if row["hide"] == "poor":
         rest = rest_of(truth["effects"], diagnosis["findings"], last_link(truth["joints"]))
         listed = bool(row["listed"])
         others = sum(each["effect"] != "unknown" for each in rest)
-        return decoys.poor_told(truth["still"], diagnosis, listed=listed, others=others)
+        return poor_told(truth["still"], diagnosis, listed=listed, others=others)
     return "named" if row["named"] and row["placed"] else "wrong"
 
 
@@ -138,3 +155,70 @@ def replayed(said: Content) -> Row:
         f"replay_{which}": float(np.sqrt(np.mean([each[which] ** 2 for each in replays])))
         for which in ("before", "after")
     }
+
+
+Entry = Mapping[str, Any]
+Said = Mapping[str, Any]  # diagnosis.json, or an error as its verdict
+
+NOTHING_MOVES = "no joint moves"  # within the words of a refusal
+CHANNEL_OF_VARIANT = {"speed": "dq", "logged speed": "dq", "position": "q", "logged position": "q"}
+
+
+def unknown_told(hidden: Entry, said: Said) -> bool:
+    unknown = [each for each in said["findings"] if each["effect"] == "unknown"]
+    if said["verdict"] == "mismatch_unexplained" and len(unknown) == len(said["findings"]) == 0:
+        return True
+    at = set(hidden["joints"])
+    left = {name for name, each in said["joints"].items() if each.get("residue")}
+    placed = any(not at or at & joints for joints in (*(set(u["joints"]) for u in unknown), left))
+    return placed and said["verdict"] in ("mismatch_unexplained", "mismatch_partly_explained")
+
+
+def beside_unknown(said: Said) -> int:
+    """Names claimed where the catalogue has none."""
+    return sum(each["effect"] != "unknown" for each in said["findings"])
+
+
+def lie_told(hidden: Entry, said: Said) -> bool:
+    if hidden["kind"] == "tau_model":
+        return any("no measurement" in note for note in said["notes"])
+    channel, (joint,) = hidden["channel"], hidden["joints"]
+    if said["verdict"].startswith("error"):
+        return f"'{channel}'" in said["verdict"]
+    if any(f"{channel}.{joint} " in f"{note} " for note in said["notes"]):
+        return True
+    return any(
+        each["effect"] in ("sensor_gain", "torque_gain")
+        and joint in each["joints"]
+        and channel_of(each) == channel
+        for each in said["findings"]
+    )
+
+
+def channel_of(finding: Entry) -> str:
+    """The channel whose factor a finding states."""
+    if finding["effect"] == "torque_gain":
+        return "tau"
+    return CHANNEL_OF_VARIANT.get(finding.get("variant", ""), "tau")
+
+
+def nothing_judged(still: Iterable[str], said: Said) -> bool:
+    """Whether joints that stood still are said not to be judged."""
+    joints = said["joints"]
+    if said["verdict"] == "cannot_tell" or NOTHING_MOVES in said["verdict"]:
+        return True
+    marked = [name in joints and not joints[name]["excited"] for name in still]
+    return bool(marked) and all(marked)
+
+
+def still_told(still: Iterable[str], said: Said) -> bool:
+    names = set(still)
+    found = any(names & set(each["joints"]) for each in said["findings"])
+    return nothing_judged(names, said) and not found
+
+
+def poor_told(still: Iterable[str], said: Said, *, listed: bool, others: int) -> str:
+    """How a study with poor motion was answered: named, not judged, or wrong."""
+    if listed:
+        return "named"
+    return "not judged" if others == 0 and nothing_judged(still, said) else "wrong"

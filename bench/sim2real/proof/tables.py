@@ -1,96 +1,117 @@
 """The scores as tables: by way of hiding, by effect, by robot, and of the decoys."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import pandas as pd
 
 from bench.common.intervals import share
-from bench.common.markdown import markdown_table
+from bench.common.markdown import markdown_table, table_of
 from bench.sim2real.concealed.catalogue import EFFECTS, WAYS
 from bench.sim2real.proof.reach import chosen, median, reach_table
 
-SCORES = ["named first [95 %]", "named or equivalent", "placed", "window told", "extra findings"]
-FIGURES = [
-    "within 95 % interval",
-    "error",
-    "after / true model",
-    "after / floor",
-    "motion error before [mrad]",
-    "after",
-    "seconds",
-]
+Column = Callable[[pd.DataFrame], object]
+
+
+def _inside(some: pd.DataFrame) -> str:
+    inside = np.repeat([True, False], [some.inside.sum(), (some.intervals - some.inside).sum()])
+    return share(inside) if len(inside) else ""
+
+
+def _told(some: pd.DataFrame) -> str:
+    hidden = some[some.window_hidden]
+    return f"{int(hidden.window_told.sum())} of {len(hidden)}" if len(hidden) else ""
+
+
+def _error(some: pd.DataFrame) -> str:
+    error = some.error.median()
+    return f"{100.0 * error:.2g} %" if np.isfinite(error) else ""
+
+
+def _median(values: pd.Series, form: str = "{:.2f}") -> str:
+    value, _, count = median(values)
+    return form.format(value) if count else ""
+
+
+def _count(name: str) -> Column:
+    return lambda some: str(int(some[name].sum()))
+
+
+NAMED: dict[str, Column] = {
+    "named first [95 %]": lambda some: share(some.named),
+    "named or equivalent": lambda some: share(some.listed),
+    "placed": lambda some: share(some.placed),
+}
+COUNTED: dict[str, Column] = {  # where studies are few
+    "named first": _count("named"),
+    "named or equivalent": _count("listed"),
+    "placed": _count("placed"),
+}
+FIGURES: dict[str, Column] = {
+    "window told": _told,
+    "extra findings": _count("extra"),
+    "within 95 % interval": _inside,
+    "error": _error,
+    "after / true model": lambda some: _median(some.over_true),
+    "after / floor": lambda some: _median(some.left),
+    "motion error before [mrad]": lambda some: _median(1e3 * some.replay_before, "{:.3g}"),
+    "after": lambda some: _median(1e3 * some.replay_after, "{:.3g}"),
+    "seconds": lambda some: _median(some.seconds, "{:.1f}"),
+}
+STUDIES: dict[str, Column] = {"studies": len}
 
 
 def all_tables(studies: pd.DataFrame, notes: Sequence[str]) -> str:
     """Everything that tables.md has below its head."""
-    parts = [
-        "## Asked and measured\n\n" + reach_table(studies),
-        "## By way of hiding\n\n" + way_table(studies),
-        "## By effect\n\nAll ways but poor.\n\n" + effect_table(studies),
-        "## By robot\n\nAll ways but poor.\n\n" + robot_table(studies),
-        "## Poor excitation: the right answer is that it cannot be told\n\n" + poor_table(studies),
-        "## Nothing wrong\n\n" + clean_table(studies),
-        "## Decoys\n\n" + decoy_table(studies),
-    ]
-    return "\n".join(parts) + "".join(f"\n{note}\n" for note in notes)
+    hidden, seen = chosen(studies, "effects"), chosen(studies, "seen")
+    ways = [(way, hidden[hidden.hide == way]) for way in WAYS]
+    effects = [(effect, seen[seen.effect == effect]) for effect in EFFECTS]
+    by_name, by_count = STUDIES | NAMED | FIGURES, STUDIES | COUNTED | FIGURES
+    ways.append(("all but poor", seen))
+    robots = list(seen.groupby("robot", sort=True))
+    parts = {
+        "Asked and measured": reach_table(studies),
+        "By way of hiding": table_of("way", _there(ways), by_name),
+        "By effect\n\nAll ways but poor.": table_of("effect", _there(effects), by_count),
+        "By robot\n\nAll ways but poor.": table_of("robot", robots, by_name),
+        "Poor excitation: the right answer is that it cannot be told": poor_table(hidden),
+        "Nothing wrong": clean_table(studies[studies.group == "clean"]),
+        "Decoys": decoy_table(studies),
+    }
+    text = "\n".join(f"## {title}\n\n{table}" for title, table in parts.items())
+    return text + "".join(f"\n{note}\n" for note in notes)
 
 
-def way_table(studies: pd.DataFrame) -> str:
-    """One row per way of hiding."""
-    hidden = chosen(studies, "effects")
-    groups = {way: hidden[hidden.hide == way] for way in WAYS}
-    groups |= {"all but poor": chosen(studies, "seen")}
-    rows = [[way, len(some), *_row(some)] for way, some in groups.items() if len(some)]
-    return markdown_table(["way", "studies", *SCORES, *FIGURES], rows)
+def _there(groups: Iterable[tuple[str, pd.DataFrame]]) -> list[tuple[str, pd.DataFrame]]:
+    return [(name, some) for name, some in groups if len(some)]
 
 
-def effect_table(studies: pd.DataFrame) -> str:
-    """One row per effect of the catalogue; counts, since studies are few."""
-    seen = chosen(studies, "seen")
-    rows = []
-    for effect in EFFECTS:
-        some = seen[seen.effect == effect]
-        if len(some):
-            counts = [str(int(some[name].sum())) for name in ("named", "listed", "placed")]
-            rows.append([effect, len(some), *counts, *_row(some)[3:]])
-    return markdown_table(
-        ["effect", "studies", "named first", *SCORES[1:], *FIGURES],
-        rows,
-    )
-
-
-def robot_table(studies: pd.DataFrame) -> str:
-    """One row per arm."""
-    seen = chosen(studies, "seen")
-    rows = [[robot, len(some), *_row(some)] for robot, some in seen.groupby("robot", sort=True)]
-    return markdown_table(["robot", "studies", *SCORES, *FIGURES], rows)
-
-
-def poor_table(studies: pd.DataFrame) -> str:
+def poor_table(hidden: pd.DataFrame) -> str:
     """How studies with poor motion were answered."""
-    hidden = chosen(studies, "effects")
     poor = hidden[hidden.hide == "poor"]
-    rows = []
-    for effect, some in [*poor.groupby("effect", sort=False), ("all", poor)]:
-        counts = [int((some.answer == kind).sum()) for kind in ("named", "not judged", "wrong")]
-        rows.append([effect, len(some), share(some.right), *counts])
-    header = ["effect", "studies", "right [95 %]", "named or listed", "said not judged", "wrong"]
-    return markdown_table(header, rows)
+
+    def answered(kind: str) -> Column:
+        return lambda some: int((some.answer == kind).sum())
+
+    columns = {
+        "right [95 %]": lambda some: share(some.right),
+        "named or listed": answered("named"),
+        "said not judged": answered("not judged"),
+        "wrong": answered("wrong"),
+    }
+    groups = [*poor.groupby("effect", sort=False), ("all", poor)]
+    return table_of("effect", groups, STUDIES | columns)
 
 
-def clean_table(studies: pd.DataFrame) -> str:
+def clean_table(clean: pd.DataFrame) -> str:
     """False alarms by the way in which nothing was hidden."""
-    clean = studies[studies.group == "clean"]
-    rows = []
-    for way, some in [*clean.groupby("hide", sort=False), ("all", clean)]:
-        findings = int(some.extra.sum())
-        told = int((some.verdict == "cannot_tell").sum())
-        rows.append([way, len(some), int(some.alarm.sum()), share(some.alarm), findings, told])
-    header = ["way", "studies", "false alarms", "share [95 %]", "findings", "said cannot tell"]
-    return markdown_table(header, rows)
+    columns = {
+        "false alarms": lambda some: int(some.alarm.sum()),
+        "share [95 %]": lambda some: share(some.alarm),
+        "findings": lambda some: int(some.extra.sum()),
+        "said cannot tell": lambda some: int((some.verdict == "cannot_tell").sum()),
+    }
+    return table_of("way", [*clean.groupby("hide", sort=False), ("all", clean)], STUDIES | columns)
 
 
 def decoy_table(studies: pd.DataFrame) -> str:
@@ -108,47 +129,18 @@ def decoy_table(studies: pd.DataFrame) -> str:
     return markdown_table([*header, "verdicts"], rows)
 
 
-def _row(some: pd.DataFrame) -> list[str]:
-    shares = [share(some[name]) for name in ("named", "listed", "placed")]
-    hidden = some[some.window_hidden]
-    told = f"{int(hidden.window_told.sum())} of {len(hidden)}" if len(hidden) else ""
-    inside = np.repeat([True, False], [some.inside.sum(), (some.intervals - some.inside).sum()])
-    error = some.error.median()
-    return [
-        *shares,
-        told,
-        str(int(some.extra.sum())),
-        share(inside) if len(inside) else "",
-        f"{100.0 * error:.2g} %" if np.isfinite(error) else "",
-        _median(some.over_true),
-        _median(some.left),
-        _median(1e3 * some.replay_before, "{:.3g}"),
-        _median(1e3 * some.replay_after, "{:.3g}"),
-        _median(some.seconds, "{:.1f}"),
-    ]
-
-
-def _median(values: pd.Series[float], form: str = "{:.2f}") -> str:
-    value, _, count = median(values)
-    return form.format(value) if count else ""
-
-
 def notes_of(studies: pd.DataFrame) -> list[str]:
     """What the tables do not say by themselves."""
     seen = chosen(studies, "seen")
     errors = studies[studies.verdict.str.startswith("error")]
     crashed = errors[~errors.verdict.str.contains("LoadError", regex=False)]
-    return [
-        *_of_true_models(seen),
+    last = (
         f"{len(errors)} studies were refused or ended in an error, {len(crashed)} of them without"
-        " a question to the user (crash or timeout).",
-    ]
-
-
-def _of_true_models(seen: pd.DataFrame) -> list[str]:
+        " a question to the user (crash or timeout)."
+    )
     within = seen.over_true.dropna()
     if not len(within):
-        return ["No study was held against its true model."]
+        return ["No study was held against its true model.", last]
     reasons = seen.why_not[seen.by_floor].value_counts()
     why = "; ".join(f"{count} times {reason}" for reason, count in reasons.items() if reason)
     return [
@@ -156,4 +148,5 @@ def _of_true_models(seen: pd.DataFrame) -> list[str]:
         f" noise floor stands for it there{f' ({why})' if why else ''}.",
         "Held-out residual after is within 1.15 times the true model's in"
         f" {share(within <= 1.15)} of studies; 90 % of them are below {within.quantile(0.9):.2f}.",
+        last,
     ]

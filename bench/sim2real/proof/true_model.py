@@ -4,8 +4,6 @@ Place, window and the parameters that enter nonlinearly are the truth's; the res
 recordings to fit, and judged on those held out, by the same balances as the diagnosis is.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -16,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.campaign import Job, Row
-from bench.sim2real.proof.conceal import SEALED, STUDIES
+from bench.common.sealed import SEALED, STUDIES
 from pdoik.sim2real import CATALOGUE, Prepared, load_study, prepare
 from pdoik.sim2real.effects import Effect
 from pdoik.sim2real.infer.verdict import preferred
@@ -54,11 +52,7 @@ def refit(job: Job) -> list[Row]:
 
 
 def true_residuals(study: Path, entries: list[Entry]) -> dict[str, float]:
-    """Root mean square by joint on the held-out recordings.
-
-    Raises:
-        NoTrueModelError: an entry is none of the catalogue's, or changes nothing.
-    """
+    """Root mean square by joint on the held-out recordings."""
     prepared = prepare(load_study(study))
     if prepared.validate is None:
         raise NoTrueModelError("nothing was held out")
@@ -77,7 +71,6 @@ class TrueModel:
     """The truth's terms with the coefficients that suit the recordings to fit."""
 
     def __init__(self, prepared: Prepared, entries: list[Entry]) -> None:
-        """Fits at once."""
         self.prepared = prepared
         self.gates: dict[int, Entry] = {}  # by id of the term
         self.events: list[Term] = []  # in held-out recordings, where alone they can be learned

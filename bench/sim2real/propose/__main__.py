@@ -9,8 +9,6 @@ leaves nothing open is passed over. Results are kept as they come, and the same 
 where it was stopped. One process; needs the extras bench and sim2real.
 """
 
-from __future__ import annotations
-
 import json
 import tempfile
 import time
@@ -23,17 +21,8 @@ import numpy as np
 import pandas as pd
 import typer
 
+from bench.common import commands as cli
 from bench.common.campaign import Campaign, Row
-from bench.common.commands import (
-    BUILD,
-    OutFolder,
-    Quick,
-    Seed,
-    console,
-    plain_errors,
-    show,
-    write_report,
-)
 from bench.common.digests import code_digest
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
@@ -41,7 +30,7 @@ from bench.sim2real.concealed.motion import STEP, Motion
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
 from bench.sim2real.concealed.study_files import joint_names
 from bench.sim2real.diagnosis.score import last_link, name_of, placed
-from bench.sim2real.propose.worlds import WAYS, PoorWorld, Way, motion_of, poor_world
+from bench.sim2real.propose.worlds import WAYS, PoorWorld, Way, poor_world
 from pdoik.sim2real import CATALOGUE, Diagnosis, examine, model_of
 from pdoik.sim2real.effects import Effect
 from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
@@ -53,40 +42,27 @@ SECONDS = 20.0
 SURE = 0.9
 MEASURES = ("strict", "hopeful", "lenient")
 EFFECTS = (
-    "coulomb_friction",
-    "presliding_hysteresis",
-    "payload",
-    "asymmetric_friction",
-    "torque_gain",
-    "torque_offset",
-    "rotor_inertia",
-    "load_dependent_friction",
-    "gravity_direction",
-    "position_dependent_spring",
-    "joint_elasticity",
-    "stribeck_friction",
-    "backlash",
-    "viscous_friction",
-    "link_inertial_error",
-    "joint_offset",
-    "torque_ripple",
-    "joint_coupling",
+    *("coulomb_friction", "presliding_hysteresis", "payload", "asymmetric_friction"),
+    *("torque_gain", "torque_offset", "rotor_inertia", "load_dependent_friction"),
+    *("gravity_direction", "position_dependent_spring", "joint_elasticity"),
+    *("stribeck_friction", "backlash", "viscous_friction", "link_inertial_error"),
+    *("joint_offset", "torque_ripple", "joint_coupling"),
 )
 """What a motion alone may settle: no event, no channel, nothing that needs tip poses."""
 ROBOTS = ("random2", "random3", "random2")
 
 
 def main(
-    out: OutFolder = BUILD / "propose",
-    quick: Quick = False,
+    out: cli.OutFolder = cli.BUILD / "propose",
+    quick: cli.Quick = False,
     wanted: Annotated[int, typer.Option(min=1, help="Studies that leave something open.")] = 60,
     effort: Annotated[int, typer.Option(min=1, help="Motions that each search looks at.")] = 60,
-    seed: Seed = 8000,
+    seed: cli.Seed = 8000,
     table: Annotated[bool, typer.Option("--table", help="Only of what is there so far.")] = False,
 ) -> None:
     """Diagnose, propose, run, diagnose again, count."""
     if table:
-        show(tables(pd.concat(map(pd.read_parquet, sorted((out / "parts").glob("*.parquet"))))))
+        cli.show(tables(pd.concat(map(pd.read_parquet, sorted((out / "parts").glob("*.parquet"))))))
         return
     if quick:
         wanted, out = 2, out.with_name(out.name + "-quick")
@@ -98,7 +74,7 @@ def main(
         "seed": seed,
         "effort": effort,
     }
-    with plain_errors():
+    with cli.plain_errors():
         campaign = Campaign(out, settings)
         names: list[str] = []
         done = 0
@@ -109,12 +85,12 @@ def main(
                 campaign.keep(name, [study_row(spec, way, effort)])
             row = campaign.gather([name]).iloc[0]
             done += bool(row.open)
-            console.print(f"{done} {name} {spec.robot}: {line(row)}", highlight=False)
+            cli.console.print(f"{done} {name} {spec.robot}: {line(row)}", highlight=False)
             if done >= wanted:
                 break
         rows = campaign.gather(names)
-    write_report(out / "tables.md", tables(rows))
-    show(tables(rows))
+    cli.write_report(out / "tables.md", tables(rows))
+    cli.show(tables(rows))
 
 
 def specs(first: int) -> Iterator[tuple[WorldSpec, Way]]:
@@ -127,7 +103,6 @@ def specs(first: int) -> Iterator[tuple[WorldSpec, Way]]:
 
 
 def study_row(spec: WorldSpec, way: Way, effort: int) -> Row:
-    """All of one study."""
     row: Row = {**asdict(spec), "way": way, "size": 0.0, "open": False, "error": ""}
     row |= dict.fromkeys(("before", "expected", "hidden"), "[]") | {"hopeless": False}
     for kind in ("proposed", "random"):
@@ -178,8 +153,7 @@ def run_of(proposal: Proposal, world: PoorWorld) -> Motion:
     """The motion on the grid of the machine's commands, in the order of its joints."""
     order = [proposal.joints.index(name) for name in joint_names(world.draft.arm)]
     times = np.arange(0.0, proposal.time[-1] + 0.5 * STEP, STEP)
-    q = proposal.at(times)[:, order]
-    return motion_of(q)
+    return Motion.of(proposal.at(times)[:, order])
 
 
 def _diagnosed(study: Path, report: Path) -> Diagnosis:
@@ -251,7 +225,6 @@ def said(diagnosis: Diagnosis) -> str:
 
 
 def line(row: Any) -> str:
-    """One study in words."""
     if not row.open:
         return f"nothing open ({row.seconds:.0f} s) {row.error}"
     marks = ", ".join(

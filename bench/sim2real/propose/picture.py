@@ -7,8 +7,6 @@ beside that finding by hand, as if it were listed: the motion that is proposed f
 beside the log, with the friction of either name along both.
 """
 
-from __future__ import annotations
-
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -59,7 +57,6 @@ def main(out: Annotated[Path, typer.Argument(help="PNG.")]) -> None:
 
 
 def doubted(diagnosis: Diagnosis) -> Diagnosis:
-    """With presliding beside the joint's friction."""
     other = (Equivalent(effect="presliding_hysteresis", joints=(JOINT,)),)
     findings = (
         replace(each, equivalents=other) if JOINT in each.joints else each
@@ -106,7 +103,6 @@ def picture(diagnosis: Diagnosis, proposal: Proposal, log: tuple[Array, Array]) 
 
 
 def direction(x: Array) -> Array:
-    """Of motion, smooth about rest."""
     return np.tanh(np.gradient(x, PERIOD) / (0.5 * STILL))
 
 

@@ -4,8 +4,6 @@ The operator moved them slowly, one joint of them only, or within a few degrees:
 often is. The machine is that of bench/sim2real/concealed; so is what runs on it afterwards.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -16,7 +14,7 @@ from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.build import hidden_in, write_machine
 from bench.sim2real.concealed.draft import Draft, draft_of
 from bench.sim2real.concealed.effect import Effect
-from bench.sim2real.concealed.motion import STEP, Motion, center, smoothed
+from bench.sim2real.concealed.motion import STEP, Motion, center, smoothed, smoothstep
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.concealed.study_files import joint_names
 
@@ -78,7 +76,6 @@ def poor_world(spec: WorldSpec, way: Way) -> PoorWorld:
 
 
 def poor_motion(draft: Draft, rng: np.random.Generator, way: Way, asked: Axes) -> Motion:
-    """Commanded positions of one poor recording."""
     arm, rows = draft.arm, round(LENGTH / STEP)
     middle, half = center(arm, rng)
     time = STEP * np.arange(rows)
@@ -87,18 +84,11 @@ def poor_motion(draft: Draft, rng: np.random.Generator, way: Way, asked: Axes) -
     if way == "one joint":
         moved = asked[int(rng.integers(len(asked)))]
         path[:, np.arange(arm.n) != moved] = 0.0
-    fade = np.clip(np.minimum(time, time[-1] - time) / 1.5, 0.0, 1.0)
     if way != "one way":
-        path = path * (fade**3 * (10.0 - 15.0 * fade + 6.0 * fade**2))[:, None]
-    speed = np.array([0.6 * joint.speed for joint in arm.joints])
+        path = path * smoothstep(np.minimum(time, time[-1] - time) / 1.5)[:, None]
+    speed = 0.6 * arm.speeds
     fastest = np.max(np.abs(np.diff(path, axis=0)), axis=0) / STEP
-    return motion_of(smoothed(middle + path * np.minimum(1.0, speed / np.maximum(fastest, 1e-9))))
-
-
-def motion_of(q: Array) -> Motion:
-    """Of positions on the commands' grid."""
-    dq = np.gradient(q, STEP, axis=0)
-    return Motion(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
+    return Motion.of(smoothed(middle + path * np.minimum(1.0, speed / np.maximum(fastest, 1e-9))))
 
 
 def _creep(rng: np.random.Generator, time: Array, half: float) -> Array:
@@ -109,14 +99,12 @@ def _creep(rng: np.random.Generator, time: Array, half: float) -> Array:
 
 
 def _short(rng: np.random.Generator, time: Array, half: float) -> Array:
-    """Two sines of a few degrees."""
     reach = rng.uniform(0.05, 0.12)
     rates = 2.0 * np.pi * rng.uniform(0.15, 0.6, 2)
     return 0.5 * reach * np.sin(np.outer(time, rates) + rng.uniform(0.0, 6.3, 2)).sum(axis=1)
 
 
 def _swing(rng: np.random.Generator, time: Array, half: float) -> Array:
-    """A sine and half of it."""
     rate = 2.0 * np.pi * rng.uniform(0.1, 0.3)
     wave = np.sin(rate * time) + 0.5 * np.sin(1.7 * rate * time + rng.uniform(0.0, 6.3))
     return 0.4 * half * wave

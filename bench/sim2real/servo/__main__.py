@@ -8,8 +8,6 @@ The source's kind of model is refitted here: torque of a voltage, back-EMF, Coul
 Stribeck and load-dependent friction, by simulation, for each motor.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 from collections.abc import Sequence
@@ -170,7 +168,6 @@ def predictions(references: dict[int, Examination]) -> list[str]:
 
 
 def gains_told_wrong(folder: Path) -> list[str]:
-    """Rows: a firmware gain told wrong."""
     rows = ["| gain | told | said first | gain said | error |", "| --- | --- | --- | --- | --- |"]
     for gain, told in ((100, 160), (100, 60), (400, 560), (400, 240), (100, 100), (400, 400)):
         controller = {"type": "voltage", "kp": [told], "unit": [UNIT]}

@@ -1,7 +1,5 @@
 """Studies of a real servo that swings a known load, at two gains of its firmware."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any

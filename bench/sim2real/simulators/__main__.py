@@ -8,11 +8,8 @@ noisy encoders. Commands and positions are all that is given. Finished pairs are
 same command goes on where it was stopped.
 """
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -20,8 +17,9 @@ import pandas as pd
 import typer
 
 from bench.common.campaign import Campaign, Row
+from bench.common.commands import BUILD, OutFolder
 from bench.common.markdown import markdown_table
-from bench.sim2real.simulators.robots import Robot, robots
+from bench.sim2real.simulators.robots import Robot, position_servos, robots
 from pdoik.sim2real import Recording, Thresholds
 from pdoik.sim2real.simulation.description import read_description
 from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
@@ -38,7 +36,6 @@ SAME = {"kv": {"kv", "damping"}, "damping": {"damping", "kv"}, "mass": {"mass", 
 
 
 def mjcf_of(robot: Robot) -> tuple[str, tuple[str, ...]]:
-    """The user's MJCF and its joints."""
     joints = movable_joints(read_description(robot.urdf))[: robot.joints]
     others = movable_joints(read_description(robot.urdf))[robot.joints :]
     plant = build_plant(robot.urdf, (*joints, *others))
@@ -47,16 +44,7 @@ def mjcf_of(robot: Robot) -> tuple[str, tuple[str, ...]]:
         plant.model.dof_damping[dof] = own
         plant.model.dof_armature[dof] = 0.01
         plant.model.dof_frictionloss[dof] = 0.2 * own
-    servos = [
-        {
-            "name": joint,
-            "joint": joint,
-            "gainprm": f"{kp:g}",
-            "biastype": "affine",
-            "biasprm": f"0 {-kp:g} {-kv:g}",
-        }
-        for joint, kp, kv in zip(joints, robot.kp, robot.kv, strict=True)
-    ]
+    servos = position_servos(joints, robot.kp, robot.kv)
     return mjcf_text(plant.model, actuators=servos, timestep=2e-3), joints
 
 
@@ -186,15 +174,8 @@ def jobs_of(count: int) -> dict[str, dict[str, object]]:
     """By name: a seventh with nothing, two fifths of the rest with two causes."""
     rng = np.random.default_rng(20)
     kinds = (
-        "damping",
-        "frictionloss",
-        "armature",
-        "kp",
-        "kv",
-        "delay",
-        "shared delay",
-        "mass",
-        "ref",
+        *("damping", "frictionloss", "armature", "kp", "kv", "delay", "shared delay", "mass"),
+        *("ref",),
     )
     known = list(robots())
     found: dict[str, dict[str, object]] = {}
@@ -224,20 +205,12 @@ def table(rows: pd.DataFrame) -> str:
                 int(each["false"].sum()),
             )
         )
-    header = (
-        "concealed",
-        "claimed by name and joint",
-        "or suspected",
-        "size in its interval",
-        "false",
-    )
-    return markdown_table(header, lines)
+    header = ("concealed", "claimed by name and joint", "or suspected", "size in its interval")
+    return markdown_table((*header, "false"), lines)
 
 
 def main(
-    out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path(
-        "build/bench/simulators"
-    ),
+    out: OutFolder = BUILD / "simulators",
     pairs: Annotated[int, typer.Option(min=1, help="How many.")] = 42,
 ) -> None:
     """Make the pairs that are missing, and print the table."""

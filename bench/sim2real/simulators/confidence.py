@@ -8,8 +8,6 @@ over the log odds of its gain, by logistic regression with a weak prior on both 
 3), for findings are few.
 """
 
-from __future__ import annotations
-
 import json
 from itertools import pairwise
 from pathlib import Path

@@ -8,8 +8,6 @@ dry friction 0.2, armature 0.01 in every joint). Errors are those of the held-ou
 1.5 s that begin at the measured state.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
@@ -20,8 +18,7 @@ import yaml
 from matplotlib.figure import Figure
 
 from bench.common.whole_files import write_whole
-from bench.sim2real.simulators.real import errors_by_joint, found_in
-from bench.sim2real.simulators.robots import robots
+from bench.sim2real.simulators.robots import errors_by_joint, found_in, robots
 from pdoik.sim2real.report.style import AFTER, BEFORE, MEASURED, house_style, png_of
 from pdoik.sim2real.simulators.candidates import Knob
 from pdoik.sim2real.simulators.compare import Comparison, compare
@@ -57,7 +54,6 @@ def table(comparison: Comparison) -> str:
 
 
 def picture(comparison: Comparison) -> bytes:
-    """One leg over the held-out end."""
     trace = next(t for t in comparison.traces if t.recording.role == "validate")
     assert trace.patched is not None
     time = trace.recording.time + trace.recording.start

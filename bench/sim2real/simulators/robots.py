@@ -1,13 +1,15 @@
-"""The robots whose simulators are wrong."""
+"""The robots whose simulators are wrong, and what scripts on real recordings share."""
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import pdoik
+from bench.common.markdown import markdown_table
+from pdoik.sim2real.simulators.compare import Comparison
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,3 +48,51 @@ def robots() -> dict[str, Robot]:
             joints=12,
         )
     return found
+
+
+def errors_by_joint(comparison: Comparison, sides: Mapping[str, NDArray[np.float64]]) -> str:
+    """Root mean square errors [mrad] over the held-out runs.
+
+    Args:
+        comparison: with a machine's step.
+        sides: positions by heading, (R, n), where the held-out ones were measured.
+    """
+    assert comparison.machine is not None
+    measured = comparison.machine.explained.held_out.measured
+    errors = [1e3 * np.sqrt(np.mean((measured - side) ** 2, axis=0)) for side in sides.values()]
+    rows = [
+        (joint, *(f"{e[k]:.1f}" for e in errors)) for k, joint in enumerate(comparison.study.joints)
+    ]
+    rows.append(("all", *(f"{np.sqrt(np.mean(e**2)):.1f}" for e in errors)))
+    return markdown_table(("joint", *sides), rows)
+
+
+def found_in(comparison: Comparison) -> str:
+    """What is claimed and what is suspected, a line each, with sizes and equivalents."""
+    assert comparison.machine is not None
+    lines = []
+    for finding in comparison.machine.findings:
+        low, high = next(iter(finding.parameters.values())).interval95
+        lines.append(f"{finding.statement} ({low:.3g} to {high:.3g}) {finding.confidence:.2f}")
+    for finding in comparison.machine.suspected:
+        alike = [f"{e.effect} of {' '.join((*e.joints, *e.links))}" for e in finding.equivalents]
+        told = f", or {', '.join(alike)}" if alike else ""
+        lines.append(f"suspected: {finding.statement} {finding.confidence:.2f}{told}")
+    return "\n".join(lines)
+
+
+def position_servos(
+    joints: Iterable[str], kp: Iterable[float], kv: Iterable[float], **more: str
+) -> list[dict[str, str]]:
+    """Actuators of an MJCF."""
+    return [
+        {
+            "name": joint,
+            "joint": joint,
+            "gainprm": f"{p:g}",
+            "biastype": "affine",
+            "biasprm": f"0 {-p:g} {-v:g}",
+            **more,
+        }
+        for joint, p, v in zip(joints, kp, kv, strict=True)
+    ]

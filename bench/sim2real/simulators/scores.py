@@ -1,7 +1,5 @@
 """How right a comparison is about a machine of simulator_worlds.py: strictly and leniently."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -56,7 +54,6 @@ def _mass_improves(finding: Told, answer: Told) -> bool:
 
 
 def rows_of(answer: Told, said: Told) -> Iterator[Told]:
-    """A row for each finding."""
     about = {key: answer["job"][key] for key in ("name", "effect", "background", "torque")}
     for finding in said["findings"]:
         yield {

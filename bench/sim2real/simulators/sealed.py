@@ -11,8 +11,6 @@ was said. Finished pairs are kept, and the same command goes on where it was sto
 tool, generator or seed it refuses.
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 from pathlib import Path
@@ -25,7 +23,7 @@ from bench.common.campaign import CampaignError
 from bench.common.commands import BUILD, console, plain_errors, show, write_report
 from bench.common.digests import digest_of, digest_of_files, tool_digest
 from bench.common.whole_files import write_text
-from bench.sim2real.proof.digests import generator_digest
+from bench.sim2real.proof.run import generator_digest
 from bench.sim2real.simulators.scores import tables
 from bench.sim2real.simulators.worlds import Job, jobs_of, make
 from pdoik.sim2real.simulators import compare
@@ -63,11 +61,7 @@ def main(
 
 
 def sealed(out: Path, pairs: int, first: int | None) -> dict[str, Any]:
-    """What is frozen: written where there is nothing, and else what was written.
-
-    Raises:
-        CampaignError: the folder was begun with something else.
-    """
+    """What is frozen: written where there is nothing, and else what was written."""
     path = out / "seal.json"
     old = json.loads(path.read_text()) if path.is_file() else None
     seed = first if first is not None else 1_000_000 + secrets.randbelow(2**31)

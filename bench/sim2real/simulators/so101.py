@@ -8,8 +8,6 @@ the figures of one of two public simulators of such arms. Two whole motions are 
 is left out: it was logged as a share of its range, and the simulator holds it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -21,7 +19,7 @@ import numpy as np
 import typer
 import yaml
 
-from bench.sim2real.simulators.real import errors_by_joint, found_in
+from bench.sim2real.simulators.robots import errors_by_joint, found_in, position_servos
 from pdoik.sim2real.simulation.description import read_description
 from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
 from pdoik.sim2real.simulation.plant import build_plant
@@ -90,17 +88,8 @@ def simulator(figures: Figures) -> str:
     mujoco.mj_setConst(model, mujoco.MjData(model))
     critical = 2.0 * np.sqrt(figures.kp * model.dof_M0[dof])
     damped = critical if figures.kv is None else np.full(len(dof), figures.kv)
-    servos = [
-        {
-            "name": joint,
-            "joint": joint,
-            "gainprm": f"{figures.kp:g}",
-            "biastype": "affine",
-            "biasprm": f"0 {-figures.kp:g} {-kv:g}",
-            "forcerange": f"{-figures.limit:g} {figures.limit:g}",
-        }
-        for joint, kv in zip(joints, damped, strict=True)
-    ]
+    limits = f"{-figures.limit:g} {figures.limit:g}"
+    servos = position_servos(joints, [figures.kp] * len(dof), damped, forcerange=limits)
     return mjcf_text(model, actuators=servos, timestep=figures.timestep)
 
 

@@ -5,8 +5,6 @@ Stribeck's, play, elasticity, ripple; a controller that samples; noisy, quantise
 rows. The user's simulator is their URDF under their gains, which knows nothing of it.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -89,11 +87,7 @@ def jobs_of(first: int, count: int) -> list[Job]:
 
 
 def make(job: Job, folder: Path, truth: Path) -> None:
-    """Write the study of a machine, compare.yaml in it, and elsewhere what the machine has.
-
-    Raises:
-        RuntimeError: the arm does not bear what was drawn, at any size that was tried.
-    """
+    """Write the study of a machine, compare.yaml in it, and elsewhere what the machine has."""
     size = float(np.random.default_rng([job.seed, 3]).uniform(8.0, 40.0))
     for attempt in range(6):
         spec = WorldSpec(

@@ -10,8 +10,6 @@ its onset at which it adds to the torque of a moving joint more than --friction-
 friction, by which that may be another on another day, and three times the floor of the residual.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -48,7 +46,6 @@ RIGHT = {
 
 
 def onset_of(number: int) -> Onset:
-    """What begins in a log."""
     rng = np.random.default_rng([SEED, 2, number])
     kind = KINDS[number % len(KINDS)]
     joint = int(rng.integers(len(JOINTS)))
@@ -148,7 +145,6 @@ def resident() -> float:
 
 
 def rows_of(out: Path, kind: str) -> Iterator[dict[str, Any]]:
-    """Results by number."""
     paths = (out / "logs").glob(f"{kind}_*.json")
     yield from (json.loads(path.read_text()) for path in sorted(paths, key=_number))
 
@@ -158,7 +154,6 @@ def _number(path: Path) -> int:
 
 
 def table(out: Path) -> list[str]:
-    """Markdown."""
     healthy, changed = list(rows_of(out, "healthy")), list(rows_of(out, "changed"))
     noticed = [a for row in healthy for a in row["alarms"] if a["stage"] == "noticed"]
     early = [

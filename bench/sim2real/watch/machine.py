@@ -56,7 +56,6 @@ class Log:
     effect: FloatArray = field(repr=False)  # true torque of the onset, (T, n) [N m]
 
     def columns(self) -> dict[str, FloatArray]:
-        """As a CSV has them."""
         table = {"time": self.time}
         for channel in ("q", "tau"):
             values = getattr(self, channel)

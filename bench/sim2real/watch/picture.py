@@ -4,8 +4,6 @@ python -m bench.sim2real.watch --out watch_day            makes the model, and s
 python -m bench.sim2real.watch.picture watch_day/model.json bench/sim2real/watch/watch.png
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,20 +35,27 @@ def diagnose(job: Job) -> list[Row]:
     return [{"name": job["name"], "said": json.dumps(said)}]
 
 
-def blind(study: Path, longest: float = LONGEST) -> dict[str, Any]:
+def blind(study: Path, longest: float = LONGEST, tool: Path | None = None) -> dict[str, Any]:
     """The result of one.py on a copy of a study's folder; a crash or a timeout is a result too.
 
     Neither arguments, environment nor folder of the process lead to the truth.
+
+    Args:
+        study: its folder.
+        longest: that it may take [s].
+        tool: folder of the package pdoik; the one that is installed without it.
     """
+    isolated = "-I" if tool is None else "-P"
+    path = {} if tool is None else {"PYTHONPATH": str(tool)}
     with tempfile.TemporaryDirectory(prefix="pdoik-blind-") as folder:
         shutil.copytree(study, Path(folder) / "study")
-        command = [sys.executable, "-I", str(ONE), "study/study.yaml", "result.json"]
+        command = [sys.executable, isolated, str(ONE), "study/study.yaml", "result.json"]
         begin = time.perf_counter()
         try:
             done = subprocess.run(
                 command,
                 cwd=folder,
-                env=environment(folder),
+                env=environment(folder) | path,
                 capture_output=True,
                 text=True,
                 timeout=longest,
@@ -55,7 +63,8 @@ def blind(study: Path, longest: float = LONGEST) -> dict[str, Any]:
             )
             if done.returncode in STOPPED:
                 raise RuntimeError("the diagnosis was stopped from outside")
-            ended = f"status {done.returncode}: {_last_line(done.stderr)}"
+            last = (done.stderr.strip().splitlines() or ["nothing said"])[-1]
+            ended = f"status {done.returncode}: {last}"
         except subprocess.TimeoutExpired:
             ended = f"no answer within {longest:g} s"
         took = time.perf_counter() - begin
@@ -72,13 +81,8 @@ def environment(home: str) -> dict[str, str]:
     return {**kept, "HOME": home, "TMPDIR": home, **dict.fromkeys(THREADS, "1")}
 
 
-def as_diagnosis(said: dict[str, Any]) -> dict[str, Any]:
+def as_diagnosis(said: Mapping[str, Any]) -> dict[str, Any]:
     """A result in the shape of diagnosis.json; an error is its verdict."""
     if "diagnosis" in said:
         return dict(said["diagnosis"])
     return {"verdict": f"error: {said['error']}", "findings": [], "joints": {}, "notes": []}
-
-
-def _last_line(text: str) -> str:
-    lines = text.strip().splitlines()
-    return lines[-1] if lines else "nothing said"

@@ -1,9 +1,9 @@
-"""Least squares with the full regressor, and sparse regression on a library of terms."""
-
-from __future__ import annotations
+"""Methods that are compared: least squares, sparse regression, black boxes, and the diagnosis."""
 
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from bench.sim2real.proof.peers_data import (
     smooth,
     stacked,
 )
-from pdoik.sim2real import Study
+from pdoik.sim2real import Model, Study, examine, model_of, predict
 
 STEP = 0.02  # between rows that enter a fit [s]
 CUTS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4)  # of singular values, relative
@@ -121,3 +121,102 @@ def library(track: Track, joint: int, rows: slice) -> Array:
     shared += [np.sin(x + s * q[:, k]) for k in others for s in (1.0, -1.0)]
     shared += [np.cos(x + s * q[:, k]) for k in others for s in (1.0, -1.0)]
     return np.stack(own + shared, axis=1)
+
+
+def features(track: Track, rows: slice) -> Array:
+    """Positions, speeds, accelerations and the model's torques of all joints, (T, 4 n)."""
+    return np.hstack([x[rows] for x in (track.q, track.dq, track.ddq, track.model)])
+
+
+def boosting(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
+    """One ensemble of trees per joint, stopped where the tracks to choose by say so."""
+    from sklearn.ensemble import HistGradientBoostingRegressor
+
+    x, y = _data(fit)
+    held, wanted = _data(choose)
+    boxes: list[Any] = []
+    for joint in range(y.shape[1]):
+        box = HistGradientBoostingRegressor(
+            learning_rate=0.08,
+            max_iter=200,
+            max_leaf_nodes=15,
+            min_samples_leaf=20,
+            l2_regularization=1.0,
+            early_stopping=True,
+            n_iter_no_change=15,
+            random_state=0,
+        )
+        boxes.append(box.fit(x, y[:, joint], X_val=held, y_val=wanted[:, joint]))
+
+    def predict(track: Track) -> Array:
+        x = features(track, slice(None))
+        return track.model + np.stack([box.predict(x) for box in boxes], axis=1)
+
+    return predict
+
+
+def network(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
+    """Two hidden layers for all joints; of two penalties, the one best where it may choose."""
+    from sklearn.neural_network import MLPRegressor
+    from sklearn.preprocessing import StandardScaler
+
+    x, y = _data(fit)
+    held, wanted = _data(choose)
+    inputs, outputs = StandardScaler().fit(x), StandardScaler().fit(y)
+    best: tuple[float, Any] = (np.inf, None)
+    for alpha in (1e-3, 1.0):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that more iterations would fit closer
+            box = MLPRegressor(
+                hidden_layer_sizes=(48, 48),
+                activation="tanh",
+                alpha=alpha,
+                max_iter=150,
+                learning_rate_init=3e-3,
+                batch_size=64,
+                random_state=0,
+                tol=1e-4,
+            ).fit(inputs.transform(x), outputs.transform(y))
+        guess = box.predict(inputs.transform(held)).reshape(len(held), -1)
+        left = float(np.mean((guess - outputs.transform(wanted)) ** 2))
+        if left < best[0]:
+            best = (left, box)
+
+    def predict(track: Track) -> Array:
+        x = inputs.transform(features(track, slice(None)))
+        added = best[1].predict(x).reshape(len(x), -1)
+        return track.model + outputs.inverse_transform(added)
+
+    return predict
+
+
+def _data(tracks: list[Track]) -> tuple[Array, Array]:
+    x = np.concatenate([features(track, track.every(STEP)) for track in tracks])
+    return x, stacked(tracks, "residual", STEP)
+
+
+def nothing(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
+    return lambda track: track.model
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ours:
+    """What a diagnosis found, added to the URDF that goes with a recording."""
+
+    model: Model
+    said: str  # the verdict and what was found, in words
+
+    def __call__(self, track: Track) -> Array:
+        """Torques (T, n) along a recording."""
+        told = replace(self.model, robot=track.urdf.read_text(encoding="utf-8"))
+        return predict(told, track.recording)
+
+
+def ours(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
+    """Diagnosed as it is; its validating recordings choose between findings and enter no fit."""
+    examination = examine(study)
+    diagnosis = examination.diagnosis
+    found = [
+        f"{each.effect} {' '.join((*each.joints, *each.links))}" for each in diagnosis.findings
+    ]
+    return Ours(model=model_of(examination), said="; ".join([diagnosis.verdict, *found]))

@@ -1,1 +1,0 @@
-"""What a diagnosis leaves of held-out torques, beside what the true machine's own law leaves."""

@@ -1,1 +1,0 @@
-"""Held-out motions of the machines, replayed behind their own controllers by diagnosed models."""
