@@ -60,8 +60,8 @@ def test_a_target_that_is_typed_is_taken_and_what_was_not_typed_is_not_rounded(
     typed(SimpleNamespace(client="a hand", target=xyz))
     np.testing.assert_array_equal(session.targets[tip][:3, 3], [0.5, 0.1, 0.4])
     np.testing.assert_array_equal(session.targets[tip][:3, :3], T[:3, :3])
-    turn.value = (180.0, 0.0, 90.0)
     wait(lambda: session._wish == session._granted)
+    turn.value = (180.0, 0.0, 90.0)
     typed(SimpleNamespace(client="a hand", target=turn))
     R = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]
     np.testing.assert_allclose(viewer.targets.by_tip[tip].pose[:3, :3], R, atol=1e-9)
