@@ -224,7 +224,8 @@ stage_aarch64() {
   cross_build -D PDOIK_IO=OFF -D PDOIK_BUILD_TESTS=OFF
   run_installed core -D PDOIK_IO=OFF
   cross_build -D PDOIK_IO=ON
-  run_ctest "$here" "$@"
+  # One test starts its own program again, which qemu cannot unless the system knows its format.
+  run_ctest "$here" -E SimdLevel.is_the_highest "$@"
   run_installed readme -D PDOIK_IO=ON
 }
 
