@@ -16,6 +16,7 @@ import os
 import tempfile
 import time
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -95,7 +96,7 @@ SOURCES = (
 )
 
 
-class Peer:
+class Peer(ABC):
     """Another library's idea of the same description."""
 
     name: str
@@ -123,13 +124,13 @@ class Peer:
 
         return {name: value(name) for name in [*q, *self._followers]}
 
+    @abstractmethod
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
         """Of every link in the root's frame, (4, 4), at values by joint."""
-        raise NotImplementedError
 
+    @abstractmethod
     def surfaces(self, *, touching: bool) -> Iterator[tuple[str, FloatArray]]:
         """Points on links, (N, 3) in their frame [m]; those of collisions, or of looks."""
-        raise NotImplementedError
 
 
 class Pinocchio(Peer):

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
+from pdoik._addresses import at_home
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
 from pdoik.descriptions.text import Given
@@ -101,9 +102,9 @@ def _description(
     """The robot's own file, or its URDF in a folder where it is named or a xacro file."""
     given = Given.of(robot, packages=package_places(packages), arguments=xacro_arguments(arguments))
     own = given.place
-    if given.kind == "mjcf" or (given.kind == "urdf" and own == Path(robot).expanduser().resolve()):
+    if given.kind == "mjcf" or (given.kind == "urdf" and own == at_home(robot).resolve()):
         return own
-    file = folder / f"{own.name.partition('.')[0]}.urdf"
+    file = folder / given.urdf_name
     text = given.urdf()
     if file.exists() and not force and file.read_text(encoding="utf-8") != text:
         fail(f"{file}: is there already, and is another; --force overwrites it")

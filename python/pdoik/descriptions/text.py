@@ -67,7 +67,7 @@ def urdf_file(
     source = f"{given.place}\n{sorted(given.arguments.items())}\n{given.text}"
     folder = cache() / "urdf" / hashlib.sha256(source.encode()).hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / f"{given.place.name.partition('.')[0]}.urdf"
+    file = folder / given.urdf_name
     write_whole(file, given.urdf(folder))
     return file
 
@@ -181,6 +181,11 @@ class Given:
     def place(self) -> Path:
         """The file, or what stands for it in names."""
         return Path("text") if self.path is None else self.path.resolve()
+
+    @property
+    def urdf_name(self) -> str:
+        """What a file of its URDF is called."""
+        return f"{self.place.name.partition('.')[0]}.urdf"
 
     def urdf(self, meshes: Path | None = None) -> str:
         """Its URDF; meshes of an MJCF go into the folder, or are left out without one.

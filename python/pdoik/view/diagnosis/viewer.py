@@ -228,13 +228,16 @@ class DiagnosisViewer:
             return (f"nothing is drawn: {error}",)
         self.copies = {name: RobotCopy(self.server, name, drawn) for name in COPIES}
         self.copies["recorded"].paint({}, RECORDED)
-        self._reach = low, high = _reach(drawn, self.timeline)
+        boxes = _boxes(drawn, self.timeline)
+        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        self._reach = np.array([low, high])
         x, y, height = (high - low).tolist()
         ahead, self._across = np.eye(3)[0], np.eye(3)[1]
         if x > _LONG * y:  # it is seen from where it moves across
             ahead, self._across = -np.eye(3)[1], np.eye(3)[0]
         across, depth = (x, y) if x > _LONG * y else (y, x)
-        self._step = max(_STEP * across, _APART * _widest(drawn, self.timeline, self._across))
+        widest = float(np.ptp(boxes @ self._across, axis=1).max())
+        self._step = max(_STEP * across, _APART * widest)
         self.server.scene.configure_fog(0.0, 1.0, enabled=False)
         self.server.scene.add_grid(
             "/floor",
@@ -359,19 +362,9 @@ def _headline(report: Report) -> str:
     )
 
 
-def _reach(drawn: DrawnRobot, line: Timeline) -> FloatArray:
-    """Lowest and highest corner of all that the robot passes through, (2, 3) [m]."""
-    boxes = [_box(drawn, line, t) for t in np.linspace(0.0, line.duration, _LOOKS)]
-    every = np.concatenate(boxes)
-    return np.array([every.min(axis=0), every.max(axis=0)])
-
-
-def _widest(drawn: DrawnRobot, line: Timeline, across: FloatArray) -> float:
-    """How far the robot extends across at any time [m]."""
-    return max(
-        float(np.ptp(_box(drawn, line, t) @ across))
-        for t in np.linspace(0.0, line.duration, _LOOKS)
-    )
+def _boxes(drawn: DrawnRobot, line: Timeline) -> FloatArray:
+    """Lowest and highest corner of the robot, at times along a recording, (N, 2, 3) [m]."""
+    return np.array([_box(drawn, line, t) for t in np.linspace(0.0, line.duration, _LOOKS)])
 
 
 def _box(drawn: DrawnRobot, line: Timeline, t: float) -> FloatArray:
