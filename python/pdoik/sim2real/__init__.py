@@ -28,13 +28,12 @@ with asks_for("sim2real"):
         JointFit,
         Residue,
     )
+    from .identify.identified import Identified
     from .infer.conclude import Examination, conclude
     from .model.model import Model, load_model, replay
     from .model.predict import predict
     from .motion.prepare import Prepared, prepare
     from .propose import NothingToSettleError, Proposal, Wishes, propose
-    from .regression.trial import Search
-    from .select.search import search
     from .simulation import SimulationError, Simulator, Stepper
     from .study.payload import Payload
     from .study.read_study import load_study
@@ -57,6 +56,7 @@ __all__ = [
     "Evidence",
     "Examination",
     "Finding",
+    "Identified",
     "JointFit",
     "Model",
     "NothingToSettleError",
@@ -65,7 +65,6 @@ __all__ = [
     "Proposal",
     "Recording",
     "Residue",
-    "Search",
     "Setup",
     "SimulationError",
     "Simulator",
@@ -94,7 +93,6 @@ __all__ = [
     "propose",
     "register",
     "replay",
-    "search",
     "servo_model",
     "write",
 ]

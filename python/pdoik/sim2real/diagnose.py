@@ -11,37 +11,18 @@ from threadpoolctl import threadpool_limits
 from .channels.check_channels import ChannelCheck, check_channels
 from .confirm.confirm_by_simulation import confirmed_by_simulation
 from .confirm.rollouts import why_not
-from .confirm.sessions import borne_out
 from .controllers.check_controllers import ControllerCheck, check_controllers
 from .findings import Diagnosis
+from .identify.identify import identify
+from .infer.answerable import why_unanswerable
 from .infer.conclude import Examination, conclude
-from .infer.events import without_needless_contacts
 from .infer.verdict import source_in_words
 from .motion.prepare import Prepared, prepare
-from .regression.fit import Term
-from .regression.naming import described
-from .regression.trial import Search
-from .select.answerable import why_unanswerable
-from .select.base_tilt import first_search
-from .select.contacts import contact_term
-from .select.feet_again import with_feet_again
-from .select.gates import gated_term
-from .select.joint_sets import with_joint_sets
-from .select.level_sessions import with_level_sessions
-from .select.onsets import with_onsets
-from .select.peculiar import peculiar
-from .select.rivals import swapped
-from .select.search import search
-from .select.shared_causes import with_shared_causes
-from .select.unnamed import with_unknown
-from .select.unspecific import without_unspecific
 from .study.read_study import load_study
 from .study.study import Study
 from .thresholds import Thresholds
 
 Tell = Callable[[str, str, float], None]
-
-_MOST = 5  # rounds of gates and contacts
 
 
 class UnanswerableError(ValueError):
@@ -129,49 +110,9 @@ def examine(
 
 
 def _examined(ready: Ready, seed: int, say: Tell) -> Examination:
-    prepared, control, check = ready.prepared, ready.control, ready.check
-    study = control.study
-    prepared, state = run_search(prepared, say)
-    level = with_level_sessions(prepared, state)
-    if level is not prepared:
-        say("sessions", "once more, with friction as it is on average over sessions", 0.65)
-        prepared, state = run_search(level, say)
-    say("name", "every joint's friction, offset and rotor, weighed as a set", 0.72)
-    state = without_unspecific(with_joint_sets(with_onsets(with_joint_sets(state))))
-    state = with_unknown(state)
-    say("name", "looking for what else would explain the same", 0.75)
-    state = with_shared_causes(without_needless_contacts(swapped(state)))
+    control, check = ready.control, ready.check
+    prepared, state = identify(ready.prepared, say)
     state = confirmed_by_simulation(prepared, state, seed, lambda text: say("simulate", text, 0.78))
-    say("confirm", "each finding learnt anew without one recording after the other", 0.8)
-    state, doubtful = borne_out(state)
-    say("estimate", "intervals by the block bootstrap", 0.82)
-    if state.accepted and not why_not(study):
+    if state.accepted and not why_not(control.study):
         say("simulate", "the figures refined by simulating the arm from its commands", 0.85)
-    return conclude(prepared, state, seed, check, doubtful, control)
-
-
-def run_search(prepared: Prepared, say: Tell) -> tuple[Prepared, Search]:
-    """Accept effects, behind gates where they need one, then contacts, and effects beside these."""
-    beside = peculiar(prepared.fit)
-    first = () if beside is None else beside.accepted
-    for each in first:
-        say("name", described(prepared, each), 0.15)
-    prepared, state = with_feet_again(*first_search(prepared, say, first), say)
-    nuisance = state.nuisance
-    known = {term.key for term in first}
-    contacts: tuple[Term, ...] = ()
-    gated: tuple[Term, ...] = ()
-    for _ in range(_MOST):
-        part = gated_term(state)
-        if part is not None:
-            gated = (*gated, part)
-            say("name", described(prepared, part), 0.6)
-        elif (term := contact_term(state.fit)) is not None:
-            contacts = (*contacts, term)
-            say("name", described(prepared, term), 0.6)
-        else:
-            break
-        begin = (*(t for t in state.accepted if t.key in known), *gated)
-        state = search(prepared.fit, nuisance, contacts=contacts, begin=begin)
-        gated = tuple(t for t in state.accepted if t.place.gate is not None)
-    return prepared, replace(state, peculiar=beside)
+    return conclude(prepared, state, seed, check, control)

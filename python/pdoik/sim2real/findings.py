@@ -56,6 +56,7 @@ class Support:
     blocks: int  # in which it acts
     left: float  # root mean square that nothing explains at its balances, over the noise
     rivals: int  # other names that do as well
+    log_odds: float = 0.0  # posterior, that it is there beside all else
     event: bool = False  # learnt and scored on halves of its own rows: it cannot repeat
 
 

@@ -1,8 +1,9 @@
 """By which factor a torque is not the model's, beside all that an ordinary machine has.
 
-Friction, rotors, drawings that are a tenth wrong and a payload are fitted with it, so that none of
-them is taken for a factor. Where the factor itself cannot be known, friction tells the sign: it
-takes power, and a joint whose friction drives it has its torque the wrong way round.
+Friction, rotors, drawings that are a tenth wrong, a payload and a base that is mounted some other
+way are fitted with it, so that none of them is taken for a factor. Where the factor itself cannot
+be known, friction tells the sign: it takes power, and a joint whose friction drives it has its
+torque the wrong way round.
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..effects import CATALOGUE
+from ..effects.gravity_direction import GravityDirection
 from ..motion.balances import Balances
 from ..motion.place import Key
-from ..regression.background import background, friction_at, is_scale
-from ..regression.fit import Fit, Term
+from ..regression.background import BACKGROUND, background, friction_at, is_scale
+from ..regression.fit import Fit, Term, term_of
 from ..regression.trusted_bodies import TRUST
 from ..regression.wald import robust
 from ..study.recording import FloatArray
@@ -30,7 +33,7 @@ def factors_by_model(balances: Balances) -> dict[int, tuple[float, float]]:
     if first.body is None or first.torque is None:
         return {}
     b, ordinary = background(balances)
-    terms = [_loaded(t, first.body.last) for t in ordinary]
+    terms = [*(_loaded(t, first.body.last) for t in ordinary), *_gravity(b)]
     found: dict[int, tuple[float, float]] = {}
     while True:
         base = Fit(b, terms)
@@ -39,6 +42,13 @@ def factors_by_model(balances: Balances) -> dict[int, tuple[float, float]]:
             return found
         _, j, factor, error, terms = max(tried, key=lambda each: each[0])
         found[j] = factor, error
+
+
+def _gravity(balances: Balances) -> list[Term]:
+    """Gravity along any direction: an arm that lies on its side is no arm of wrong sensors."""
+    effect = CATALOGUE[GravityDirection.id]
+    made = [term_of(balances, effect, place, ()) for place in effect.places(balances.motions)]
+    return [replace(term, effect=BACKGROUND, prior=np.ones(3)) for term in made if term is not None]
 
 
 def _loaded(term: Term, last: int) -> Term:

@@ -10,15 +10,15 @@ import numpy as np
 from pdoik.errors import PdoikError
 
 from ..effects import CATALOGUE
+from ..identify.candidates import candidates
+from ..identify.figures import estimates, values_and_errors
+from ..identify.identified import Identified, Rival
 from ..motion.place import Key
 from ..motion.prepare import Prepared
-from ..regression.estimate import estimates, values_and_errors
 from ..regression.fit import Term, TermKey
 from ..regression.naming import described
+from ..regression.one_more import OneMore
 from ..regression.refine import refined
-from ..regression.screen import screen
-from ..regression.trial import Search, Trial, cross_validated, held_out_squares
-from ..select.candidates import candidates
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, huber, why_not
 
@@ -28,7 +28,9 @@ _CLOSER = (1.2, 1.1)  # factors by which shapes are tried around the best
 Tell = Callable[[str], None]
 
 
-def confirmed_by_simulation(prepared: Prepared, state: Search, seed: int, say: Tell) -> Search:
+def confirmed_by_simulation(
+    prepared: Prepared, state: Identified, seed: int, say: Tell
+) -> Identified:
     """Findings whose rival's simulation is nearer swapped, what a simulation does without dropped.
 
     Nothing is done where there is nothing to simulate the arm by.
@@ -71,7 +73,7 @@ def confirmed_by_simulation(prepared: Prepared, state: Search, seed: int, say: T
     return replace(state, confirmed=_confirmed(arm, state))
 
 
-def _stand_ins(state: Search, term: Term) -> list[Term]:
+def _stand_ins(state: Identified, term: Term) -> list[Term]:
     """What may have been put beside a term to make up for what its columns miss."""
     if not CATALOGUE[term.effect].shown_poorly:
         return []
@@ -82,21 +84,21 @@ def _stand_ins(state: Search, term: Term) -> list[Term]:
     ]
 
 
-def _is_doubtful(state: Search, term: Term) -> bool:
+def _is_doubtful(state: Identified, term: Term) -> bool:
     """Whether the regression is not to be trusted with a term's name."""
     effect = CATALOGUE[term.effect]
     if effect.negligible(state.balances.motions, term.shape):
         return False
-    level = {trial.term.effect for trial in state.level.get(term.key, [])}
+    level = {rival.term.effect for rival in state.rivals.get(term.key, ())}
     return effect.shown_poorly or not level.isdisjoint(effect.simulated_rivals)
 
 
-def _with(state: Search, accepted: Sequence[Term]) -> Search:
+def _with(state: Identified, accepted: Sequence[Term]) -> Identified:
     """The search as if these had been accepted."""
     return state.fitted((*state.nuisance, *accepted))
 
 
-def _confirmed(arm: Arm, state: Search) -> frozenset[TermKey]:
+def _confirmed(arm: Arm, state: Identified) -> frozenset[TermKey]:
     """What only a simulation shows well, and is nearer to the recordings with than without."""
     terms = state.accepted
     values = [state.simulated[t.key] for t in terms if t.key in state.simulated]
@@ -121,7 +123,9 @@ def run_without(arm: Arm, terms: Sequence[Term], values: Sequence[Values], term:
     return arm.run([*terms[:at], *terms[at + 1 :]], [*values[:at], *values[at + 1 :]])
 
 
-def _simulated(arm: Arm, sketch: Arm, state: Search, seed: int) -> tuple[Rollout | None, Search]:
+def _simulated(
+    arm: Arm, sketch: Arm, state: Identified, seed: int
+) -> tuple[Rollout | None, Identified]:
     """The rollout of what was accepted, its figures refined, and these kept; None if it ran away.
 
     Shapes that columns show poorly are first looked for in shorter rollouts.
@@ -157,7 +161,7 @@ def _nearest_shape(arm: Arm, terms: Sequence[Term], values: list[Values], i: int
     return effect.values(min(costs, key=lambda shape: costs[shape]), np.ones(1))
 
 
-def _rivals(state: Search, term: Term) -> list[Term]:
+def _rivals(state: Identified, term: Term) -> list[Term]:
     """The best of each rival's shapes at the term's place."""
     names = CATALOGUE[term.effect].simulated_rivals
     others = state.without(term).fit
@@ -168,10 +172,11 @@ def _rivals(state: Search, term: Term) -> list[Term]:
         and each.place == term.place
         and not any(t.key == each.key for t in others.terms)
     ]
-    found = {t.effect: refined(others, t) for t, _ in screen(others, pool)}
-    for each in pool:  # what its columns show too poorly to be screened
-        found.setdefault(each.effect, each)
-    return list(found.values())
+    beside = OneMore(others)
+    best: dict[str, Term] = {}
+    for each in sorted(pool, key=beside.gain):
+        best[each.effect] = each
+    return [refined(others, each) for each in best.values()]
 
 
 def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
@@ -188,21 +193,21 @@ def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
     return float(blocks.sum()) / max(error, 1e-12)
 
 
-def _listed(state: Search, term: Term, rival: Term) -> Search:
+def _listed(state: Identified, term: Term, rival: Term) -> Identified:
     """With the rival among the names that data cannot tell from the term's."""
-    free = state.without(term).fit
-    trial = cross_validated(state, rival, held_out_squares(free), free)
-    return _with_level(state, term, (trial, *_level_but(state, term, rival)))
+    own = state.support[term.key].log_odds if term.key in state.support else 0.0
+    listed = Rival(term=rival, log_odds=own)
+    return _with_rivals(state, term, (listed, *_rivals_but(state, term, rival)))
 
 
-def _forgotten(state: Search, term: Term, rival: Term) -> Search:
+def _forgotten(state: Identified, term: Term, rival: Term) -> Identified:
     """Without the rival among the names that data cannot tell from the term's."""
-    return _with_level(state, term, _level_but(state, term, rival))
+    return _with_rivals(state, term, _rivals_but(state, term, rival))
 
 
-def _level_but(state: Search, term: Term, rival: Term) -> tuple[Trial, ...]:
-    return tuple(t for t in state.level.get(term.key, ()) if t.term.effect != rival.effect)
+def _rivals_but(state: Identified, term: Term, rival: Term) -> tuple[Rival, ...]:
+    return tuple(r for r in state.rivals.get(term.key, ()) if r.term.effect != rival.effect)
 
 
-def _with_level(state: Search, term: Term, trials: tuple[Trial, ...]) -> Search:
-    return replace(state, level={**state.level, term.key: trials})
+def _with_rivals(state: Identified, term: Term, rivals: tuple[Rival, ...]) -> Identified:
+    return replace(state, rivals={**state.rivals, term.key: rivals})

@@ -10,17 +10,17 @@ from pdoik.errors import PdoikError
 
 from ..effects import CATALOGUE, Effect
 from ..findings import Estimate
+from ..identify.figures import values_and_errors
+from ..identify.identified import Identified
 from ..motion.prepare import Prepared
-from ..regression.estimate import values_and_errors
 from ..regression.fit import Fit, Term
-from ..regression.trial import Search
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, why_not
 
 
 def simulated_estimates(
     prepared: Prepared,
-    state: Search,
+    state: Identified,
     terms: tuple[Term, ...],
     estimates: dict[int, dict[str, Estimate]],
 ) -> tuple[dict[int, dict[str, Estimate]], str]:

@@ -20,6 +20,7 @@ class AsymmetricFriction(Effect):
     id = "asymmetric_friction"
     family = "friction"
     on = "joint"
+    odds = 0.05
     equation = "tau = (dL |sign(dq)| + dc |dq|) / 2"
     parameters = (
         Parameter("level_difference", "N m"),

@@ -81,6 +81,10 @@ class Effect(ABC):
     one_of: ClassVar[str] = ""  # kind of law of which a joint has one
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
 
+    # What is believed of it before the data are looked at.
+    odds: ClassVar[float] = 0.02  # probability that a machine has it, at one place
+    part_of: ClassVar[tuple[str, float]] = ("", 0.0)  # of what it is a share at most, and which
+
     # How it is looked for.
     fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
     sought: ClassVar[Sought] = "candidates"
@@ -221,6 +225,14 @@ class Effect(ABC):
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
         """`prior` at a place, where it depends on what is there."""
         return self.prior(width)
+
+    def usual(self, shape: Shape, width: int) -> FloatArray | None:
+        """Usual sizes of the coefficients, (width,), where it is there; None: by its balances."""
+        return None
+
+    def log_prior(self, shape: Shape) -> float:
+        """Of the nonlinear parameters, beside that of the likeliest; 0: all are as likely."""
+        return 0.0
 
     def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
         """What a body's ten parameters are added to, (10,); None of what is no body."""

@@ -21,6 +21,7 @@ class FrictionDrift(Effect):
     id = "friction_drift"
     family = "friction"
     on = "joint"
+    part_of = ("coulomb_friction", 2.0)  # cold grease: up to three times as much
     equation = "tau = D exp(-t / T) sign(dq)"
     parameters = (
         Parameter("extra", "N m", lower=0.0),

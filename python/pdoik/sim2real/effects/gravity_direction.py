@@ -16,6 +16,10 @@ from .effect import Effect, Example, Parameter
 from .site import Site
 
 _USUAL = 0.005  # share that a tilt takes from gravity
+_TILT = 0.1  # of a base that is not quite level [rad]
+_ANY = 1.0  # shape of a base that is mounted some other way
+_OFF = 0.15  # share of gravity by which masses that are wrong may change its size
+_LEVEL = 0.3  # the same per squared sine: bodies were fitted under the level base's gravity
 
 
 class GravityDirection(Effect):
@@ -25,10 +29,11 @@ class GravityDirection(Effect):
     name = "direction of gravity"
     family = "body"
     on = "base"
+    odds = 0.05
     equation = "tau = G(q; R^T g) - G(q; g), R = R_x(tilt_x) R_y(tilt_y)"
     parameters = (
-        Parameter("tilt_x", "rad", lower=-1.0, upper=1.0),
-        Parameter("tilt_y", "rad", lower=-1.0, upper=1.0),
+        Parameter("tilt_x", "rad", lower=-np.pi / 2, upper=np.pi / 2),
+        Parameter("tilt_y", "rad", lower=-np.pi, upper=np.pi),
     )
     confused_with = ("link_inertial_error", "joint_offset", "torque_offset")
     decided_by = "slow motion of the first joint with the arm stretched out, or a level on the base"
@@ -46,19 +51,37 @@ class GravityDirection(Effect):
         by = STANDARD_GRAVITY * motion.dtau_dgravity
         return motion.on_rows(np.stack([-by[:, :, 1], by[:, :, 0], by[:, :, 2]], axis=2))
 
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """A base that is not quite level; one that is mounted some other way."""
+        return [(), (_ANY,)]
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """It is the one or the other."""
+        return [(each, each) for each in shape]
+
     def prior(self, width: int) -> FloatArray:
         """The cosine of a tilt of less than a tenth of a radian."""
         return np.array([0.0, 0.0, 1.0 / _USUAL**2])
 
+    def usual(self, shape: Shape, width: int) -> FloatArray | None:
+        """A few degrees, or any angle."""
+        return np.ones(3) if shape else np.array([_TILT, _TILT, _USUAL])
+
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """A radian at most; gravity does not grow, within errors."""
-        return np.array([-1.0, -1.0, -4.0 * _USUAL]), np.array([1.0, 1.0, 0.5])
+        """Gravity does not grow, within errors."""
+        more = 1.0 + _OFF
+        return np.array([-more, -more, -_OFF]), np.array([more, more, 1.0 + more])
+
+    def admissible(self, beta: FloatArray) -> bool:
+        """Whether gravity keeps its size, within errors of the model."""
+        size = float(np.linalg.norm([beta[0], beta[1], 1.0 - beta[2]]))
+        return abs(size - 1.0) <= _OFF + 0.5 * float(np.hypot(beta[0], beta[1])) ** 2 * _LEVEL
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Both tilts."""
-        x = np.arcsin(np.clip(beta[0], -1.0, 1.0))
-        y = np.arcsin(np.clip(beta[1] / max(np.cos(x), 1e-3), -1.0, 1.0))
+        x = np.arctan2(beta[0], np.hypot(beta[1], 1.0 - beta[2]))
+        y = np.arctan2(beta[1], 1.0 - beta[2])
         return {"tilt_x": float(x), "tilt_y": float(y)}
 
     def coefficients(

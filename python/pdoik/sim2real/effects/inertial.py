@@ -116,6 +116,7 @@ class Payload(LinkInertials):
     """A body held by the last link."""
 
     id = "payload"
+    odds = 0.2
     name = "payload"
     on = "link"
     equation = "tau = Y(q, dq, ddq) pi(mass, com, inertia), at the last link"

@@ -21,6 +21,7 @@ class LoadDependentFriction(Effect):
     name = "load-dependent friction"
     family = "friction"
     on = "joint"
+    odds = 0.15
     equation = "tau = c |tau_load| sign(dq)"
     parameters = (Parameter("coefficient", "-", lower=0.0, upper=1.0),)
     confused_with = ("coulomb_friction", "torque_gain", "gear_efficiency")

@@ -28,6 +28,9 @@ def bristle(q: FloatArray, displacement: float) -> FloatArray:
     return np.array(states)
 
 
+_USUAL = 0.01  # displacement [rad]
+
+
 class PreslidingHysteresis(Effect):
     """tau = L z, dz/dt = (dq/d) (1 - z sign(dq)) (Dahl, 1968)."""
 
@@ -58,6 +61,10 @@ class PreslidingHysteresis(Effect):
         (j,) = place.joints
         span = max(float(np.ptp(m.q[:, j])) for m in motions)
         return [(d,) for d in (0.003, 0.008, 0.02, 0.05, 0.12) if d < 0.3 * span]
+
+    def log_prior(self, shape: Shape) -> float:
+        """Bristles of gears and bearings give way by a hundredth of a radian, give or take."""
+        return -0.5 * float(np.log(max(shape[0], 1e-9) / _USUAL)) ** 2
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Dahl's state."""

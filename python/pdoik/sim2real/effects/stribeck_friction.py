@@ -24,6 +24,7 @@ class StribeckFriction(Effect):
     name = "Stribeck friction"
     family = "friction"
     on = "joint"
+    odds = 0.1
     equation = "tau = S sign(dq) exp(-(dq / v)^2), beside Coulomb's"
     parameters = (Parameter("extra", "N m", lower=0.0), Parameter("speed", "rad/s", lower=0.0))
     confused_with = ("coulomb_friction", "presliding_hysteresis", "asymmetric_friction")

@@ -22,6 +22,7 @@ class TorqueGain(TorqueChannel):
     family = "torque"
     in_background = True
     on = "joint"
+    odds = 0.03
     equation = "tau_reported = k tau"
     parameters = (Parameter("gain", "-"),)
     confused_with = ("payload", "link_inertial_error", "load_dependent_friction")

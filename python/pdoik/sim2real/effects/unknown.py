@@ -36,6 +36,7 @@ _KNOTS_2D = 5
 _FINEST = 0.05  # between the knots of what changes quickly with position [rad], [m]
 _MOST_FINE = 60  # knots
 BEYOND = 0.25  # of its range that a function's outermost lines go on for
+_LESS = 1.5  # log odds, of a function of one variable less
 _MOST = 2 * _MOST_FINE  # coefficients
 
 
@@ -45,6 +46,7 @@ class Unknown(Effect):
     id = "unknown"
     name = "unknown effect"
     on = "joint"
+    odds = 0.01
     equation = "tau = f(x), f given by its values at knots"
     parameters = (Parameter("knots", "-"),)
     decided_by = "motion that varies what it depends on and keeps everything else still"
@@ -72,6 +74,14 @@ class Unknown(Effect):
             if high > low:
                 shapes.append((float(code), float(low), float(high)))
         return shapes
+
+    def log_prior(self, shape: Shape) -> float:
+        """What repeats with the machine's own motion is likelier than what time alone does."""
+        name = VARIABLES[int(shape[0])]
+        if name in ("time", "clock"):
+            return -_LESS * 3.0
+        wide = name.endswith("and speed") or name.startswith("fine")
+        return -_LESS * (wide + 2.0 * name.startswith("other"))
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Hat functions of the variable."""

@@ -6,57 +6,65 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..identify.identified import Tried
+from ..identify.support import held_out_support
 from ..motion.place import Place
-from ..regression.fit import Fit, TermKey
-from ..regression.trial import Trial, activity, cross_validated, held_out_squares, without
+from ..regression.fit import TermKey
 from ..report.data import Hypothesis
 from ..report.words import effect_name
 
 if TYPE_CHECKING:
     from ..infer.conclude import Examination
 
-_DRAWS = 400
+_SHOWN = 60  # of the causes that were weighed and not taken, the likeliest
 
 
 def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
-    """In the order they were first tried, each once.
+    """What is claimed, then what was weighed and is not, the likeliest first.
 
-    The score is what a hypothesis gains beside everything that was found, on blocks of time that
-    its fit did not see: of an accepted one what would be lost without it, of another what it would
-    add.
+    The score is what a hypothesis gains beside everything that is in the model, on rows that its
+    coefficients were not learnt from: of one in the model what would be lost without it, of another
+    what it would add.
     """
     state = examination.state
     found = {term.key for terms in examination.terms for term in terms}
-    accepted = {term.key: term for term in state.accepted}
-    rivals = {
-        trial.term.key: effect_name(term.effect)
+    inside = {t.key: t for t in state.accepted}
+    others = {
+        rival.term.key: effect_name(term.effect)
         for term in state.accepted
-        for trial in state.level.get(term.key, ())
+        for rival in state.rivals.get(term.key, ())
     }
-    first: dict[TermKey, Trial] = {}
-    for trial in (*state.tried, *(t for trials in state.level.values() for t in trials)):
-        first.setdefault(trial.term.key, trial)
-    held = held_out_squares(state.fit)
-    rng = np.random.default_rng(0)
+    listed = [
+        (key, Tried(term=t, log_odds=state.support[key].log_odds))
+        for key, t in inside.items()
+        if key in state.support
+    ]
+    rest = sorted(state.tried, key=lambda each: -each.log_odds)
+    listed += [(t.term.key, t) for t in rest if t.term.key not in inside][:_SHOWN]
     result = []
-    for name, alone in first.items():
-        if name in accepted:
-            trial = without(state, accepted[name])
+    for key, each in listed:
+        if key in inside:
+            support = state.support[key]
         else:
-            trial = cross_validated(state, alone.term, held)
-        score = float(np.clip(trial.share, -1.0, 1.0))
-        tiny = name in accepted and name not in found
+            wider = state.fit.extended(each.term)
+            support = held_out_support(wider, state.start, each.term, each.log_odds)
+        score = float(np.clip(support.gain, -1.0, 1.0))
+        error = abs(support.gain / support.t) if support.t else 0.0
+        tiny = key in inside and key not in found
         result.append(
             Hypothesis(
-                effect=name[0],
-                place=place_words(examination, name[1]) + " (tiny)" * tiny,
+                effect=key[0],
+                place=place_words(examination, key[1]) + " (tiny)" * tiny,
                 score=score,
-                interval95=_interval(state.start, trial, score, rng),
-                accepted=name in found,
-                reason="" if name in found else _reason(alone, trial, tiny, rivals.get(name)),
+                interval95=(
+                    float(np.clip(score - 1.96 * error, -1.0, 1.0)),
+                    float(np.clip(score + 1.96 * error, -1.0, 1.0)),
+                ),
+                accepted=key in found,
+                reason="" if key in found else _reason(each, score, tiny, others.get(key)),
             )
         )
-    return (*result, *_events(examination, set(first)))
+    return (*result, *_events(examination, {key for key, _ in listed}))
 
 
 def _events(examination: Examination, listed: set[TermKey]) -> list[Hypothesis]:
@@ -88,41 +96,16 @@ def place_words(examination: Examination, place: Place) -> str:
     return words
 
 
-def _interval(
-    start: Fit, trial: Trial, score: float, rng: np.random.Generator
-) -> tuple[float, float]:
-    """Of the gain's share, by a bootstrap over blocks of time; centred on the score."""
-    began = np.zeros(len(trial.blocks))
-    acting = activity(start, trial.term)[1]
-    for key in trial.term.columns:
-        rows = start.rows[key][acting[key]]
-        squares = start.target[key][acting[key]] ** 2
-        began += np.bincount(start.balances.block[rows], squares, minlength=len(began))
-    used = np.flatnonzero((began > 0.0) | (trial.blocks != 0.0))
-    if len(used) < 2:
-        return score, score
-    drawn = used[rng.integers(0, len(used), (_DRAWS, len(used)))]
-    shares = trial.blocks[drawn].sum(axis=1) / np.maximum(began[drawn].sum(axis=1), 1e-12)
-    middle = trial.blocks.sum() / max(float(began.sum()), 1e-12)
-    low, high = np.quantile(shares, (0.025, 0.975)) - middle + score
-    return float(np.clip(low, -1.0, 1.0)), float(np.clip(high, -1.0, 1.0))
-
-
-def _reason(alone: Trial, trial: Trial, tiny: bool, rival: str | None) -> str:
-    """Why it was not accepted; `alone` is how it did when it was first tried."""
+def _reason(each: Tried, score: float, tiny: bool, rival: str | None) -> str:
+    """Why it is not claimed."""
     if tiny:
         return "less than the recordings' sampling and the controller's ticks can tell"
     if rival is not None:
-        return f"data cannot tell it from {rival}; listed as its equivalent"
-    if alone.significant and not trial.significant:
-        share = f"{100 * min(alone.share, 1.0):.2g} %"
-        return f"would have gained {share} at first; beside what was found it gains nothing"
-    if trial.t == 0.0:
-        return "the data want another multiple of it: it is something else"
-    if trial.gain <= 0.0:
-        return "makes data worse that it was not fitted to"
-    return (
-        "no gain beyond chance"
-        if trial.t < trial.thresholds.least_t
-        else "real, but too little to matter"
-    )
+        return f"nearly as likely as {rival}; listed as its equivalent"
+    if each.log_odds == -np.inf:
+        return "the data want figures of it that cannot be: it is something else"
+    if score <= 0.0:
+        return "beside what is in the model it gains nothing on rows it was not fitted to"
+    if each.log_odds < 0.0:
+        return "less likely than nothing: its evidence does not pay its price"
+    return "likely when it was tried; beside what was taken it is too little to be claimed"

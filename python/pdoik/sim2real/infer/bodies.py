@@ -6,17 +6,17 @@ from dataclasses import replace
 
 from ..effects.inertial import LinkInertials, Payload
 from ..findings import Estimate
+from ..identify.figures import estimates
+from ..identify.identified import Identified
 from ..motion.place import Place
-from ..regression.estimate import estimates
 from ..regression.fit import Term
-from ..regression.trial import Search
 
 Estimates = dict[int, dict[str, Estimate]]
 
 
 def by_moments(
-    state: Search, terms: tuple[Term, ...], values: Estimates, seed: int
-) -> tuple[Search, tuple[Term, ...], Estimates, frozenset[Place]]:
+    state: Identified, terms: tuple[Term, ...], values: Estimates, seed: int
+) -> tuple[Identified, tuple[Term, ...], Estimates, frozenset[Place]]:
     """Payloads without a clear mass as the last link's moments, which are what their columns are.
 
     A centre of mass is a moment over a mass: where the mass may be nothing, it may be anywhere.
@@ -37,7 +37,7 @@ def by_moments(
     supports = {swap[key].key if key in swap else key: s for key, s in state.support.items()}
     state = replace(
         state.fitted([swap.get(t.key, t) for t in state.fit.terms]),
-        level={key: trials for key, trials in state.level.items() if key not in gone},
+        rivals={key: each for key, each in state.rivals.items() if key not in gone},
         simulated={key: each for key, each in state.simulated.items() if key not in gone},
         confirmed=state.confirmed - gone,
         support=supports,

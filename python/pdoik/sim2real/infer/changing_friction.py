@@ -14,18 +14,16 @@ from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
 from ..effects.friction_drift import FrictionDrift
-from ..findings import Equivalent, Estimate, Finding
+from ..findings import Equivalent, Finding
 from ..motion.place import Key
 from ..regression.background import friction_at
 from ..regression.clusters import clustered
-from ..regression.fit import Fit, Term
+from ..regression.fit import Fit
 from ..regression.random_effects import spread_between
 from ..study.recording import FloatArray
 from ..thresholds.verdict import VerdictThresholds
-from .torque_scale import OF_TORQUE, wider
 
 _MOST = 3  # equivalents of a finding
-_LIKE_OTHERS = 4  # degrees of freedom that the other joints' spread counts for
 _LEAST_BLOCKS = 4  # in which a recording must show a joint's friction
 _LEAST_CHANGE = 0.1  # of friction's power, that must be about its mean: a joint must turn back
 
@@ -53,29 +51,6 @@ def spreads_of(fit: Fit) -> dict[int, float]:
             blocks = len(np.unique(b.block[rows]))
             found[j] = spread_between(known[:, 0], known[:, 1] ** 2, blocks - len(known)).std
     return found
-
-
-def with_days(
-    fit: Fit, spreads: Mapping[int, float], term: Term, values: dict[str, Estimate]
-) -> dict[str, Estimate]:
-    """Figures of a joint's friction with what the days leave open: few recordings tell a mean.
-
-    A joint's own spread, of few recordings, is drawn towards that of all joints. Where the study
-    tells of sessions, intervals are over these already.
-    """
-    (j,) = term.place.joints if len(term.place.joints) == 1 else (-1,)
-    friction = term.effect in CATALOGUE and CATALOGUE[term.effect].family == "friction"
-    if fit.balances.told is not None or not friction or j not in spreads:
-        return values
-    count = len(fit.balances.motions)
-    usual = float(np.median(list(spreads.values())))
-    own, known = count - 1, _LIKE_OTHERS
-    spread = np.sqrt((own * spreads[j] ** 2 + known * usual**2) / (own + known))
-    share = float(spread) / np.sqrt(count)
-    return {
-        name: wider(each, share * abs(each.value)) if OF_TORQUE.search(each.unit) else each
-        for name, each in values.items()
-    }
 
 
 def changing(spreads: Mapping[int, float], limits: VerdictThresholds) -> dict[int, float]:

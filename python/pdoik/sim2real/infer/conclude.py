@@ -10,19 +10,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..channels.check_channels import ChannelCheck
-from ..confirm.confidence import confidence_of
 from ..controllers.check_controllers import ControllerCheck
 from ..effects import CATALOGUE
 from ..effects.inertial import Payload
 from ..findings import Diagnosis, Equivalent, Evidence, Finding
+from ..identify.confidence import confidence_of
+from ..identify.figures import estimates
+from ..identify.identified import Identified
 from ..motion.prepare import Prepared
 from ..regression.background import background
-from ..regression.estimate import estimates
 from ..regression.fit import Fit, Term
 from ..regression.naming import Found, channel_of, finding_of, link_of, merged
 from ..regression.prediction import Prediction
-from ..regression.trial import Search
-from ..select.rivals import equivalents_of
 from .changing_friction import changing, with_changes
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of
@@ -31,6 +30,7 @@ from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
 from .outstanding import with_outstanding
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
+_MOST = 3  # equivalents of a finding
 _NEVER = 1e-9  # share of the held-out residual that is none
 
 
@@ -40,17 +40,16 @@ class Examination:
 
     diagnosis: Diagnosis
     prepared: Prepared
-    state: Search
+    state: Identified
     terms: tuple[tuple[Term, ...], ...]  # behind each finding of the diagnosis
     prediction: Prediction  # of the recordings that the diagnosis is judged by
 
 
 def conclude(
     prepared: Prepared,
-    state: Search,
+    state: Identified,
     seed: int,
     check: ChannelCheck | None = None,
-    doubtful: Sequence[Term] = (),
     control: ControllerCheck | None = None,
 ) -> Examination:
     """Findings, joints and verdict of a search.
@@ -60,25 +59,33 @@ def conclude(
         state: what was selected and confirmed.
         seed: of the bootstrap.
         check: what the channels were found to be.
-        doubtful: terms that were left out for little confidence.
         control: what the controllers were found to be.
     """
     study = prepared.study
-    suspected = _suspected(prepared, state, doubtful, seed)
+    suspected = _suspected(prepared, state, seed)
     noisy, terms = background(prepared.fit)
     ordinary = Fit(noisy, terms) if terms else None
-    figures = figures_of(prepared, state, seed, ordinary)
-    state = figures.state
-
     prediction = Prediction(prepared.validate or prepared.fit)
-    simulated = judged_by_simulation(prepared, state)
-    found = [
-        _found(prepared, figures, at, prediction, simulated, seed)
-        for at in range(len(figures.terms))
-    ]
+    while True:
+        figures = figures_of(prepared, state, seed, ordinary)
+        simulated = judged_by_simulation(prepared, figures.state)
+        found = [
+            _found(prepared, figures, at, prediction, simulated, seed)
+            for at in range(len(figures.terms))
+        ]
+        against = [
+            (each, terms)
+            for each, terms in found
+            if _is_contradicted(prepared, each) and not _is_ordinary(state, terms)
+        ]
+        if not against:
+            break
+        suspected += tuple(_suspect(prepared, each) for each, _ in against)
+        state = state.without(*(t for t in state.accepted if _is_among(t, against)))
+    state = figures.state
     if prepared.validate is not None:
         found += held_out_limits(prepared, state.fit, prediction)
-        maybe = [each for each in doubtful if state.support[each.key].gain > 0.0]
+        maybe = [each for each in state.doubtful if state.support[each.key].gain > 0.0]
         found += held_out_contacts(prepared, state.fit, prediction, maybe)
     if check is not None:
         unsure = study.thresholds.confidence.unsupported
@@ -143,7 +150,7 @@ def _found(
         evidence = replace(simulated.terms[term.key], channels=channels)
     else:
         evidence = prediction.evidence(state.fit, term, channels, seed)
-    rivals = equivalents_of(state, term, prepared)
+    rivals = _equivalents(state, term, prepared)
     if term.place in figures.loads and CATALOGUE[term.effect].is_body:
         rivals = (Equivalent(effect=Payload.id, links=link_of(prepared, term)), *rivals)[:3]
     support = state.support.get(term.key)
@@ -158,19 +165,49 @@ def _found(
     ), (term,)
 
 
+def _equivalents(state: Identified, term: Term, prepared: Prepared) -> tuple[Equivalent, ...]:
+    """At most three other names that are nearly as likely, the likeliest first."""
+    found = [
+        Equivalent(
+            effect=rival.term.effect,
+            joints=tuple(prepared.study.joints[j] for j in rival.term.place.joints),
+            links=link_of(prepared, rival.term),
+        )
+        for rival in state.rivals.get(term.key, ())
+    ]
+    return tuple(dict.fromkeys(found))[:_MOST]
+
+
+def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
+    """Whether recordings that only judge are surely worse with it than without."""
+    return prepared.validate is not None and finding.evidence.interval95[1] < 0.0
+
+
+def _is_ordinary(state: Identified, terms: Sequence[Term]) -> bool:
+    """Whether it is a part of what every machine has, which is sized and not selected."""
+    parts = {part.term.key for part in state.ordinary}
+    return all(term.key in parts for term in terms)
+
+
+def _is_among(term: Term, found: Sequence[Found]) -> bool:
+    return any(term.key == each.key for _, terms in found for each in terms)
+
+
+def _suspect(prepared: Prepared, finding: Finding) -> Finding:
+    """What was found and then contradicted is not claimed."""
+    most = prepared.study.thresholds.confidence.suspected
+    said = f"{finding.statement} The held-out recordings, which only judge, contradict it."
+    return replace(finding, statement=said, confidence=min(finding.confidence, most))
+
+
 def _as_judged(findings: Sequence[Finding]) -> list[str]:
-    """What held-out recordings say nothing of, or contradict, in words: it stays all the same."""
+    """What held-out recordings say nothing of, in words: it stays all the same."""
     notes = []
     for each in findings:
         low, high = each.evidence.interval95
         where = ", ".join(each.links or each.joints) or "the base"
         said = f"{CATALOGUE[each.effect].words} at {where}"
-        if high < 0.0:
-            notes.append(
-                f"{said}: contradicted by the held-out recordings, which only judge; something"
-                " differs between them and the recordings to fit."
-            )
-        elif max(abs(low), abs(high)) < _NEVER:
+        if max(abs(low), abs(high)) < _NEVER:
             notes.append(
                 f"{said}: never acts in the held-out recordings, and rests on the fit recordings"
                 " alone."
@@ -178,18 +215,15 @@ def _as_judged(findings: Sequence[Finding]) -> list[str]:
     return notes
 
 
-def _suspected(
-    prepared: Prepared, state: Search, doubtful: Sequence[Term], seed: int
-) -> tuple[Finding, ...]:
-    """What little speaks for, each fitted beside all that stands."""
+def _suspected(prepared: Prepared, state: Identified, seed: int) -> tuple[Finding, ...]:
+    """What is likely and not claimed, beside all that is."""
     found = []
-    for term in doubtful:
+    for term in state.doubtful:
         support = state.support[term.key]
-        if support.gain <= 0.0:
-            continue
-        values = estimates(state.fit.extended(term), (term,), seed)[0]
+        values = estimates(state.fit, (term,), seed)[0]
         none = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
         finding = finding_of(prepared, term, values, (), none, support)
-        confidence = confidence_of(prepared.study.thresholds, support)
+        most = prepared.study.thresholds.confidence.suspected
+        confidence = min(confidence_of(prepared.study.thresholds, support), most)
         found.append(replace(finding, weight=support.weight, confidence=confidence))
     return tuple(sorted(found, key=lambda each: -each.confidence))

@@ -1,38 +1,26 @@
-"""Contacts: which stay beside later findings, and which held-out recordings alone show."""
+"""Contacts that held-out recordings alone show."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..confirm.confidence import confidence_of
 from ..confirm.event_support import event_support
 from ..findings import Evidence, Finding
+from ..identify.confidence import confidence_of
+from ..identify.contacts import contact_term, pauses, stands
+from ..identify.figures import event_estimates
+from ..identify.identified import Identified
 from ..motion.balances import Balances
 from ..motion.prepare import Prepared
-from ..regression.estimate import event_estimates
 from ..regression.fit import Fit, Term
 from ..regression.naming import Found, channel_of, finding_of
 from ..regression.prediction import Prediction
-from ..regression.trial import Search
 from ..regression.trusted_bodies import effect_of
-from ..select.contacts import contact_term, pauses, stands
 from ..thresholds import Thresholds
 
 
-def without_needless_contacts(state: Search) -> Search:
-    """Without contacts that later findings have made needless."""
-    least = state.balances.thresholds.contacts.least_weight
-    for term in state.contacts:
-        others = state.without(term)
-        share = within(state, term, ()).validation_gain
-        if share < least or not stands(others.fit.extended(term), term):
-            state = others
-    kept = tuple(term for term in state.contacts if term in state.fit.terms)
-    return replace(state, contacts=kept)
-
-
-def within(state: Search, term: Term, channels: tuple[str, ...]) -> Evidence:
+def within(state: Identified, term: Term, channels: tuple[str, ...]) -> Evidence:
     """Evidence of an event in recordings to fit, held against its own window."""
     first = {key: state.start.residual(key) for key in term.columns}
     share = event_support(state.without(term).fit, term, first).weight

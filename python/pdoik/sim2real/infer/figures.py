@@ -12,25 +12,24 @@ import numpy as np
 from ..confirm.simulated_estimates import simulated_estimates
 from ..effects import CATALOGUE, Effect
 from ..findings import Estimate
+from ..identify.figures import estimates
+from ..identify.identified import Identified
 from ..motion.place import Place
 from ..motion.prepare import Prepared
-from ..regression.estimate import estimates, event_estimates
 from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..regression.second_order import to_second_order
-from ..regression.trial import Search
 from .bodies import by_moments
-from .changing_friction import spreads_of, with_days
+from .changing_friction import spreads_of
 from .sampling import widened, without_sampling
 from .torque_scale import with_torque_scale
-from .unnamed_ordinary import beside_the_unnamed, holding
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Figures:
     """Terms that stand with what they come to."""
 
-    state: Search  # without those that came to nothing
+    state: Identified  # without those that came to nothing
     terms: tuple[tuple[Term, dict[str, Estimate]], ...]
     loads: frozenset[Place]  # payloads that are told by their moments
     notes: tuple[str, ...]  # what was done, and what came to nothing
@@ -38,7 +37,7 @@ class Figures:
 
 
 def figures_of(
-    prepared: Prepared, state: Search, seed: int, ordinary: Fit | None = None
+    prepared: Prepared, state: Identified, seed: int, ordinary: Fit | None = None
 ) -> Figures:
     """Estimates of all accepted terms, refined by simulation, widened by what data hide.
 
@@ -54,7 +53,6 @@ def figures_of(
     accepted, notes = without_sampling(prepared, state.fit, accepted)
     values = estimates(state.fit, accepted, seed)
     state, accepted, values, loads = by_moments(state, accepted, values, seed)
-    first, beside = values, beside_the_unnamed(state.fit, accepted, seed)
     values = {i: to_second_order(state.fit, t, values[i]) for i, t in enumerate(accepted)}
     values, simulated = simulated_estimates(prepared, state, accepted, values)
     if simulated:
@@ -75,12 +73,6 @@ def figures_of(
             notes.append(f"{described(prepared, term)}: {said}")
             lost.append(term)
             continue
-        if term in state.contacts:
-            figures = event_estimates(state.without(term).fit.extended(term), term)
-        else:
-            figures = holding(figures, first[number], beside[number])
-            if ordinary is not None:
-                figures = with_days(ordinary, spreads, term, figures)
         figures = with_torque_scale(prepared.study, figures)
         kept.append((term, within_bounds(CATALOGUE[term.effect], figures)))
     if lost:

@@ -11,11 +11,11 @@ from pdoik.errors import PdoikError
 from ..confirm.confirm_by_simulation import run_without
 from ..confirm.rollouts import Arm, Rollout
 from ..findings import Evidence
+from ..identify.identified import Identified
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..regression.fit import TermKey
 from ..regression.prediction import share_by_blocks
-from ..regression.trial import Search
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,7 +26,7 @@ class SimulatedEvidence:
     left: dict[Key, float] = field(default_factory=dict)  # root mean square, balance by balance
 
 
-def judged_by_simulation(prepared: Prepared, state: Search) -> SimulatedEvidence:
+def judged_by_simulation(prepared: Prepared, state: Identified) -> SimulatedEvidence:
     """Evidence on held-out recordings; none where there are none, or the arm runs away."""
     doubtful = [t for t in state.accepted if t.key in state.confirmed]
     if prepared.validate is None or not doubtful:

@@ -13,15 +13,15 @@ from dataclasses import replace
 import numpy as np
 
 from ..findings import JointFit, Residue
+from ..identify.identified import Identified
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..regression.background import friction_at
 from ..regression.fit import Fit
-from ..regression.trial import Search
 
 
 def with_outstanding(
-    prepared: Prepared, state: Search, joints: Mapping[str, JointFit], ordinary: Fit | None
+    prepared: Prepared, state: Identified, joints: Mapping[str, JointFit], ordinary: Fit | None
 ) -> dict[str, JointFit]:
     """The joints with what stands out marked, by the recordings to fit alone.
 
@@ -35,7 +35,7 @@ def with_outstanding(
     return result
 
 
-def _outstanding(prepared: Prepared, state: Search, ordinary: Fit | None) -> dict[int, float]:
+def _outstanding(prepared: Prepared, state: Identified, ordinary: Fit | None) -> dict[int, float]:
     """What a joint leaves over what its friction makes likely, by the same of the others."""
     least = prepared.study.thresholds.verdict
     shares = {} if ordinary is None else _shares(prepared, state, ordinary)
@@ -50,7 +50,7 @@ def _outstanding(prepared: Prepared, state: Search, ordinary: Fit | None) -> dic
     return found
 
 
-def _shares(prepared: Prepared, state: Search, fit: Fit) -> dict[int, float]:
+def _shares(prepared: Prepared, state: Identified, fit: Fit) -> dict[int, float]:
     """Of each judged joint: what is left, over friction, noise and the model's own error."""
     b, verdict = prepared.fit, prepared.study.thresholds.verdict
     shares = {}
@@ -58,7 +58,7 @@ def _shares(prepared: Prepared, state: Search, fit: Fit) -> dict[int, float]:
         key: Key = ("torque", j)
         if key not in state.fit.design or not b.excited[j] or not len(state.fit.rows[key]):
             continue
-        left = float(np.sqrt(np.mean(state.fit.residual(key) ** 2))) * b.sigma[key]
+        left = float(np.sqrt(np.mean(state.fit.residual(key) ** 2))) * state.balances.sigma[key]
         tau = np.concatenate([m.borne[:, j] for m in b.motions])
         model = verdict.of_the_model * float(np.sqrt(np.mean(tau**2)))
         friction = float(np.sqrt(np.mean(friction_at(fit, j) ** 2)))

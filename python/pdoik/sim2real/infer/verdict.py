@@ -8,11 +8,11 @@ import numpy as np
 
 from ..effects.unknown import Unknown
 from ..findings import Finding, JointFit, Verdict
+from ..identify.identified import Identified
+from ..identify.ordinary import changes_of
 from ..motion.place import Key
 from ..motion.prepare import Prepared, simulated
 from ..regression.prediction import Prediction
-from ..regression.session_changes import session_changes
-from ..regression.trial import Search
 from ..study.recording import FloatArray
 from ..study.study import Study
 from ..thresholds.verdict import VerdictThresholds
@@ -20,7 +20,7 @@ from .residue import residue_of
 
 
 def joint_fits(
-    prepared: Prepared, state: Search, prediction: Prediction, simulated_left: dict[Key, float]
+    prepared: Prepared, state: Identified, prediction: Prediction, simulated_left: dict[Key, float]
 ) -> dict[str, JointFit]:
     """Residual of each joint before and after, on held-out recordings.
 
@@ -30,7 +30,7 @@ def joint_fits(
     """
     b = prediction.balances
     left = prediction.residual(state.fit)
-    spread = prediction.spread(session_changes(state.fit))
+    spread = prediction.spread(changes_of(state.fit))
     names = ", ".join(m.recording.name for m in b.motions)
     result = {}
     for j, name in enumerate(prepared.study.joints):
@@ -60,7 +60,7 @@ def joint_fits(
 
 
 def fitted_joints(
-    prepared: Prepared, state: Search, simulated_left: dict[Key, float]
+    prepared: Prepared, state: Identified, simulated_left: dict[Key, float]
 ) -> dict[str, JointFit]:
     """The same on the recordings to fit: what happened in these alone is not to be passed over."""
     b = prepared.fit
@@ -70,7 +70,7 @@ def fitted_joints(
         key = next((k for k in preferred(j) if k in state.fit.design), None)
         if key is None or not len(state.fit.rows[key]):
             continue
-        left = b.sigma[key] * _rms(state.fit.residual(key))
+        left = state.balances.sigma[key] * _rms(state.fit.residual(key))
         result[name] = JointFit(
             before=b.rms(key),
             after=min(left, simulated_left.get(key, np.inf)),
@@ -130,7 +130,7 @@ def _is_quiet(joint: JointFit, limits: VerdictThresholds) -> bool:
     return _is_explained(joint, limits) or joint.after <= limits.quiet * floor
 
 
-def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> tuple[str, ...]:
+def notes_of(prepared: Prepared, state: Identified, joints: dict[str, JointFit]) -> tuple[str, ...]:
     """What was assumed and what cannot be told, in words."""
     study = prepared.study
     notes = [*study.notes, *simulator_notes(study)]
@@ -152,10 +152,11 @@ def notes_of(prepared: Prepared, state: Search, joints: dict[str, JointFit]) -> 
         notes.append(f"{', '.join(still)}: moved too little to be judged.")
     if prepared.fit.told is not None:
         notes.append(_sessions_in_words(prepared))
-    if state.nuisance:
+    if state.bodies > 0.0 and prepared.body is not None:
+        allowed = "" if study.trust.rigid_body is None else ", as the study allows"
         notes.append(
             f"The model's masses, centres and inertias were adjusted within"
-            f" {100 * (study.trust.rigid_body or 0.0):.3g} %, as the study allows."
+            f" {100 * state.bodies:.3g} %{allowed}."
         )
     return tuple(dict.fromkeys(notes))
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE, Effect
+from ..identify.candidates import same_kind
 from ..motion.balances import Balances
 from ..motion.place import Place, Shape
 from ..motion.prepare import Prepared
 from ..regression.trusted_bodies import trusted
-from ..select.candidates import same_kind
 from .questions import Cause
 from .rows import Columns, Noise, Sheet, columns_at, contribution
 

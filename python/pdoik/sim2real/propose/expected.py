@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..confirm.confidence import confidence_of
 from ..findings import Support
+from ..identify.confidence import confidence_of
 from ..thresholds import Thresholds
 
 Pair = tuple[str, str]  # a finding and its rival, in words

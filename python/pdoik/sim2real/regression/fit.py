@@ -124,6 +124,7 @@ class Fit:
         self.gram = self.fold_gram.sum(axis=0)
         self.moment = self.fold_moment.sum(axis=0)
         self.beta = self.solve(self.gram, self.moment)
+        self._bounded: FloatArray | None = None
 
     def _begin(self, key: Key) -> None:
         b = self.balances
@@ -268,6 +269,11 @@ class Fit:
 
     def bounded(self) -> FloatArray:
         """Coefficients within every effect's bounds, bodies real ones (SciPy's least squares)."""
+        if self._bounded is None:
+            self._bounded = self._within_bounds()
+        return self._bounded.copy()
+
+    def _within_bounds(self) -> FloatArray:
         if not self.size:
             return np.zeros(0)
         lower, upper = np.full(self.size, -np.inf), np.full(self.size, np.inf)

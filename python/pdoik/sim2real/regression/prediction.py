@@ -12,7 +12,6 @@ from ..motion.balances import Balances
 from ..motion.place import Key
 from ..study.recording import FloatArray
 from .fit import Fit, Term
-from .session_changes import SessionChange
 from .trusted_bodies import effect_of
 
 _DRAWS = 300
@@ -46,12 +45,12 @@ class Prediction:
                 left[key] -= column @ beta
         return left
 
-    def spread(self, changes: Sequence[SessionChange]) -> dict[Key, FloatArray]:
+    def spread(self, changes: Sequence[tuple[Term, FloatArray]]) -> dict[Key, FloatArray]:
         """How far a session may be from the mean, as a standard deviation, (N,) per key."""
         squares: dict[Key, FloatArray] = {}
-        for each in changes:
-            for key, column in self._columns(each.term).items():
-                part = np.sum((column * each.of_another) ** 2, axis=1)
+        for term, of_another in changes:
+            for key, column in self._columns(term).items():
+                part = np.sum((column * of_another) ** 2, axis=1)
                 squares[key] = squares.get(key, np.zeros(len(part))) + part
         return {key: np.sqrt(square) for key, square in squares.items()}
 

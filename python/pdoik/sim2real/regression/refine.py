@@ -12,7 +12,6 @@ from ..effects import CATALOGUE
 from ..study.recording import FloatArray
 from .fit import Fit, Term, term_of
 from .one_more import OneMore
-from .trial import Search
 
 Values = FloatArray | float
 _GRID = 7  # values of one parameter that are looked at first
@@ -110,18 +109,3 @@ def _vertex(x: FloatArray, y: list[float], k: int) -> float:
     bend = y[k - 1] - 2.0 * y[k] + y[k + 1]
     aside = 0.5 * (y[k - 1] - y[k + 1]) / bend if bend > 0.0 else 0.0
     return float(x[k] + np.clip(aside, -1.0, 1.0) * (x[1] - x[0]))
-
-
-def polished(state: Search, joints: set[int] | None = None) -> Search:
-    """Nonlinear parameters moved once more with all terms there; of these joints, or of all.
-
-    A shape found before its neighbours were there may have stood in for them.
-    """
-    for term in state.accepted:
-        if not CATALOGUE[term.effect].shape_bounds(term.shape):
-            continue
-        if joints is not None and joints.isdisjoint(term.place.joints):
-            continue
-        better = refined(state.without(term).fit, term)
-        state = state.fitted([better if t is term else t for t in state.fit.terms])
-    return state

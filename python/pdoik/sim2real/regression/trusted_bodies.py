@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ..effects import CATALOGUE, Effect
 from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
-from ..motion.place import Place
+from ..motion.motion import Motion
+from ..motion.place import Columns, Place, Shape
 from .fit import Term
 
 _BODY = CATALOGUE[LinkInertials.id]
@@ -14,9 +17,27 @@ TRUST = "trust"
 """Effect id of the terms; none of the catalogue."""
 
 
+class _OfThatDay(Effect):
+    """What was so in the recorded sessions alone: nothing is known of it elsewhere."""
+
+    id = "days"
+    on = "joint"
+
+    def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
+        """None."""
+        return {}
+
+    def statement(self, where: str, values: Mapping[str, float]) -> str:
+        """In words."""
+        return f"The friction of {where} differs from day to day."
+
+
+_OTHER = {TRUST: _BODY, _OfThatDay.id: _OfThatDay()}
+
+
 def effect_of(term: Term) -> Effect:
-    """The effect of a term, one of these included."""
-    return _BODY if term.effect == TRUST else CATALOGUE[term.effect]
+    """The effect of a term, those of no catalogue included."""
+    return _OTHER.get(term.effect) or CATALOGUE[term.effect]
 
 
 def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:

@@ -13,14 +13,14 @@ from pdoik.errors import LoadError
 from .columns import CONTACT, VECTORS, Table, channel_of, joints_of, nearest, pose_columns
 from .duty import with_supply
 from .glitches import glitches
-from .recording import CHANNELS, FloatArray, Recording, Role
+from .mend_jumps import with_jumps_mended
+from .recording import CHANNELS, STILL, FloatArray, Recording, Role
 from .resample import GAP, Grid, on_grid, uniform_grid
 from .suspected_unit import SuspectedUnitError
 from .units import Units
 
 SHORTEST = 2.0  # [s]
 FEWEST = 50  # samples
-STILL = 2e-3  # range of a joint that does not move [rad or m]
 
 _DUPLICATES = 0.3  # share of rows whose time stamp is the one before
 _MEASURED = ("dq", "tau", "current", "duty")  # a joint that moves changes these
@@ -45,11 +45,13 @@ def to_recording(
         feet: Links whose sensors' columns are read, in their order.
 
     Raises:
-        LoadError: a position column is missing, time runs backwards or stands, it is too short.
+        LoadError: a position column is missing or jumps throughout, time runs backwards or stands,
+            it is too short.
     """
     _check_positions(table, joints)
     table = with_supply(_with_rising_time(table), joints)
     _check_length(table, units)
+    table = with_jumps_mended(table, joints, units, slides)
     grid = uniform_grid(table.time)
     notes = [*table.notes, *_grid_notes(grid)]
     valid = np.ones(len(grid.time), dtype=np.bool_)

@@ -10,7 +10,7 @@ from pdoik.errors import LoadError
 
 from . import keys as study_keys
 from .base_key import base_from, check_base
-from .check_recording import STILL, moves, to_recording
+from .check_recording import moves, to_recording
 from .columns import Table, joints_of
 from .controller_key import known_controller, told_controller
 from .duty import check_duty
@@ -22,7 +22,7 @@ from .names.known import Known
 from .names.mujoco_order import mujoco_order
 from .read_log import read_log
 from .read_setup import Told, facts_of, setups_of
-from .recording import FloatArray, Recording
+from .recording import STILL, FloatArray, Recording
 from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
 from .simulator_key import simulator_from
 from .split import split

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 Role = Literal["fit", "validate"]
 
+STILL = 2e-3  # range of a joint that does not move [rad or m]
+
 CHANNELS = ("q", "dq", "tau", "current", "duty", "voltage", "q_des", "dq_des", "tau_cmd")
 """Channels with a column per joint, as `channel.joint`."""
 

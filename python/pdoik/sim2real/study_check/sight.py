@@ -26,8 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from ..identify.support import activity
 from ..motion.place import Key
-from ..regression.trial import activity
 from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from .beside import Beside, Contribution, Noise, as_term, energy_of, error_of, inflation_of

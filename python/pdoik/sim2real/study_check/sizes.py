@@ -9,6 +9,7 @@ import numpy as np
 
 from ..effects import CATALOGUE, Effect
 from ..effects.effect import Parameter
+from ..identify.candidates import same_kind
 from ..motion.place import Key, Place, Shape
 from ..motion.prepare import Prepared
 from ..regression.background import (
@@ -20,7 +21,6 @@ from ..regression.background import (
 )
 from ..regression.fit import Term, term_of
 from ..regression.trusted_bodies import TRUST, trusted
-from ..select.candidates import same_kind
 from ..study.recording import FloatArray
 from .amounts import bisected
 from .beside import Beside, Contribution, Noise

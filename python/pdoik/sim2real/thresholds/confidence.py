@@ -16,6 +16,7 @@ class ConfidenceThresholds(Group):
     """Weights of the log odds that a finding is there, and what is made of them."""
 
     base: float = threshold(2.27, "log odds where half of what is left is gained", "", _FITTED)
+    odds: float = threshold(0.0, "per logarithm of one and the posterior log odds", "", _FITTED)
     gain: float = threshold(
         0.46,
         "per log odds of the gain: its share of what is left on left-out sessions",

@@ -13,6 +13,7 @@ from .controllers import ControllerThresholds
 from .feet import FeetThresholds
 from .figures import FigureThresholds
 from .gates import GateThresholds
+from .identify import IdentifyThresholds
 from .limits import LimitThresholds
 from .noise import NoiseThresholds
 from .propose import ProposeThresholds
@@ -46,6 +47,7 @@ class Thresholds:
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     limits: LimitThresholds = field(default_factory=LimitThresholds)
     background: BackgroundThresholds = field(default_factory=BackgroundThresholds)
+    identify: IdentifyThresholds = field(default_factory=IdentifyThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
     support: SupportThresholds = field(default_factory=SupportThresholds)
     gates: GateThresholds = field(default_factory=GateThresholds)

@@ -1,4 +1,4 @@
-"""The probability that a finding is there, from what speaks for it where it was not learnt."""
+"""The probability that a finding is there: its posterior log odds, calibrated once on worlds."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ def features(support: Support) -> dict[str, float]:
     """What the log odds are linear in, by the names of their weights."""
     return {
         "base": 1.0,
+        "odds": float(np.log1p(max(support.log_odds, 0.0))),
         "gain": _log_odds(support.gain),
         "event": float(support.event),
     }

@@ -1,0 +1,168 @@
+"""Values with intervals: the posterior of the coefficients, and of shapes by their derivatives."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import linalg
+
+from ..effects import CATALOGUE
+from ..findings import Estimate
+from ..motion.balances import Balances
+from ..regression.fit import Fit, Term
+from ..regression.random_effects import spread_between
+from ..study.recording import FloatArray
+from .ordinary import days_of
+
+DRAWS = 400
+_SHAPE_PRIOR = 1e-3  # inverse variance of a shape's step
+
+Figures = dict[int, dict[str, Estimate]]
+
+
+def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> Figures:
+    """Parameters of each wanted term, by its index in `wanted`.
+
+    Normal about the likeliest coefficients, with the covariance of all that is in the fit: what
+    other causes, bodies within trust and days leave open is in the intervals. Nonlinear parameters
+    take part by the derivative of their columns.
+    """
+    if not wanted:
+        return {}
+    moving = [(term, i) for term in wanted for i in CATALOGUE[term.effect].free(term.shape)]
+    wider = fit.extended(*(_sensitivity(fit, term, i) for term, i in moving)) if moving else fit
+    root = _root(wider)
+    rng = np.random.default_rng(seed)
+    draws = rng.standard_normal((DRAWS, wider.size)) @ root
+    bounded = fit.bounded()
+    result: Figures = {}
+    for number, term in enumerate(wanted):
+        at = next(i for i, each in enumerate(fit.terms) if each is term)
+        span = slice(int(fit.offsets[at]), int(fit.offsets[at]) + (0 if term.fixed else term.width))
+        beta = np.ones(1) if term.fixed else bounded[span]
+        effect = CATALOGUE[term.effect]
+        own = [
+            (i, int(offset))
+            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) :], strict=False)
+            if owner is term
+        ]
+        samples = []
+        for draw in draws:
+            shape = list(term.shape)
+            for i, offset in own:
+                shape[i] += float(draw[offset]) * _step(term, i)
+            sample = beta if term.fixed else beta + draw[span]
+            samples.append(effect.values(tuple(shape), sample))
+        units = {p.name: p.unit for p in effect.parameters}
+        result[number] = {
+            name: _estimate(
+                fit, value, np.array([each[name] for each in samples]), units.get(name, "-")
+            )
+            for name, value in effect.values(term.shape, beta).items()
+        }
+        if not term.fixed and term.width == 1:
+            result[number] = _with_spread(fit, root, term, span.start, result[number])
+    return result
+
+
+def _root(fit: Fit) -> FloatArray:
+    """A matrix R with R'R the covariance of the coefficients."""
+    scale, even = fit.even(fit.gram)
+    lower = linalg.cholesky(even, lower=True)
+    return np.asarray(linalg.solve_triangular(lower, np.diag(scale), lower=True))
+
+
+def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimate:
+    if unit == "rad":  # a phase may wrap
+        samples = value + (samples - value + np.pi) % (2 * np.pi) - np.pi
+    least = fit.balances.thresholds.figures.discretisation * abs(value)
+    low, high = np.quantile(samples, (0.025, 0.975))
+    std = float(np.hypot((high - low) / 3.92, least))
+    return Estimate(
+        value=value, std=std, interval95=(value - 1.96 * std, value + 1.96 * std), unit=unit
+    )
+
+
+def _with_spread(
+    fit: Fit, root: FloatArray, term: Term, at: int, figures: dict[str, Estimate]
+) -> dict[str, Estimate]:
+    """How much a joint's friction differs between sessions, where the study tells of some."""
+    if fit.balances.told is None:
+        return figures
+    own = days_of(fit.terms, term)
+    days = [
+        int(offset)
+        for each, offset in zip(fit.terms, fit.offsets, strict=False)
+        if any(each is day for day in own)
+    ]
+    if len(days) < 2:
+        return figures
+    values = fit.beta[at] + fit.beta[days]
+    variances = np.sum(root[:, days] ** 2, axis=0)
+    found = spread_between(values, variances, fit.balances.count)
+    name = next(iter(figures))
+    figures = dict(figures)
+    each = figures[name]
+    figures[name] = Estimate(
+        value=each.value,
+        std=each.std,
+        interval95=each.interval95,
+        unit=each.unit,
+        spread=found.std,
+        spread_p=found.p,
+    )
+    return figures
+
+
+def values_and_errors(
+    found: Figures,
+) -> tuple[list[dict[str, float]], list[dict[str, float]]]:
+    """Values and standard errors of `estimates`, by the terms' index."""
+    each = [found[number] for number in range(len(found))]
+    return (
+        [{name: e.value for name, e in one.items()} for one in each],
+        [{name: e.std for name, e in one.items()} for one in each],
+    )
+
+
+def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
+    """Parameters of an event in recordings that were held out: the fit's last term."""
+    effect = CATALOGUE[term.effect]
+    std = np.sqrt(np.sum(_root(fit) ** 2, axis=0))[-term.width :]
+    units = {p.name: p.unit for p in effect.parameters}
+    values = effect.values(term.shape, fit.beta[-term.width :])
+    return {
+        name: Estimate(
+            value=value,
+            std=float(s),
+            interval95=(value - 1.96 * float(s), value + 1.96 * float(s)),
+            unit=units.get(name, "-"),
+        )
+        for (name, value), s in zip(values.items(), std, strict=True)
+    }
+
+
+def _step(term: Term, i: int) -> float:
+    size = abs(term.shape[i])
+    step = 0.02 * max(size, 0.02)
+    return min(step, 0.25 * size) if size else step  # a time stays positive
+
+
+def _sensitivity(fit: Fit, term: Term, i: int) -> Term:
+    """Change of a term's contribution per step of a nonlinear parameter."""
+    b: Balances = fit.balances
+    effect, step = CATALOGUE[term.effect], _step(term, i)
+    at = next(k for k, each in enumerate(fit.terms) if each is term)
+    offset = int(fit.offsets[at])
+    beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
+    sides = []
+    for sign in (1.0, -1.0):
+        shape = list(term.shape)
+        shape[i] += sign * step
+        sides.append(b.compute(effect, term.place, tuple(shape)))
+    columns = {
+        key: ((sides[0][key] - sides[1][key]) @ beta / 2.0)[:, None]
+        for key in sides[0]
+        if key in sides[1]
+    }
+    prior = np.full(1, _SHAPE_PRIOR)
+    return Term(effect="shape", place=term.place, shape=(), columns=columns, prior=prior)

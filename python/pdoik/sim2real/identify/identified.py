@@ -1,0 +1,72 @@
+"""What was identified, as the next stages take it: nothing in it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ..findings import Support
+from ..motion.balances import Balances
+from ..regression.fit import Fit, Term, TermKey
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rival:
+    """Another name in the place of a cause."""
+
+    term: Term
+    log_odds: float  # over nothing in the cause's place
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Tried:
+    """A cause that was weighed, and how it did when it was at its best."""
+
+    term: Term
+    log_odds: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Part:
+    """One ordinary part of a joint or a body, whether or not it is large enough to be named."""
+
+    term: Term
+    value: tuple[float, ...]
+    std: tuple[float, ...]
+    negligible: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identified:
+    """Causes that are claimed, beside all else that is in the model."""
+
+    balances: Balances  # with the noise that the model leaves
+    nuisance: tuple[Term, ...]  # what is in the model and not claimed
+    fit: Fit  # of these, then of the claimed ones
+    start: Fit  # of nothing
+    bodies: float = 0.0  # share within which the model's inertial figures were adjusted
+    support: Mapping[TermKey, Support] = field(default_factory=dict)
+    rivals: Mapping[TermKey, tuple[Rival, ...]] = field(default_factory=dict)
+    tried: tuple[Tried, ...] = ()
+    ordinary: tuple[Part, ...] = ()
+    doubtful: tuple[Term, ...] = ()  # likely, but too little to be claimed
+    simulated: Mapping[TermKey, dict[str, float]] = field(default_factory=dict)  # figures
+    confirmed: frozenset[TermKey] = frozenset()  # by simulations
+
+    @property
+    def accepted(self) -> tuple[Term, ...]:
+        """Terms that are claimed."""
+        return self.fit.terms[len(self.nuisance) :]
+
+    @property
+    def contacts(self) -> tuple[Term, ...]:
+        """Those of them that are events."""
+        return tuple(t for t in self.accepted if t.place.window is not None)
+
+    def fitted(self, terms: Sequence[Term]) -> Identified:
+        """With these terms, the nuisance's among them, and no others."""
+        return replace(self, fit=Fit(self.balances, terms))
+
+    def without(self, *terms: Term) -> Identified:
+        """Without some of the claimed terms."""
+        return replace(self, fit=self.fit.without(*terms))

@@ -1,0 +1,234 @@
+"""A set of hypotheses fitted together, the noise that they leave, and the evidence for them.
+
+Coefficients are the likeliest under their priors (MacKay, Neural Computation 4(3), 1992). Noise is
+what is left, balance by balance, with as few rows as are independent; its variance is integrated
+out as the maximum of the evidence, so that a cause which explains most of what is left is worth the
+logarithm of that, and not all of it once for every row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from ..effects import CATALOGUE
+from ..motion.place import Key
+from ..study.recording import FloatArray
+from .hypothesis import Hypothesis
+from .linearisation import Linearisation
+
+_ROUNDS = 6  # of coefficients and noise in turn
+_SETTLED = 0.02  # relative change of a variance that is none
+_LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
+_TRACE = 1e-11  # of ridge, where columns are scaled to one
+
+
+class Model:
+    """Hypotheses with coefficients, noise and evidence."""
+
+    def __init__(
+        self,
+        data: Linearisation,
+        hypotheses: Sequence[Hypothesis],
+        noise: Mapping[Key, float] | None = None,
+    ) -> None:
+        """Fits at once.
+
+        Args:
+            data: rows and sums.
+            hypotheses: all that is in the model.
+            noise: variances of the balances to begin with, those of a model like it.
+        """
+        self.data = data
+        self.hypotheses = tuple(hypotheses)
+        ends = np.cumsum([0, *(each.width for each in self.hypotheses)])
+        self.spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self.size = int(ends[-1])
+        nothing = np.zeros(0)
+        self.precision = np.concatenate([nothing, *(h.precision for h in self.hypotheses)])
+        self.mean = np.concatenate([nothing, *(h.mean for h in self.hypotheses)])
+        self._positive = np.concatenate(
+            [np.zeros(0, bool), *(np.full(h.width, h.positive) for h in self.hypotheses)]
+        ).astype(bool)
+        self.index: dict[Key, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
+        self._place()
+        self.noise: dict[Key, float] = {}  # variance of what is left, per row
+        self._left: dict[Key, FloatArray] = {}
+        self._settle(noise or {})
+
+    def _place(self) -> None:
+        """Which coefficients act in each balance, and which of its columns are theirs."""
+        own: dict[Key, list[NDArray[np.intp]]] = {}
+        there: dict[Key, list[NDArray[np.intp]]] = {}
+        for hypothesis, span in zip(self.hypotheses, self.spans, strict=True):
+            for key, local in self.data.spans(hypothesis.term).items():
+                own.setdefault(key, []).append(np.arange(span.start, span.stop))
+                there.setdefault(key, []).append(np.arange(local.start, local.stop))
+        for key in self.data.series:
+            if key in own:
+                self.index[key] = np.concatenate(own[key]), np.concatenate(there[key])
+            else:
+                self.index[key] = np.zeros(0, np.intp), np.zeros(0, np.intp)
+
+    def _settle(self, noise: Mapping[Key, float]) -> None:
+        for key, series in self.data.series.items():
+            first = max(series.square / len(series.rows), series.floor**2)
+            self.noise[key] = noise.get(key, first)
+        for _ in range(_ROUNDS):
+            self._solve()
+            before = self.noise
+            self.noise = {key: self._variance_of(key) for key in before}
+            if all(abs(self.noise[k] / before[k] - 1.0) < _SETTLED for k in before):
+                break
+        self._solve()
+
+    def weight(self, key: Key) -> float:
+        """Of a row of a balance: as many rows as are independent, by the variance."""
+        series = self.data.series[key]
+        return series.independent / len(series.rows) / self.noise[key]
+
+    _variances: FloatArray | None = None
+
+    def _solve(self) -> None:
+        """Coefficients, those that cannot be negative at least 0."""
+        gram, moment = np.diag(self.precision), self.precision * self.mean
+        for key, (own, there) in self.index.items():
+            if len(own):
+                series, weight = self.data.series[key], self.weight(key)
+                gram[np.ix_(own, own)] += weight * series.gram[np.ix_(there, there)]
+                moment[own] += weight * series.moment[there]
+        self.gram = gram
+        self.active = np.ones(self.size, dtype=bool)
+        while True:
+            at = np.flatnonzero(self.active)
+            scale = 1.0 / np.sqrt(np.diag(gram)[at])
+            even = gram[np.ix_(at, at)] * np.outer(scale, scale) + _TRACE * np.eye(len(at))
+            self._scale, self._factor = scale, linalg.cholesky(even, lower=True)
+            beta = np.zeros(self.size)
+            if len(at):
+                beta[at] = scale * linalg.cho_solve((self._factor, True), scale * moment[at])
+            wrong = np.where(self._positive[at], beta[at] / scale, 0.0)
+            if not len(at) or wrong.min() >= 0.0:
+                break
+            self.active[at[int(np.argmin(wrong))]] = False
+        self.beta = beta
+        self._left, self._variances = {}, None
+
+    def left(self, key: Key) -> FloatArray:
+        """What is left of a balance, (N,) on its rows that count."""
+        if key not in self._left:
+            series, (own, there) = self.data.series[key], self.index[key]
+            left = series.target
+            if len(own):
+                left = left - series.columns[:, there] @ self.beta[own]
+            self._left[key] = left
+        return self._left[key]
+
+    def _variance_of(self, key: Key) -> float:
+        """The likeliest, coefficients that the balance tells taken off the rows."""
+        series, left = self.data.series[key], self.left(key)
+        rows = series.independent
+        free = max(rows - self._used(key), _LEAST_FREE * rows)
+        return max(float(left @ left) / len(left) * rows / free, series.floor**2)
+
+    def _used(self, key: Key) -> float:
+        """How many coefficients this balance tells, MacKay's gamma."""
+        own, there = self.index[key]
+        if not len(own):
+            return 0.0
+        mine = self.weight(key) * np.diag(self.data.series[key].gram)[there]
+        by_data = np.diag(self.gram)[own] - self.precision[own]
+        told = np.clip(1.0 - self.precision[own] * self.variances[own], 0.0, 1.0)
+        return float(np.sum(told * mine / np.maximum(by_data, 1e-300)))
+
+    @property
+    def inverse(self) -> FloatArray:
+        """Covariance of the coefficients, (size, size); 0 of those that rest on their bound."""
+        at = np.flatnonzero(self.active)
+        result = np.zeros((self.size, self.size))
+        if len(at):
+            root = linalg.solve_triangular(self._factor, np.diag(self._scale), lower=True)
+            result[np.ix_(at, at)] = root.T @ root
+        return result
+
+    @property
+    def variances(self) -> FloatArray:
+        """Of the coefficients, (size,)."""
+        if self._variances is None:
+            self._variances = np.diag(self.inverse).copy()
+        return self._variances
+
+    @property
+    def log_evidence(self) -> float:
+        """Of the model's rows, all that no model changes left out."""
+        total = 0.0
+        for key, variance in self.noise.items():
+            left, rows = self.left(key), self.data.series[key].independent
+            total -= 0.5 * rows * (np.log(variance) + float(left @ left) / len(left) / variance)
+        away = self.beta - self.mean
+        total -= 0.5 * float(np.sum(self.precision * away**2))
+        at = self.active
+        total += 0.5 * float(np.sum(np.log(self.precision[at])))
+        total -= float(np.sum(np.log(np.diag(self._factor)) - np.log(self._scale)))
+        return total
+
+    @property
+    def log_prior(self) -> float:
+        """Log odds of what is peculiar in it."""
+        return float(sum(each.log_odds for each in self.hypotheses))
+
+    @property
+    def admissible(self) -> bool:
+        """Whether all coefficients make physical sense."""
+        return not self.impossible
+
+    @property
+    def impossible(self) -> list[Hypothesis]:
+        """Causes whose coefficients make no physical sense."""
+        return [
+            each
+            for each, span in zip(self.hypotheses, self.spans, strict=True)
+            if not (each.admissible(self.beta[span]) and self._is_within(each, span))
+        ]
+
+    def _is_within(self, hypothesis: Hypothesis, span: slice) -> bool:
+        """Whether a cause that is a part of an ordinary one is no more than its share of it."""
+        if hypothesis.ordinary:
+            return True
+        of, share = CATALOGUE[hypothesis.term.effect].part_of
+        if not of:
+            return True
+        joints = hypothesis.term.place.joints
+        whole = sum(
+            float(self.beta[at][0])
+            for each, at in zip(self.hypotheses, self.spans, strict=True)
+            if each.ordinary and each.term.effect == of and each.term.place.joints == joints
+        )
+        return bool(np.all(self.beta[span] <= share * whole))
+
+    def with_(self, *more: Hypothesis) -> Model:
+        """With hypotheses more; noise is estimated again."""
+        return Model(self.data, (*self.hypotheses, *more), self.noise)
+
+    def without(self, *gone: Hypothesis) -> Model:
+        """Without some of its hypotheses; noise is estimated again."""
+        kept = [h for h in self.hypotheses if all(h is not each for each in gone)]
+        return Model(self.data, kept, self.noise)
+
+    @property
+    def log_posterior(self) -> float:
+        """Up to a constant of the study; -inf where it cannot be."""
+        return self.log_evidence + self.log_prior if self.admissible else -np.inf
+
+    def part(self, hypothesis: Hypothesis) -> dict[Key, FloatArray]:
+        """What a hypothesis adds to the balances where it acts, (N,) each."""
+        at = next(i for i, each in enumerate(self.hypotheses) if each is hypothesis)
+        beta = self.beta[self.spans[at]]
+        return {
+            key: self.data.series[key].columns[:, local] @ beta
+            for key, local in self.data.spans(hypothesis.term).items()
+        }

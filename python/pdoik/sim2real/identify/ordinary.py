@@ -1,0 +1,240 @@
+"""What every machine has: always in the model, sized and never selected.
+
+Joints rub, rotors turn with them, sensors' zeros and scales are a little off, drawings are a tenth
+wrong, friction is another one on another day. Each part has a prior: its usual size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effects import CATALOGUE
+from ..effects.coulomb_friction import CoulombFriction
+from ..effects.imu import ImuOffset, ImuTilt
+from ..effects.rotor_inertia import RotorInertia
+from ..effects.torque_gain import TorqueGain
+from ..effects.torque_offset import TorqueOffset
+from ..effects.viscous_friction import ViscousFriction
+from ..motion.balances import Balances
+from ..motion.place import Place, Shape
+from ..regression.background import usual_torque
+from ..regression.fit import Fit, Term, term_of
+from ..regression.trusted_bodies import TRUST, trusted
+from ..study.recording import FloatArray
+from .hypothesis import Hypothesis, ordinary
+from .model import Model
+from .pool import Pool
+
+DAYS = "days"
+"""Effect id of what friction differs by in a session; none of the catalogue."""
+
+OF_JOINTS = (
+    ViscousFriction.id,
+    CoulombFriction.id,
+    TorqueOffset.id,
+    RotorInertia.id,
+    TorqueGain.id,
+)
+"""Ordinary parts of a joint's torque."""
+
+OF_DAYS = CoulombFriction.id
+"""Ordinary dry friction, of which other laws are finer ones."""
+
+_CHANGES = (ViscousFriction.id, CoulombFriction.id)  # from day to day
+
+
+@dataclass(kw_only=True, eq=False)
+class Ordinary:
+    """The ordinary part of a study's model, with choices that evidence makes."""
+
+    balances: Balances
+    bodies: float  # the model's inertial figures are right to this share; 0: exactly
+    widths: dict[int, Shape] = field(default_factory=dict)  # of each joint's Coulomb friction
+    levels: dict[tuple[str, int], float] = field(default_factory=dict)  # that days change
+    days: float = 0.0  # by which share; 0: as is usual
+    _terms: dict[tuple[str, int, Shape], Term | None] = field(default_factory=dict)
+    _days: dict[tuple[str, int, int, Shape], Term] = field(default_factory=dict)
+
+    @property
+    def joints(self) -> list[int]:
+        """Joints whose torque is judged."""
+        b = self.balances
+        return [
+            j
+            for j in range(b.n)
+            if ("torque", j) in b.residual and b.excited[j] and b.mask["torque", j].any()
+        ]
+
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """All of it."""
+        found = [h for j in self.joints for h in self._of_joint(j)]
+        found += [h for j in self.joints for h in self._of_days(j)]
+        return (*found, *self._of_imu(), *self._of_bodies())
+
+    def _of_joint(self, j: int) -> Iterator[Hypothesis]:
+        b, believed = self.balances, self.balances.thresholds.identify
+        usual = usual_torque(b, j)
+        acceleration = np.concatenate([m.ddq[:, j] for m in b.motions])
+        accelerated = float(np.sqrt(np.mean(acceleration**2)))
+        speed = float(np.sqrt(np.mean(np.concatenate([m.dq[:, j] for m in b.motions]) ** 2)))
+        sizes = {
+            ViscousFriction.id: believed.friction * usual / max(speed, 1e-9),
+            CoulombFriction.id: believed.friction * usual,
+            TorqueOffset.id: believed.offset * usual,
+            RotorInertia.id: believed.rotor * usual / max(accelerated, 1e-9),
+            TorqueGain.id: believed.torque,
+        }
+        for name, size in sizes.items():
+            term = self.term(name, j)
+            if term is not None:
+                yield ordinary(term, max(size, 1e-12), positive=name in _POSITIVE)
+
+    def term(self, name: str, j: int, shape: Shape | None = None) -> Term | None:
+        """The term of a joint's part; None where it changes nothing."""
+        effect, place = CATALOGUE[name], Place(joints=(j,))
+        if shape is None:
+            shape = effect.shapes(self.balances.motions, place)[0]
+            if name == CoulombFriction.id:
+                shape = self.widths.get(j, (0.02,))
+        if (name, j, shape) not in self._terms:
+            self._terms[name, j, shape] = term_of(self.balances, effect, place, shape)
+        return self._terms[name, j, shape]
+
+    def _of_days(self, j: int) -> Iterator[Hypothesis]:
+        """Friction of each session less the mean's."""
+        session = self.sessions
+        share = self.days or self.balances.thresholds.identify.days
+        for name in _CHANGES:
+            size = share * self.levels.get((name, j), 0.0)
+            plain = self.term(name, j)
+            if plain is None or size <= 0.0:
+                continue
+            for k in range(int(session.max()) + 1):
+                at = name, j, k, plain.shape
+                if at not in self._days:
+                    here = (session == k)[:, None]
+                    self._days[at] = Term(
+                        effect=DAYS,
+                        place=plain.place,
+                        shape=(),
+                        columns={key: c * here for key, c in plain.columns.items()},
+                        prior=np.ones(1),
+                    )
+                yield ordinary(self._days[at], size)
+
+    @property
+    def sessions(self) -> NDArray[np.intp]:
+        """Session of every row, as the study tells, or the file that its recording is of."""
+        b = self.balances
+        if b.told is not None:
+            return np.asarray(b.told[b.recording], dtype=np.intp)
+        files = [m.recording.file or m.recording.name for m in b.motions]
+        return np.array([files.index(each) for each in files], dtype=np.intp)[b.recording]
+
+    def _of_imu(self) -> Iterator[Hypothesis]:
+        """Of an IMU, which is never mounted or zeroed quite right."""
+        b, believed = self.balances, self.balances.thresholds.background
+        turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
+        for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
+            for place in effect.places(b.motions):
+                term = term_of(b, effect, place, ())
+                if term is not None:
+                    yield ordinary(term, np.array(sizes))
+
+    def _of_bodies(self) -> Iterator[Hypothesis]:
+        for term in trusted(self.balances, self.bodies):
+            yield ordinary(term, 1.0 / np.sqrt(term.prior))
+
+    def fitted_to(self, model: Model) -> Ordinary:
+        """With what days change and Coulomb friction's widths as a model finds them likeliest."""
+        levels, widths = dict(self.levels), dict(self.widths)
+        own = {(h.term.effect, h.term.place): s for h, s in _ordinary_spans(model)}
+        for j in self.joints:
+            for name in _CHANGES:
+                span = own.get((name, Place(joints=(j,))))
+                if span is not None:
+                    levels[name, j] = float(abs(model.beta[span][0]))
+            widths[j] = self._width(model, j)
+        return replace(self, widths=widths, levels=levels, days=self._share_of_days(model))
+
+    def _share_of_days(self, model: Model) -> float:
+        """By which friction differs between sessions, the likeliest of three."""
+        believed = self.balances.thresholds.identify
+        now = self.days or believed.days
+        if len(np.unique(self.sessions)) < 2 or not any(
+            each.term.effect == DAYS for each in model.hypotheses
+        ):
+            return now
+        best, most = now, -np.inf
+        for factor in (1.0 / believed.days_more, 1.0, believed.days_more):
+            share = factor * believed.days
+            scaled = [
+                ordinary(each.term, share / now / np.sqrt(each.precision))
+                if each.term.effect == DAYS
+                else each
+                for each in model.hypotheses
+            ]
+            evidence = Model(model.data, scaled, model.noise).log_evidence
+            if evidence > most:
+                best, most = share, evidence
+        return best
+
+    def _width(self, model: Model, j: int) -> Shape:
+        """Of a joint's Coulomb friction, the likeliest beside all else."""
+        place, now = Place(joints=(j,)), self.widths.get(j, (0.02,))
+        here = [
+            h
+            for h, _ in _ordinary_spans(model)
+            if h.term.effect == CoulombFriction.id and h.term.place == place
+        ]
+        if not here:
+            return now
+        effect, size = CATALOGUE[CoulombFriction.id], here[0].precision[0] ** -0.5
+        shapes = {now, *effect.shapes(self.balances.motions, place)}
+        terms = [self.term(CoulombFriction.id, j, shape) for shape in sorted(shapes)]
+        made = [ordinary(term, size, positive=True) for term in terms if term is not None]
+        scored = Pool(model.data, made).scored(model.without(*here))
+        return scored[0].hypothesis.term.shape if scored else now
+
+
+_POSITIVE = (ViscousFriction.id, CoulombFriction.id, RotorInertia.id)
+
+
+def _ordinary_spans(model: Model) -> Iterator[tuple[Hypothesis, slice]]:
+    for hypothesis, span in zip(model.hypotheses, model.spans, strict=True):
+        if hypothesis.ordinary:
+            yield hypothesis, span
+
+
+def days_of(terms: Sequence[Term], term: Term) -> list[Term]:
+    """What a joint's friction differs by in each session: nothing without that friction."""
+    if term.effect not in _CHANGES or term.place.gate is not None:
+        return []
+    return [
+        each
+        for each in terms
+        if each.effect == DAYS
+        and each.place == term.place
+        and all(
+            key in term.columns and bool(np.all((column == 0.0) | (column == term.columns[key])))
+            for key, column in each.columns.items()
+        )
+    ]
+
+
+def changes_of(fit: Fit) -> list[tuple[Term, FloatArray]]:
+    """Friction that differs from day to day: the term, and by how much another day may differ."""
+    found = [(term, days_of(fit.terms, term)) for term in fit.terms]
+    return [(term, 1.0 / np.sqrt(days[0].prior)) for term, days in found if days]
+
+
+def is_named_kind(hypothesis: Hypothesis) -> bool:
+    """Whether an ordinary part may be said by name: bodies within trust and days are not."""
+    return hypothesis.ordinary and hypothesis.term.effect in CATALOGUE
+
+
+__all__ = ["DAYS", "OF_JOINTS", "TRUST", "Ordinary", "is_named_kind"]

@@ -1,0 +1,135 @@
+"""All candidates of a study, and what each would be worth beside a model: all at once.
+
+In closed form at the model's noise, everything else refitted (Schur's complement). What is worth
+most there is then weighed at the noise that it leaves itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from ..motion.place import Key
+from ..study.recording import FloatArray
+from .hypothesis import Hypothesis
+from .linearisation import Linearisation
+from .model import Model
+
+
+@dataclass(frozen=True, slots=True)
+class Scored:
+    """A hypothesis and its log odds beside a model, at the model's noise."""
+
+    hypothesis: Hypothesis
+    log_odds: float
+
+
+@dataclass(kw_only=True, eq=False)
+class _Of:
+    """The pool's columns at one balance."""
+
+    columns: FloatArray  # (N, w)
+    index: NDArray[np.intp]  # (w,) of the pool's coefficients
+    moment: FloatArray  # (w,)
+    cross: FloatArray  # (columns of the series, w), as many as were asked for
+
+
+class Pool:
+    """Candidates whose columns and sums are made once."""
+
+    def __init__(self, data: Linearisation, candidates: Sequence[Hypothesis]) -> None:
+        self.data = data
+        self.candidates = [each for each in candidates if data.acts(each.term)]
+        ends = np.cumsum([0, *(each.width for each in self.candidates)])
+        self._spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self._size = int(ends[-1])
+        self._of: dict[Key, _Of] = {}
+        self._own: list[dict[Key, FloatArray]] = [{} for _ in self.candidates]
+        for key, series in data.series.items():
+            parts, index = [], []
+            for number, (each, span) in enumerate(zip(self.candidates, self._spans, strict=True)):
+                if key in each.term.columns:
+                    part = each.term.columns[key][series.rows]
+                    parts.append(part)
+                    index.append(np.arange(span.start, span.stop))
+                    self._own[number][key] = part.T @ part
+            if parts:
+                columns = np.hstack(parts)
+                self._of[key] = _Of(
+                    columns=columns,
+                    index=np.concatenate(index),
+                    moment=columns.T @ series.target,
+                    cross=np.zeros((0, columns.shape[1])),
+                )
+
+    def scored(self, model: Model) -> list[Scored]:
+        """Every candidate beside a model, the likeliest first; what cannot be is left out."""
+        if not self.candidates:
+            return []
+        moment, cross = np.zeros(self._size), np.zeros((model.size, self._size))
+        for key, of in self._of.items():
+            own, there = model.index[key]
+            weight, inner = model.weight(key), self._cross(key)
+            moment[of.index] += weight * of.moment
+            if len(own):
+                here = weight * inner[there]
+                cross[np.ix_(own, of.index)] += here
+                moment[of.index] -= model.beta[own] @ here
+        at = np.flatnonzero(model.active)
+        taken = np.zeros_like(cross[at])
+        if len(at):
+            taken = linalg.solve_triangular(
+                model._factor, model._scale[:, None] * cross[at], lower=True, check_finite=False
+            )
+        found = []
+        for number, (each, span) in enumerate(zip(self.candidates, self._spans, strict=True)):
+            gram = np.zeros((each.width, each.width))
+            for key, own_gram in self._own[number].items():
+                gram += model.weight(key) * own_gram
+            part = taken[:, span]
+            odds = log_bayes(each, moment[span], gram - part.T @ part)
+            if np.isfinite(odds):
+                found.append(Scored(each, odds + each.log_odds))
+        return sorted(found, key=lambda scored: -scored.log_odds)
+
+    def _cross(self, key: Key) -> FloatArray:
+        """Of the series' columns with the pool's; those that are new are added."""
+        series, of = self.data.series[key], self._of[key]
+        done = len(of.cross)
+        if done < series.width:
+            new = series.columns[:, done : series.width].T @ of.columns
+            of.cross = np.vstack([of.cross, new])
+        return of.cross
+
+
+def log_bayes(each: Hypothesis, moment: FloatArray, gram: FloatArray) -> float:
+    """Log Bayes factor of one hypothesis more.
+
+    Args:
+        each: the hypothesis.
+        moment: (k,) of its weighted columns with what is left.
+        gram: (k, k) of its columns, less what others take of them.
+    """
+    prior = each.precision
+    whole = gram + np.diag(prior)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(whole), 1e-300))
+    even = whole * np.outer(scale, scale) + 1e-10 * np.eye(len(prior))
+    try:
+        lower = np.linalg.cholesky(even)
+    except np.linalg.LinAlgError:
+        return -np.inf
+    right = moment + prior * each.mean
+    half = np.linalg.solve(lower, scale * right)
+    beta = scale * np.linalg.solve(lower.T, half)
+    if not each.admissible(beta):
+        return -np.inf
+    gain = 0.5 * float(half @ half) - 0.5 * float(np.sum(prior * each.mean**2))
+    occam = float(np.sum(np.log(np.diag(lower)) - np.log(scale))) - 0.5 * float(
+        np.sum(np.log(prior))
+    )
+    return gain - occam

@@ -1,0 +1,128 @@
+"""Hypotheses that only what is left can suggest.
+
+Harmonics, parts of time or of the positions, pushes, and torques without a name. They are weighed
+like all others; how many of their kind were looked at is in their odds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..effects.unknown import VARIABLES, Unknown
+from ..motion.balances import Balances
+from ..motion.place import Gate, Key, Place, Shape
+from ..regression.fit import Fit, Term, term_of
+from .candidates import candidates
+from .contacts import contact_term
+from .gates import likely_gates, plain_terms, with_gate
+from .harmonics import harmonic_terms
+from .hypothesis import Hypothesis, peculiar
+from .onsets import likely_onset, may_begin
+
+_HARMONICS = 300.0  # of a joint that are looked at
+_PARTS = 300.0  # pairs of ends of a gate
+_MOMENTS = 60.0
+_WINDOWS = 1000.0
+_FREQUENCIES = 100.0
+_LEFT = 1.35  # sigmas of a balance, from which something is left to explain
+
+
+def harmonics(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
+    """Of joints' angles, the strongest in what is left."""
+    for term in harmonic_terms(fit):
+        yield peculiar(balances, term, among=_HARMONICS)
+
+
+def gated(
+    balances: Balances, fit: Fit, joints: Sequence[int] | None = None
+) -> Iterator[Hypothesis]:
+    """Effects in a part of time or of the positions only."""
+    for j in _unexplained(balances, fit, joints):
+        options: dict[tuple[str, str], tuple[float, Term, Gate]] = {}
+        for term in plain_terms(fit, j):
+            for gain, gate in likely_gates(fit, term):
+                kind = term.effect, gate.of
+                if kind not in options or gain > options[kind][0]:
+                    options[kind] = gain, term, gate
+        best = sorted(options.values(), key=lambda each: -each[0])[:3]
+        for _, plain, gate in best:
+            term = with_gate(fit, plain, gate)
+            if term.columns:
+                yield peculiar(balances, term, among=_PARTS)
+
+
+def begun(
+    balances: Balances, fit: Fit, joints: Sequence[int] | None = None
+) -> Iterator[Hypothesis]:
+    """Effects that begin at a moment and last."""
+    for j in _unexplained(balances, fit, joints):
+        pool = [t for t in candidates(balances) if t.place.joints == (j,) and may_begin(t)]
+        likely = [each for t in pool if (each := likely_onset(fit, t, j)) is not None]
+        for each in sorted(likely, key=lambda each: -each.gain)[:2]:
+            place = replace(each.term.place, gate=Gate(of="clock", low=each.since))
+            columns = balances.compute(CATALOGUE[each.term.effect], place, each.term.shape)
+            if columns:
+                term = replace(each.term, place=place, columns=columns)
+                yield peculiar(balances, term, among=_MOMENTS)
+
+
+def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
+    """The clearest window in which something pushes."""
+    term = contact_term(fit)
+    if term is not None:
+        yield peculiar(balances, term, among=_WINDOWS)
+
+
+def nameless(
+    balances: Balances, fit: Fit, joints: Sequence[int] | None = None
+) -> Iterator[Hypothesis]:
+    """Smooth functions of what a joint's torque may depend on."""
+    effect = CATALOGUE[Unknown.id]
+    for j in _unexplained(balances, fit, joints):
+        places = [Place(joints=(j,))]
+        places += [
+            Place(joints=(j, i)) for i in range(balances.n) if i != j and balances.excited[i]
+        ]
+        found = [
+            term_of(balances, effect, place, shape)
+            for place in places
+            for shape in effect.shapes(balances.motions, place)
+        ]
+        clocks = [term_of(balances, effect, places[0], shape) for shape in _clocks(fit, j)]
+        for among, terms in ((1.0, found), (_FREQUENCIES, clocks)):
+            for term in terms:
+                if term is not None:
+                    yield peculiar(balances, term, among=among * len(found))
+
+
+def _clocks(fit: Fit, j: int) -> list[Shape]:
+    """The strongest frequencies of the residual over time."""
+    b = fit.balances
+    key: Key = ("torque", j)
+    left = np.zeros(b.count)
+    left[fit.rows[key]] = fit.residual(key)
+    longest = max(float(m.time[-1]) for m in b.motions)
+    grid = np.arange(2.0 / longest, 0.8 * b.motions[0].cutoff, 0.25 / longest)
+    power = np.zeros(len(grid))
+    for i in range(len(b.motions)):
+        span = slice(int(b.starts[i]), int(b.starts[i + 1]))
+        step = float(b.time[span][1] - b.time[span][0])
+        count = 8 * len(left[span])  # padded with zeros: fine enough in frequency
+        spectrum = np.abs(np.fft.rfft(left[span], count)) ** 2
+        power += np.interp(grid, np.fft.rfftfreq(count, step), spectrum)
+    code = float(VARIABLES.index("clock"))
+    return [(code, float(grid[i]), 1.0) for i in np.argsort(power)[::-1][:3]]
+
+
+def _unexplained(balances: Balances, fit: Fit, joints: Sequence[int] | None) -> Iterator[int]:
+    for j in range(balances.n) if joints is None else joints:
+        key: Key = ("torque", j)
+        if key not in fit.design or not balances.excited[j] or not len(fit.rows[key]):
+            continue
+        left = fit.residual(key) * fit.balances.sigma[key]
+        if np.sqrt(np.mean(left**2)) > _LEFT * balances.floor[key]:
+            yield j

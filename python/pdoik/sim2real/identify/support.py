@@ -1,0 +1,151 @@
+"""What a cause gains on rows from which its coefficients were not learnt, and how large it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..findings import Support
+from ..motion.place import Key
+from ..regression.fit import Fit, Term
+from ..study.recording import FloatArray
+from .ordinary import days_of
+
+_LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
+_ACTS = 0.05  # of a column's mean square, from which a row counts as one where it acts
+
+
+def held_out_support(
+    fit: Fit,
+    start: Fit,
+    term: Term,
+    log_odds: float,
+    rivals: int = 0,
+    peculiar: Sequence[Term] = (),
+) -> Support:
+    """Support of one of a fit's terms beside all others, recordings or parts of them left out.
+
+    Args:
+        fit: of all that is in the model.
+        start: of nothing, with the same noise.
+        term: one of the fit's.
+        log_odds: that it is there.
+        rivals: names that do as well.
+        peculiar: all causes that are not ordinary: smaller ones count as what nothing explains.
+    """
+    others = fit.without(term, *days_of(fit.terms, term))
+    b = fit.balances
+    if _folds_told(fit, term) > 1:
+        before, after = others.held_out(), fit.held_out()
+    else:  # what acts in one part alone is learnt where it acts, or nowhere
+        before = {key: others.residual(key) for key in others.design}
+        after = {key: fit.residual(key) for key in fit.design}
+    count = int(b.block.max()) + 1
+    gained, began, acting, left = np.zeros(count), 0.0, 0, 0.0
+    by_fold = np.zeros(fit.folds)
+    seen = np.zeros(fit.folds, dtype=bool)
+    first = own = 0.0
+    for key, column in term.columns.items():
+        if key not in fit.design or not len(fit.rows[key]):
+            continue
+        at = _acting(column[fit.rows[key]])
+        rows = fit.rows[key][at]
+        gain = before[key][at] ** 2 - after[key][at] ** 2
+        gained += np.bincount(b.block[rows], gain, minlength=count)
+        by_fold += np.bincount(b.fold[rows], gain, minlength=fit.folds)
+        seen |= np.bincount(b.fold[rows], minlength=fit.folds) > 0
+        each = float(np.sum(before[key][at] ** 2))
+        noise = len(rows) * (b.floor[key] / b.sigma[key]) ** 2
+        began += max(each - noise, _LEAST_OWN * each)
+        first += float(np.sum(start.target[key] ** 2))
+        own += float(np.sum(_part(fit, term, key) ** 2)) / b.sigma[key] ** 2
+        left += float(np.sum(after[key][at] ** 2))
+        acting += len(rows)
+    used = gained[gained != 0.0]
+    error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf
+    total = float(gained.sum())
+    return Support(
+        log_odds=log_odds,
+        weight=float(np.sqrt(own / max(first, 1e-12))),
+        gain=min(total / max(began, 1e-12), 1.0),
+        t=total / max(error, 1e-12),
+        size=_size(fit, term, peculiar),
+        agree=int(np.count_nonzero(by_fold[seen] > 0.0)),
+        sessions=int(np.count_nonzero(seen)),
+        blocks=len(used),
+        left=float(np.sqrt(left / max(acting, 1))),
+        rivals=rivals,
+        event=term.place.window is not None,
+    )
+
+
+def _folds_told(fit: Fit, term: Term) -> int:
+    """In how many folds a term acts."""
+    energy = np.zeros(fit.folds)
+    for key, column in term.columns.items():
+        if key in fit.design:
+            rows = fit.rows[key]
+            each = np.sum((column[rows] / fit.balances.sigma[key]) ** 2, axis=1)
+            energy += np.bincount(fit.balances.fold[rows], each, minlength=fit.folds)
+    return int(np.count_nonzero(energy > _ACTS * energy.sum()))
+
+
+def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
+    """A term's part over what nothing explains: the largest of its balances.
+
+    Sensors' noise does not count as that, and smaller peculiar causes do: many small ones may be a
+    misfit of the law of something large. Of an event where it acts, of all else over all rows.
+    """
+    b, largest = fit.balances, 0.0
+    for key in term.columns:
+        if key not in fit.design or not len(fit.rows[key]):
+            continue
+        part = _part(fit, term, key)
+        rows = np.ones(len(part), dtype=np.bool_)
+        if term.place.window is not None:
+            rows = np.abs(part) > _ACTS * np.abs(part).max(initial=0.0)
+        if not rows.any():
+            continue
+        own = float(np.mean(part[rows] ** 2))
+        left = float(np.mean(fit.residual(key) ** 2)) * b.sigma[key] ** 2
+        rest = max(left - b.floor[key] ** 2, _LEAST_OWN * left, 1e-300)
+        others = [
+            float(np.mean(_part(fit, each, key)[rows] ** 2))
+            for each in peculiar
+            if each is not term and key in each.columns
+        ]
+        rest += sum(each for each in others if each < own)
+        largest = max(largest, float(np.sqrt(own / rest)))
+    return largest
+
+
+def _part(fit: Fit, term: Term, key: Key) -> FloatArray:
+    """What a term adds to a balance, on its rows that count."""
+    at = next(i for i, each in enumerate(fit.terms) if each is term)
+    offset = int(fit.offsets[at])
+    beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
+    return np.asarray(term.columns[key][fit.rows[key]] @ beta)
+
+
+def _acting(column: FloatArray) -> FloatArray:
+    scale = np.sqrt(np.mean(column**2, axis=0)) + 1e-300
+    energy = np.sum((column / scale) ** 2, axis=1)
+    return np.asarray(energy > _ACTS * energy.mean())
+
+
+def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
+    """On how many rows a term acts, and which."""
+    count = 0
+    acting: dict[Key, NDArray[np.bool_]] = {}
+    for key, column in term.columns.items():
+        part = column[fit.rows[key]]
+        if not len(part):  # a joint at rest throughout
+            acting[key] = np.zeros(0, dtype=np.bool_)
+            continue
+        scale = np.sqrt(np.mean(part**2, axis=0)) + 1e-300
+        energy = np.sum((part / scale) ** 2, axis=1)
+        acting[key] = energy > 0.05 * energy.mean()
+        count += int(acting[key].sum())
+    return count, acting

@@ -1,0 +1,125 @@
+"""Encoders that wrap: at one end of their range they go on at the other.
+
+A drive that sends its position in 16 bits, say from -12.5 to 12.5 rad, or an angle given from -pi
+to pi, jumps by its whole range where the joint turns on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from .jumps import IntArray, Jumps, Steps, jumps_of, range_of_own, steps_of
+from .recording import STILL, FloatArray
+
+_GLITCHES = 0.1  # share of jumps that may be off, by a glitch beside them
+_SEVERAL = 3  # jumps of one size against the motion that no chance makes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Wrap:
+    """By how much an encoder's readings jump, and where."""
+
+    size: float
+    index: IntArray  # of the steps that jump
+    turns: FloatArray  # of each, multiples of the size with their sign
+    reach: float  # the most that the joint moves in a sample
+
+
+def wrap_of(steps: Steps, jumps: Jumps, span: float, *, turns: bool) -> Wrap | None:
+    """The wrap that explains the jumps, all but those far smaller than it; None if there is none.
+
+    They are of one size, or multiples of it, up to what the joint moves in a sample. And either
+    this is the whole range of what is read, and the joint goes on against the jumps, or at least
+    goes far by itself; or it is a turn; or there are several jumps, all against the motion.
+
+    Args:
+        steps: Of a column of positions.
+        jumps: Among them.
+        span: From the column's least reading to its largest.
+        turns: Whether the joint is where it was after a turn: no slide.
+    """
+    sizes, signs = np.abs(jumps.size), np.sign(jumps.size)
+    allowed = max(jumps.reach, STILL)
+    own = range_of_own(steps, jumps.others)
+    for base in (sizes.max(), sizes.min()):
+        multiples = np.rint(sizes / base)
+        found = multiples > 0.0
+        size = float(np.median(sizes[found] / multiples[found]))
+        off = np.abs(sizes - multiples * size)
+        if (off > allowed * steps.samples[jumps.index])[found].mean() > _GLITCHES:
+            continue
+        along = (jumps.way * signs)[found]
+        turned = -1 in along or own > 0.5 * size
+        is_range = span <= size + allowed and turned and 1 not in along
+        several = len(along) >= _SEVERAL and bool((along < 0).all())
+        if is_range:  # with noise the sizes at its ends come out too small
+            size = max(size, span)
+        whole = 2.0 * pi * round(size / (2.0 * pi))
+        exact = max(float(np.median(jumps.change[found])) / np.sqrt(len(along)), STILL)
+        is_turn = turns and whole > 0.0 and abs(size - whole) <= exact
+        if is_range or several or is_turn:
+            return Wrap(
+                size=whole if is_turn else size,
+                index=jumps.index[found],
+                turns=(signs * multiples)[found],
+                reach=jumps.reach,
+            )
+    return None
+
+
+def unwrapped(x: FloatArray, steady: FloatArray, steps: Steps, wrap: Wrap) -> FloatArray:
+    """The column without the wrap; after lost rows it goes on at the nearest turn.
+
+    Args:
+        x: (R,) as read.
+        steady: The same without glitches, which are put at the nearest turn, too.
+        steps: Of `steady`.
+        wrap: Of `steady`.
+    """
+    turns = np.where(steps.lost, np.rint(steps.size / wrap.size), 0.0)
+    turns[wrap.index] = wrap.turns
+    offset = np.zeros(len(x))
+    offset[steps.after] = turns
+    out = x - wrap.size * np.cumsum(offset)
+    known = np.isfinite(steady)
+    rest = np.flatnonzero(np.isfinite(x) & ~known)
+    near = np.interp(rest, np.flatnonzero(known), out[known])
+    out[rest] -= wrap.size * np.rint((out[rest] - near) / wrap.size)
+    return out
+
+
+def lost_turns(steps: Steps, wrap: Wrap) -> int:
+    """How often rows are missing for so long that the joint may have turned farther."""
+    far = wrap.reach * steps.since / steps.period > 0.5 * wrap.size
+    return int((steps.lost & far).sum())
+
+
+def with_it(time: FloatArray, command: FloatArray, size: float, x: FloatArray) -> FloatArray | None:
+    """A commanded position without its own wraps of the encoder's size, None if it has none.
+
+    It begins at the turn nearest to the position's: one of the two may be past the end already.
+
+    Args:
+        time: (R,) [s].
+        command: (R,), NaN where nothing was logged.
+        size: Of the encoder's wrap.
+        x: (R,) the position, unwrapped.
+    """
+    steps = steps_of(time, command)
+    jumps = None if steps is None else jumps_of(steps, None)
+    if steps is None or jumps is None:
+        return None
+    turns = np.rint(jumps.size / size)
+    off = np.abs(jumps.size - turns * size)[turns != 0.0]
+    if not len(off) or off.max() > max(jumps.reach, STILL):
+        return None
+    offset = np.zeros(len(command))
+    offset[steps.after[jumps.index]] = turns
+    out = command - size * np.cumsum(offset)
+    beside = np.isfinite(out) & np.isfinite(x)
+    if beside.any():
+        out -= size * np.rint(np.median((out - x)[beside]) / size)
+    return out

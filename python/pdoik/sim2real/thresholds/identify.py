@@ -1,0 +1,69 @@
+"""What is believed before data are looked at, and from when a cause is claimed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .threshold import Group, threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IdentifyThresholds(Group):
+    """Of the posterior over sets of causes."""
+
+    friction: float = threshold(
+        1.0, "standard deviation of each part of a joint's friction, in its usual torques"
+    )
+    offset: float = threshold(0.3, "the same of a torque's zero", "", "drive calibration")
+    torque: float = threshold(
+        0.05, "the same of a torque's scale", "", "current sensors and torque constants: 3 to 5 %"
+    )
+    rotor: float = threshold(
+        0.3, "the same of a rotor's torque at the joint's usual acceleration", "", "geared arms"
+    )
+    bodies: float = threshold(
+        0.1,
+        "the same of masses, first moments and inertias where the study says nothing",
+        "",
+        "drawings against identified arms",
+    )
+    good_bodies: float = threshold(
+        0.01, "the same of a model that was identified or is the machine's own, the other choice"
+    )
+    days: float = threshold(
+        0.1,
+        "the same of friction between sessions, as a share of it, where one alone was recorded",
+        "",
+        "repeated identifications: 10 to 30 % from day to day",
+    )
+    days_more: float = threshold(3.0, "factor by which sessions may differ more or less than that")
+    usual_part: float = threshold(
+        0.3, "part of a peculiar cause, as a share of what its balance usually is"
+    )
+    fixed_error: float = threshold(
+        0.15, "standard deviation of a coefficient that is 1 by its meaning"
+    )
+    least_repeats: float = threshold(
+        1.5, "rows that say the same at least: three a period of the cut-off, noise up to it"
+    )
+    worth: float = threshold(
+        3.0,
+        "log posterior odds from which a cause is taken",
+        "",
+        "Kass and Raftery, JASA 90(430), 1995: strong",
+    )
+    shape_price: float = threshold(
+        1.5, "log odds that a nonlinear parameter costs which was moved to its best"
+    )
+    sure: float = threshold(
+        3.0, "errors by which an ordinary part must differ from nothing", "s.e."
+    )
+    matters: float = threshold(
+        0.3, "an ordinary part over what nothing explains, from which it is named"
+    )
+    matters_more: float = threshold(1.0, "the same of a peculiar cause")
+    scale_off: float = threshold(
+        0.08, "share by which a torque's scale must be off to be named, beyond calibration"
+    )
+    level: float = threshold(3.0, "log odds within which another name is a cause's rival")
+    most: int = threshold(16, "peculiar causes at most")
