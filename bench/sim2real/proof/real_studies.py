@@ -1,11 +1,6 @@
-"""Studies of real machines' recordings, what their models leave out, and what is known of them.
-
-A known fact takes a diagnosis, and gives what that says of it in words and whether it agrees.
-"""
+"""Studies of real machines' recordings, what their models leave out, and what is known of them."""
 
 import shutil
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,99 +9,18 @@ import yaml
 
 import pdoik
 from bench.ik.judges.arm_meshes import go2_urdf
+from bench.sim2real.proof.real_facts import (
+    delay_between,
+    friction_at,
+    friction_within,
+    no_load_beyond,
+    none_of,
+)
+from bench.sim2real.proof.real_machine import Machine
+from bench.sim2real.proof.real_strangers import STRANGERS
 from bench.sim2real.servo import study as servo
-from pdoik.sim2real.effects import CATALOGUE
-
-Content = Mapping[str, Any]
-Said = tuple[str, bool]
-
-FRICTION = {each.id for each in CATALOGUE.values() if each.family == "friction"} | {
-    "gear_efficiency"
-}
-LOADS = {"payload": "mass", "link_inertial_error": "d_mass"}
-DELAYS = ("command_delay", "actuator_lag")
-
-
-def friction_everywhere(diagnosis: Content) -> Said:
-    """Friction of some kind at every joint that is judged."""
-    judged = [name for name, each in diagnosis["joints"].items() if each["excited"]]
-    rubbing = {j for f in _findings(diagnosis, FRICTION) for j in f["joints"]}
-    missing = [name for name in judged if name not in rubbing]
-    words = f"friction at {len(judged) - len(missing)} of {len(judged)} joints"
-    return words + (f", not {', '.join(missing)}" if missing else ""), not missing
-
-
-def friction_within(diagnosis: Content, least: float, most: float) -> Said:
-    """Levels of dry friction, where they are told, within bounds [N m]."""
-    levels = [
-        f["parameters"]["level"]["value"]
-        for f in _findings(diagnosis, FRICTION)
-        if "level" in f["parameters"]
-    ]
-    if not levels:
-        return "no dry friction", False
-    words = f"{len(levels)} levels, {min(levels):.2g} to {max(levels):.2g} N m"
-    return words, least <= min(levels) and max(levels) <= most
-
-
-def no_load_beyond(diagnosis: Content, most: float) -> Said:
-    """No mass that was not there, but for so much [kg]."""
-    found = [
-        (f["links"][0], f["parameters"][LOADS[f["effect"]]]["value"])
-        for f in _findings(diagnosis, LOADS)
-        if LOADS[f["effect"]] in f["parameters"]
-    ]
-    words = ", ".join(f"{mass:+.2g} kg at {link}" for link, mass in found)
-    return words or "no mass", all(abs(mass) <= most for _, mass in found)
-
-
-def delay_between(diagnosis: Content, least: float, most: float) -> Said:
-    """Delay and lag of commands together at every joint, of those that are told [s]."""
-    late: dict[str, float] = {}
-    for f in _findings(diagnosis, DELAYS):
-        for joint in f["joints"]:
-            told = sum(each["value"] for each in f["parameters"].values())
-            late[joint] = late.get(joint, 0.0) + told
-    if not late:
-        return "no delay", False
-    words = f"{len(late)} joints, {min(late.values()):.2g} to {max(late.values()):.2g} s"
-    return words, all(least <= each <= most for each in late.values())
-
-
-def none_of(diagnosis: Content, effects: Sequence[str], joints: Sequence[str] = ()) -> Said:
-    """None of these names, at some joints or anywhere."""
-    wrong = [
-        f"{f['effect']} at {', '.join(f['joints'])}"
-        for f in _findings(diagnosis, effects)
-        if not joints or set(f["joints"]) & set(joints)
-    ]
-    return "; ".join(wrong) or "none of it", not wrong
-
-
-def _findings(diagnosis: Content, effects: Any) -> list[Content]:
-    return [each for each in diagnosis["findings"] if each["effect"] in effects]
-
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Machine:
-    """A machine whose recordings may be there."""
-
-    name: str  # of the recordings' folder
-    title: str
-    withheld: str  # the physics that its model does not have
-    doubtful: str  # what keeps these recordings from proving more
-    known: dict[str, Callable[[Content], Said]]  # facts, and whether a diagnosis agrees
-    build: Callable[[Path, Path], dict[str, Any]]  # writes what it needs, gives the study
-
-
-def write_study(machine: Machine, recordings: Path, folder: Path) -> None:
-    """A study folder with copies of the recordings."""
-    folder.mkdir(parents=True)
-    study = machine.build(recordings / machine.name, folder)
-    (folder / "study.yaml").write_text(yaml.safe_dump(study, sort_keys=False))
 
 
 def _copied(source: Path, folder: Path, names: tuple[str, ...], role: str) -> list[dict[str, str]]:
@@ -115,14 +29,20 @@ def _copied(source: Path, folder: Path, names: tuple[str, ...], role: str) -> li
     return [{"file": f"{name}.csv", **({"role": role} if role else {})} for name in names]
 
 
+UR10 = [
+    f"{name}_joint"
+    for name in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+]
+SO101 = ["rotation", "pitch", "elbow", "wrist_pitch", "wrist_roll", "jaw"]
+GO2 = [
+    f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")
+]
+
+
 def _ur10(source: Path, folder: Path) -> dict[str, Any]:
     shutil.copyfile(ROBOTS / "ur10.urdf", folder / "robot.urdf")
-    names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-    return {
-        "robot": "robot.urdf",
-        "joints": [f"{name}_joint" for name in names],
-        "recordings": _copied(source, folder, ("run1",), ""),
-    }
+    runs = _copied(source, folder, ("run1",), "")
+    return {"robot": "robot.urdf", "joints": UR10, "recordings": runs}
 
 
 def _panda(source: Path, folder: Path) -> dict[str, Any]:
@@ -168,8 +88,7 @@ def _so101(source: Path, folder: Path) -> dict[str, Any]:
     )
     held_out = ("multisine", "single_joint_elbow", "step_response")
     runs = _copied(source, folder, fit, "fit") + _copied(source, folder, held_out, "validate")
-    joints = ["rotation", "pitch", "elbow", "wrist_pitch", "wrist_roll", "jaw"]
-    return {"joints": joints, "recordings": runs}
+    return {"joints": SO101, "recordings": runs}
 
 
 def _servo(source: Path, folder: Path) -> dict[str, Any]:
@@ -181,11 +100,9 @@ def _servo(source: Path, folder: Path) -> dict[str, Any]:
 
 def _go2(source: Path, folder: Path) -> dict[str, Any]:
     shutil.copyfile(go2_urdf(), folder / "robot.urdf")
-    legs = ("FL", "FR", "RL", "RR")
-    joints = [f"{leg}_{part}_joint" for leg in legs for part in ("hip", "thigh", "calf")]
     return {
         "robot": "robot.urdf",
-        "joints": joints,
+        "joints": GO2,
         "recordings": _copied(source, folder, ("run1",), ""),
         "controller": {"type": "pd", "kp": [20.0] * 12, "kd": [1.5] * 12},
     }
@@ -200,11 +117,11 @@ MACHINES = (
         doubtful="Torque is current times a gain from elsewhere. There is one recording: the last"
         " 30 % of it is held out, so no other speed, load or pose is.",
         known={
-            "every joint of a geared arm rubs": friction_everywhere,
+            "every joint of a geared arm rubs": partial(friction_at, joints=UR10),
             "friction of joints 1 to 3 passes smoothly through zero speed (its authors)": partial(
                 none_of,
                 effects=("stribeck_friction",),
-                joints=("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+                joints=UR10[:3],
             ),
             "it holds nothing": partial(no_load_beyond, most=0.5),
         },
@@ -217,7 +134,7 @@ MACHINES = (
         " inertias are those its builders identified.",
         doubtful="The reported torque is itself doubtful.",
         known={
-            "both drives rub": friction_everywhere,
+            "both drives rub": partial(friction_at, joints=("joint1", "joint2")),
             "its builders identified its masses": partial(no_load_beyond, most=0.1),
         },
         build=_pendulum,
@@ -232,7 +149,7 @@ MACHINES = (
         " told apart.",
         known={
             "commands act about 0.1 s late (its authors)": partial(
-                delay_between, least=0.04, most=0.16
+                delay_between, joints=SO101, least=0.04, most=0.16
             ),
             "no torque was logged: masses cannot be told": partial(no_load_beyond, most=0.0),
         },
@@ -262,7 +179,7 @@ MACHINES = (
             "the load is weighed and measured: 0.49 kg at 0.1 m": partial(
                 no_load_beyond, most=0.05
             ),
-            "a geared servo rubs": friction_everywhere,
+            "a geared servo rubs": partial(friction_at, joints=("joint1",)),
             "nothing else was concealed": partial(
                 none_of, effects=("sensor_gain", "joint_offset", "torque_gain")
             ),
@@ -276,6 +193,7 @@ MACHINES = (
         doubtful="No torque was logged: it is the drives' law on commands and positions. There is"
         " one recording.",
         known={
+            "every geared joint rubs": partial(friction_at, joints=GO2),
             "its authors' simulation: dry 0.2, damping 0.6 N m s/rad": partial(
                 friction_within, least=0.05, most=0.6
             ),
@@ -283,4 +201,5 @@ MACHINES = (
         },
         build=_go2,
     ),
+    *STRANGERS,
 )

@@ -26,6 +26,7 @@ with asks_for("sim2real"):
         Evidence,
         Finding,
         JointFit,
+        OrdinaryPart,
         Residue,
     )
     from .identify.identified import Identified
@@ -60,6 +61,7 @@ __all__ = [
     "JointFit",
     "Model",
     "NothingToSettleError",
+    "OrdinaryPart",
     "Payload",
     "Prepared",
     "Proposal",

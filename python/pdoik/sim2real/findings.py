@@ -154,6 +154,21 @@ class ControllerEstimate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OrdinaryPart:
+    """One part of what every machine has, at a joint or a link, as these recordings show it.
+
+    It is sized and not selected: a value within its error of nothing is stated, too.
+    """
+
+    effect: str
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    parameter: str = ""
+    estimate: Estimate = Estimate(value=0.0, std=0.0, interval95=(0.0, 0.0), unit="-")
+    negligible: bool = True  # not surely there, or little beside what nothing explains
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Diagnosis:
     """Verdict, findings by how much of the mismatch each explains, and the fit of each joint."""
 
@@ -164,6 +179,7 @@ class Diagnosis:
     suspected: tuple[Finding, ...] = ()  # of low confidence: not claimed, and not in the model
     thresholds: dict[str, dict[str, float]] = field(default_factory=dict)  # by stage and name
     controllers: tuple[ControllerEstimate, ...] = ()  # of each joint
+    ordinary: tuple[OrdinaryPart, ...] = ()  # of every joint and body, findings or not
 
     def to_json(self) -> str:
         """Text of diagnosis.json."""
@@ -187,6 +203,7 @@ class Diagnosis:
             suspected=tuple(_finding(each) for each in content.get("suspected", ())),
             thresholds=dict(content.get("thresholds", {})),
             controllers=tuple(_controller(each) for each in content.get("controllers", ())),
+            ordinary=tuple(_part(each) for each in content.get("ordinary", ())),
         )
 
 
@@ -199,6 +216,17 @@ def _controller(content: dict[str, Any]) -> ControllerEstimate:
             "load": {name: _estimate(each) for name, each in content["load"].items()},
             "table": tuple((float(x), float(y)) for x, y in content["table"]),
             "untellable": tuple(content["untellable"]),
+        }
+    )
+
+
+def _part(content: dict[str, Any]) -> OrdinaryPart:
+    return OrdinaryPart(
+        **{
+            **content,
+            "joints": tuple(content["joints"]),
+            "links": tuple(content["links"]),
+            "estimate": _estimate(content["estimate"]),
         }
     )
 

@@ -31,8 +31,8 @@ class Part:
     """One ordinary part of a joint or a body, whether or not it is large enough to be named."""
 
     term: Term
-    value: tuple[float, ...]
-    std: tuple[float, ...]
+    value: float  # of its first coefficient
+    std: float
     negligible: bool
 
 

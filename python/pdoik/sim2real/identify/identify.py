@@ -17,12 +17,13 @@ from ..study.recording import FloatArray
 from .confidence import confidence_of
 from .hypothesis import Hypothesis, peculiar
 from .identified import Identified, Part, Rival, Tried
-from .ordinary import is_named_kind
+from .ordinary import DAYS, is_named_kind
 from .posterior import Candidate, Posterior, State, likeliest
 from .relinearised import relinearised
 from .support import held_out_support
 
 _ROUNDS = 4  # of linearisation
+_FEW = 3  # causes after which one beginning is left
 
 Tell = Callable[[str, str, float], None]
 
@@ -43,7 +44,7 @@ def identify(prepared: Prepared, say: Tell) -> tuple[Prepared, Identified]:
     chosen: list[Hypothesis] = []
     for turn in range(_ROUNDS):
         posterior = Posterior.of(prepared.fit, _Told(say, 0.2 + 0.1 * turn))
-        state = _likeliest(posterior, prepared, chosen, first=turn == 0)
+        state = _likeliest(posterior, prepared, chosen)
         other = relinearised(prepared, posterior.fit_of(state.model))
         if other is None:
             break
@@ -53,17 +54,25 @@ def identify(prepared: Prepared, say: Tell) -> tuple[Prepared, Identified]:
     return prepared, _identified(prepared, posterior, state)
 
 
-def _likeliest(
-    posterior: Posterior, prepared: Prepared, chosen: list[Hypothesis], *, first: bool
-) -> State:
-    """From several beginnings: a model as wrong as drawings are, and one that is nearly right."""
+def _likeliest(posterior: Posterior, prepared: Prepared, chosen: list[Hypothesis]) -> State:
+    """From two beginnings: a model as wrong as drawings are, and one that is nearly right.
+
+    The likelier after a few causes goes on; at its end the other share is asked again.
+    """
     believed = prepared.study.thresholds.identify
     told = prepared.study.trust.rigid_body
     most = believed.bodies if told is None else told
     shares = [most]
     if prepared.body is not None and most > believed.good_bodies:
         shares.append(believed.good_bodies)
-    return likeliest([posterior.grown(posterior.begun(share, chosen)) for share in shares])
+    few = len(chosen) + _FEW
+    begun = [posterior.grown(posterior.begun(share, chosen), few) for share in shares]
+    state = posterior.grown(likeliest(begun))
+    for share in shares:
+        other = posterior.with_bodies(state, share)
+        if share != state.ordinary.bodies and other.log_posterior > state.log_posterior:
+            return posterior.grown(other)
+    return state
 
 
 def _anew(prepared: Prepared, state: State) -> list[Hypothesis]:
@@ -102,26 +111,25 @@ def _identified(prepared: Prepared, posterior: Posterior, state: State) -> Ident
     parts: list[Part] = []
     deviations = np.sqrt(model.variances)
     for hypothesis, span in at:
-        if not is_named_kind(hypothesis):
+        if hypothesis.term.effect == DAYS or not hypothesis.ordinary:
             continue
         beta, std = model.beta[span], deviations[span]
         errors = float(np.sqrt(np.mean((beta / std) ** 2))) if std.all() else 0.0
         named = hypothesis.key not in support and _is_sure(noisy, hypothesis, beta, errors)
-        if named:
+        if named and is_named_kind(hypothesis):
             odds = 0.5 * errors**2 - 1.0  # beside nothing of it, by a prior of its own size
             others = posterior.in_place_of(state, hypothesis)
             seen = held_out_support(fit, start, hypothesis.term, odds, len(others))
-            if seen.size > noisy.thresholds.identify.matters:
+            named = seen.size > noisy.thresholds.identify.matters
+            if named:
                 rivals[hypothesis.key] = _as_rivals(others)
                 support[hypothesis.key] = seen
                 claimed.append(hypothesis.term)
-            else:
-                named = False
         parts.append(
             Part(
                 term=hypothesis.term,
-                value=tuple(map(float, beta)),
-                std=tuple(map(float, std)),
+                value=float(beta[0]),
+                std=float(std[0]),
                 negligible=not named,
             )
         )

@@ -24,6 +24,7 @@ from .linearisation import Linearisation
 _ROUNDS = 6  # of coefficients and noise in turn
 _SETTLED = 0.02  # relative change of a variance that is none
 _LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
+_NO_PULL = 1e-9  # against a bound, of the largest there is
 _TRACE = 1e-11  # of ridge, where columns are scaled to one
 
 
@@ -103,20 +104,29 @@ class Model:
                 moment[own] += weight * series.moment[there]
         self.gram = gram
         self.active = np.ones(self.size, dtype=bool)
-        while True:
-            at = np.flatnonzero(self.active)
-            scale = 1.0 / np.sqrt(np.diag(gram)[at])
-            even = gram[np.ix_(at, at)] * np.outer(scale, scale) + _TRACE * np.eye(len(at))
-            self._scale, self._factor = scale, linalg.cholesky(even, lower=True)
-            beta = np.zeros(self.size)
-            if len(at):
-                beta[at] = scale * linalg.cho_solve((self._factor, True), scale * moment[at])
-            wrong = np.where(self._positive[at], beta[at] / scale, 0.0)
-            if not len(at) or wrong.min() >= 0.0:
-                break
-            self.active[at[int(np.argmin(wrong))]] = False
-        self.beta = beta
         self._left, self._variances = {}, None
+        size = np.sqrt(np.diag(gram))
+        for _ in range(3 * self.size + 1):  # by turns: out, or in again (Lawson and Hanson)
+            self.beta = self._free(gram, moment)
+            scaled = np.where(self._positive & self.active, self.beta * size, 0.0)
+            if self.size and scaled.min() < 0.0:
+                self.active[int(np.argmin(scaled))] = False
+                continue
+            pull = np.where(self.active, 0.0, (moment - gram @ self.beta) / size)
+            if not self.size or pull.max() <= _NO_PULL * np.abs(moment / size).max():
+                break
+            self.active[int(np.argmax(pull))] = True
+
+    def _free(self, gram: FloatArray, moment: FloatArray) -> FloatArray:
+        """The likeliest of the active coefficients, the others at 0."""
+        at = np.flatnonzero(self.active)
+        scale = 1.0 / np.sqrt(np.diag(gram)[at])
+        even = gram[np.ix_(at, at)] * np.outer(scale, scale) + _TRACE * np.eye(len(at))
+        self._scale, self._factor = scale, linalg.cholesky(even, lower=True)
+        beta = np.zeros(self.size)
+        if len(at):
+            beta[at] = scale * linalg.cho_solve((self._factor, True), scale * moment[at])
+        return beta
 
     def left(self, key: Key) -> FloatArray:
         """What is left of a balance, (N,) on its rows that count."""
@@ -143,6 +153,7 @@ class Model:
         mine = self.weight(key) * np.diag(self.data.series[key].gram)[there]
         by_data = np.diag(self.gram)[own] - self.precision[own]
         told = np.clip(1.0 - self.precision[own] * self.variances[own], 0.0, 1.0)
+        told = np.where(self.active[own], told, 0.0)
         return float(np.sum(told * mine / np.maximum(by_data, 1e-300)))
 
     @property

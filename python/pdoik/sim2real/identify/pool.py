@@ -126,6 +126,8 @@ def log_bayes(each: Hypothesis, moment: FloatArray, gram: FloatArray) -> float:
     right = moment + prior * each.mean
     half = np.linalg.solve(lower, scale * right)
     beta = scale * np.linalg.solve(lower.T, half)
+    if each.positive and (beta < 0.0).any():
+        return 0.0  # it would rest on its bound, and change nothing
     if not each.admissible(beta):
         return -np.inf
     gain = 0.5 * float(half @ half) - 0.5 * float(np.sum(prior * each.mean**2))

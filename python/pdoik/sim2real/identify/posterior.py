@@ -108,13 +108,20 @@ class Posterior:
         model = Model(self.data, _beside(state.ordinary, chosen), state.model.noise)
         return replace(state, chosen=tuple(chosen), model=model)
 
-    def grown(self, state: State) -> State:
-        """The state with all that is worth it."""
+    def with_bodies(self, state: State, bodies: float) -> State:
+        """The same causes beside bodies that are right to another share."""
+        ordinary = replace(state.ordinary, bodies=bodies)
+        model = Model(self.data, _beside(ordinary, state.chosen), state.model.noise)
+        return self._tuned(replace(state, ordinary=ordinary, model=model))
+
+    def grown(self, state: State, most: int | None = None) -> State:
+        """The state with all that is worth it, or with so many causes."""
         believed = self.balances.thresholds.identify
+        most = believed.most if most is None else most
         dropped: dict[TermKey, int] = {}
         sources = (self._of_pool, self._of_parts, self._of_nameless)
         level = 0
-        while len(state.chosen) < believed.most and level < len(sources):
+        while len(state.chosen) < most and level < len(sources):
             taken = {each.key for each in state.chosen}
             serious = [
                 each

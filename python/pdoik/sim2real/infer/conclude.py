@@ -9,25 +9,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..channels.check_channels import ChannelCheck
 from ..controllers.check_controllers import ControllerCheck
 from ..effects import CATALOGUE
 from ..effects.inertial import Payload
-from ..findings import Diagnosis, Equivalent, Evidence, Finding
+from ..findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, OrdinaryPart
 from ..identify.confidence import confidence_of
 from ..identify.figures import estimates
-from ..identify.identified import Identified
+from ..identify.identified import Identified, Part
 from ..motion.prepare import Prepared
 from ..regression.background import background
 from ..regression.fit import Fit, Term
 from ..regression.naming import Found, channel_of, finding_of, link_of, merged
 from ..regression.prediction import Prediction
+from ..regression.trusted_bodies import effect_of
 from .changing_friction import changing, with_changes
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
 from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
 from .outstanding import with_outstanding
+from .torque_scale import with_torque_scale
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
 _MOST = 3  # equivalents of a finding
@@ -123,6 +127,7 @@ def conclude(
         suspected=suspected,
         thresholds=study.thresholds.values(),
         controllers=control.estimates if control else (),
+        ordinary=tuple(_ordinary_part(prepared, part) for part in state.ordinary),
     )
     return Examination(
         diagnosis=diagnosis,
@@ -176,6 +181,27 @@ def _equivalents(state: Identified, term: Term, prepared: Prepared) -> tuple[Equ
         for rival in state.rivals.get(term.key, ())
     ]
     return tuple(dict.fromkeys(found))[:_MOST]
+
+
+def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
+    """A part of what every machine has, in the words of its effect."""
+    effect, place = effect_of(part.term), part.term.place
+    first = effect.parameters[0]
+    nothing = np.zeros(part.term.width)
+    none = effect.values(part.term.shape, nothing)[first.name] if not effect.is_body else 0.0
+    value, error = none + part.value, 1.96 * part.std
+    estimate = Estimate(
+        value=value, std=part.std, interval95=(value - error, value + error), unit=first.unit
+    )
+    torque = with_torque_scale(prepared.study, {first.name: estimate})[first.name]
+    return OrdinaryPart(
+        effect=effect.id,
+        joints=tuple(prepared.study.joints[j] for j in place.joints),
+        links=link_of(prepared, part.term),
+        parameter=first.name,
+        estimate=torque,
+        negligible=part.negligible,
+    )
 
 
 def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:

@@ -14,6 +14,7 @@ from pdoik.sim2real.findings import Diagnosis, Estimate, Finding
 from . import words
 from .data import Hypothesis, ReportData
 from .matrix import cell, heading, line, matrix_of
+from .ordinary import ordinary_of
 from .style import Picture
 
 
@@ -67,6 +68,7 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
             )
             for effect, found in matrix.by_effect().items()
         ],
+        ordinary=ordinary_of(diagnosis),
         suspected=[(finding, line(finding).partition(": ")[2]) for finding in diagnosis.suspected],
         effects=[heading(effect) for effect in matrix.effects],
         joints=[

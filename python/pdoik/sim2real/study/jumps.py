@@ -13,8 +13,12 @@ from .resample import GAP
 FAR = GAP
 """Times what the joint moves in a sample elsewhere: as over a gap, though no row is missing."""
 
+QUICK = 0.06
+"""No joint sets off, goes far and stands again within it [s]: as seen at 20 Hz, not quite even."""
+
 _BESIDE = 3  # steps on either side that tell how the joint moves there
 _NOISE = 4.0  # times the usual change from step to step: more than three steps of noise add up to
+_SAME = 1e-6  # of the largest step: steps that differ by less are the same, but for float noise
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
@@ -143,10 +147,14 @@ def beside(steps: Steps, others: BoolArray, k: int, noise: float) -> Beside:
 def noise_of(steps: Steps, others: BoolArray) -> float:
     """What a few steps may add up to while the joint stands: noise, or a last digit or two."""
     size = steps.size[others]
-    if not len(size):
+    if len(size) < 2:
         return 0.0
-    bends = float(np.median(np.abs(np.diff(size)))) if len(size) > 1 else 0.0
-    return max(_NOISE * bends, 2.0 * float(np.quantile(np.abs(size), 0.02)))
+    even = size / steps.since[others] * float(np.median(steps.since))
+    usual = float(np.median(np.abs(np.diff(even))))
+    bends = np.abs(np.diff(size))
+    bends = bends[bends > _SAME * np.abs(size).max()]
+    digit = float(np.quantile(bends, 0.02)) if len(bends) else 0.0
+    return max(_NOISE * usual, 2.0 * digit)
 
 
 def range_of_own(steps: Steps, others: BoolArray) -> float:

@@ -15,12 +15,11 @@ from pdoik.errors import LoadError
 
 from .columns import Table
 from .glitches import glitches
-from .jumps import FAR, BoolArray, IntArray, Jumps, Steps, jumps_of, range_of_own, steps_of
+from .jumps import FAR, QUICK, IntArray, Jumps, Steps, jumps_of, range_of_own, steps_of
 from .recording import STILL, FloatArray
 from .units import Units
-from .wrapped import lost_turns, unwrapped, with_it, wrap_of
+from .wrapped import Wrap, command_unwrapped, lost_turns, unwrapped, wrap_of
 
-_QUICK = 0.05  # no joint sets off, goes far and stands again within it [s]
 _AROUND = 0.25  # left out on either side of a jump [s]
 _MOST = 0.5  # of a column's readings that may be left out
 _PASSES = 4  # jumps of very different sizes are found one after the other
@@ -63,35 +62,21 @@ def _mended(table: Table, joint: str, units: Units, *, slides: bool) -> Table:
         jumps = None if steps is None else jumps_of(steps, speed)
         if steps is None or jumps is None:
             break
-        span = float(np.nanmax(steady) - np.nanmin(steady))
-        wrap = wrap_of(steps, jumps, span, turns=not slides)
+        wrap = wrap_of(steady, steps, jumps, turns=not slides)
         if wrap is None:
             index = _certain(steps, jumps)
-            rows = _around(table.time, steps, index)
-            if not rows.any():
+            if not len(index):
                 break
-            when = table.start + table.time[steps.after[index]]
-            told = _told(column, when, np.abs(steps.size[index]), unit)
-            if np.isfinite(x[rows]).sum() > _MOST * np.isfinite(x).sum():
-                raise LoadError(
-                    f"{table.name}: {told}, and not by one size as an encoder that wraps; without"
-                    " what is around them too little is left: expected positions of a joint"
-                )
-            notes.append(f"{told}: left out within {_AROUND:g} s of it")
-            x = columns[column] = np.where(rows, np.nan, x)
-            continue
-        x = columns[column] = unwrapped(x, steady, steps, wrap)
-        several = " or multiples" if np.abs(wrap.turns).max() > 1.0 else ""
-        notes.append(
-            f"{column} jumps {_times(len(wrap.index))} by {wrap.size:.4g} {unit}{several}, where"
-            " its encoder wraps; it was unwrapped"
-        )
-        if lost := lost_turns(steps, wrap):
-            notes.append(f"{column} may have turned farther in {lost} of its gaps")
-        following = None if wanted is None else with_it(table.time, wanted, wrap.size, x)
-        if following is not None:
-            wanted = columns[command] = following
-            notes.append(f"{command} wraps as {column} does; it was unwrapped by itself")
+            x, said = _without(table, column, x, steps, index, unit)
+            notes.append(said)
+        else:
+            x = unwrapped(x, steady, steps, wrap)
+            notes += _of_wrap(column, steps, wrap, unit)
+            following = None if wanted is None else command_unwrapped(table.time, wanted, wrap, x)
+            if following is not None:
+                wanted = columns[command] = following
+                notes.append(f"{command} wraps as {column} does; it was unwrapped by itself")
+        columns[column] = x
     if not columns:
         return table
     raw = {name: values / units.factor(name, slides) for name, values in columns.items()}
@@ -110,32 +95,48 @@ def _certain(steps: Steps, jumps: Jumps) -> IntArray:
     nothing tells how far it can; and where a reading was held it may have moved meanwhile.
     """
     own = range_of_own(steps, jumps.others)
-    if steps.period > _QUICK or own < max(STILL, FAR * jumps.noise):
+    if steps.period > QUICK or own < max(STILL, FAR * jumps.noise):
         return jumps.index[:0]
     size = np.abs(steps.size[jumps.index])
     meanwhile = jumps.reach * steps.since[jumps.index] / steps.period
     return jumps.index[(size > STILL) & (size > FAR * meanwhile)]
 
 
-def _around(time: FloatArray, steps: Steps, index: IntArray) -> BoolArray:
-    """Rows near these steps, (R,)."""
-    rows = np.zeros(len(time), dtype=np.bool_)
+def _without(
+    table: Table, column: str, x: FloatArray, steps: Steps, index: IntArray, unit: str
+) -> tuple[FloatArray, str]:
+    """The column without what is around these steps, and what is said of them."""
+    rows = np.zeros(len(x), dtype=np.bool_)
     for k in index:
-        first = np.searchsorted(time, time[steps.before[k]] - _AROUND)
-        last = np.searchsorted(time, time[steps.after[k]] + _AROUND, side="right")
+        first = np.searchsorted(table.time, table.time[steps.before[k]] - _AROUND)
+        last = np.searchsorted(table.time, table.time[steps.after[k]] + _AROUND, side="right")
         rows[first:last] = True
-    return rows
-
-
-def _told(column: str, when: FloatArray, size: FloatArray, unit: str) -> str:
-    """How often, when and how far it jumps."""
-    sizes = dict.fromkeys(f"{each:.3g}" for each in (size.min(), size.max()))
-    shown = ", ".join(f"{each:.3f}" for each in when[:_NAMED])
-    more = ", ..." if len(when) > _NAMED else ""
-    return (
-        f"{column} jumps {_times(len(when))} by {' to '.join(sizes)} {unit} (at {shown}{more} s),"
-        " farther than it can move in a sample"
+    when = table.start + table.time[steps.after[index]]
+    shown = ", ".join(f"{each:.3f}" for each in when[:_NAMED]) + ", ..." * (len(when) > _NAMED)
+    size = np.abs(steps.size[index])
+    sizes = " to ".join(dict.fromkeys(f"{each:.3g}" for each in (size.min(), size.max())))
+    told = (
+        f"{column} jumps {_times(len(index))} by {sizes} {unit} (at {shown} s), farther than it can"
+        " move from one sample to the next"
     )
+    if np.isfinite(x[rows]).sum() > _MOST * np.isfinite(x).sum():
+        raise LoadError(
+            f"{table.name}: {told}, and not as an encoder that wraps; without what is around them"
+            " too little is left, expected positions that a joint can follow"
+        )
+    return np.where(rows, np.nan, x), f"{told}: left out within {_AROUND:g} s"
+
+
+def _of_wrap(column: str, steps: Steps, wrap: Wrap, unit: str) -> list[str]:
+    """What is said of an encoder that wraps."""
+    several = " or multiples of it" if np.abs(wrap.turns).max() > 1.0 else ""
+    said = [
+        f"{column} jumps {_times(len(wrap.index))} by {wrap.size:.4g} {unit}{several}, where its"
+        " encoder wraps; it was unwrapped"
+    ]
+    if lost := lost_turns(steps, wrap):
+        said.append(f"{column} may have turned farther in {lost} of its gaps")
+    return said
 
 
 def _times(count: int) -> str:

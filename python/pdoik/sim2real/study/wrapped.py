@@ -6,15 +6,16 @@ to pi, jumps by its whole range where the joint turns on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 
-from .jumps import IntArray, Jumps, Steps, jumps_of, range_of_own, steps_of
+from .jumps import QUICK, IntArray, Jumps, Steps, jumps_of, range_of_own, steps_of
 from .recording import STILL, FloatArray
 
 _GLITCHES = 0.1  # share of jumps that may be off, by a glitch beside them
+_BEYOND = 1e-3  # share of readings that may be glitches out of the encoder's range
 _SEVERAL = 3  # jumps of one size against the motion that no chance makes
 
 
@@ -25,25 +26,28 @@ class Wrap:
     size: float
     index: IntArray  # of the steps that jump
     turns: FloatArray  # of each, multiples of the size with their sign
-    reach: float  # the most that the joint moves in a sample
+    reach: float  # the most that the column moves in a sample besides
 
 
-def wrap_of(steps: Steps, jumps: Jumps, span: float, *, turns: bool) -> Wrap | None:
+def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap | None:
     """The wrap that explains the jumps, all but those far smaller than it; None if there is none.
 
     They are of one size, or multiples of it, up to what the joint moves in a sample. And either
     this is the whole range of what is read, and the joint goes on against the jumps, or at least
-    goes far by itself; or it is a turn; or there are several jumps, all against the motion.
+    goes far by itself; or it is a turn; or there are several jumps, all against the motion. Where
+    samples are few only turns are told: what is lifted slowly may drop between two of them.
 
     Args:
-        steps: Of a column of positions.
+        x: (R,) a column of positions.
+        steps: Of it.
         jumps: Among them.
-        span: From the column's least reading to its largest.
         turns: Whether the joint is where it was after a turn: no slide.
     """
     sizes, signs = np.abs(jumps.size), np.sign(jumps.size)
     allowed = max(jumps.reach, STILL)
     own = range_of_own(steps, jumps.others)
+    quick = steps.period <= QUICK
+    span, most = (float(np.ptp(np.nanquantile(x, (k, 1.0 - k)))) for k in (0.0, _BEYOND))
     for base in (sizes.max(), sizes.min()):
         multiples = np.rint(sizes / base)
         found = multiples > 0.0
@@ -53,12 +57,13 @@ def wrap_of(steps: Steps, jumps: Jumps, span: float, *, turns: bool) -> Wrap | N
             continue
         along = (jumps.way * signs)[found]
         turned = -1 in along or own > 0.5 * size
-        is_range = span <= size + allowed and turned and 1 not in along
-        several = len(along) >= _SEVERAL and bool((along < 0).all())
-        if is_range:  # with noise the sizes at its ends come out too small
-            size = max(size, span)
+        is_range = quick and most <= size + allowed and turned and 1 not in along
+        several = quick and len(along) >= _SEVERAL and bool((along < 0).all())
+        change = float(np.median(jumps.change[found]))
+        if size < span <= size + change:  # noise at its ends makes jumps seem smaller
+            size = span
         whole = 2.0 * pi * round(size / (2.0 * pi))
-        exact = max(float(np.median(jumps.change[found])) / np.sqrt(len(along)), STILL)
+        exact = max(change / np.sqrt(len(along)), STILL)
         is_turn = turns and whole > 0.0 and abs(size - whole) <= exact
         if is_range or several or is_turn:
             return Wrap(
@@ -97,29 +102,31 @@ def lost_turns(steps: Steps, wrap: Wrap) -> int:
     return int((steps.lost & far).sum())
 
 
-def with_it(time: FloatArray, command: FloatArray, size: float, x: FloatArray) -> FloatArray | None:
-    """A commanded position without its own wraps of the encoder's size, None if it has none.
+def command_unwrapped(
+    time: FloatArray, command: FloatArray, wrap: Wrap, x: FloatArray
+) -> FloatArray | None:
+    """A commanded position without jumps of its own by the encoder's size, None if it has none.
 
-    It begins at the turn nearest to the position's: one of the two may be past the end already.
+    It begins at the turn nearest to the position: one of the two may be past the end already.
 
     Args:
         time: (R,) [s].
         command: (R,), NaN where nothing was logged.
-        size: Of the encoder's wrap.
+        wrap: Of the encoder.
         x: (R,) the position, unwrapped.
     """
     steps = steps_of(time, command)
     jumps = None if steps is None else jumps_of(steps, None)
     if steps is None or jumps is None:
         return None
-    turns = np.rint(jumps.size / size)
-    off = np.abs(jumps.size - turns * size)[turns != 0.0]
+    turns = np.rint(jumps.size / wrap.size)
+    found = turns != 0.0
+    off = np.abs(jumps.size - turns * wrap.size)[found]
     if not len(off) or off.max() > max(jumps.reach, STILL):
         return None
-    offset = np.zeros(len(command))
-    offset[steps.after[jumps.index]] = turns
-    out = command - size * np.cumsum(offset)
-    beside = np.isfinite(out) & np.isfinite(x)
-    if beside.any():
-        out -= size * np.rint(np.median((out - x)[beside]) / size)
+    own = replace(wrap, index=jumps.index[found], turns=turns[found], reach=jumps.reach)
+    out = unwrapped(command, command, steps, own)
+    both = np.isfinite(out) & np.isfinite(x)
+    if both.any():
+        out -= wrap.size * np.rint(np.median((out - x)[both]) / wrap.size)
     return out
