@@ -14,7 +14,7 @@ from pdoik.sim2real.channels.factors_by_model import factors_by_model
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.infer.figures import at_bound
 from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.estimate import estimates
+from pdoik.sim2real.identify.figures import estimates
 from pdoik.sim2real.regression.fit import Fit, term_of
 from sim2real_channels import study
 

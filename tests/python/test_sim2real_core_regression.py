@@ -1,9 +1,8 @@
-"""Least squares over all balances against NumPy and SciPy, and what its intervals are worth."""
+"""Least squares over all balances against NumPy and SciPy."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,16 +11,10 @@ from scipy import optimize
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.estimate import estimates
-from pdoik.sim2real.regression.fit import Fit, Term, term_of
+from pdoik.sim2real.regression.fit import Fit, Term
 from pdoik.sim2real.regression.one_more import OneMore
-from pdoik.sim2real.regression.refine import refined
-from pdoik.sim2real.regression.screen import screen
 from pdoik.sim2real.thresholds import Thresholds
-from sim2real_motions import CUTOFF, moved
 
 KEYS = (("torque", 0), ("torque", 1), ("drive", 1))
 COUNT = 600
@@ -168,25 +161,6 @@ def test_a_fit_without_terms_is_a_fresh_one(gone: tuple[int, ...]) -> None:
         np.testing.assert_array_equal(fewer.index[key], fresh.index[key])
 
 
-@pytest.mark.parametrize("left_out", [(0, 150), (100, 200), (150, 450), (0, 0)])
-def test_a_fit_on_fewer_rows_is_a_fresh_one(left_out: tuple[int, int]) -> None:
-    whole = rows(8)
-    kept = np.ones(COUNT, dtype=bool)
-    kept[slice(*left_out)] = False
-    fewer = replace(whole, mask={key: mask & kept for key, mask in whole.mask.items()})
-    fresh = Fit(fewer, terms())  # type: ignore[arg-type]
-    among = fresh.terms
-    found = Fit(whole, among).on(fewer)  # type: ignore[arg-type]
-    np.testing.assert_allclose(found.fold_gram, fresh.fold_gram, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(found.beta, fresh.beta, rtol=1e-7)
-    assert found.cost() == pytest.approx(fresh.cost(), rel=1e-10)
-    longer, again = found.extended(term(5, "free", 1)), fresh.extended(term(5, "free", 1))
-    np.testing.assert_allclose(longer.beta, again.beta, rtol=1e-6)
-    for key in KEYS:
-        np.testing.assert_array_equal(found.rows[key], fresh.rows[key])
-        np.testing.assert_allclose(found.held_out()[key], fresh.held_out()[key], atol=1e-8)
-
-
 @pytest.mark.parametrize("added", range(4))
 def test_one_term_more_does_what_the_extended_fit_does(added: int) -> None:
     b, all_terms = rows(7), terms()
@@ -204,22 +178,6 @@ def test_one_term_more_does_what_the_extended_fit_does(added: int) -> None:
     bare = Fit(b, ())  # type: ignore[arg-type]
     alone = bare.cost() - Fit(b, [all_terms[added]]).cost()  # type: ignore[arg-type]
     assert OneMore(bare).gain(all_terms[added]) == pytest.approx(alone, rel=1e-7)
-
-
-def test_candidates_are_screened_by_what_a_fit_with_them_saves() -> None:
-    b = rows(12)
-    offsets = [term(20 + k, "torque_offset", 1, KEYS[k % 2 :]) for k in range(4)]
-    for each in offsets:  # so that all of them are worth a look
-        for key, column in each.columns.items():
-            b.residual[key] = b.residual[key] + column[:, 0] / np.std(column) * b.sigma[key]
-    whole = Fit(b, [*terms(), term(9, "torque_gain", 1)])  # type: ignore[arg-type]
-    fits = [whole, whole.without(whole.terms[2]), whole.extended(offsets[0]), Fit(b, ())]  # type: ignore[arg-type]
-    for fit in fits:  # sums of earlier ones are there by then
-        found = screen(fit, [each for each in offsets if each not in fit.terms])
-        assert len(found) >= 3
-        for each, gain in found:
-            assert gain == pytest.approx(fit.cost() - fit.extended(each).cost(), rel=1e-6)
-    assert screen(whole, []) == []
 
 
 def test_held_out_rows_are_predicted_by_a_fit_without_their_fold() -> None:
@@ -267,103 +225,3 @@ def test_columns_that_say_the_same_share_what_they_explain() -> None:
     assert fit.beta.sum() == pytest.approx(alone.beta[0], rel=1e-4)
     assert np.abs(fit.beta).max() < 1e3 * np.abs(alone.beta[0])
     assert fit.cost() == pytest.approx(alone.cost(), rel=1e-6)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_on_white_noise_the_bootstrap_and_the_clusters_have_the_analytic_spread(
-    seed: int,
-) -> None:
-    rng = np.random.default_rng(seed)
-    b = rows(seed)
-    for key in KEYS:
-        b.residual[key] = b.sigma[key] * rng.standard_normal(COUNT)
-    among = [term(0, "free", 2), term(6, "free", 1)]
-    fit = Fit(b, among)
-    A, _ = stacked(b, among)
-    analytic = np.sqrt(np.diag(np.linalg.inv(A[:-3].T @ A[:-3])))
-    draws = fit.bootstrap(np.random.default_rng(0), 400)
-    assert draws.shape == (400, 3)
-    assert draws.std(axis=0) == pytest.approx(analytic, rel=0.45)  # thirty blocks
-    assert draws.mean(axis=0) == pytest.approx(fit.beta, abs=0.3 * analytic.max())
-
-
-def test_the_bootstrap_widens_where_neighbouring_rows_err_alike() -> None:
-    b = rows(12)
-    # Columns and errors that last as long as a block: a tenth of the rows' worth of news.
-    rng = np.random.default_rng(3)
-    slow = np.repeat(rng.standard_normal(60), 10)
-    one = Term(
-        effect="free",
-        place=Place(),
-        shape=(),
-        columns={("torque", 0): slow[:, None]},
-        prior=np.zeros(1),
-    )
-    b.residual["torque", 0] = 0.3 * np.repeat(rng.standard_normal(60), 10)
-    b.residual["torque", 1][:] = b.residual["drive", 1][:] = 0.0
-    fit = Fit(b, [one])
-    plain = 1.0 / np.sqrt(fit.gram[0, 0])
-    spread = fit.bootstrap(np.random.default_rng(0), 400).std()
-    assert 2.0 * plain < spread < 5.0 * plain  # sqrt(10)
-
-
-# Intervals of effects on a real arm's balances
-
-TRUE = {"coefficient": 0.7, "offset": -0.4, "stiffness": 2.0, "onset": 0.5}
-NOISE = 0.6  # of each sample's torque [N m]
-DRAWS = 60
-
-
-def repeated(folder: Path, colour: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values, half widths and whether the truth is inside, (draws, parameters)."""
-    motion = moved(folder, 2, seconds=30.0, tau_cmd=None, q_des=None, dq_des=None)
-    assert motion.torque is not None
-    joint = Place(joints=(1,))
-    parts = (
-        (CATALOGUE["viscous_friction"], (), ("coefficient",)),
-        (CATALOGUE["torque_offset"], (0.0,), ("offset",)),
-        (CATALOGUE["position_dependent_spring"], (1.0, 0.5), ("stiffness", "onset")),
-    )
-    truth = motion.tau.copy()
-    truth[:, 1] += TRUE["coefficient"] * motion.dq[:, 1] + TRUE["offset"]
-    truth[:, 1] += TRUE["stiffness"] * np.maximum(motion.q[:, 1] - TRUE["onset"], 0.0)
-    values, halves, inside = [], [], []
-    for draw in range(DRAWS):
-        rng = np.random.default_rng(draw)
-        noise = rng.standard_normal(truth.shape)
-        if colour:  # first-order, forgotten within a block
-            for t in range(1, len(noise)):
-                noise[t] = colour * noise[t - 1] + np.sqrt(1 - colour**2) * noise[t]
-        b = Balances([replace(motion, torque=truth + NOISE * noise, cache={})])
-        fit = Fit(b, [])
-        for effect, shape, _ in parts:
-            each = term_of(b, effect, joint, shape)
-            assert each is not None
-            fit = fit.extended(each)
-        spring = fit.terms[-1]
-        spring = refined(Fit(b, fit.terms[:-1]), spring)
-        fit = Fit(b, [*fit.terms[:-1], spring])
-        found = estimates(fit, fit.terms, draw)
-        row = [found[i][name] for i, (_, _, names) in enumerate(parts) for name in names]
-        values.append([e.value for e in row])
-        halves.append([0.5 * (e.interval95[1] - e.interval95[0]) for e in row])
-        inside.append(
-            [e.interval95[0] <= TRUE[n] <= e.interval95[1] for n, e in zip(TRUE, row, strict=True)]
-        )
-    return np.array(values), np.array(halves), np.array(inside)
-
-
-@pytest.mark.parametrize("colour", [0.0, 0.95])
-def test_intervals_hold_the_truth_about_as_often_as_they_say(tmp_path: Path, colour: float) -> None:
-    values, halves, inside = repeated(tmp_path, colour)
-    assert inside.mean(axis=0) == pytest.approx(0.925, abs=0.0751)  # 85 to 100 % of sixty
-    assert 0.88 < inside.mean() < 0.995
-    spread = values.std(axis=0)
-    # Neither a lucky centre nor a useless width.
-    assert np.abs(values.mean(axis=0) - list(TRUE.values())) == pytest.approx(
-        0.0, abs=3.5 * spread.max() / np.sqrt(DRAWS)
-    )
-    ratio = np.median(halves, axis=0) / (1.96 * spread)
-    assert (ratio > 0.75).all()
-    assert (ratio < 1.6).all()
-    assert CUTOFF == 10.0

@@ -23,22 +23,16 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from pdoik.cli.diagnose import print_diagnosis
 from pdoik.cli.messages import out
 from pdoik.sim2real import Diagnosis, Estimate, Finding, diagnose
-from pdoik.sim2real.confirm.sessions import support_of
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.infer.figures import within_bounds
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.told_sessions import told_sessions
-from pdoik.sim2real.regression.by_session import by_session
-from pdoik.sim2real.regression.estimate import estimates
-from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.random_effects import Spread, spread_between
-from pdoik.sim2real.regression.session_changes import session_changes
-from pdoik.sim2real.regression.trial import Search
 from pdoik.sim2real.report.words import changes_words, joint_state
 from pdoik.sim2real.study.study import Setup
 from sim2real_days import Run, write_days
+from sim2real_identified import figure, identified, named, ordinary_fit
 from sim2real_motions import moved
 
 # Random effects
@@ -132,15 +126,8 @@ def days(
     return Balances(motions)
 
 
-def viscous(b: Balances) -> Term:
-    term = term_of(b, CATALOGUE["viscous_friction"], Place(joints=(1,)), ())
-    assert term is not None
-    return term
-
-
 def learnt(b: Balances) -> Estimate:
-    term = viscous(b)
-    return estimates(Fit(b, [term]), (term,), 0)[0]["coefficient"]
+    return figure(ordinary_fit(b), "viscous_friction", 1)
 
 
 def test_sessions_are_those_that_the_study_tells_of() -> None:
@@ -152,30 +139,10 @@ def test_sessions_are_those_that_the_study_tells_of() -> None:
     assert told_sessions([Setup(session="mon"), Setup(session="mon")]) is None
 
 
-@pytest.mark.parametrize(
-    ("sessions", "expected"),
-    [
-        (("a", "a", "b", "b"), [0, 1, 2, 3]),  # two leave too few: recordings
-        (("a", "b", "b", "c"), [0, 1, 1, 2]),
-        (("", "", "", ""), [0, 1, 2, 3]),
-    ],
-)
-def test_whole_sessions_are_left_out_where_there_are_three(
-    sessions: tuple[str, ...], expected: list[int]
-) -> None:
-    b = days([1.0] * 4, sessions, seconds=8.0)
-    starts = b.starts[:-1].astype(int)
-    assert b.session[starts].tolist() == expected
-    term = viscous(b)
-    state = Search(balances=b, nuisance=(), fit=Fit(b, [term]), start=Fit(b, []))
-    support = support_of(state, term)
-    assert support.sessions == support.agree == len(set(expected))
-
-
 def test_spread_and_mean_are_those_of_the_days() -> None:
     rng = np.random.default_rng(3)
     inside, spreads, said = [], [], []
-    for seed in range(30):
+    for seed in range(20):
         found = learnt(days(1.0 + 0.15 * rng.standard_normal(4), seed=seed, seconds=7.0))
         assert found.spread is not None
         assert found.spread_p is not None
@@ -247,37 +214,12 @@ def test_what_differs_within_a_day_is_no_change_of_days() -> None:
     assert clear.spread_p < 0.01
 
 
-def test_what_was_taken_off_still_counts_as_change() -> None:
-    b = days([0.8, 1.0, 1.2])
-    term = viscous(b)
-    (change,) = session_changes(Fit(b, [term]))
-    assert change.changes[:, 0] == pytest.approx([-0.2, 0.0, 0.2], abs=0.02)
-    assert b.told is not None
-    session = b.told[b.recording]
-    key = ("torque", 1)
-    level = b.less({key: (term.columns[key] * change.changes[session])[:, 0]})
-    raw, even = Fit(b, [term]), Fit(level, [term])
-    assert np.sum(even.residual(key) ** 2) < 0.1 * np.sum(raw.residual(key) ** 2)
-    assert b.residual[key] is not level.residual[key]  # the first is as it was
-    found = [[each.beta[0] for each in by_session(fit)] for fit in (raw, even)]
-    assert found[0] == pytest.approx(found[1])
-    assert found[0] == pytest.approx([0.8, 1.0, 1.2], abs=0.02)
-
-
-@pytest.mark.parametrize("levels", [[0.0, 0.0, 2.0], [-1.0, 0.0, 1.0], [1.0, 1.0, 1.0]])
-def test_what_is_in_one_session_only_is_no_change_of_one_cause(
-    levels: list[float],
-) -> None:
-    b = days(levels)
-    assert session_changes(Fit(b, [viscous(b)])) == ()
-
-
-def test_only_friction_is_put_to_its_mean() -> None:
-    b = days([0.8, 1.0, 1.2])
-    term = viscous(b)
-    motors = replace(term, effect="rotor_inertia")  # whose columns are as if it were that
-    assert session_changes(Fit(b, [term])) != ()
-    assert session_changes(Fit(b, [motors])) == ()
+@pytest.mark.parametrize("levels", [[0.8, 1.0, 1.2], [0.4, 1.0, 1.6], [1.0, 1.0, 1.0]])
+def test_whatever_days_differ_by_friction_alone_is_named(levels: list[float]) -> None:
+    state = identified(days(levels))
+    assert named(state) == {("viscous_friction", (1,))}
+    found = figure(state.fit, "viscous_friction", 1)
+    assert found.interval95[0] < 1.0 < found.interval95[1]
 
 
 # Diagnoses

@@ -71,11 +71,11 @@ def diagnose(
     """Where and why recordings and model disagree.
 
     Each recording is held against the model as it was then: with its payload, robot and gains.
-    Where the study tells of sessions, figures are means over these, and their spread is given.
+    Friction is a mean over sessions, or recordings; where sessions are told, its spread is given.
 
     Args:
         study: a study, or its YAML file.
-        seed: of the bootstrap.
+        seed: of the draws behind intervals.
         tell: called with a stage's name, what it found in words, and the share of the work done.
         thresholds: what is believed; the study's own, which are the defaults, if none are given.
 

@@ -20,7 +20,7 @@ SCHEMA = "pdoik.diagnosis/1"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimate:
-    """A parameter's value with its standard error and 95 % interval from the block bootstrap."""
+    """A parameter's value with its standard error and 95 % interval, of the posterior."""
 
     value: float
     std: float
@@ -41,18 +41,17 @@ class Equivalent:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Support:
-    """What a finding gains in sessions from which neither its figures nor its shape were learnt.
+    """What speaks for a finding: its odds, its size, what it gains on rows it was not learnt from.
 
-    Sessions are those of three or more that the study tells of, else the recordings to fit, or
-    parts of one that is alone.
+    About four parts of the recordings to fit (recordings, or parts of them) are left out in turn.
     """
 
-    weight: float  # share of the mean square mismatch that its balances began with
-    gain: float  # share of what the other findings leave where it acts
+    weight: float  # its part of the balances over what they began with, root mean squares
+    gain: float  # share of what all else leaves where it acts, sensors' noise apart
     t: float  # the gain over its standard error, by blocks
-    size: float  # root mean square where it acts, over the noise
-    agree: int  # sessions in which it gains
-    sessions: int  # that say anything of it
+    size: float  # its part of a balance over what nothing explains there
+    agree: int  # parts of the recordings in which it gains
+    sessions: int  # parts that say anything of it
     blocks: int  # in which it acts
     left: float  # root mean square that nothing explains at its balances, over the noise
     rivals: int  # other names that do as well

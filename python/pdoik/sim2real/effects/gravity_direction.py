@@ -32,8 +32,8 @@ class GravityDirection(Effect):
     odds = 0.05
     equation = "tau = G(q; R^T g) - G(q; g), R = R_x(tilt_x) R_y(tilt_y)"
     parameters = (
-        Parameter("tilt_x", "rad", lower=-np.pi / 2, upper=np.pi / 2),
-        Parameter("tilt_y", "rad", lower=-np.pi, upper=np.pi),
+        Parameter("tilt_x", "rad"),
+        Parameter("tilt_y", "rad"),
     )
     confused_with = ("link_inertial_error", "joint_offset", "torque_offset")
     decided_by = "slow motion of the first joint with the arm stretched out, or a level on the base"

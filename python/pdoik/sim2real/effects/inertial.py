@@ -21,6 +21,10 @@ PRIOR = np.array([5.0, 1.0, 1.0, 1.0] + [0.3] * 6)
 """Standard deviations that keep what no motion shows near zero: kg, kg m, kg m^2."""
 
 
+_LOAD, _NEAR = 0.1, 0.1  # of an arm's mass that it usually holds, and how far from the link [m]
+_LINK = 0.5  # of a link's own size, that it is usually wrong by where it is wrong at all
+
+
 class LinkInertials(Effect):
     """Ten inertial parameters added to one link; only combinations of them are visible."""
 
@@ -77,7 +81,7 @@ class LinkInertials(Effect):
         """By the link's own size: twice its mass is as dear on a thigh as on an upper arm."""
         if motion.body is None or place.link is None:
             return self.prior(width)
-        return np.asarray(1.0 / motion.body.inertial_scale(place.link) ** 2)
+        return np.asarray(1.0 / (_LINK * motion.body.inertial_scale(place.link)) ** 2)
 
     def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
         """The model's link."""
@@ -146,8 +150,12 @@ class Payload(LinkInertials):
         return [Place(link=body.n), *(Place(link=int(k)) for k in np.flatnonzero(~in_leg))]
 
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
-        """A load may be of any size."""
-        return self.prior(width)
+        """A tenth of what the arm weighs, about a hand's width from the link's origin."""
+        if motion.body is None:
+            return self.prior(width)
+        mass = _LOAD * float(np.sum(motion.body.inertial_parameters()[:, 0]))
+        size = np.array([1.0, *(3 * [_NEAR]), *(6 * [_NEAR**2])])
+        return np.asarray(1.0 / (max(mass, 1e-3) * size) ** 2)
 
     def of_amount(
         self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int

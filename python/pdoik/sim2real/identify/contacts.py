@@ -156,10 +156,10 @@ def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
         best: Window | None = None
         for length in _LENGTHS:
             rows = max(4, round(length / step))
-            firsts = range(0, len(time) - rows, max(1, rows // 6))
-            gains = [_gain(sums, first, first + rows) for first in firsts]
-            if not gains:
+            firsts = np.arange(0, len(time) - rows, max(1, rows // 6))
+            if not len(firsts):
                 continue
+            gains = _gains(sums, firsts, firsts + rows)
             top = int(np.argmax(gains))
             clear = gains[top] > least.above_others * _third(gains)
             if (
@@ -173,16 +173,16 @@ def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
                     shape=shape,
                     begin=float(time[firsts[top]]),
                     end=float(time[firsts[top] + rows]),
-                    gain=gains[top],
+                    gain=float(gains[top]),
                 )
         if best is not None:
             found.append(_sharpened(least, best, sums, time))
     return found
 
 
-def _third(gains: list[float]) -> float:
+def _third(gains: FloatArray) -> float:
     """The third highest gain of windows that do not overlap (six starts to a window's length)."""
-    left = np.array(gains)
+    left = gains.copy()
     peaks = []
     for _ in range(3):
         at = int(np.argmax(left))
@@ -193,9 +193,15 @@ def _third(gains: list[float]) -> float:
 
 def _gain(sums: list[FloatArray], first: int, last: int) -> float:
     """Gain of a constant force over rows first to last."""
-    moment, gram = (s[last] - s[first] for s in sums[:2])
-    beta = np.linalg.solve(gram + 1e-6 * (np.trace(gram) + 1e-12) * np.eye(3), moment)
-    return float(beta @ moment)
+    return float(_gains(sums, np.array([first]), np.array([last]))[0])
+
+
+def _gains(sums: list[FloatArray], firsts: NDArray[np.intp], lasts: NDArray[np.intp]) -> FloatArray:
+    """The same of many windows, (F,)."""
+    moment, gram = (s[lasts] - s[firsts] for s in sums[:2])
+    ridge = 1e-6 * (np.trace(gram, axis1=1, axis2=2) + 1e-12)
+    beta = np.linalg.solve(gram + ridge[:, None, None] * np.eye(3), moment[:, :, None])[:, :, 0]
+    return np.asarray(np.sum(beta * moment, axis=1))
 
 
 def _explains(least: ContactThresholds, sums: list[FloatArray], first: int, last: int) -> bool:

@@ -17,7 +17,7 @@ _TRIED = 2  # harmonics per joint that are worked out
 
 def harmonic_terms(fit: Fit) -> list[Term]:
     """Effects of the strongest harmonics in what is left, for each joint that moves."""
-    b, least = fit.balances, fit.balances.thresholds.selection
+    b, least = fit.balances, fit.balances.thresholds.identify
     effects = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     terms = []
     harmonics = np.arange(_LOWEST, _HIGHEST + 1)

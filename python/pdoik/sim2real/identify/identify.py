@@ -17,12 +17,14 @@ from ..study.recording import FloatArray
 from .confidence import confidence_of
 from .hypothesis import Hypothesis, peculiar
 from .identified import Identified, Part, Rival, Tried
+from .model import Model
 from .ordinary import DAYS, is_named_kind
 from .posterior import Candidate, Posterior, State, likeliest
 from .relinearised import relinearised
 from .support import held_out_support
 
 _ROUNDS = 4  # of linearisation
+_WITHIN = 1.96  # errors of a 95 % interval
 _FEW = 3  # causes after which one beginning is left
 
 Tell = Callable[[str, str, float], None]
@@ -107,7 +109,8 @@ def _identified(prepared: Prepared, posterior: Posterior, state: State) -> Ident
         seen = held_out_support(fit, start, hypothesis.term, odds, len(others), peculiar_ones)
         support[hypothesis.key] = seen
         rivals[hypothesis.key] = _as_rivals(others)
-        (claimed if _is_claimed(noisy, seen) else doubtful).append(hypothesis.term)
+        sure = _is_claimed(noisy, seen) and not _may_be_nothing(model, hypothesis)
+        (claimed if sure else doubtful).append(hypothesis.term)
     parts: list[Part] = []
     deviations = np.sqrt(model.variances)
     for hypothesis, span in at:
@@ -161,6 +164,19 @@ def _is_claimed(balances: Balances, seen: Support) -> bool:
     """Whether a peculiar cause is likely, and large beside what nothing explains."""
     believed = balances.thresholds.identify
     return seen.log_odds >= believed.worth and seen.size > believed.matters_more
+
+
+def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:
+    """Whether nothing at all lies within the intervals of a cause's coefficients."""
+    if hypothesis.term.fixed:
+        return False
+    at = next(i for i, each in enumerate(model.hypotheses) if each is hypothesis)
+    span = model.spans[at]
+    beta, own = model.beta[span], model.inverse[span, span]
+    errors = np.sqrt(beta @ np.linalg.lstsq(own, beta, rcond=None)[0] / len(beta))
+    first = abs(beta[0]) / max(float(np.sqrt(own[0, 0])), 1e-300)
+    by_size = CATALOGUE[hypothesis.term.effect].size_first
+    return bool(min(errors, first) < _WITHIN if by_size else errors < _WITHIN)
 
 
 def _is_sure(balances: Balances, hypothesis: Hypothesis, beta: FloatArray, errors: float) -> bool:

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import CATALOGUE
+from ..effects.torque_gain import TorqueGain
 from ..motion.balances import Balances
-from ..regression.fit import Fit, TermKey
+from ..regression.fit import Fit, Term, TermKey
 from ..regression.refine import refined
 from .candidates import candidates
 from .flexible import count_independent
@@ -70,7 +71,7 @@ class Posterior:
         """Of a study's balances."""
         data = Linearisation.of_balances(balances)
         count_independent(balances, data)
-        terms = [t for t in candidates(balances) if not _is_ordinary(t.effect, t.place.gate)]
+        terms = [t for t in candidates(balances) if not _is_ordinary(t)]
         shapes: dict[TermKey, int] = {}
         for term in terms:
             shapes[term.key] = shapes.get(term.key, 0) + 1
@@ -142,7 +143,7 @@ class Posterior:
             self.tell(f"{_words(added)}: log odds {odds:.0f}")
             before = state
             state = self._tuned(self._with(state, [*state.chosen, added]))
-            state = self._swept(state, added)
+            state = self._polished(self._swept(state, added), added)
             for each in before.chosen:
                 if all(each.key != other.key for other in state.chosen):
                     dropped[each.key] = dropped.get(each.key, 0) + 1
@@ -176,7 +177,9 @@ class Posterior:
         return None
 
     def _of_pool(self, state: State) -> list[Scored]:
-        more = Pool(self.data, list(harmonics(self.balances, self.fit_of(state.model))))
+        fit = self.fit_of(state.model)
+        found = [*harmonics(self.balances, fit), *pushes(self.balances, fit)]
+        more = Pool(self.data, found)
         scored = [*self.pool.scored(state.model), *more.scored(state.model)]
         return sorted(scored, key=lambda each: -each.log_odds)
 
@@ -185,7 +188,6 @@ class Posterior:
         found = [
             *gated(self.balances, fit),
             *begun(self.balances, fit),
-            *pushes(self.balances, fit),
         ]
         return Pool(self.data, found).scored(state.model)
 
@@ -226,17 +228,23 @@ class Posterior:
         for key, column in term.columns.items():
             inside += float(np.sum(column[b.mask[key]] ** 2)) / b.sigma[key] ** 2
             whole += float(np.sum(column**2)) / b.sigma[key] ** 2
-        return inside > b.thresholds.search.least_inside * whole
+        return inside > b.thresholds.identify.inside * whole
 
-    def reshaped(self, fit: Fit, hypothesis: Hypothesis) -> Hypothesis:
-        """With gate and nonlinear parameters where they are likeliest beside a fit."""
+    def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
+        """With gate and nonlinear parameters where they are likeliest beside a fit.
+
+        Args:
+            fit: of all else.
+            hypothesis: as it is.
+            again: its parameters were moved before, and are paid for.
+        """
         term = hypothesis.term
         moved = sharpened(fit, term) if term.place.gate is not None else refined(fit, term)
         if moved is term:
             return hypothesis
         effect = CATALOGUE[term.effect]
         free = len(effect.free(moved.shape))
-        price = free * self.balances.thresholds.identify.shape_price
+        price = 0.0 if again else free * self.balances.thresholds.identify.shape_price
         price += effect.log_prior(term.shape) - effect.log_prior(moved.shape)
         precision = hypothesis.precision
         return replace(
@@ -272,6 +280,24 @@ class Posterior:
                 state = self._tuned(without)
         return state
 
+    def _polished(self, state: State, added: Hypothesis) -> State:
+        """Nonlinear parameters moved to their best again, where a new cause shares a balance."""
+        for each in state.chosen:
+            free = CATALOGUE[each.term.effect].free(each.term.shape)
+            if each is added or not free or CATALOGUE[each.term.effect].costly:
+                continue
+            if each.term.columns.keys().isdisjoint(added.term.columns):
+                continue
+            rest = [other for other in state.chosen if other is not each]
+            moved = self.reshaped(self.fit_of(self._with(state, rest).model), each, again=True)
+            if moved is each:
+                continue
+            order = [moved if other is each else other for other in state.chosen]
+            better = self._with(state, order)
+            if better.log_posterior > state.log_posterior:
+                state = better
+        return state
+
     def _rivals_of(self, without: State, each: Hypothesis) -> list[Scored]:
         taken = {other.key for other in without.chosen} | {each.key}
         return [
@@ -291,11 +317,12 @@ class Posterior:
             own = state.log_posterior - without.log_posterior
             rivals = []
             for scored in _serious(self._rivals_of(without, each))[:4]:
-                if scored.log_odds < own - 4.0 * level or not self._may_be(scored.hypothesis):
+                if scored.log_odds < own - 5.0 * level or not self._may_be(scored.hypothesis):
                     continue
                 odds = _wider(without.model, scored.hypothesis).log_posterior
                 odds -= without.log_posterior
-                if odds > own - level:
+                apart = scored.hypothesis.log_odds - each.log_odds  # what was believed before
+                if max(odds, odds - apart) > own - level:
                     rivals.append(Candidate(hypothesis=scored.hypothesis, log_odds=odds))
             found.append((each, own, sorted(rivals, key=lambda each: -each.log_odds)))
         return found
@@ -406,8 +433,11 @@ def _of_torque(hypothesis: Hypothesis) -> bool:
     return all(balance == "torque" for balance, _ in hypothesis.term.columns)
 
 
-def _is_ordinary(effect: str, gate: object) -> bool:
-    return effect in OF_JOINTS and effect != "torque_gain" and gate is None
+def _is_ordinary(term: Term) -> bool:
+    """Whether the model has it anyway: a torque's zero, but not that of the report alone."""
+    if term.effect not in OF_JOINTS or term.effect == TorqueGain.id:
+        return False
+    return term.place.gate is None and not CATALOGUE[term.effect].variant(term.shape)
 
 
 def _fits_beside(hypothesis: Hypothesis, chosen: Iterable[Hypothesis]) -> bool:

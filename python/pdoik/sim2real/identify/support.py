@@ -110,7 +110,8 @@ def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
             continue
         own = float(np.mean(part[rows] ** 2))
         left = float(np.mean(fit.residual(key) ** 2)) * b.sigma[key] ** 2
-        rest = max(left - b.floor[key] ** 2, _LEAST_OWN * left, 1e-300)
+        noise = b.floor[key] ** 2
+        rest = max(left - noise, _LEAST_OWN * max(left, noise), 1e-300)
         others = [
             float(np.mean(_part(fit, each, key)[rows] ** 2))
             for each in peculiar

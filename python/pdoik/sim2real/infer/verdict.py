@@ -180,9 +180,7 @@ def _sessions_in_words(prepared: Prepared) -> str:
         groups.setdefault(motion.setup.session or "not told", []).append(motion.recording.name)
     said = "; ".join(f"{name}: {', '.join(files)}" for name, files in groups.items())
     words = f"Sessions of the recordings to fit: {said}. Figures are means over sessions."
-    if prepared.fit.taken_off:
-        words += " Friction changes between them; the rest was found beside these changes."
-    if len(groups) < prepared.study.thresholds.support.fewest_told:
+    if len(groups) < prepared.study.thresholds.identify.fewest_days:
         words += " Two sessions say next to nothing of others: three or more make intervals narrow."
     return words
 

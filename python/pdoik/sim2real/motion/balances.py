@@ -80,14 +80,12 @@ class Balances:
         self.block = self._blocks()
         self.fold = self._folds()
         self.told = told_sessions([m.setup for m in motions])  # (motions,), None without any
-        self.session = self._sessions()
         self.excited = np.array([_excited(motions, j, self.thresholds) for j in range(self.n)])
         self.residual: dict[Key, FloatArray] = {}
         self.mask: dict[Key, NDArray[np.bool_]] = {}
         self.floor: dict[Key, float] = {}
         self.sigma: dict[Key, float] = {}
         self.repeats = 1.0  # rows that say the same as one, by their noise
-        self.taken_off: dict[Key, FloatArray] = {}  # of the residuals, see `less`
         self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[_Name, dict[Key, FloatArray]] = {}
         self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
@@ -193,30 +191,6 @@ class Balances:
         other = copy(self)
         other.repeats = repeats
         other.sigma = {**self.sigma, **sigma}
-        return other
-
-    def with_parts_of(self, session: int, count: int) -> tuple[Balances, range]:
-        """The same with parts of one session, as long as one another, for sessions; and which."""
-        other, first = copy(self), int(self.session.max()) + 1
-        mine = np.flatnonzero(self.session == session)
-        other.session = self.session.copy()
-        other.session[mine] = first + np.arange(len(mine)) * count // max(len(mine), 1)
-        return other, range(first, first + count)
-
-    def without_session(self, session: int) -> Balances:
-        """The same, where rows of one session do not count, nor near others of its recording."""
-        other = copy(self)
-        kept = (self.session != session) & ~self._near_borders()
-        other.mask = {key: mask & kept for key, mask in self.mask.items()}
-        return other
-
-    def less(self, off: Mapping[Key, FloatArray]) -> Balances:
-        """The same less what is known to be in some residuals, (N,) each."""
-        other = copy(self)
-        before = self.taken_off
-        other.taken_off = {**before, **{k: each + before.get(k, 0.0) for k, each in off.items()}}
-        other.residual = {k: each - off.get(k, 0.0) for k, each in self.residual.items()}
-        other.scratch = {}
         return other
 
     def rms(self, key: Key, values: FloatArray | None = None) -> float:
@@ -365,28 +339,6 @@ class Balances:
             place = np.arange(span.stop - span.start)
             folds[span] = i * parts + np.minimum(place * parts // len(place), parts - 1)
         return folds if len(self.motions) * parts <= 2 * wanted else folds % wanted
-
-    def _sessions(self) -> NDArray[np.intp]:
-        """What is left out in turn: what is chosen must hold in another one.
-
-        Sessions that the study tells of, where there are enough; else recordings; of one recording
-        alone its parts.
-        """
-        told = self.told
-        if told is not None and int(told.max()) + 1 >= self.thresholds.support.fewest_told:
-            return np.asarray(told[self.recording], dtype=np.intp)
-        return self.recording if len(self.motions) > 1 else self.fold
-
-    def _near_borders(self) -> NDArray[np.bool_]:
-        """Rows so near to another session of their recording that filters let them resemble it."""
-        near = np.zeros(self.count, dtype=np.bool_)
-        for i, motion in enumerate(self.motions):
-            span = slice(int(self.starts[i]), int(self.starts[i + 1]))
-            change = np.flatnonzero(np.diff(self.session[span])) + 1
-            time = self.time[span]
-            for at in change:
-                near[span] |= np.abs(time - time[at]) < 1.0 / motion.cutoff
-        return near
 
     def _stack(self, values: list[FloatArray]) -> FloatArray:
         parts = [v[::s] for v, s in zip(values, self._steps, strict=True)]

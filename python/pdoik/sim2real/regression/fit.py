@@ -1,4 +1,4 @@
-"""Least squares of many terms over all balances at once, cross-validated and bootstrapped."""
+"""Least squares of many terms over all balances at once, and cross-validated."""
 
 from __future__ import annotations
 
@@ -20,8 +20,6 @@ from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry
 TRACE = 1e-11  # of ridge, where columns are scaled to one
-_TELLS = 0.05  # of what all recordings know of a coefficient, for some of them to judge it
-_CHANCE = 3.84  # a squared ratio to its error, that chance exceeds once in twenty times
 
 
 TermKey = tuple[str, Place]
@@ -196,37 +194,6 @@ class Fit:
         other._finish()
         return other
 
-    def on(self, balances: Balances) -> Fit:
-        """The terms fitted to some of the rows, those that these balances have of the same.
-
-        Sums of a fold that is there as a whole, or not at all, are not made anew.
-        """
-        other = copy(self)
-        other.balances = balances
-        other.rows, other.target, other.design, other.spans = {}, {}, {}, {}
-        some = np.zeros(self.folds, dtype=np.bool_)
-        every = np.ones(self.folds, dtype=np.bool_)
-        for key, rows in self.rows.items():
-            kept = balances.mask[key][rows]
-            for f, span in self.spans[key]:
-                some[f] |= bool(kept[span].any())
-                every[f] &= bool(kept[span].all())
-            whole = bool(kept.all())
-            other.rows[key] = rows if whole else rows[kept]
-            other.target[key] = self.target[key] if whole else self.target[key][kept]
-            other.design[key] = self.design[key] if whole else self.design[key].at(kept)
-            other.spans[key] = _spans(balances.fold[other.rows[key]])
-        other.fold_gram = np.where(every[:, None, None], self.fold_gram, 0.0)
-        other.fold_moment = np.where(every[:, None], self.fold_moment, 0.0)
-        for key, index in self.index.items():
-            for f, span in other.spans[key]:
-                if some[f] and not every[f] and len(index):
-                    part = other.design[key].at(span)
-                    other.fold_gram[f][np.ix_(index, index)] += part.gram()
-                    other.fold_moment[f, index] += part.against(other.target[key][span])
-        other._finish()
-        return other
-
     def _put_back(self, term: Term) -> None:
         """A fixed term's column into the targets again."""
         for key in term.columns.keys() & self.design.keys():
@@ -246,12 +213,6 @@ class Fit:
         except linalg.LinAlgError:
             return np.asarray(scale * np.linalg.lstsq(even, scale * moment, rcond=TRACE)[0])
         return np.asarray(scale * linalg.cho_solve(factor, scale * moment, check_finite=False))
-
-    def _variances(self, gram: FloatArray) -> FloatArray:
-        """Of coefficients by normal equations, (size,), in units of the noise."""
-        scale, even = self.even(gram)
-        values, vectors = np.linalg.eigh(even)
-        return np.asarray(scale**2 * (vectors**2 @ (1.0 / np.maximum(values, TRACE))))
 
     def even(self, gram: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Scales of the coefficients, (size,), and the normal matrix with columns scaled to one.
@@ -313,15 +274,10 @@ class Fit:
         beta = self.beta if beta is None else beta
         return np.asarray(self.target[key] - self.design[key] @ beta[self.index[key]])
 
-    def penalty(self, beta: FloatArray | None = None) -> float:
-        """What the prior holds against the coefficients."""
-        beta = self.beta if beta is None else beta
-        return float(np.sum(self.prior * beta**2))
-
     def cost(self) -> float:
         """Sum of squares and penalty."""
         left = sum(float(np.sum(self.residual(key) ** 2)) for key in self.design)
-        return left + self.penalty()
+        return left + float(np.sum(self.prior * self.beta**2))
 
     def held_out(self) -> dict[Key, FloatArray]:
         """Residuals in sigmas of rows that their fit did not see."""
@@ -347,64 +303,3 @@ class Fit:
         for key, values in squares.items():
             total += np.bincount(b.block[self.rows[key]], values, minlength=len(total))
         return total
-
-    def block_sums(self, *, as_measured: bool = False) -> tuple[FloatArray, FloatArray]:
-        """Gram matrices (blocks, size, size) and moments (blocks, size) of every block.
-
-        Args:
-            as_measured: with what was taken off the balances, see `Balances.less`.
-        """
-        b = self.balances
-        blocks = int(b.block.max()) + 1
-        grams = np.zeros((blocks, self.size, self.size))
-        moments = np.zeros((blocks, self.size))
-        for key, design in self.design.items():
-            index = self.index[key]
-            if not len(index):
-                continue
-            target = self.target[key]
-            if as_measured and key in b.taken_off:
-                target = target + b.taken_off[key][self.rows[key]] / b.sigma[key]
-            block = b.block[self.rows[key]]
-            for number in np.unique(block):
-                at = block == number
-                part = design.at(at)
-                grams[number][np.ix_(index, index)] += part.gram()
-                moments[number][index] += part.against(target[at])
-        return grams, moments
-
-    def bootstrap(self, rng: np.random.Generator, draws: int) -> FloatArray:
-        """Coefficients of resampled blocks, (draws, size): the block bootstrap."""
-        grams, moments = self.block_sums()
-        blocks = len(grams)
-        samples = np.empty((draws, self.size))
-        for d in range(draws):
-            weight = np.bincount(rng.integers(0, blocks, blocks), minlength=blocks).astype(float)
-            gram = np.tensordot(weight, grams, axes=1)
-            samples[d] = self.solve(gram, weight @ moments)
-        return samples
-
-    def without_each_recording(self, errors: FloatArray) -> FloatArray:
-        """Coefficients without one recording after the other, (recordings, size): the jackknife.
-
-        Where the others know next to nothing of one, as of a joint that moves in one recording
-        alone, what they make of it is noise. Such a change is scaled to the variance that it has
-        where recordings are alike (CR2 of Bell and McCaffrey), but for what is beyond noise.
-
-        Args:
-            errors: (size,) standard errors of the coefficients.
-        """
-        b = self.balances
-        grams, moments = self.block_sums()
-        variance = self._variances(self.gram)
-        samples = np.empty((len(b.motions), self.size))
-        for i in range(len(b.motions)):
-            span = slice(int(b.starts[i]), int(b.starts[i + 1]))
-            kept = np.setdiff1d(np.arange(len(grams)), b.block[span])
-            gram = grams[kept].sum(axis=0)
-            change = self.solve(gram, moments[kept].sum(axis=0)) - self.beta
-            known = variance / self._variances(gram)
-            beyond = 1.0 - _CHANCE * errors**2 / np.maximum(known * change**2, 1e-300)
-            share = np.where(known < _TELLS, np.maximum(known, beyond), 1.0)
-            samples[i] = self.beta + change * np.sqrt(share)
-        return samples

@@ -75,10 +75,18 @@ class Prediction:
         return self._kept[name]
 
     def evidence(self, fit: Fit, term: Term, channels: tuple[str, ...], seed: int) -> Evidence:
-        """How much of the mean square residual goes when the term is added last."""
+        """How much of the mean square residual is the term's, all else as it is.
+
+        What is left without it, the others' coefficients not fitted anew, less what is left.
+        """
         b = self.balances
-        others = Fit(fit.balances, [t for t in fit.terms if t is not term])
-        without, with_it = self.residual(others), self.residual(fit)
+        with_it = self.residual(fit)
+        at = next(i for i, each in enumerate(fit.terms) if each is term)
+        offset = int(fit.offsets[at])
+        beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
+        without = dict(with_it)
+        for key, column in self._columns(term).items():
+            without[key] = with_it[key] + column @ beta
         count = int(b.block.max()) + 1
         gained, began, other = np.zeros(count), np.zeros(count), np.zeros(count)
         for key in term.columns:

@@ -11,7 +11,7 @@ from math import pi
 
 import numpy as np
 
-from .jumps import QUICK, IntArray, Jumps, Steps, jumps_of, range_of_own, steps_of
+from .jumps import FAR, QUICK, IntArray, Jumps, Steps, jumps_of, steps_of
 from .recording import STILL, FloatArray
 
 _GLITCHES = 0.1  # share of jumps that may be off, by a glitch beside them
@@ -34,8 +34,9 @@ def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap |
 
     They are of one size, or multiples of it, up to what the joint moves in a sample. And either
     this is the whole range of what is read, and the joint goes on against the jumps, or at least
-    goes far by itself; or it is a turn; or there are several jumps, all against the motion. Where
-    samples are few only turns are told: what is lifted slowly may drop between two of them.
+    moves at both ends; or it is a turn; or there are several jumps, all against the motion. Where
+    samples are few only turns are told, and of a joint that goes on: what is lifted slowly may
+    drop between two of them.
 
     Args:
         x: (R,) a column of positions.
@@ -45,7 +46,7 @@ def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap |
     """
     sizes, signs = np.abs(jumps.size), np.sign(jumps.size)
     allowed = max(jumps.reach, STILL)
-    own = range_of_own(steps, jumps.others)
+    at_both = _within(x) > FAR * max(allowed, jumps.noise)
     quick = steps.period <= QUICK
     span, most = (float(np.ptp(np.nanquantile(x, (k, 1.0 - k)))) for k in (0.0, _BEYOND))
     for base in (sizes.max(), sizes.min()):
@@ -56,15 +57,15 @@ def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap |
         if (off > allowed * steps.samples[jumps.index])[found].mean() > _GLITCHES:
             continue
         along = (jumps.way * signs)[found]
-        turned = -1 in along or own > 0.5 * size
-        is_range = quick and most <= size + allowed and turned and 1 not in along
+        goes_on = 1 not in along and (-1 in along or at_both)
+        is_range = quick and most <= size + allowed and goes_on
         several = quick and len(along) >= _SEVERAL and bool((along < 0).all())
         change = float(np.median(jumps.change[found]))
         if size < span <= size + change:  # noise at its ends makes jumps seem smaller
             size = span
         whole = 2.0 * pi * round(size / (2.0 * pi))
         exact = max(change / np.sqrt(len(along)), STILL)
-        is_turn = turns and whole > 0.0 and abs(size - whole) <= exact
+        is_turn = turns and whole > 0.0 and abs(size - whole) <= exact and (quick or goes_on)
         if is_range or several or is_turn:
             return Wrap(
                 size=whole if is_turn else size,
@@ -73,6 +74,12 @@ def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap |
                 reach=jumps.reach,
             )
     return None
+
+
+def _within(x: FloatArray) -> float:
+    """How far the readings go from both of their ends: they do not if they are at two places."""
+    middle = 0.5 * (np.nanmin(x) + np.nanmax(x))
+    return float(min(np.ptp(x[x <= middle]), np.ptp(x[x > middle])))
 
 
 def unwrapped(x: FloatArray, steady: FloatArray, steps: Steps, wrap: Wrap) -> FloatArray:

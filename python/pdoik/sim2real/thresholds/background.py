@@ -20,10 +20,6 @@ class BackgroundThresholds(Group):
     torque: float = threshold(
         0.05, "of a torque's scale", "", "current sensors and torque constants: 3 to 5 %"
     )
-    peculiar: float = threshold(
-        0.15, "share of what the background leaves on held-out rows that a peculiar effect explains"
-    )
-    peculiar_t: float = threshold(4.0, "Wald statistic of such an effect", "s.e.")
     stands_t: float = threshold(
         3.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
     )

@@ -37,6 +37,9 @@ class IdentifyThresholds(Group):
         "repeated identifications: 10 to 30 % from day to day",
     )
     days_more: float = threshold(3.0, "factor by which sessions may differ more or less than that")
+    fewest_days: int = threshold(
+        3, "sessions from which their differences tell much of others", "sessions"
+    )
     usual_part: float = threshold(
         0.3, "part of a peculiar cause, as a share of what its balance usually is"
     )
@@ -67,3 +70,22 @@ class IdentifyThresholds(Group):
     )
     level: float = threshold(3.0, "log odds within which another name is a cause's rival")
     most: int = threshold(16, "peculiar causes at most")
+    linear: float = threshold(
+        0.5, "noise by which a cause must change another's columns for a new linearisation", "sigma"
+    )
+    tilt: float = threshold(
+        0.02, "angle by which a base must be tilted for unknown bodies to weigh another way", "rad"
+    )
+    inside: float = threshold(
+        0.02, "share of a cause's squared column on the rows that count; less is a filter's ringing"
+    )
+    harmonic_power: float = threshold(
+        20.0,
+        "power of a harmonic in what is left, from which it is a candidate",
+        "sigma^2",
+    )
+    harmonic_rows: int = threshold(50, "rows from which a harmonic can be found", "rows")
+    moment_better: float = threshold(
+        0.3, "share by which a moment inside a recording must explain more than any border"
+    )
+    moment_away: float = threshold(2.0, "least time between such a moment and a border", "s")

@@ -12,18 +12,14 @@ from .contacts import ContactThresholds
 from .controllers import ControllerThresholds
 from .feet import FeetThresholds
 from .figures import FigureThresholds
-from .gates import GateThresholds
 from .identify import IdentifyThresholds
 from .limits import LimitThresholds
 from .noise import NoiseThresholds
 from .propose import ProposeThresholds
 from .search import SearchThresholds
-from .selection import SelectionThresholds
 from .simulation import SimulationThresholds
 from .simulators import SimulatorThresholds
-from .support import SupportThresholds
 from .threshold import numbers_of
-from .unnamed import UnnamedThresholds
 from .verdict import VerdictThresholds
 from .watch import WatchThresholds
 
@@ -49,12 +45,8 @@ class Thresholds:
     background: BackgroundThresholds = field(default_factory=BackgroundThresholds)
     identify: IdentifyThresholds = field(default_factory=IdentifyThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
-    support: SupportThresholds = field(default_factory=SupportThresholds)
-    gates: GateThresholds = field(default_factory=GateThresholds)
     contacts: ContactThresholds = field(default_factory=ContactThresholds)
     feet: FeetThresholds = field(default_factory=FeetThresholds)
-    unnamed: UnnamedThresholds = field(default_factory=UnnamedThresholds)
-    selection: SelectionThresholds = field(default_factory=SelectionThresholds)
     controllers: ControllerThresholds = field(default_factory=ControllerThresholds)
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)
     simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
