@@ -8,6 +8,7 @@ from ..findings import Support
 from ..thresholds import Thresholds
 
 _LEAST_SHARE = 1e-3
+_LEAST_SIZE = 0.05
 
 
 def features(support: Support) -> dict[str, float]:
@@ -15,6 +16,7 @@ def features(support: Support) -> dict[str, float]:
     return {
         "base": 1.0,
         "odds": float(np.log1p(max(support.log_odds, 0.0))),
+        "size": float(np.log(max(support.size, _LEAST_SIZE))),
         "gain": _log_odds(support.gain),
         "event": float(support.event),
     }

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import CATALOGUE
+from ..effects.inertial import LinkInertials
 from ..effects.torque_gain import TorqueGain
 from ..findings import Support
 from ..motion.balances import Balances
@@ -18,14 +19,14 @@ from .confidence import confidence_of
 from .hypothesis import Hypothesis, peculiar
 from .identified import Identified, Part, Rival, Tried
 from .model import Model
-from .ordinary import DAYS, is_named_kind
+from .ordinary import DAYS, TRUST
 from .posterior import Candidate, Posterior, State, likeliest
 from .relinearised import relinearised
 from .support import held_out_support
 
 _ROUNDS = 4  # of linearisation
 _WITHIN = 1.96  # errors of a 95 % interval
-_FEW = 3  # causes after which one beginning is left
+_FEW = 6  # causes after which one beginning is left
 
 Tell = Callable[[str, str, float], None]
 
@@ -112,6 +113,7 @@ def _identified(prepared: Prepared, posterior: Posterior, state: State) -> Ident
         sure = _is_claimed(noisy, seen) and not _may_be_nothing(model, hypothesis)
         (claimed if sure else doubtful).append(hypothesis.term)
     parts: list[Part] = []
+    instead: dict[int, Term] = {}  # bodies that are not within trust
     deviations = np.sqrt(model.variances)
     for hypothesis, span in at:
         if hypothesis.term.effect == DAYS or not hypothesis.ordinary:
@@ -119,7 +121,18 @@ def _identified(prepared: Prepared, posterior: Posterior, state: State) -> Ident
         beta, std = model.beta[span], deviations[span]
         errors = float(np.sqrt(np.mean((beta / std) ** 2))) if std.all() else 0.0
         named = hypothesis.key not in support and _is_sure(noisy, hypothesis, beta, errors)
-        if named and is_named_kind(hypothesis):
+        if hypothesis.term.effect == TRUST:
+            named = named and _is_beyond(noisy, hypothesis, beta)
+            if named:
+                body = replace(hypothesis.term, effect=LinkInertials.id)
+                whole = [body if t is hypothesis.term else t for t in fit.terms]
+                seen = held_out_support(Fit(noisy, whole), start, body, 0.5 * errors**2 - 1.0)
+                named = body.key not in support and seen.size > noisy.thresholds.identify.matters
+                if named:
+                    support[body.key] = seen
+                    instead[id(hypothesis.term)] = body
+                    claimed.append(body)
+        elif named:
             odds = 0.5 * errors**2 - 1.0  # beside nothing of it, by a prior of its own size
             others = posterior.in_place_of(state, hypothesis)
             seen = held_out_support(fit, start, hypothesis.term, odds, len(others))
@@ -138,7 +151,9 @@ def _identified(prepared: Prepared, posterior: Posterior, state: State) -> Ident
         )
     claimed, unsure = _parted_by_confidence(noisy, claimed, support)
     wanted = {id(term) for term in claimed}
-    nuisance = tuple(h.term for h, _ in at if id(h.term) not in wanted)
+    nuisance = tuple(
+        term for term in (instead.get(id(h.term), h.term) for h, _ in at) if id(term) not in wanted
+    )
     return Identified(
         balances=noisy,
         nuisance=nuisance,
@@ -164,6 +179,12 @@ def _is_claimed(balances: Balances, seen: Support) -> bool:
     """Whether a peculiar cause is likely, and large beside what nothing explains."""
     believed = balances.thresholds.identify
     return seen.log_odds >= believed.worth and seen.size > believed.matters_more
+
+
+def _is_beyond(balances: Balances, hypothesis: Hypothesis, beta: FloatArray) -> bool:
+    """Whether a body is farther from the model's than it was trusted to be."""
+    far = float(np.sqrt(np.sum(hypothesis.precision * beta**2)))
+    return far > balances.thresholds.identify.beyond
 
 
 def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:

@@ -23,7 +23,8 @@ from ..motion.balances import Balances
 from ..motion.place import Place, Shape
 from ..regression.background import usual_torque
 from ..regression.fit import Fit, Term, term_of
-from ..regression.trusted_bodies import TRUST, trusted
+from ..regression.trusted_bodies import TRUST as TRUST
+from ..regression.trusted_bodies import trusted
 from ..study.recording import FloatArray
 from .hypothesis import Hypothesis, ordinary
 from .model import Model
@@ -43,6 +44,9 @@ OF_JOINTS = (
 
 OF_DAYS = CoulombFriction.id
 """Ordinary dry friction, of which other laws are finer ones."""
+
+_WIDTHS = (0.0, 0.005, 0.01, 0.02, 0.04, 0.06, 0.1, 0.15, 0.3)
+"""Speeds within which Coulomb friction may turn [rad/s]."""
 
 _CHANGES = (ViscousFriction.id, CoulombFriction.id)  # from day to day
 
@@ -193,8 +197,8 @@ class Ordinary:
         ]
         if not here:
             return now
-        effect, size = CATALOGUE[CoulombFriction.id], here[0].precision[0] ** -0.5
-        shapes = {now, *effect.shapes(self.balances.motions, place)}
+        size = here[0].precision[0] ** -0.5
+        shapes = {now, *((width,) for width in _WIDTHS)}
         terms = [self.term(CoulombFriction.id, j, shape) for shape in sorted(shapes)]
         made = [ordinary(term, size, positive=True) for term in terms if term is not None]
         scored = Pool(model.data, made).scored(model.without(*here))
@@ -230,11 +234,3 @@ def changes_of(fit: Fit) -> list[tuple[Term, FloatArray]]:
     """Friction that differs from day to day: the term, and by how much another day may differ."""
     found = [(term, days_of(fit.terms, term)) for term in fit.terms]
     return [(term, 1.0 / np.sqrt(days[0].prior)) for term, days in found if days]
-
-
-def is_named_kind(hypothesis: Hypothesis) -> bool:
-    """Whether an ordinary part may be said by name: bodies within trust and days are not."""
-    return hypothesis.ordinary and hypothesis.term.effect in CATALOGUE
-
-
-__all__ = ["DAYS", "OF_JOINTS", "TRUST", "Ordinary", "is_named_kind"]

@@ -156,7 +156,8 @@ class Posterior:
             here = [h for h in state.chosen if h.term.place.joints[:1] == (j,) and _of_torque(h)]
             if not here:
                 continue
-            bare = self._with(state, [h for h in state.chosen if all(h is not o for o in here)])
+            rest = [h for h in state.chosen if all(h is not o for o in here)]
+            bare = self._possible(self._with(state, rest))
             fit = self.fit_of(bare.model)
             found = [
                 *gated(self.balances, fit, (j,)),
@@ -269,7 +270,7 @@ class Posterior:
             if all(each is not other for other in state.chosen):
                 continue
             rest = [other for other in state.chosen if other is not each]
-            without = self._with(state, rest)
+            without = self._possible(self._with(state, rest))
             own = state.log_posterior - without.log_posterior
             best = self._best(without, without.model, self._rivals_of(without, each))
             if best is not None and best[1] > max(own + _BETTER, worth):
@@ -313,7 +314,8 @@ class Posterior:
         level = self.balances.thresholds.identify.level
         found = []
         for each in state.chosen:
-            without = self._with(state, [other for other in state.chosen if other is not each])
+            rest = [other for other in state.chosen if other is not each]
+            without = self._possible(self._with(state, rest))
             own = state.log_posterior - without.log_posterior
             rivals = []
             for scored in _serious(self._rivals_of(without, each))[:4]:
@@ -347,6 +349,7 @@ class Posterior:
                 each
                 for each in self.pool.scored(without)
                 if each.hypothesis.term.place == part.term.place
+                and each.hypothesis.term.effect != part.term.effect
                 and each.hypothesis.term.columns.keys() == part.term.columns.keys()
                 and _fits_beside(each.hypothesis, state.chosen)
             ]
@@ -444,6 +447,9 @@ def _fits_beside(hypothesis: Hypothesis, chosen: Iterable[Hypothesis]) -> bool:
     """Whether a cause may stand beside others: one law of a kind at a joint, one body at a link."""
     effect, place = CATALOGUE[hypothesis.term.effect], hypothesis.term.place
     for other in chosen:
+        same = other.term.effect == effect.id and other.term.place.joints == place.joints
+        if same and place.gate is not None and other.term.place.gate is not None:
+            return False  # a law that comes and goes many times is another law
         if other.term.place != place:
             continue
         there = CATALOGUE[other.term.effect]

@@ -112,7 +112,10 @@ def verdict_of(
     if not findings and near and quiet and len(judged) < len(joints):
         return "cannot_tell"  # of a joint that did not move
     if not findings:
-        return "no_mismatch" if quiet else "mismatch_unexplained"
+        if not quiet:
+            return "mismatch_unexplained"
+        louder = [each.before > limits.quiet * each.noise_floor for each in (*judged, *also)]
+        return "mismatch_explained" if any(louder) else "no_mismatch"
     if not named:
         return "mismatch_unexplained"
     explained = near and quiet and len(named) == len(findings)

@@ -167,15 +167,37 @@ def changes_words(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
+def parted(diagnosis: Diagnosis) -> tuple[list[Finding], list[Finding]]:
+    """Findings that are peculiar to this machine, and those of what every machine has."""
+    parts = {(part.effect, part.joints) for part in diagnosis.ordinary}
+    usual = [each for each in diagnosis.findings if (each.effect, each.joints) in parts]
+    usual = [each for each in usual if each.gate is None and not each.variant]
+    return [each for each in diagnosis.findings if each not in usual], usual
+
+
+def _usual_words(findings: list[Finding]) -> str:
+    """How many joints have how much of what every machine has to be said, in one line."""
+    joints: dict[str, list[str]] = {}
+    for each in findings:
+        joints.setdefault(each.effect, []).append(place(each))
+    said = [
+        f"{effect_name(effect)} at {where[0] if len(where) == 1 else f'{len(where)} joints'}"
+        for effect, where in joints.items()
+    ]
+    return f"Of what every machine has, these are large enough to matter: {', '.join(said)}."
+
+
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict's reasons, a sentence each."""
     lines = [VERDICTS[diagnosis.verdict][1]]
-    findings = diagnosis.findings
+    findings, usual = parted(diagnosis)
     if findings:
         count = "One cause was" if len(findings) == 1 else f"{len(findings)} causes were"
         named = "; ".join(f"{effect_name(each.effect)} at {place(each)}" for each in findings[:4])
         more = f"; and {len(findings) - 4} more" if len(findings) > 4 else ""
         lines.append(f"{count} found: {named}{more}.")
+    if usual:
+        lines.append(_usual_words(usual))
     lines += changes_words(diagnosis)
     if diagnosis.suspected:
         lines.append(suspected_words(diagnosis))

@@ -51,6 +51,8 @@ def _mended(table: Table, joint: str, units: Units, *, slides: bool) -> Table:
     x = _in_si(table, column, units, slides)
     assert x is not None
     wanted = _in_si(table, command, units, slides)
+    if wanted is not None and np.array_equal(x, wanted, equal_nan=True):
+        return table  # commands alone, which may step
     speed = _in_si(table, f"dq.{joint}", units, slides)
     if speed is not None:  # drives that derive it from the position have a glitch at each jump
         speed = np.where(glitches(speed), np.nan, speed)

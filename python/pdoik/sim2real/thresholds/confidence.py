@@ -15,19 +15,21 @@ _FITTED = (
 class ConfidenceThresholds(Group):
     """Weights of the log odds that a finding is there, and what is made of them."""
 
-    base: float = threshold(2.27, "log odds where half of what is left is gained", "", _FITTED)
-    odds: float = threshold(0.0, "per logarithm of one and the posterior log odds", "", _FITTED)
+    base: float = threshold(
+        2.16, "log odds of a cause as large as what nothing explains, gaining half", "", _FITTED
+    )
+    odds: float = threshold(0.05, "per logarithm of one and the posterior log odds", "", _FITTED)
+    size: float = threshold(
+        0.13, "per logarithm of its part over what nothing explains", "", _FITTED
+    )
     gain: float = threshold(
-        0.46,
-        "per log odds of the gain: its share of what is left on left-out sessions",
+        0.36,
+        "per log odds of the gain: its share of what all else leaves on rows it was not fitted to",
         "",
         _FITTED,
     )
     event: float = threshold(
-        -2.5,
-        "of what happens once: the best of hundreds of windows is often good",
-        "",
-        "chosen; -3.0 fits best, on 11 events only",
+        -1.68, "of what happens once: the best of hundreds of windows is often good", "", _FITTED
     )
     unsupported: float = threshold(0.9, "confidence of what is wrong with a channel", "", _FITTED)
     suspected: float = threshold(

@@ -68,7 +68,12 @@ class IdentifyThresholds(Group):
     scale_off: float = threshold(
         0.08, "share by which a torque's scale must be off to be named, beyond calibration"
     )
-    level: float = threshold(3.0, "log odds within which another name is a cause's rival")
+    level: float = threshold(
+        4.6, "log odds within which another name is a rival: a hundredth as likely"
+    )
+    beyond: float = threshold(
+        3.0, "standard deviations of its trust beyond which a body is not within it", "s.e."
+    )
     most: int = threshold(16, "peculiar causes at most")
     linear: float = threshold(
         0.5, "noise by which a cause must change another's columns for a new linearisation", "sigma"
