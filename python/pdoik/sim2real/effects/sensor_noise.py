@@ -19,6 +19,7 @@ class SensorNoise(Effect):
     id = "sensor_noise"
     family = "sensor"
     on = "channel"
+    size_first = True
     equation = "logged = true + n, n white"
     parameters = (Parameter("std", "unit of the channel", lower=0.0),)
     decided_by = "the robot at rest, brakes on"

@@ -102,6 +102,7 @@ def conclude(
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].weight)
     least = study.thresholds.confidence.suspected
+    found = [(_if_sized(each, least), terms) for each, terms in found]
     suspected += tuple(finding for finding, _ in found if finding.confidence < least)
     found = [each for each in found if each[0].confidence >= least]
     joints = joint_fits(prepared, state, prediction, simulated.left)
@@ -207,6 +208,17 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
 def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
     """Whether recordings that only judge are surely worse with it than without."""
     return prepared.validate is not None and finding.evidence.interval95[1] < 0.0
+
+
+def _if_sized(finding: Finding, suspected: float) -> Finding:
+    """A finding whose size may as well be nothing, by its own interval, is only suspected."""
+    effect = CATALOGUE[finding.effect]
+    if not effect.size_first or not finding.parameters:
+        return finding
+    low, high = next(iter(finding.parameters.values())).interval95
+    if not low <= 0.0 <= high:
+        return finding
+    return replace(finding, confidence=min(finding.confidence, suspected - 1e-3))
 
 
 def _is_ordinary(state: Identified, terms: Sequence[Term]) -> bool:

@@ -74,7 +74,7 @@ class IdentifyThresholds(Group):
     beyond: float = threshold(
         3.0, "standard deviations of its trust beyond which a body is not within it", "s.e."
     )
-    most: int = threshold(16, "peculiar causes at most")
+    most: int = threshold(40, "peculiar causes at most")
     linear: float = threshold(
         0.5, "noise by which a cause must change another's columns for a new linearisation", "sigma"
     )

@@ -1,0 +1,177 @@
+"""Which parts of a model are claimed: surely there, and large beside what nothing explains.
+
+An ordinary part is named where it is some errors from nothing and not negligible; a body where it
+is not within its trust. A peculiar cause is claimed where its odds are worth it and it is as large as
+what nothing explains. What else is likely is doubtful: it is in the model, and only suspected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..effects.inertial import LinkInertials
+from ..effects.torque_gain import TorqueGain
+from ..findings import Support
+from ..motion.balances import Balances
+from ..regression.fit import Fit, Term, TermKey
+from .confidence import confidence_of
+from .hypothesis import Hypothesis
+from .identified import Identified, Part, Rival, Tried
+from .model import Model
+from .ordinary import DAYS, TRUST
+from .posterior import Posterior
+from .rivals import in_place_of, judged
+from .support import held_out_support
+from .weighing import Candidate, State
+
+_WITHIN = 1.96  # errors of a 95 % interval
+
+
+def identified(posterior: Posterior, state: State) -> Identified:
+    """What a state comes to."""
+    claims = _Claims.of(posterior, state)
+    claims.judge_peculiar()
+    claims.judge_ordinary()
+    return claims.made()
+
+
+@dataclass(kw_only=True, eq=False)
+class _Claims:
+    """Filled by two passes over the model: what is peculiar, then what is ordinary."""
+
+    posterior: Posterior
+    state: State
+    noisy: Balances
+    start: Fit  # of nothing
+    fit: Fit  # of all that is in the model
+    claimed: list[Term] = field(default_factory=list)
+    doubtful: list[Term] = field(default_factory=list)
+    support: dict[TermKey, Support] = field(default_factory=dict)
+    rivals: dict[TermKey, tuple[Rival, ...]] = field(default_factory=dict)
+    parts: list[Part] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, posterior: Posterior, state: State) -> _Claims:
+        """Of a state, before anything is judged."""
+        model = state.model
+        noisy = posterior.balances.with_noise(
+            {key: model.weight(key) ** -0.5 for key in model.noise}
+        )
+        active = [h.term for h, span in _placed(model) if model.active[span].any()]
+        return cls(
+            posterior=posterior,
+            state=state,
+            noisy=noisy,
+            start=Fit(noisy, ()),
+            fit=Fit(noisy, active),
+        )
+
+    def judge_peculiar(self) -> None:
+        """Causes that were chosen."""
+        weighed = judged(self.posterior, self.state)
+        everything = [hypothesis.term for hypothesis, _, _ in weighed]
+        believed = self.noisy.thresholds.identify
+        for hypothesis, odds, others in weighed:
+            term = hypothesis.term
+            seen = held_out_support(self.fit, self.start, term, odds, len(others), everything)
+            likely = odds >= believed.worth and seen.size > believed.matters_more
+            sure = likely and not _may_be_nothing(self.state.model, hypothesis)
+            self._take(term, seen, others, sure=sure)
+
+    def judge_ordinary(self) -> None:
+        """Parts that every machine has, each stated and some of them named."""
+        model = self.state.model
+        deviations = np.sqrt(model.variances)
+        for hypothesis, span in _placed(model):
+            ordinary = hypothesis.ordinary and hypothesis.term.effect != DAYS
+            if not ordinary or not model.active[span].any():
+                continue
+            beta, std = model.beta[span], deviations[span]
+            errors = float(np.sqrt(np.mean((beta / std) ** 2))) if std.all() else 0.0
+            named = self._is_named(hypothesis, beta, errors)
+            self.parts.append(
+                Part(
+                    term=hypothesis.term,
+                    value=float(beta[0]),
+                    std=float(std[0]),
+                    negligible=not named,
+                )
+            )
+
+    def _is_named(self, hypothesis: Hypothesis, beta: np.ndarray, errors: float) -> bool:
+        """Whether an ordinary part is named; it is claimed if so."""
+        believed = self.noisy.thresholds.identify
+        if errors < believed.sure or hypothesis.key in self.support:
+            return False
+        term, others = hypothesis.term, list[Candidate]()
+        if term.effect == TRUST:
+            far = float(np.sqrt(np.sum(hypothesis.precision * beta**2)))
+            if far <= believed.beyond or (LinkInertials.id, term.place) in self.support:
+                return False
+            term = self._as_body(term)
+        elif term.effect not in CATALOGUE or (
+            term.effect == TorqueGain.id and abs(float(beta[0])) <= believed.scale_off
+        ):
+            return False
+        else:
+            others = in_place_of(self.posterior, self.state, hypothesis)
+        odds = 0.5 * errors**2 - 1.0  # over nothing of it, by a prior of its own size
+        seen = held_out_support(self.fit, self.start, term, odds, len(others))
+        if seen.size <= believed.matters:
+            return False
+        return self._take(term, seen, others, sure=True)
+
+    def _as_body(self, term: Term) -> Term:
+        """A body that is not within trust, as the finding that it is; in the fit too."""
+        body = replace(term, effect=LinkInertials.id)
+        self.fit = Fit(self.noisy, [body if each is term else each for each in self.fit.terms])
+        return body
+
+    def _take(self, term: Term, seen: Support, others: Sequence[Candidate], *, sure: bool) -> bool:
+        """Keep what was judged; whether it is claimed."""
+        thresholds = self.noisy.thresholds
+        self.support[term.key] = seen
+        self.rivals[term.key] = tuple(
+            Rival(term=each.hypothesis.term, log_odds=each.log_odds) for each in others
+        )
+        sure = sure and confidence_of(thresholds, seen) >= thresholds.confidence.suspected
+        (self.claimed if sure else self.doubtful).append(term)
+        return sure
+
+    def made(self) -> Identified:
+        """All of it, what is claimed last in the fit."""
+        wanted = {id(term) for term in self.claimed}
+        nuisance = tuple(term for term in self.fit.terms if id(term) not in wanted)
+        tried = self.posterior.tried.values()
+        return Identified(
+            balances=self.noisy,
+            nuisance=nuisance,
+            fit=Fit(self.noisy, [*nuisance, *self.claimed]),
+            start=self.start,
+            bodies=self.state.ordinary.bodies,
+            support=self.support,
+            rivals=self.rivals,
+            tried=tuple(Tried(term=each.term, log_odds=odds) for each, odds in tried),
+            ordinary=tuple(self.parts),
+            doubtful=tuple(self.doubtful),
+        )
+
+
+def _placed(model: Model) -> list[tuple[Hypothesis, slice]]:
+    return list(zip(model.hypotheses, model.spans, strict=True))
+
+
+def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:
+    """Whether nothing at all lies within the intervals of a cause's coefficients."""
+    if hypothesis.term.fixed:
+        return False
+    span = next(at for each, at in _placed(model) if each is hypothesis)
+    beta, own = model.beta[span], model.inverse[span, span]
+    errors = np.sqrt(beta @ np.linalg.lstsq(own, beta, rcond=None)[0] / len(beta))
+    first = abs(beta[0]) / max(float(np.sqrt(own[0, 0])), 1e-300)
+    by_size = CATALOGUE[hypothesis.term.effect].size_first
+    return bool(min(errors, first) < _WITHIN if by_size else errors < _WITHIN)

@@ -1,0 +1,70 @@
+"""How likely each cause is beside all others, and which other names come near it."""
+
+from __future__ import annotations
+
+from .company import fits_beside, wider
+from .hypothesis import Hypothesis
+from .ordinary import days_of
+from .posterior import Posterior
+from .weighing import Candidate, State, serious
+
+_WEIGHED = 4  # rivals of a cause
+
+
+def judged(posterior: Posterior, state: State) -> list[tuple[Hypothesis, float, list[Candidate]]]:
+    """Every cause with its log odds beside all others, and the names that come near it."""
+    level = posterior.balances.thresholds.identify.level
+    found = []
+    for each in state.chosen:
+        rest = [other for other in state.chosen if other is not each]
+        without = posterior.possible(posterior.with_causes(state, rest))
+        own = state.log_posterior - without.log_posterior
+        rivals = []
+        for scored in serious(posterior.rivals_of(without, each))[:_WEIGHED]:
+            if scored.log_odds < own - 5.0 * level or not posterior.may_be(scored.hypothesis):
+                continue
+            odds = wider(without.model, scored.hypothesis).log_posterior
+            odds -= without.log_posterior
+            apart = scored.hypothesis.log_odds - each.log_odds  # what was believed before
+            if max(odds, odds - apart) > own - level:
+                rivals.append(Candidate(hypothesis=scored.hypothesis, log_odds=odds))
+        found.append((each, own, sorted(rivals, key=lambda each: -each.log_odds)))
+    return found
+
+
+def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Candidate]:
+    """Causes that would explain what an ordinary part does, nearly as well; prior odds apart.
+
+    What every machine has is the name; that rows do not tell it from another is said.
+    """
+    level = posterior.balances.thresholds.identify.level
+    without = state.model.without(part, *_days(state, part))
+    own = state.model.log_evidence - without.log_evidence
+    found = []
+    for scored in serious(
+        [
+            each
+            for each in posterior.pool.scored(without)
+            if each.hypothesis.term.place == part.term.place
+            and each.hypothesis.term.effect != part.term.effect
+            and each.hypothesis.term.columns.keys() == part.term.columns.keys()
+            and fits_beside(each.hypothesis, state.chosen)
+        ]
+    )[:_WEIGHED]:
+        hypothesis = scored.hypothesis
+        if scored.log_odds - hypothesis.log_odds < own - 2.0 * level:
+            continue
+        if not posterior.may_be(hypothesis):
+            continue
+        whole = without.with_(hypothesis)
+        gain = whole.log_evidence - without.log_evidence
+        if whole.admissible and gain > own - level:
+            found.append(Candidate(hypothesis=hypothesis, log_odds=gain))
+    return sorted(found, key=lambda each: -each.log_odds)
+
+
+def _days(state: State, part: Hypothesis) -> list[Hypothesis]:
+    """What a part differs by in each session."""
+    hypotheses = state.model.hypotheses
+    own = days_of([h.term for h in hypotheses], part.term)
+    return [h for h in hypotheses if any(h.term is day for day in own)]

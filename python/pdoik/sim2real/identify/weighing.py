@@ -1,0 +1,195 @@
+"""Models of a study's hypotheses, and the likeliest of many at the noise that they leave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from ..effects import CATALOGUE
+from ..motion.balances import Balances
+from ..regression.fit import Fit, TermKey
+from ..regression.refine import refined
+from .candidates import candidates
+from .company import beside, has_shape, is_ordinary, wider
+from .flexible import count_independent
+from .gates import sharpened
+from .hypothesis import Hypothesis, peculiar
+from .linearisation import Linearisation
+from .model import Model
+from .ordinary import Ordinary
+from .pool import Pool, Scored
+
+SERIOUS = 6  # hypotheses of a round that are weighed at their own noise
+_SHAPED = 3  # of these, whose nonlinear parameters are moved to their best
+_TUNED = 3  # rounds of the ordinary part's choices
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class State:
+    """Ordinary physics, what is peculiar, and their model."""
+
+    ordinary: Ordinary
+    chosen: tuple[Hypothesis, ...]
+    model: Model
+
+    @property
+    def log_posterior(self) -> float:
+        """Up to a constant."""
+        return self.model.log_posterior
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """A hypothesis weighed in the place of a cause."""
+
+    hypothesis: Hypothesis
+    log_odds: float  # over nothing in the cause's place
+
+
+@dataclass(kw_only=True, eq=False)
+class Weighing:
+    """A study's rows, candidates, and all that was weighed of them."""
+
+    balances: Balances
+    data: Linearisation
+    pool: Pool
+    tell: Tell = lambda text: None
+    tried: dict[TermKey, tuple[Hypothesis, float]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, balances: Balances, tell: Tell = lambda text: None) -> Self:
+        """Of a study's balances."""
+        data = Linearisation.of_balances(balances)
+        count_independent(balances, data)
+        terms = [t for t in candidates(balances) if not is_ordinary(t)]
+        shapes: dict[TermKey, int] = {}
+        for term in terms:
+            shapes[term.key] = shapes.get(term.key, 0) + 1
+        pool = [peculiar(balances, t, among=float(shapes[t.key])) for t in terms]
+        return cls(balances=balances, data=data, pool=Pool(data, pool), tell=tell)
+
+    def begun(self, bodies: float, chosen: Sequence[Hypothesis] = ()) -> State:
+        """Ordinary physics, with bodies right to a share, and what is given."""
+        ordinary = Ordinary(balances=self.balances, bodies=bodies)
+        model = Model(self.data, beside(ordinary, chosen))
+        return self.tuned(State(ordinary=ordinary, chosen=tuple(chosen), model=model))
+
+    def tuned(self, state: State) -> State:
+        """With the choices of the ordinary part as they are likeliest now."""
+        for _ in range(_TUNED):
+            now = state.ordinary
+            other = now.fitted_to(state.model)
+            model = Model(self.data, beside(other, state.chosen), state.model.noise)
+            settled = other.widths == now.widths and all(
+                abs(other.levels[k] - now.levels.get(k, 0.0)) <= 0.1 * other.levels[k]
+                for k in other.levels
+            )
+            state = self.possible(replace(state, ordinary=other, model=model))
+            if settled:
+                break
+        return state
+
+    def possible(self, state: State) -> State:
+        """Without causes that cannot be beside the others."""
+        while gone := state.model.impossible:
+            state = self.with_causes(
+                state, [h for h in state.chosen if all(h is not g for g in gone)]
+            )
+        return state
+
+    def with_causes(self, state: State, chosen: Sequence[Hypothesis]) -> State:
+        model = Model(self.data, beside(state.ordinary, chosen), state.model.noise)
+        return replace(state, chosen=tuple(chosen), model=model)
+
+    def with_bodies(self, state: State, bodies: float) -> State:
+        """The same causes beside bodies that are right to another share."""
+        ordinary = replace(state.ordinary, bodies=bodies)
+        model = Model(self.data, beside(ordinary, state.chosen), state.model.noise)
+        return self.tuned(replace(state, ordinary=ordinary, model=model))
+
+    def best(
+        self, state: State, beside: Model, scored: Sequence[Scored]
+    ) -> tuple[Hypothesis, float] | None:
+        """The likeliest at the noise that it leaves, and its log odds."""
+        found: list[tuple[Hypothesis, float]] = []
+        fit: Fit | None = None
+        for number, each in enumerate(serious(scored)):
+            hypothesis = each.hypothesis
+            if not self.may_be(hypothesis):
+                continue
+            if number < _SHAPED and has_shape(hypothesis):
+                fit = fit or self.fit_of(beside)
+                hypothesis = self.reshaped(fit, hypothesis)
+            whole = wider(beside, hypothesis)
+            while (gone := whole.impossible) and all(each is not hypothesis for each in gone):
+                whole = whole.without(*gone)
+            odds = whole.log_posterior - beside.log_posterior
+            old = self.tried.get(hypothesis.key)
+            if old is None or odds > old[1]:
+                self.tried[hypothesis.key] = hypothesis, odds
+            found.append((hypothesis, odds))
+        return max(found, key=lambda each: each[1]) if found else None
+
+    def may_be(self, hypothesis: Hypothesis) -> bool:
+        """Whether nothing in the recordings contradicts it, and it acts where rows count."""
+        b, term = self.balances, hypothesis.term
+        effect = CATALOGUE[term.effect]
+        if not effect.plausible(b.motions, term.place, term.shape):
+            return False
+        inside = whole = 0.0
+        for key, column in term.columns.items():
+            inside += float(np.sum(column[b.mask[key]] ** 2)) / b.sigma[key] ** 2
+            whole += float(np.sum(column**2)) / b.sigma[key] ** 2
+        return inside > b.thresholds.identify.inside * whole
+
+    def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
+        """With gate and nonlinear parameters where they are likeliest beside a fit.
+
+        Args:
+            fit: of all else.
+            hypothesis: as it is.
+            again: its parameters were moved before, and are paid for.
+        """
+        term = hypothesis.term
+        moved = sharpened(fit, term) if term.place.gate is not None else refined(fit, term)
+        if moved is term:
+            return hypothesis
+        effect = CATALOGUE[term.effect]
+        free = len(effect.free(moved.shape))
+        price = 0.0 if again else free * self.balances.thresholds.identify.shape_price
+        price += effect.log_prior(term.shape) - effect.log_prior(moved.shape)
+        precision = hypothesis.precision
+        return replace(
+            hypothesis,
+            term=replace(moved, prior=term.prior),
+            precision=precision,
+            log_odds=hypothesis.log_odds - price,
+        )
+
+    def fit_of(self, model: Model) -> Fit:
+        """The same by least squares over rows, for what looks at rows."""
+        sigma = {key: model.weight(key) ** -0.5 for key in model.noise}
+        terms = [each.term for each in model.hypotheses]
+        return Fit(self.balances.with_noise(sigma), terms)
+
+
+def serious(scored: Sequence[Scored]) -> list[Scored]:
+    """The likeliest of each name and place: the first few, and each balance's first."""
+    found: list[Scored] = []
+    seen: set[TermKey] = set()
+    shown: set[object] = set()
+    for each in scored:
+        key = each.hypothesis.key
+        if key in seen:
+            continue
+        fresh = not shown.issuperset(each.hypothesis.term.columns)
+        if len(found) < SERIOUS or (fresh and len(each.hypothesis.term.columns) == 1):
+            seen.add(key)
+            shown.update(each.hypothesis.term.columns)
+            found.append(each)
+    return found
