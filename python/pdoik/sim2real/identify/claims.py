@@ -1,8 +1,8 @@
 """Which parts of a model are claimed: surely there, and large beside what nothing explains.
 
 An ordinary part is named where it is some errors from nothing and not negligible; a body where it
-is not within its trust. A peculiar cause is claimed where its odds are worth it and it is as large as
-what nothing explains. What else is likely is doubtful: it is in the model, and only suspected.
+is not within its trust. A peculiar cause is claimed where its odds are worth it and it is as large
+as what nothing explains. What else is likely is doubtful: in the model, and only suspected.
 """
 
 from __future__ import annotations
