@@ -28,9 +28,9 @@ from scipy import optimize, stats
 from bench.common.intervals import wilson
 from bench.common.whole_files import write_whole
 from bench.sim2real.diagnosis.score import last_link, same
-from pdoik.sim2real.confirm.confidence import confidence_of, features
 from pdoik.sim2real.effects.unknown import Unknown
 from pdoik.sim2real.findings import Support
+from pdoik.sim2real.identify.confidence import confidence_of, features
 from pdoik.sim2real.thresholds import Thresholds
 from pdoik.sim2real.thresholds.confidence import ConfidenceThresholds
 

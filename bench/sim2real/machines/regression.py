@@ -22,11 +22,13 @@ from bench.sim2real.proof.peers_data import (
     study_tracks,
 )
 from pdoik.sim2real import load_study
+from pdoik.sim2real.identify.candidates import candidates
+from pdoik.sim2real.identify.figures import estimates
+from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.regression.estimate import estimates
+from pdoik.sim2real.regression.background import repeats
 from pdoik.sim2real.regression.fit import Fit
-from pdoik.sim2real.regression.screen import screen
-from pdoik.sim2real.select.candidates import candidates
+from pdoik.sim2real.regression.one_more import OneMore
 
 STEP = 0.02  # between rows [s]
 BLOCK = 1.0  # rows within which count as one for errors [s]
@@ -144,13 +146,17 @@ def named_stepwise(study: Path) -> list[dict[str, Any]]:
     price = float(np.log(balances.count))
     while len(fit.terms) < MOST:
         taken = {t.key for t in fit.terms}
-        screened = screen(fit, [t for t in pool if t.key not in taken])
-        worth = [(gain - price * (t.width + len(t.shape)), t) for t, gain in screened]
+        beside = OneMore(fit)
+        worth = [
+            (beside.gain(t) - price * (t.width + len(t.shape)), t)
+            for t in pool
+            if t.key not in taken
+        ]
         best = max(worth, key=lambda each: each[0], default=None)
         if best is None or best[0] <= 0.0:
             break
         fit = fit.extended(best[1])
-    values = estimates(fit, fit.terms, 0)
+    values = estimates(Fit(_as_noisy(balances, fit), fit.terms), fit.terms, 0)
     links = () if prepared.body is None else prepared.body.links
     return [
         finding(
@@ -161,3 +167,14 @@ def named_stepwise(study: Path) -> list[dict[str, Any]]:
         )
         for i, term in enumerate(fit.terms)
     ]
+
+
+def _as_noisy(balances: Balances, fit: Fit) -> Balances:
+    """With what a fit leaves as noise, rows that err alike counted once."""
+    noise = {}
+    for key in fit.design:
+        rows, left = fit.rows[key], fit.residual(key) * balances.sigma[key]
+        if len(rows):
+            alike = repeats(balances, key, rows, left)
+            noise[key] = float(np.sqrt(np.mean(left**2) * alike)) or balances.sigma[key]
+    return balances.with_noise(noise)

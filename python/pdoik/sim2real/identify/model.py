@@ -35,14 +35,14 @@ class Model:
         self,
         data: Linearisation,
         hypotheses: Sequence[Hypothesis],
-        noise: Mapping[Key, float] | None = None,
+        like: Model | None = None,
     ) -> None:
         """Fits at once.
 
         Args:
             data: rows and sums.
             hypotheses: all that is in the model.
-            noise: variances of the balances to begin with, those of a model like it.
+            like: a model like it, of the same data, whose noise and bounds it begins with.
         """
         self.data = data
         self.hypotheses = tuple(hypotheses)
@@ -59,7 +59,22 @@ class Model:
         self._place()
         self.noise: dict[Key, float] = {}  # variance of what is left, per row
         self._left: dict[Key, FloatArray] = {}
-        self._settle(noise or {})
+        self.active = self._begun_active(like)
+        self._settle({} if like is None else like.noise)
+
+    def _begun_active(self, like: Model | None) -> NDArray[np.bool_]:
+        """Coefficients that rested on their bound in a model like this one rest at first."""
+        active = np.ones(self.size, dtype=bool)
+        if like is not None:
+            resting = {
+                id(each.term.columns)
+                for each, span in zip(like.hypotheses, like.spans, strict=True)
+                if each.positive and each.width == 1 and not like.active[span].any()
+            }
+            for each, span in zip(self.hypotheses, self.spans, strict=True):
+                if each.positive and id(each.term.columns) in resting:
+                    active[span] = False
+        return active
 
     def _place(self) -> None:
         """Which coefficients act in each balance, and which of its columns are theirs."""
@@ -103,7 +118,6 @@ class Model:
                 gram[np.ix_(own, own)] += weight * series.gram[np.ix_(there, there)]
                 moment[own] += weight * series.moment[there]
         self.gram = gram
-        self.active = np.ones(self.size, dtype=bool)
         self._left, self._variances = {}, None
         size = np.sqrt(np.diag(gram))
         for _ in range(3 * self.size + 1):  # by turns: out, or in again (Lawson and Hanson)
@@ -223,12 +237,12 @@ class Model:
 
     def with_(self, *more: Hypothesis) -> Model:
         """With hypotheses more; noise is estimated again."""
-        return Model(self.data, (*self.hypotheses, *more), self.noise)
+        return Model(self.data, (*self.hypotheses, *more), self)
 
     def without(self, *gone: Hypothesis) -> Model:
         """Without some of its hypotheses; noise is estimated again."""
         kept = [h for h in self.hypotheses if all(h is not each for each in gone)]
-        return Model(self.data, kept, self.noise)
+        return Model(self.data, kept, self)
 
     @property
     def log_posterior(self) -> float:

@@ -6,7 +6,7 @@ wrong, friction is another one on another day. Each part has a prior: its usual 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -153,8 +153,8 @@ class Ordinary:
         for term in trusted(self.balances, self.bodies):
             yield ordinary(term, 1.0 / np.sqrt(term.prior))
 
-    def fitted_to(self, model: Model) -> Ordinary:
-        """With what days change and Coulomb friction's widths as a model finds them likeliest."""
+    def fitted_to(self, model: Model, joints: Collection[int]) -> Ordinary:
+        """With what days change, and some joints' Coulomb friction as wide, as is likeliest."""
         levels, widths = dict(self.levels), dict(self.widths)
         own = {(h.term.effect, h.term.place): s for h, s in _ordinary_spans(model)}
         for j in self.joints:
@@ -162,8 +162,10 @@ class Ordinary:
                 span = own.get((name, Place(joints=(j,))))
                 if span is not None:
                     levels[name, j] = float(abs(model.beta[span][0]))
-            widths[j] = self._width(model, j)
-        return replace(self, widths=widths, levels=levels, days=self._share_of_days(model))
+            if j in joints:
+                widths[j] = self._width(model, j)
+        days = self._share_of_days(model) if joints else self.days
+        return replace(self, widths=widths, levels=levels, days=days)
 
     def _share_of_days(self, model: Model) -> float:
         """By which friction differs between sessions, the likeliest of three."""
@@ -182,7 +184,7 @@ class Ordinary:
                 else each
                 for each in model.hypotheses
             ]
-            evidence = Model(model.data, scaled, model.noise).log_evidence
+            evidence = Model(model.data, scaled, model).log_evidence
             if evidence > most:
                 best, most = share, evidence
         return best

@@ -49,7 +49,7 @@ class Posterior(Weighing):
             added, odds = best
             self.tell(f"{_words(added)}: log odds {odds:.0f}")
             before = state
-            state = self.tuned(self.with_causes(state, [*state.chosen, added]))
+            state = self.tuned(self.with_causes(state, [*state.chosen, added]), added)
             state = self._polished(self._swept(state, added), added)
             for each in before.chosen:
                 if all(each.key != other.key for other in state.chosen):
@@ -71,10 +71,10 @@ class Posterior(Weighing):
             best = self.best(without, without.model, self.rivals_of(without, each))
             if best is not None and best[1] > max(own + _BETTER, worth):
                 self.tell(f"{_words(best[0])} in the place of {_words(each)}")
-                state = self.tuned(self.with_causes(state, [*rest, best[0]]))
+                state = self.tuned(self.with_causes(state, [*rest, best[0]]), best[0])
             elif own < worth:
                 self.tell(f"without {_words(each)}: log odds {own:.0f}")
-                state = self.tuned(without)
+                state = self.tuned(without, each)
         return state
 
     def _polished(self, state: State, added: Hypothesis) -> State:
@@ -120,7 +120,7 @@ class Posterior(Weighing):
             if best is None or best[1] < state.log_posterior - bare.log_posterior + _BETTER:
                 continue
             self.tell(f"{_words(best[0])} in the place of {', '.join(map(_words, here))}")
-            return self.tuned(self.with_causes(bare, [*bare.chosen, best[0]]))
+            return self.tuned(self.with_causes(bare, [*bare.chosen, best[0]]), best[0])
         return None
 
     def _of_pool(self, state: State) -> list[Scored]:

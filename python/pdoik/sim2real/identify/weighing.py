@@ -79,12 +79,20 @@ class Weighing:
         model = Model(self.data, beside(ordinary, chosen))
         return self.tuned(State(ordinary=ordinary, chosen=tuple(chosen), model=model))
 
-    def tuned(self, state: State) -> State:
-        """With the choices of the ordinary part as they are likeliest now."""
-        for _ in range(_TUNED):
+    def tuned(self, state: State, added: Hypothesis | None = None) -> State:
+        """With the choices of the ordinary part as they are likeliest now.
+
+        Args:
+            state: as it is.
+            added: what changed in it: other joints' friction is as wide as it was.
+        """
+        joints = set(state.ordinary.joints)
+        if added is not None:
+            joints &= {j for balance, j in added.term.columns if balance == "torque"}
+        for turn in range(_TUNED):
             now = state.ordinary
-            other = now.fitted_to(state.model)
-            model = Model(self.data, beside(other, state.chosen), state.model.noise)
+            other = now.fitted_to(state.model, joints if turn == 0 or added is None else ())
+            model = Model(self.data, beside(other, state.chosen), state.model)
             settled = other.widths == now.widths and all(
                 abs(other.levels[k] - now.levels.get(k, 0.0)) <= 0.1 * other.levels[k]
                 for k in other.levels
@@ -103,13 +111,13 @@ class Weighing:
         return state
 
     def with_causes(self, state: State, chosen: Sequence[Hypothesis]) -> State:
-        model = Model(self.data, beside(state.ordinary, chosen), state.model.noise)
+        model = Model(self.data, beside(state.ordinary, chosen), state.model)
         return replace(state, chosen=tuple(chosen), model=model)
 
     def with_bodies(self, state: State, bodies: float) -> State:
         """The same causes beside bodies that are right to another share."""
         ordinary = replace(state.ordinary, bodies=bodies)
-        model = Model(self.data, beside(ordinary, state.chosen), state.model.noise)
+        model = Model(self.data, beside(ordinary, state.chosen), state.model)
         return self.tuned(replace(state, ordinary=ordinary, model=model))
 
     def best(
