@@ -72,8 +72,8 @@ def test_candidates_are_worth_what_densities_of_all_rows_say(seed: int) -> None:
     odds = [each.log_odds for each in scored]
     assert odds == sorted(odds, reverse=True)
     assert odds[0] > 5.0 > -1.0 > odds[-1]
-    (alone,) = Pool(model.data, among[3:4]).scored(Model(model.data, (), model.noise))
-    bare = Model(model.data, (), model.noise)
+    (alone,) = Pool(model.data, among[3:4]).scored(Model(model.data, (), model))
+    bare = Model(model.data, (), model)
     assert alone.log_odds == pytest.approx(worth(bare, among[3]), rel=1e-5, abs=1e-5)
 
 

@@ -17,11 +17,11 @@ from pdoik.sim2real.confirm.confirm_by_simulation import confirmed_by_simulation
 from pdoik.sim2real.confirm.refine_by_rollouts import refine_by_rollouts
 from pdoik.sim2real.confirm.rollouts import Arm, Rollout, why_not
 from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.identify.identify import identify
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.prepare import Prepared, prepare
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
-from pdoik.sim2real.select.search import search
 from pdoik.sim2real.simulation import SimulationError, Stepper
 
 
@@ -97,13 +97,14 @@ def test_play_is_named_measured_and_confirmed_by_simulation(tmp_path: Path) -> N
 def test_play_that_was_taken_for_a_spring_is_named_by_simulation(tmp_path: Path) -> None:
     _, file = hidden(tmp_path, "backlash", 5950, "h1_arm")
     prepared = prepare(load_study(file))
-    state = search(prepared.fit, ())
+    prepared, state = identify(prepared, lambda *said: None)
     (play,) = (term for term in state.accepted if term.effect == "backlash")
     effect, others = CATALOGUE["joint_elasticity"], [t for t in state.accepted if t is not play]
     shape = effect.shapes(prepared.fit.motions, play.place)[0]
     spring = term_of(prepared.fit, effect, play.place, shape)
     assert spring is not None
-    wrong = state.fitted([*others, refined(Fit(prepared.fit, others), spring)])
+    beside = [*state.nuisance, *others]
+    wrong = state.fitted([*beside, refined(Fit(state.balances, beside), spring)])
     said: list[str] = []
     state = confirmed_by_simulation(prepared, wrong, 0, said.append)
     assert "backlash" in {term.effect for term in state.accepted}

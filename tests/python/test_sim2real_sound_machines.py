@@ -18,15 +18,15 @@ from bench.sim2real.machines import build
 from bench.sim2real.machines.background import in_background
 from bench.sim2real.machines.plan import WorldSpec
 from pdoik.sim2real import diagnose, load_study
-from pdoik.sim2real.confirm.ordinary_looks import Ordinary
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.torque_saturation import OF_REPORTED, is_cut
+from pdoik.sim2real.identify.identify import identify
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.prepare import Prepared, prepare
 from pdoik.sim2real.regression.background import background, friction_at, without_its_like
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
-from pdoik.sim2real.regression.trial import Search, cross_validated, held_out_squares
+from sim2real_identified import named
 
 ONE_WAY = CATALOGUE["asymmetric_friction"]
 SPRING = CATALOGUE["position_dependent_spring"]
@@ -59,11 +59,6 @@ def with_torque(balances: Balances, part: Term, *sizes: float) -> Balances:
     return other
 
 
-def searched(balances: Balances, *terms: Term) -> Search:
-    fit = Fit(balances, terms)
-    return Search(balances=balances, nuisance=(), fit=fit, start=Fit(balances, ()))
-
-
 def test_a_sound_machine_is_told_nothing_that_it_has_not(
     made: tuple[Path, dict[str, Any]],
 ) -> None:
@@ -73,17 +68,20 @@ def test_a_sound_machine_is_told_nothing_that_it_has_not(
     assert [each["effect"] for each in findings if not in_background(each, truth)[0]] == []
 
 
-def test_friction_that_differs_between_directions_stands_only_where_it_is_strong(
-    machine: Prepared,
+@pytest.mark.parametrize("strong", [False, True])
+def test_friction_that_differs_between_directions_is_named_only_where_it_is_strong(
+    machine: Prepared, strong: bool
 ) -> None:
     """Joint 1 turns about the vertical: no body that is a tenth off looks like it there."""
     b = machine.fit
     one_way = term(b, ONE_WAY.id, 0)
-    level = float(np.sqrt(np.mean(friction_at(Fit(*background(b)), 0) ** 2)))
-    needless = Ordinary(of=b).without_need(searched(b, one_way))
-    assert [each.effect for each, _ in needless] == [ONE_WAY.id]
-    strong = with_torque(b, one_way, level, 0.0)
-    assert not Ordinary(of=strong).without_need(searched(strong, one_way))
+    if strong:
+        level = float(np.sqrt(np.mean(friction_at(Fit(*background(b)), 0) ** 2)))
+        b = with_torque(b, one_way, level, 0.0)
+    _, found = identify(replace(machine, fit=b), lambda *said: None)
+    assert {each for each in named(found) if each[0] == ONE_WAY.id} == (
+        {(ONE_WAY.id, (0,))} if strong else set()
+    )
 
 
 def test_the_background_without_a_kind_is_without_it_at_one_joint(machine: Prepared) -> None:
@@ -97,17 +95,12 @@ def test_the_background_without_a_kind_is_without_it_at_one_joint(machine: Prepa
     assert without_its_like(terms, term(machine.fit, SPRING.id, 1, shape), believed) == terms
 
 
-def test_no_prior_calls_for_what_cannot_be(machine: Prepared) -> None:
-    """A level far below what the joint needs is no limit, whatever the prior would gain by it."""
-    noisy, terms = background(machine.fit)
-    eager = replace(noisy.thresholds, search=replace(noisy.thresholds.search, least_relief=-1e12))
-    noisy = noisy.with_noise({}, noisy.repeats)
-    noisy.thresholds = eager
-    fit = Fit(noisy, terms)
-    state = Search(balances=noisy, nuisance=terms, fit=fit, start=fit)
-    torque = np.concatenate([np.abs(m.tau[:, 1]) for m in noisy.motions])
-    cut = term(noisy, "torque_saturation", 1, (OF_REPORTED, float(np.quantile(torque, 0.5))))
-    assert cross_validated(state, cut, held_out_squares(fit)).t == 0.0
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.9])
+def test_a_level_far_below_what_a_joint_needs_is_no_limit(machine: Prepared, share: float) -> None:
+    motions = machine.fit.motions
+    torque = np.concatenate([np.abs(m.tau[:, 1]) for m in motions])
+    shape = (OF_REPORTED, float(np.quantile(torque, share)))
+    assert not CATALOGUE["torque_saturation"].plausible(motions, Place(joints=(1,)), shape)
 
 
 def test_a_limit_is_what_is_needed_where_more_is_asked() -> None:

@@ -11,72 +11,85 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
+from pdoik.sim2real.identify.figures import estimates
+from pdoik.sim2real.identify.identified import Identified
+from pdoik.sim2real.identify.identify import identify
+from pdoik.sim2real.identify.relinearised import relinearised
 from pdoik.sim2real.motion.motion_noise import ImuNoise
 from pdoik.sim2real.motion.place import Key, Place, Shape
 from pdoik.sim2real.motion.prepare import Prepared, prepare
 from pdoik.sim2real.motion.signals import derivative, zero_phase
 from pdoik.sim2real.regression.fit import Fit, term_of
-from pdoik.sim2real.regression.trial import Search, without
-from pdoik.sim2real.select.feet_again import with_feet_again
-from pdoik.sim2real.select.unspecific import without_unspecific
 from sim2real_floating import Hidden, study
+from sim2real_identified import figure, named
 
 KNEE = 2
 
 
-def found(prepared: Prepared, effect: str, place: Place, shape: Shape = ()) -> Search:
-    """A search that has accepted this alone."""
+def fitted(prepared: Prepared, effect: str, place: Place, shape: Shape = ()) -> Fit:
+    """This alone."""
     term = term_of(prepared.fit, CATALOGUE[effect], place, shape)
     assert term is not None
-    start = Fit(prepared.fit, ())
-    return Search(balances=prepared.fit, nuisance=(), fit=start.extended(term), start=start)
+    return Fit(prepared.fit, [term])
+
+
+def identified(prepared: Prepared) -> tuple[Identified, list[str]]:
+    """What is identified, and what was said meanwhile."""
+    said: list[str] = []
+    return identify(prepared, lambda stage, text, share: said.append(text))[1], said
 
 
 @pytest.mark.parametrize("gain", [0.75, 1.3])
 def test_feet_press_by_what_a_motor_truly_gives(tmp_path: Path, gain: float) -> None:
     """Forces that follow from a reading that is wrong are wrong, and so is what goes by them."""
     prepared = prepare(study(tmp_path, Hidden(gain={KNEE: gain}), contact=False))
-    first = found(prepared, "torque_gain", Place(joints=(KNEE,)), (0.0,))
-    said: list[str] = []
-    _, again = with_feet_again(prepared, first, lambda stage, text, share: said.append(text))
-    assert any("feet" in text for text in said)
-    assert [term.key for term in again.accepted] == [first.accepted[0].key]
-    errors = [abs(1.0 + state.fit.beta[-1] - gain) for state in (first, again)]
+    first = fitted(prepared, "torque_gain", Place(joints=(KNEE,)), (0.0,))
+    other = relinearised(prepared, first)
+    assert other is not None
+    again = fitted(other, "torque_gain", Place(joints=(KNEE,)), (0.0,))
+    errors = [abs(1.0 + fit.beta[-1] - gain) for fit in (first, again)]
     assert errors[1] < 0.005
     assert errors[0] > 3.0 * errors[1]
+    state, said = identified(prepared)
+    assert any("linearised" in text for text in said)
+    assert named(state) == {("torque_gain", (KNEE,))}
+    low, high = figure(state.fit, "torque_gain", KNEE).interval95
+    assert low < gain < high
 
 
 def test_forces_stay_where_nothing_goes_by_them(tmp_path: Path) -> None:
     prepared = prepare(study(tmp_path, Hidden(rotor={KNEE: 0.02})))
-    first = found(prepared, "rotor_inertia", Place(joints=(KNEE,)))
-    same, state = with_feet_again(prepared, first, lambda *said: pytest.fail(str(said)))
-    assert same is prepared
-    assert state is first
+    assert relinearised(prepared, fitted(prepared, "rotor_inertia", Place(joints=(KNEE,)))) is None
 
 
 def test_a_rotor_and_a_heavy_trunk_are_no_wrong_thigh(tmp_path: Path) -> None:
     prepared = prepare(study(tmp_path, Hidden(rotor={KNEE - 1: 0.05}, payload=0.05)))
     (thigh,) = (k for k, name in enumerate(prepared.fit.motions[0].body.links) if name == "a_thigh")
-    state = without_unspecific(found(prepared, "link_inertial_error", Place(link=thigh)))
-    assert ("rotor_inertia", Place(joints=(KNEE - 1,))) in {term.key for term in state.accepted}
+    state, _ = identified(prepared)
+    assert ("rotor_inertia", (KNEE - 1,)) in named(state)
     assert all(term.place.link != thigh for term in state.accepted)
+    low, high = figure(state.fit, "rotor_inertia", KNEE - 1).interval95
+    assert low < 0.05 < high
 
 
-def test_a_wrong_body_stays(tmp_path: Path) -> None:
-    prepared = prepare(study(tmp_path, Hidden(payload=0.5)))
-    trunk = len(prepared.study.joints)
-    state = found(prepared, "payload", Place(link=trunk))
-    assert without_unspecific(state) is state
+def test_a_wrong_trunk_is_found_with_its_mass(tmp_path: Path) -> None:
+    state, _ = identified(prepare(study(tmp_path, Hidden(payload=0.5))))
+    (body,) = (term for term in state.accepted if term.place.link is not None)
+    assert body.effect == "payload"
+    low, high = estimates(state.fit, (body,), 0)[0]["mass"].interval95
+    assert low < 0.5 < high
 
 
-def test_an_imus_zeros_are_plain_beside_friction_that_nothing_explains_yet(tmp_path: Path) -> None:
-    """They hardly show in the torques, which are most of what the search looks at."""
+def test_an_imus_zeros_are_plain_beside_friction(tmp_path: Path) -> None:
+    """They hardly show in the torques, which are most of what is looked at."""
     zeros = (0.03, -0.02, 0.025)
     hidden = Hidden(gyro=zeros, friction=dict.fromkeys(range(9), 1.0))
-    state = found(prepare(study(tmp_path, hidden)), "imu_offset", Place())
-    trial = without(state, state.accepted[0])
-    assert trial.significant
-    assert state.fit.beta[-3:] == pytest.approx(zeros, abs=0.002)
+    state, _ = identified(prepare(study(tmp_path, hidden)))
+    frictions = {("coulomb_friction", (j,)) for j in range(9)}
+    assert named(state) == frictions | {("imu_offset", ())}
+    (offset,) = (term for term in state.accepted if term.effect == "imu_offset")
+    at = int(state.fit.offsets[state.fit.terms.index(offset)])
+    assert state.fit.beta[at + 3 : at + 6] == pytest.approx(zeros, abs=0.002)
 
 
 def test_beside_a_pose_an_accelerometer_says_its_zero_by_itself(tmp_path: Path) -> None:

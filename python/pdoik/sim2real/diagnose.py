@@ -18,6 +18,7 @@ from .infer.answerable import why_unanswerable
 from .infer.conclude import Examination, conclude
 from .infer.verdict import source_in_words
 from .motion.prepare import Prepared, prepare
+from .study.excerpts import excerpted
 from .study.read_study import load_study
 from .study.study import Study
 from .thresholds import Thresholds
@@ -45,6 +46,7 @@ class Ready:
 
 def made_ready(study: Study, say: Tell = lambda stage, text, share: None) -> Ready:
     """Put up the balances, work out controllers and mend channels."""
+    study = excerpted(study)
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)
     say("residual", f"cut-off {prepared.cutoff:.3g} Hz, torque {source_in_words(prepared)}", 0.15)

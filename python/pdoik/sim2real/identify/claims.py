@@ -29,6 +29,7 @@ from .support import held_out_support
 from .weighing import Candidate, State
 
 _WITHIN = 1.96  # errors of a 95 % interval
+_ALIKE = 2.0  # factor within which joints' delays may be one cause's
 
 
 def identified(posterior: Posterior, state: State) -> Identified:
@@ -81,6 +82,19 @@ class _Claims:
             likely = odds >= believed.worth and seen.size > believed.matters_more
             sure = likely and not _may_be_nothing(self.state.model, hypothesis)
             self._take(term, seen, others, sure=sure)
+        self._claim_shared(believed.worth)
+
+    def _claim_shared(self, worth: float) -> None:
+        """What most joints have is all joints', where it is likely and about as large."""
+        for term in tuple(self.doubtful):
+            if not CATALOGUE[term.effect].shared or self.support[term.key].log_odds < worth:
+                continue
+            alike = [each for each in self.claimed if each.effect == term.effect]
+            usual = float(np.median([sum(each.shape[1:]) for each in alike])) if alike else 0.0
+            near = usual / _ALIKE < sum(term.shape[1:]) < usual * _ALIKE
+            if near and len(alike) > sum(t.effect == term.effect for t in self.doubtful):
+                self.doubtful = [each for each in self.doubtful if each is not term]
+                self.claimed.append(term)
 
     def judge_ordinary(self) -> None:
         """Parts that every machine has, each stated and some of them named."""

@@ -128,7 +128,7 @@ def log_bayes(each: Hypothesis, moment: FloatArray, gram: FloatArray) -> float:
     beta = scale * np.linalg.solve(lower.T, half)
     if each.positive and (beta < 0.0).any():
         return 0.0  # it would rest on its bound, and change nothing
-    if not each.admissible(beta):
+    if not each.term.fixed and not each.admissible(beta):  # a fixed one's shape may yet move
         return -np.inf
     gain = 0.5 * float(half @ half) - 0.5 * float(np.sum(prior * each.mean**2))
     occam = float(np.sum(np.log(np.diag(lower)) - np.log(scale))) - 0.5 * float(

@@ -40,11 +40,9 @@ class Posterior(Weighing):
             ]
             best = self.best(state, state.model, serious)
             if best is None or best[1] < believed.worth:
-                simpler = self._instead(state) if level == len(sources) - 1 else None
-                if simpler is None:
-                    level += 1
-                else:
-                    state, level = simpler, 0
+                other = self._another(state) if level == len(sources) - 1 else None
+                level = level + 1 if other is None else 0
+                state = other or state
                 continue
             added, odds = best
             self.tell(f"{_words(added)}: log odds {odds:.0f}")
@@ -57,11 +55,23 @@ class Posterior(Weighing):
             level = 0
         return state
 
-    def _swept(self, state: State, added: Hypothesis) -> State:
-        """Every cause that shares a balance with a new one, again: out, or another in its place."""
+    def _another(self, state: State) -> State | None:
+        """Nothing is worth adding: another set, by a last look at every cause; None if none."""
+        swept = self._swept(state, None)
+        if swept.log_posterior > state.log_posterior + _BETTER / 2:
+            return swept
+        return self._instead(state)
+
+    def _swept(self, state: State, added: Hypothesis | None) -> State:
+        """Causes weighed again: out, or another in their place.
+
+        Of those that share a balance with a new one, or of all where there is none.
+        """
         worth = self.balances.thresholds.identify.worth
         for each in state.chosen:
-            if each is added or each.term.columns.keys().isdisjoint(added.term.columns):
+            if added is not None and (
+                each is added or each.term.columns.keys().isdisjoint(added.term.columns)
+            ):
                 continue
             if all(each is not other for other in state.chosen):
                 continue

@@ -1,0 +1,66 @@
+"""Of logs of an hour, minutes spread over all of it: more says nothing new, and takes long."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..thresholds.noise import NoiseThresholds
+from .recording import Recording, Role
+from .split import part
+from .study import Study
+
+_PIECE = 60.0  # about the length of an excerpt [s]
+
+
+def excerpted(study: Study) -> Study:
+    """The study with as much of its recordings as a diagnosis looks at, and a note of what that is.
+
+    The same study where it is short enough.
+    """
+    limits = study.thresholds.noise
+    kept: list[Recording] = []
+    notes: list[str] = []
+    for role in dict.fromkeys(recording.role for recording in study.recordings):
+        every = [each for each in study.recordings if each.role == role]
+        most, whole = _most(limits, role), sum(map(_length, every))
+        if whole <= most:
+            kept += every
+            continue
+        kept += [piece for each in every for piece in _pieces(each, most / whole)]
+        said = "to fit" if role == "fit" else "held out"
+        notes.append(
+            f"Of {whole / 60:.0f} minutes of recordings {said}, {most / 60:.0f} are used, spread"
+            " evenly over all of them."
+        )
+    if not notes:
+        return study
+    return replace(study, recordings=tuple(kept), notes=(*study.notes, *notes))
+
+
+def _most(limits: NoiseThresholds, role: Role) -> float:
+    return limits.longest_fit if role == "fit" else limits.longest_judged
+
+
+def _length(recording: Recording) -> float:
+    return float(recording.time[-1] - recording.time[0])
+
+
+def _pieces(recording: Recording, share: float) -> list[Recording]:
+    """Excerpts of a recording, a share of it together, evenly spread."""
+    length = _length(recording)
+    count = max(1, round(share * length / _PIECE))
+    samples = len(recording.time)
+    size, apart = int(share * samples / count), samples / count
+    found = []
+    for k in range(count):
+        first = int(k * apart + (apart - size) / 2)
+        piece = part(recording, first, min(first + size, samples))
+        begin, end = recording.time[first], recording.time[min(first + size, samples) - 1]
+        found.append(
+            replace(
+                piece,
+                name=f"{recording.name} ({begin:.0f} to {end:.0f} s)",
+                file=recording.file or recording.name,
+            )
+        )
+    return found

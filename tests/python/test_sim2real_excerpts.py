@@ -1,0 +1,55 @@
+"""Long logs: a diagnosis looks at minutes that are spread over all of them, and says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
+
+from pdoik.sim2real import Thresholds
+from pdoik.sim2real.study.excerpts import excerpted
+from pdoik.sim2real.study.recording import Recording
+from pdoik.sim2real.study.study import Study
+from sim2real_channels import study as small_arm
+
+
+def logged(folder: Path) -> Study:
+    """Twice twenty seconds to learn from, and once to judge."""
+    study = small_arm(folder, (0.0,) * 3, (1.0,) * 3)
+    (first,) = study.recordings
+    others = (replace(first, name="second"), replace(first, name="third", role="validate"))
+    return replace(study, recordings=(first, *others))
+
+
+def lengths(recordings: tuple[Recording, ...]) -> list[float]:
+    return [float(each.time[-1] - each.time[0]) for each in recordings]
+
+
+def test_a_study_that_is_short_enough_is_left_as_it_is(tmp_path: Path) -> None:
+    study = logged(tmp_path)
+    assert excerpted(study) is study
+
+
+@pytest.mark.parametrize("most", [4.0, 9.0])
+def test_excerpts_are_spread_over_all_of_a_long_log(tmp_path: Path, most: float) -> None:
+    study = logged(tmp_path)
+    numbers = {"noise.longest_fit": most, "noise.longest_judged": most / 2}
+    limited = replace(study, thresholds=Thresholds().changed(numbers))
+    some = excerpted(limited)
+    assert sum(lengths(some.fit)) == pytest.approx(most, rel=0.05)
+    whole = {each.name: each for each in study.recordings}
+    for piece in some.recordings:
+        source = whole[piece.file]
+        first = int(np.searchsorted(source.time, piece.start - source.start - 1e-9))
+        assert np.array_equal(piece.q, source.q[first : first + len(piece.time)])
+        assert piece.time[0] == 0.0
+        assert piece.role == source.role
+    halves = [0.5 * length for length in lengths(some.fit)]
+    middles = [piece.start + half for piece, half in zip(some.fit, halves, strict=True)]
+    centre = np.mean([r.start + 0.5 * (r.time[-1] - r.time[0]) for r in study.fit])
+    assert np.mean(middles) == pytest.approx(centre, rel=0.05, abs=0.2)
+    assert any("minutes of recordings" in note for note in some.notes)
