@@ -21,12 +21,16 @@ from bench.sim2real.machines.physics import STATES, friction, rates  # noqa: E40
 from bench.sim2real.machines.plan import WorldSpec, spec_of  # noqa: E402
 from bench.sim2real.machines.regression import named_by_regression  # noqa: E402
 from bench.sim2real.machines.replayed import replays_of  # noqa: E402
-from bench.sim2real.machines.rivals import OFF  # noqa: E402
 from bench.sim2real.machines.score import score  # noqa: E402
 from bench.sim2real.machines.simulate import torque_of  # noqa: E402
+from bench.sim2real.machines.variants import VARIANTS  # noqa: E402
 from bench.sim2real.machines.worlds import World  # noqa: E402
 from pdoik.sim2real import Diagnosis, diagnose  # noqa: E402
+from pdoik.sim2real.identify.hypothesis import Hypothesis  # noqa: E402
+from pdoik.sim2real.identify.model import Model  # noqa: E402
+from pdoik.sim2real.identify.posterior import Posterior  # noqa: E402
 from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
+from sim2real_evidence_rows import add, believed, data_of, term  # noqa: E402
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
@@ -218,11 +222,64 @@ def test_scores_count_the_fault_its_place_and_what_is_false(truth) -> None:
     assert not told["listed"]
 
 
-def test_what_is_switched_off_is_a_threshold_of_the_tool() -> None:
+def switch_off(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the variant replaces; where it is no longer there, the variant is none."""
+    assert VARIANTS[name].replaced
+    for owner, what, by in VARIANTS[name].replaced:
+        monkeypatch.setattr(owner, what, by)
+
+
+def test_what_is_switched_off_is_a_threshold_or_a_function_of_the_tool() -> None:
     defaults = {each.name: each.value for each in Thresholds()}
-    for key, value in OFF.values():
-        assert defaults[key] != value
-        Thresholds().changed({key: value})
+    for name, variant in VARIANTS.items():
+        Thresholds().changed(variant.thresholds)
+        for key, value in variant.thresholds.items():
+            assert defaults[key] != value, name
+        for owner, what, by in variant.replaced:
+            assert vars(owner).get(what, by) is not by, (name, what)
+
+
+def of_made_up_rows() -> tuple[Model, Model, Hypothesis]:
+    """Ordinary physics, the same with a cause that explains nearly everything, and the cause."""
+    rng = np.random.default_rng(0)
+    data = data_of(rng)
+    ordinary = [believed(rng, term(rng, 2), ordinary=True)]
+    cause = believed(rng, term(rng, 3), size=30.0)
+    add(data, cause.term, 20.0 / np.sqrt(cause.precision))
+    return Model(data, ordinary), Model(data, [*ordinary, cause]), cause
+
+
+def test_without_swaps_nothing_is_dropped_or_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    switch_off("no swaps", monkeypatch)
+    search, state = object.__new__(Posterior), object()
+    assert search._swept(state, None) is state
+    assert search._instead(state) is None
+
+
+def test_fixed_noise_does_not_fall_where_a_cause_explains_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    less, more, _ = of_made_up_rows()
+    assert all(more.noise[key] < 0.2 * less.noise[key] for key in less.noise)
+    gained = more.log_evidence - less.log_evidence
+    switch_off("fixed noise", monkeypatch)
+    less, more, cause = of_made_up_rows()
+    assert more.noise == pytest.approx(less.noise)
+    assert less.with_(cause).noise == less.noise
+    assert 0.0 < more.log_evidence - less.log_evidence < gained
+
+
+def test_bic_pays_half_the_log_of_all_rows_for_a_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, model, _ = of_made_up_rows()
+    by_evidence, rows = model.log_evidence, 0.0
+    likelihood = 0.0
+    for key, series in model.data.series.items():
+        rows += series.independent
+        share = np.mean(model.left(key) ** 2) / model.noise[key]
+        likelihood -= 0.5 * series.independent * (np.log(model.noise[key]) + share)
+    switch_off("BIC", monkeypatch)
+    assert model.log_evidence != pytest.approx(by_evidence)
+    assert model.log_evidence == pytest.approx(likelihood - 0.5 * model.size * np.log(rows))
 
 
 def test_replays_are_of_the_machine_and_behind_its_own_controller(tmp_path) -> None:

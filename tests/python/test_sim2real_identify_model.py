@@ -28,7 +28,7 @@ from sim2real_evidence_rows import (
 )
 
 
-def mixed(rng: np.random.Generator) -> tuple[Linearisation, list[Hypothesis]]:
+def mixed(rng: np.random.Generator, times: float = 1.0) -> tuple[Linearisation, list[Hypothesis]]:
     """Balances that several hypotheses share, some of them there, with means and without."""
     data = data_of(rng)
     hypotheses = [
@@ -38,7 +38,8 @@ def mixed(rng: np.random.Generator) -> tuple[Linearisation, list[Hypothesis]]:
         believed(rng, term(rng, 1, TORQUES[2:])),
     ]
     for each in hypotheses[:3]:
-        add(data, each.term, each.mean + rng.standard_normal(each.width) / each.precision**0.5)
+        away = times * rng.standard_normal(each.width) / np.sqrt(each.precision)
+        add(data, each.term, each.mean + away)
     return data, hypotheses
 
 
@@ -130,9 +131,11 @@ def test_evidence_is_that_of_one_normal_density_of_all_rows(seed: int) -> None:
     assert np.diff(found) == pytest.approx(np.diff(exact), rel=1e-5, abs=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_noise_is_where_the_exact_evidence_is_largest(seed: int) -> None:
-    data, hypotheses = mixed(np.random.default_rng(seed))
+@pytest.mark.parametrize("times", [1.0, 10.0])
+@pytest.mark.parametrize("seed", [0, 3, 5])
+def test_noise_is_where_the_exact_evidence_is_largest(seed: int, times: float) -> None:
+    """Whether causes are as large as is usual or ten times that, and wherever it began."""
+    data, hypotheses = mixed(np.random.default_rng(seed), times)
     model = Model(data, hypotheses)
 
     def lost(logs: np.ndarray) -> float:
@@ -143,6 +146,10 @@ def test_noise_is_where_the_exact_evidence_is_largest(seed: int) -> None:
     best = optimize.minimize(lost, at, method="Nelder-Mead", options={"xatol": 1e-3})
     assert at == pytest.approx(best.x, abs=0.05)
     assert lost(at) == pytest.approx(best.fun, abs=0.2)
+    for like in (Model(data, []), Model(data, hypotheses[1:]), model):
+        other = Model(data, hypotheses, like)
+        assert other.log_evidence == pytest.approx(model.log_evidence, abs=0.2)
+        assert other.noise == pytest.approx(model.noise, rel=0.05)
 
 
 def test_noise_is_never_below_its_floor() -> None:
@@ -241,3 +248,17 @@ def test_friction_falls_by_no_more_than_twice_what_stays(
     assert model.beta == pytest.approx([3.0, 3.0 * size], abs=0.1)
     assert model.impossible == ([] if possible else [cause])
     assert Model(data, [ordinary(stays, 10.0), replace(cause, ordinary=True)]).admissible
+
+
+def test_friction_may_fall_beside_a_finer_law_of_what_stays() -> None:
+    """Presliding stands in the place of Coulomb friction, and is what warms up."""
+    rng = np.random.default_rng(5)
+    data, place = data_of(rng, keys=TORQUES[:1]), Place(joints=(0,))
+    stays, falls = (
+        believed(rng, term(rng, 1, TORQUES[:1], effect=name, place=place), size=1.0)
+        for name in ("presliding_hysteresis", "friction_drift")
+    )
+    for each in (stays, falls):
+        add(data, each.term, 3.0 / np.sqrt(each.precision))
+    assert Model(data, [stays, falls]).impossible == []
+    assert Model(data, [falls]).impossible == [falls]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -128,6 +129,21 @@ def test_what_a_sound_machine_began_with_goes(tmp_path: Path) -> None:
     needless = [cause(posterior, "asymmetric_friction", 1), cause(posterior, "unknown", 0, 3.0)]
     for beginning in ([], needless):
         assert posterior.grown(posterior.begun(RIGHT, beginning)).chosen == ()
+
+
+class Shedding(Posterior):
+    """A search whose ordinary part, tuned, leaves no room for what was added to it."""
+
+    def tuned(self, *given: Any) -> State:
+        state = super().tuned(*given)
+        kept = [each for each in state.chosen if each.term.effect != "stribeck_friction"]
+        return self.with_causes(state, kept)
+
+
+def test_what_cannot_stay_is_not_tried_for_ever(mixed: Balances) -> None:
+    posterior = Shedding.of(mixed, few_steps())
+    state = posterior.grown(posterior.begun(RIGHT))
+    assert ("position_dependent_spring", Place(joints=(1,))) in keys(state)
 
 
 @pytest.mark.parametrize("step", [1e-6, 0.005, 0.01, 0.03])

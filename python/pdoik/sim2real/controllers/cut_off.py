@@ -180,10 +180,10 @@ def _best(rows: _Rows) -> tuple[float, float]:
     flat = [(share * top, 0.0) for share in _LEVELS]
     lines = []
     for share in _FASTEST:
-        along = speed / (share * fastest)
+        along = speed / max(share * fastest, 1e-12)
         known = along < 0.9
         levels = np.quantile(size[known] / (1.0 - along[known]), _REACHED)
-        lines += [(float(level), 1.0 / (share * fastest)) for level in levels]
+        lines += [(float(level), 1.0 / max(share * fastest, 1e-12)) for level in levels]
     found = [_polished(cost, min(starts, key=lambda x: cost(*x))) for starts in (flat, lines)]
     return min(found, key=lambda x: cost(*x))
 

@@ -150,12 +150,16 @@ class Payload(LinkInertials):
         return [Place(link=body.n), *(Place(link=int(k)) for k in np.flatnonzero(~in_leg))]
 
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
-        """A tenth of what the arm weighs, about a hand's width from the link's origin."""
+        """A tenth of what the arm weighs, as far from the link's origin as the link reaches."""
         if motion.body is None:
             return self.prior(width)
-        mass = _LOAD * float(np.sum(motion.body.inertial_parameters()[:, 0]))
-        size = np.array([1.0, *(3 * [_NEAR]), *(6 * [_NEAR**2])])
-        return np.asarray(1.0 / (max(mass, 1e-3) * size) ** 2)
+        mass = max(_LOAD * float(np.sum(motion.body.inertial_parameters()[:, 0])), 1e-3)
+        reach = _NEAR
+        if place.link is not None and place.link < len(motion.body.links):
+            own = motion.body.inertial_scale(place.link)
+            reach = max(_NEAR, 2.0 * float(own[1] / max(own[0], 1e-9)))
+        size = np.array([1.0, *(3 * [reach]), *(6 * [reach**2])])
+        return np.asarray(1.0 / (mass * size) ** 2)
 
     def of_amount(
         self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int

@@ -21,7 +21,7 @@ from ..study.recording import FloatArray
 from .hypothesis import Hypothesis
 from .linearisation import Linearisation
 
-_ROUNDS = 6  # of coefficients and noise in turn
+_ROUNDS = 40  # at most, of coefficients and noise in turn
 _SETTLED = 0.02  # relative change of a variance that is none
 _LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
 _NO_PULL = 1e-9  # against a bound, of the largest there is

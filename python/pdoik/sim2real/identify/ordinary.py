@@ -48,6 +48,8 @@ OF_DAYS = CoulombFriction.id
 _WIDTHS = (0.0, 0.005, 0.01, 0.02, 0.04, 0.06, 0.1, 0.15, 0.3)
 """Speeds within which Coulomb friction may turn [rad/s]."""
 
+_HALVINGS = 3  # of the distance to the next width
+
 _CHANGES = (ViscousFriction.id, CoulombFriction.id)  # from day to day
 
 
@@ -200,11 +202,20 @@ class Ordinary:
         if not here:
             return now
         size = here[0].precision[0] ** -0.5
-        shapes = {now, *((width,) for width in _WIDTHS)}
-        terms = [self.term(CoulombFriction.id, j, shape) for shape in sorted(shapes)]
-        made = [ordinary(term, size, positive=True) for term in terms if term is not None]
-        scored = Pool(model.data, made).scored(model.without(*here))
-        return scored[0].hypothesis.term.shape if scored else now
+        bare, tried = model.without(*here), {now[0], *_WIDTHS}
+        odds: dict[float, float] = {}
+        for _ in range(_HALVINGS):
+            fresh = [self.term(CoulombFriction.id, j, (w,)) for w in sorted(tried - odds.keys())]
+            made = [ordinary(term, size, positive=True) for term in fresh if term is not None]
+            scored = Pool(model.data, made).scored(bare)
+            odds |= {each.hypothesis.term.shape[0]: each.log_odds for each in scored}
+            if not odds:
+                return now
+            best, widths = max(odds, key=lambda width: odds[width]), sorted(odds)
+            at = widths.index(best)
+            beside = (widths[max(at - 1, 0)], widths[min(at + 1, len(widths) - 1)])
+            tried = {0.5 * (best + other) for other in beside}
+        return (best,)
 
 
 _POSITIVE = (ViscousFriction.id, CoulombFriction.id, RotorInertia.id)

@@ -6,7 +6,7 @@ prior odds, pays its price, and stays only as long as that is so beside everythi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from ..effects import CATALOGUE
 from ..regression.fit import TermKey
@@ -17,55 +17,77 @@ from .proposals import begun, gated, harmonics, nameless, pushes
 from .weighing import SERIOUS, State, Weighing
 
 _BETTER = 1.0  # log odds by which a swap must be better
+_LOOKS = 3  # at every cause, where nothing more is worth adding
 
 
 class Posterior(Weighing):
     """The moves from one set of causes to another."""
 
     def grown(self, state: State, most: int | None = None) -> State:
-        """The state with all that is worth it, or with so many causes."""
+        """The state with all that is worth it, or with so many causes.
+
+        What is likeliest is added and all that it bears upon weighed again; then parts and moments,
+        then torques without a name; at last every cause once more. What came and went is not
+        tried again: every step makes the set likelier, or it is not taken.
+        """
         believed = self.balances.thresholds.identify
         most = believed.most if most is None else most
-        dropped: dict[TermKey, int] = {}
+        gone: set[TermKey] = set()
         sources = (self._of_pool, self._of_parts, self._of_nameless)
-        level = 0
-        while len(state.chosen) < most and level < len(sources):
-            taken = {each.key for each in state.chosen}
-            serious = [
-                each
-                for each in sources[level](state)
-                if each.hypothesis.key not in taken
-                and dropped.get(each.hypothesis.key, 0) < 2
-                and fits_beside(each.hypothesis, state.chosen)
-            ]
-            best = self.best(state, state.model, serious)
-            if best is None or best[1] < believed.worth:
-                other = self._another(state) if level == len(sources) - 1 else None
-                level = level + 1 if other is None else 0
-                state = other or state
+        level = looks = 0
+        while level < len(sources):
+            added = None
+            if len(state.chosen) < most:
+                added = self._worth_adding(state, sources[level](state), gone)
+            if added is None:
+                level += 1
+                if level == len(sources) and looks < _LOOKS:
+                    other, looks = self._another(state, gone), looks + 1
+                    if other is not None:
+                        state, level = other, 0
                 continue
-            added, odds = best
-            self.tell(f"{_words(added)}: log odds {odds:.0f}")
-            before = state
-            state = self.tuned(self.with_causes(state, [*state.chosen, added]), added)
-            state = self._polished(self._swept(state, added), added)
-            for each in before.chosen:
-                if all(each.key != other.key for other in state.chosen):
-                    dropped[each.key] = dropped.get(each.key, 0) + 1
-            level = 0
+            wider = self.tuned(self.with_causes(state, [*state.chosen, added]), added)
+            wider = self._polished(self._swept(wider, added, gone), added)
+            if wider.log_posterior <= state.log_posterior:
+                gone.add(added.key)
+                continue
+            here = {each.key for each in wider.chosen}
+            gone |= {each.key for each in (*state.chosen, added) if each.key not in here}
+            state, level = wider, 0
         return state
 
-    def _another(self, state: State) -> State | None:
-        """Nothing is worth adding: another set, by a last look at every cause; None if none."""
-        swept = self._swept(state, None)
-        if swept.log_posterior > state.log_posterior + _BETTER / 2:
-            return swept
-        return self._instead(state)
+    def _worth_adding(
+        self, state: State, scored: Sequence[Scored], gone: set[TermKey]
+    ) -> Hypothesis | None:
+        """The likeliest that is not there and was not; None if none is worth it."""
+        gone = gone | {each.key for each in state.chosen}
+        serious = [
+            each
+            for each in scored
+            if each.hypothesis.key not in gone and fits_beside(each.hypothesis, state.chosen)
+        ]
+        best = self.best(state, state.model, serious)
+        if best is None or best[1] < self.balances.thresholds.identify.worth:
+            return None
+        self.tell(f"{_words(best[0])}: log odds {best[1]:.0f}")
+        return best[0]
 
-    def _swept(self, state: State, added: Hypothesis | None) -> State:
+    def _another(self, state: State, gone: set[TermKey]) -> State | None:
+        """Another set, by a last look at every cause and its shape; None where it is as it was."""
+        before = [each.key for each in state.chosen]
+        looked = self._polished(self._swept(state, None, gone), None)
+        if [each.key for each in looked.chosen] != before:
+            return looked
+        simpler = self._instead(looked)
+        if simpler is None and looked.log_posterior > state.log_posterior + _BETTER:
+            return looked
+        return simpler
+
+    def _swept(self, state: State, added: Hypothesis | None, gone: set[TermKey]) -> State:
         """Causes weighed again: out, or another in their place.
 
-        Of those that share a balance with a new one, or of all where there is none.
+        Of those that share a balance with a new one, or of all where there is none. What came and
+        went is not tried, and noted.
         """
         worth = self.balances.thresholds.identify.worth
         for each in state.chosen:
@@ -78,22 +100,27 @@ class Posterior(Weighing):
             rest = [other for other in state.chosen if other is not each]
             without = self.possible(self.with_causes(state, rest))
             own = state.log_posterior - without.log_posterior
-            best = self.best(without, without.model, self.rivals_of(without, each))
+            best = self.best(without, without.model, self.rivals_of(without, each, gone))
             if best is not None and best[1] > max(own + _BETTER, worth):
                 self.tell(f"{_words(best[0])} in the place of {_words(each)}")
                 state = self.tuned(self.with_causes(state, [*rest, best[0]]), best[0])
+                if all(other.key != best[0].key for other in state.chosen):
+                    gone.add(best[0].key)
             elif own < worth:
                 self.tell(f"without {_words(each)}: log odds {own:.0f}")
                 state = self.tuned(without, each)
         return state
 
-    def _polished(self, state: State, added: Hypothesis) -> State:
-        """Nonlinear parameters moved to their best again, where a new cause shares a balance."""
+    def _polished(self, state: State, added: Hypothesis | None) -> State:
+        """Nonlinear parameters moved to their best again, where a new cause shares a balance.
+
+        Of all causes where there is no new one.
+        """
         for each in state.chosen:
             free = CATALOGUE[each.term.effect].free(each.term.shape)
             if each is added or not free or CATALOGUE[each.term.effect].costly:
                 continue
-            if each.term.columns.keys().isdisjoint(added.term.columns):
+            if added is not None and each.term.columns.keys().isdisjoint(added.term.columns):
                 continue
             rest = [other for other in state.chosen if other is not each]
             fit = self.fit_of(self.with_causes(state, rest).model)
@@ -152,9 +179,11 @@ class Posterior(Weighing):
         fit = self.fit_of(state.model)
         return Pool(self.data, list(nameless(self.balances, fit))).scored(state.model)
 
-    def rivals_of(self, without: State, each: Hypothesis) -> list[Scored]:
+    def rivals_of(
+        self, without: State, each: Hypothesis, gone: Collection[TermKey] = ()
+    ) -> list[Scored]:
         """What could stand in a cause's place, the likeliest first."""
-        taken = {other.key for other in without.chosen} | {each.key}
+        taken = {each.key, *gone, *(other.key for other in without.chosen)}
         return [
             scored
             for scored in self.pool.scored(without.model)

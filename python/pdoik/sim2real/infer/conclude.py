@@ -70,22 +70,22 @@ def conclude(
     noisy, terms = background(prepared.fit)
     ordinary = Fit(noisy, terms) if terms else None
     prediction = Prediction(prepared.validate or prepared.fit)
-    while True:
-        figures = figures_of(prepared, state, seed, ordinary)
-        simulated = judged_by_simulation(prepared, figures.state)
-        found = [
-            _found(prepared, figures, at, prediction, simulated, seed)
-            for at in range(len(figures.terms))
-        ]
-        against = [
-            (each, terms)
-            for each, terms in found
-            if _is_contradicted(prepared, each) and not _is_ordinary(state, terms)
-        ]
-        if not against:
-            break
-        suspected += tuple(_suspect(prepared, each) for each, _ in against)
-        state = state.without(*(t for t in state.accepted if _is_among(t, against)))
+    figures = figures_of(prepared, state, seed, ordinary)
+    simulated = judged_by_simulation(prepared, figures.state)
+    found = [
+        _found(prepared, figures, at, prediction, simulated, seed)
+        for at in range(len(figures.terms))
+    ]
+    against = [
+        (each, terms)
+        for each, terms in found
+        if _is_contradicted(prepared, each) and not _is_ordinary(state, terms)
+    ]
+    # The rest was learnt beside them, and stays as it is; nothing is predicted with them.
+    prediction.apart |= {term.key for _, terms in against for term in terms}
+    suspected += tuple(_suspect(prepared, each) for each, _ in against)
+    wrong = [each for each, _ in against]
+    found = [each for each in found if all(each[0] is not other for other in wrong)]
     state = figures.state
     if prepared.validate is not None:
         found += held_out_limits(prepared, state.fit, prediction)
@@ -224,11 +224,7 @@ def _if_sized(finding: Finding, suspected: float) -> Finding:
 def _is_ordinary(state: Identified, terms: Sequence[Term]) -> bool:
     """Whether it is a part of what every machine has, which is sized and not selected."""
     parts = {part.term.key for part in state.ordinary}
-    return all(term.key in parts for term in terms)
-
-
-def _is_among(term: Term, found: Sequence[Found]) -> bool:
-    return any(term.key == each.key for _, terms in found for each in terms)
+    return all(term.key in parts and CATALOGUE[term.effect].ordinary for term in terms)
 
 
 def _suspect(prepared: Prepared, finding: Finding) -> Finding:

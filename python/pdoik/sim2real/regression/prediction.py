@@ -11,7 +11,7 @@ from ..findings import Evidence
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..study.recording import FloatArray
-from .fit import Fit, Term
+from .fit import Fit, Term, TermKey
 from .trusted_bodies import effect_of
 
 _DRAWS = 300
@@ -29,6 +29,7 @@ class Prediction:
         """Of these balances."""
         self.balances = balances
         self.events: list[tuple[Term, FloatArray]] = []  # found in these recordings themselves
+        self.apart: set[TermKey] = set()  # terms that are not predicted with
         self._kept: dict[tuple[object, ...], dict[Key, FloatArray]] = {}
 
     def residual(self, fit: Fit) -> dict[Key, FloatArray]:
@@ -36,6 +37,8 @@ class Prediction:
         b = self.balances
         left = {key: b.residual[key].copy() for key in b.keys}
         for i, term in enumerate(fit.terms):
+            if term.key in self.apart:
+                continue
             offset = int(fit.offsets[i])
             beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
             for key, column in self._columns(term).items():
