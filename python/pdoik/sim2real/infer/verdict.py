@@ -10,6 +10,7 @@ from ..effects.unknown import Unknown
 from ..findings import Finding, JointFit, Verdict
 from ..identify.identified import Identified
 from ..identify.ordinary import changes_of
+from ..motion.balances import Balances
 from ..motion.place import Key
 from ..motion.prepare import Prepared, simulated
 from ..regression.prediction import Prediction
@@ -47,7 +48,7 @@ def joint_fits(
         fit = JointFit(
             before=_rms(b.residual[key][rows]),
             after=min(_rms(left[key][rows]), simulated_left.get(key, np.inf)),
-            noise_floor=b.floor[key],
+            noise_floor=_floor(b, key),
             unit="rad" if key[0] == "servo" else "N m",
             data=names,
             excited=excited,
@@ -74,12 +75,19 @@ def fitted_joints(
         result[name] = JointFit(
             before=b.rms(key),
             after=min(left, simulated_left.get(key, np.inf)),
-            noise_floor=b.floor[key],
+            noise_floor=_floor(b, key),
             unit="rad" if key[0] == "servo" else "N m",
             data=names,
             excited=bool(b.excited[j]),
         )
     return result
+
+
+def _floor(b: Balances, key: Key) -> float:
+    """Of a balance: noise of its channels, and what filters and rounding leave of a torque."""
+    rounding = b.thresholds.noise.rounding if key[0] == "torque" else 0.0
+    tau = np.concatenate([m.tau[:, key[1]] for m in b.motions]) if rounding else np.zeros(1)
+    return max(b.floor[key], rounding * float(np.sqrt(np.mean(tau**2))))
 
 
 def preferred(j: int) -> tuple[Key, ...]:

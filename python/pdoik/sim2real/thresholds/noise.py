@@ -14,6 +14,9 @@ class NoiseThresholds(Group):
     model_error: float = threshold(
         0.003, "share of a torque's own size below which nothing is claimed: rounding, filters"
     )
+    rounding: float = threshold(
+        1e-3, "share of a torque's own size below which a log without noise is no better known"
+    )
     fit_error: float = threshold(
         0.01, "share of a mismatch's own size to which the catalogue's laws are held to be exact"
     )
