@@ -36,6 +36,7 @@ class GearEfficiency(Effect):
     decided_by = "the same weight lifted and let down slowly, at two or more weights"
     source = "Wang and Kim, ICRA 2015 (directional efficiency in geared transmissions)"
     example = Example(values={"driving_loss": 0.1, "driven_loss": 0.3})
+    odds = 0.1
     complexity = 3
     against = "load"
     of_joint_torque = True

@@ -227,11 +227,13 @@ class Model:
         of, share = CATALOGUE[hypothesis.term.effect].part_of
         if not of:
             return True
-        joints = hypothesis.term.place.joints
+        joints, kind = hypothesis.term.place.joints, CATALOGUE[of].one_of
         whole = sum(
             float(self.beta[at][0])
             for each, at in zip(self.hypotheses, self.spans, strict=True)
-            if each.ordinary and each.term.effect == of and each.term.place.joints == joints
+            if each.term.place.joints == joints
+            and each.term.effect in CATALOGUE
+            and CATALOGUE[each.term.effect].one_of == kind
         )
         return bool(np.all(self.beta[span] <= share * whole))
 

@@ -28,7 +28,7 @@ class Posterior(Weighing):
 
         What is likeliest is added and all that it bears upon weighed again; then parts and moments,
         then torques without a name; at last every cause once more. What came and went is not
-        tried again: every step makes the set likelier, or it is not taken.
+        tried again before that last look: every step makes the set likelier, or it is not taken.
         """
         believed = self.balances.thresholds.identify
         most = believed.most if most is None else most
@@ -42,6 +42,7 @@ class Posterior(Weighing):
             if added is None:
                 level += 1
                 if level == len(sources) and looks < _LOOKS:
+                    gone.clear()
                     other, looks = self._another(state, gone), looks + 1
                     if other is not None:
                         state, level = other, 0
@@ -148,11 +149,15 @@ class Posterior(Weighing):
                 *nameless(self.balances, fit, (j,)),
             ]
             taken = {h.key for h in here}
+            other = self.pool.scored(bare.model) if len(here) > 1 else []
             scored = [
                 each
-                for each in Pool(self.data, found).scored(bare.model)
+                for each in (*Pool(self.data, found).scored(bare.model), *other)
                 if each.hypothesis.key not in taken
+                and each.hypothesis.term.place.joints[:1] == (j,)
+                and fits_beside(each.hypothesis, rest)
             ]
+            scored.sort(key=lambda each: -each.log_odds)
             best = self.best(bare, bare.model, scored[: 2 * SERIOUS])
             if best is None or best[1] < state.log_posterior - bare.log_posterior + _BETTER:
                 continue
