@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from .company import fits_beside, wider
 from .hypothesis import Hypothesis
+from .model import Model
 from .ordinary import days_of
+from .pool import Pool
 from .posterior import Posterior
 from .weighing import Candidate, State, serious
 
@@ -20,12 +22,15 @@ def judged(posterior: Posterior, state: State) -> list[tuple[Hypothesis, float, 
         without = posterior.possible(posterior.with_causes(state, rest))
         own = state.log_posterior - without.log_posterior
         rivals = []
+        least = _at_noise_of(posterior, without.model, each) - level
         for scored in serious(posterior.rivals_of(without, each))[:_WEIGHED]:
-            if scored.log_odds < own - 5.0 * level or not posterior.may_be(scored.hypothesis):
+            apart = scored.hypothesis.log_odds - each.log_odds  # what was believed before
+            if max(scored.log_odds, scored.log_odds - apart) < least:
+                continue
+            if not posterior.may_be(scored.hypothesis):
                 continue
             odds = wider(without.model, scored.hypothesis).log_posterior
             odds -= without.log_posterior
-            apart = scored.hypothesis.log_odds - each.log_odds  # what was believed before
             if max(odds, odds - apart) > own - level:
                 rivals.append(Candidate(hypothesis=scored.hypothesis, log_odds=odds))
         found.append((each, own, sorted(rivals, key=lambda each: -each.log_odds)))
@@ -40,6 +45,7 @@ def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Ca
     level = posterior.balances.thresholds.identify.level
     without = state.model.without(part, *_days(state, part))
     own = state.model.log_evidence - without.log_evidence
+    least = _at_noise_of(posterior, without, part) - level
     found = []
     for scored in serious(
         [
@@ -52,7 +58,7 @@ def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Ca
         ]
     )[:_WEIGHED]:
         hypothesis = scored.hypothesis
-        if scored.log_odds - hypothesis.log_odds < own - 2.0 * level:
+        if scored.log_odds - hypothesis.log_odds < least:
             continue
         if not posterior.may_be(hypothesis):
             continue
@@ -61,6 +67,15 @@ def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Ca
         if whole.admissible and gain > own - level:
             found.append(Candidate(hypothesis=hypothesis, log_odds=gain))
     return sorted(found, key=lambda each: -each.log_odds)
+
+
+def _at_noise_of(posterior: Posterior, model: Model, cause: Hypothesis) -> float:
+    """A cause's log odds at the noise that is left without it: as its rivals are scored first.
+
+    At the noise that is left with it, differences are larger, in the same order.
+    """
+    (scored,) = Pool(posterior.data, [cause]).scored(model)
+    return scored.log_odds
 
 
 def _days(state: State, part: Hypothesis) -> list[Hypothesis]:
