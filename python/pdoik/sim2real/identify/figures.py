@@ -14,6 +14,8 @@ from ..study.recording import FloatArray
 from .ordinary import days_of
 
 DRAWS = 400
+_NOTHING = 1e-6  # of what was believed is left, that sums can be solved
+_SAYS = 10.0  # times the variance before any row: a session of more says nothing
 _SHAPE_PRIOR = 1e-3  # inverse variance of a shape's step
 
 Figures = dict[int, dict[str, Estimate]]
@@ -96,21 +98,45 @@ def _with_spread(
     ]
     if len(days) < 2:
         return figures
-    values = fit.beta[at] + fit.beta[days]
-    variances = np.sum(root[:, days] ** 2, axis=0)
+    believed = np.concatenate([term.prior, *(day.prior for day in own)])
+    values, variances = _of_sessions(fit.beta[[at, *days]], root[:, [at, *days]], believed)
+    if np.isfinite(variances).sum() < 2:
+        return figures
     found = spread_between(values, variances, fit.balances.count)
     name = next(iter(figures))
-    figures = dict(figures)
     each = figures[name]
-    figures[name] = Estimate(
+    alike = float(np.sum(1.0 / variances)) ** -0.5
+    half = max(1.96 * each.std, found.half_width(alike))
+    widened = Estimate(
         value=each.value,
         std=each.std,
-        interval95=each.interval95,
+        interval95=(each.value - half, each.value + half),
         unit=each.unit,
         spread=found.std,
         spread_p=found.p,
     )
-    return figures
+    return {**figures, name: widened}
+
+
+def _of_sessions(
+    beta: FloatArray, root: FloatArray, believed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Each session's own figure and its variance, by its rows alone: what was believed taken off.
+
+    Args:
+        beta: (1 + S,) the figure of all sessions, and what each differs by.
+        root: (n, 1 + S) of which R'R is their covariance.
+        believed: (1 + S,) inverse variances of both before any row.
+    """
+    sums = np.concatenate([np.ones((len(beta) - 1, 1)), np.eye(len(beta) - 1)], axis=1)
+    before = linalg.inv((sums / believed) @ sums.T)
+    after = linalg.inv(sums @ (root.T @ root) @ sums.T)
+    told = after - (1.0 - _NOTHING) * before
+    variances = np.diag(linalg.inv(told)).copy()
+    values = linalg.solve(told, after @ (sums @ beta))
+    silent = variances > _SAYS * np.diag(linalg.inv(before))
+    variances[silent] = np.inf
+    return values, variances
 
 
 def values_and_errors(

@@ -211,11 +211,17 @@ def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
 
 
 def _if_sized(finding: Finding, suspected: float) -> Finding:
-    """A finding whose size may as well be nothing, by its own interval, is only suspected."""
+    """A finding whose size may as well be nothing, by its own interval, is only suspected.
+
+    That another day's friction may be nothing, of few that were seen, is no doubt of these days'.
+    """
     effect = CATALOGUE[finding.effect]
     if not effect.size_first or not finding.parameters:
         return finding
-    low, high = next(iter(finding.parameters.values())).interval95
+    size = next(iter(finding.parameters.values()))
+    low, high = size.interval95
+    if size.spread is not None:
+        low, high = size.value - 1.96 * size.std, size.value + 1.96 * size.std
     if not low <= 0.0 <= high:
         return finding
     return replace(finding, confidence=min(finding.confidence, suspected - 1e-3))

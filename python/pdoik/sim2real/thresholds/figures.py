@@ -26,9 +26,6 @@ class FigureThresholds(Group):
         "",
         "gain errors of current sensors and torque constants: data sheets, 3 to 5 %",
     )
-    fewest_sessions: int = threshold(
-        3, "recordings from which their differences tell something", "recordings"
-    )
     spread_p: float = threshold(
         0.01, "probability of differences between sessions, below which they are said"
     )
