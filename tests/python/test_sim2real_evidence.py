@@ -71,13 +71,15 @@ def test_residuals_shown_are_those_of_the_diagnosis(examination: Any, data: Repo
         assert data.units[j] == fit.unit
 
 
-def test_the_parts_of_the_findings_add_up(examination: Any, data: ReportData) -> None:
+def test_the_parts_of_the_findings_are_nearly_all_that_is_explained(
+    examination: Any, data: ReportData
+) -> None:
+    """What is left is ordinary physics that no finding names: bodies within trust, offsets."""
     for traces in data.recordings:
         assert len(traces.parts) == len(examination.diagnosis.findings)
         explained = traces.before - traces.after
-        assert np.nansum(traces.parts, axis=0)[np.isfinite(explained)] == pytest.approx(
-            explained[np.isfinite(explained)], abs=1e-9
-        )
+        rest = explained - np.sum(traces.parts, axis=0)
+        assert rms(rest) < 0.1 * rms(explained)
         predicted = traces.predicted_after - traces.predicted_before
         assert predicted[np.isfinite(explained)] == pytest.approx(
             explained[np.isfinite(explained)], abs=1e-9

@@ -1,59 +1,48 @@
-"""A body whose figures are each unclear, while what they do together is not."""
+"""A body that is a small share of the arm: whether it is named depends on trust in the model."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yaml
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
 
-from bench.sim2real.concealed.build import hidden_in, make_study, write_machine
-from bench.sim2real.concealed.draft import draft_of
+from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
-from creeping import creeping
 from pdoik.sim2real import examine
 
 SPEC = WorldSpec(seed=9005, effect="payload", hide="second", robot="random2")
 
 
-def test_a_load_of_which_no_single_figure_is_clear_is_found_by_what_it_does(tmp_path: Path) -> None:
+def trusting(study: Path, share: float) -> Path:
+    """A study whose model is right to such a share."""
+    content = yaml.safe_load(study.read_text())
+    study.write_text(yaml.safe_dump({**content, "trust": {"rigid_body": share}}))
+    return study
+
+
+def test_a_load_of_less_than_a_tenth_of_the_arm_is_named_where_the_model_is_trusted(
+    tmp_path: Path,
+) -> None:
+    """Masses are a tenth off in many models: only the user knows that these are not."""
     truth = make_study(tmp_path / "study", SPEC, tmp_path / "truth")
     hidden = next(each for each in truth.effects if each["role"] == "hidden")["parameters"]
-    diagnosis = examine(tmp_path / "study" / "study.yaml").diagnosis
+    study = tmp_path / "study" / "study.yaml"
+    usual = examine(study).diagnosis
+    assert not any(each.links for each in usual.findings)
+    assert any("adjusted within 10 %" in note for note in usual.notes)
+    diagnosis = examine(trusting(study, 0.01)).diagnosis
     assert diagnosis.verdict == "mismatch_explained"
-    body = next(each for each in diagnosis.findings if each.effect == "link_inertial_error")
+    body = next(each for each in diagnosis.findings if each.links)
     assert body.links == ("link2",)
-    assert any(each.effect == "payload" for each in body.equivalents)
+    assert {body.effect, *(each.effect for each in body.equivalents)} >= {"payload"}
     figures = body.parameters
-    assert all(abs(each.value) < 2.0 * each.std for each in figures.values())
     for axis in "xyz":
         low, high = figures[f"d_first_moment_{axis}"].interval95
         assert low < hidden["mass"] * hidden[f"com_{axis}"] < high
-    for joint in diagnosis.joints.values():
-        assert joint.after < 1.6 * joint.noise_floor
-    assert diagnosis.joints["joint2"].before > 5.0 * diagnosis.joints["joint2"].noise_floor
-
-
-def test_a_body_that_all_sessions_bear_out_stays_though_slow_ones_make_its_figures_unclear(
-    tmp_path: Path,
-) -> None:
-    """Where the arm only creeps, next to nothing is told of ten figures: they differ by a lot."""
-    draft = draft_of(
-        WorldSpec(seed=8202, effect="link_inertial_error", hide="noise", robot="random2")
-    )
-    effects = hidden_in(draft)
-    motions, roles = [*creeping(draft), draft.motions[0]], ["fit", "validate", "fit"]
-    draft = replace(draft, motions=motions, roles=roles, sensors=replace(draft.sensors, tip=False))
-    (tmp_path / "study").mkdir()
-    write_machine(tmp_path / "study", draft, effects)
-    diagnosis = examine(tmp_path / "study" / "study.yaml").diagnosis
-    (body,) = diagnosis.findings
-    assert body.effect == "link_inertial_error"
-    assert body.links == ("link2",)
-    assert body.support is not None
-    assert body.support.agree == body.support.sessions
-    assert all(abs(each.value) < 2.0 * each.std for each in body.parameters.values())
-    assert "None of its figures is clear by itself" in body.statement
+    for found in (usual, diagnosis):
+        for joint in found.joints.values():
+            assert joint.after < 1.6 * joint.noise_floor

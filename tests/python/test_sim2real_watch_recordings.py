@@ -42,9 +42,9 @@ def study(folder: Path, *windows: tuple[float, float]) -> Path:
 
 
 def test_what_a_ur10_does_later_is_no_alarm_and_a_torque_that_is_off_is(tmp_path: Path) -> None:
-    model = model_of(examine(study(tmp_path, (0.0, 0.35), (0.35, 0.6))))
+    model = model_of(examine(study(tmp_path, (0.0, 0.35), (0.35, 0.7))))
     (tmp_path / "later").mkdir()
-    later = load_study(study(tmp_path / "later", (0.6, 1.0))).fit[0]
+    later = load_study(study(tmp_path / "later", (0.7, 1.0))).fit[0]
     watch = Watch(model)
     assert watch.feed(later) + watch.end() == []
     assert later.tau is not None

@@ -75,7 +75,7 @@ VARIANTS = {
     "no swaps": Variant(
         says="What was taken stays: no cause is dropped for, or gives its place to, another.",
         replaced=(
-            (Posterior, "_swept", lambda self, state, added: state),
+            (Posterior, "_swept", lambda self, state, added, gone: state),
             (Posterior, "_instead", lambda self, state: None),
         ),
     ),

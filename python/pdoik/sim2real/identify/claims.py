@@ -17,7 +17,7 @@ from ..effects.inertial import LinkInertials
 from ..effects.torque_gain import TorqueGain
 from ..findings import Support
 from ..motion.balances import Balances
-from ..regression.fit import Fit, Term, TermKey
+from ..regression.fit import Fit, Term, TermKey, term_of
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Rival, Tried
@@ -140,8 +140,13 @@ class _Claims:
         return self._take(term, seen, others, sure=True)
 
     def _as_body(self, term: Term) -> Term:
-        """A body that is not within trust, as the finding that it is; in the fit too."""
-        body = replace(term, effect=LinkInertials.id)
+        """A body that is not within trust, as the finding that it is; in the fit too.
+
+        There, what its rows say is held back no more by a trust that it is beyond.
+        """
+        own = term_of(self.posterior.balances, CATALOGUE[LinkInertials.id], term.place, ())
+        prior = term.prior if own is None else own.prior
+        body = replace(term, effect=LinkInertials.id, prior=prior)
         self.fit = Fit(self.noisy, [body if each is term else each for each in self.fit.terms])
         return body
 
