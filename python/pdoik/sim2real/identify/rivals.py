@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from .company import fits_beside, wider
 from .hypothesis import Hypothesis
 from .model import Model
@@ -72,10 +74,12 @@ def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Ca
 def _at_noise_of(posterior: Posterior, model: Model, cause: Hypothesis) -> float:
     """A cause's log odds at the noise that is left without it: as its rivals are scored first.
 
-    At the noise that is left with it, differences are larger, in the same order.
+    At the noise that is left with it, differences are larger, in the same order. What acts where no
+    rows count has none, and any rival will do.
     """
-    (scored,) = Pool(posterior.data, [cause]).scored(model)
-    return scored.log_odds
+    return max(
+        (each.log_odds for each in Pool(posterior.data, [cause]).scored(model)), default=-np.inf
+    )
 
 
 def _days(state: State, part: Hypothesis) -> list[Hypothesis]:
