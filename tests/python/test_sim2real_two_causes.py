@@ -39,7 +39,6 @@ def identified(prepared: Prepared) -> tuple[Identified, list[str]]:
     return identify(prepared, lambda stage, text, share: said.append(text))[1], said
 
 
-@pytest.mark.long  # minutes each: a floating base's balances are not yet weighed fast
 @pytest.mark.parametrize("gain", [0.75, 1.3])
 def test_feet_press_by_what_a_motor_truly_gives(tmp_path: Path, gain: float) -> None:
     """Forces that follow from a reading that is wrong are wrong, and so is what goes by them."""
@@ -63,7 +62,6 @@ def test_forces_stay_where_nothing_goes_by_them(tmp_path: Path) -> None:
     assert relinearised(prepared, fitted(prepared, "rotor_inertia", Place(joints=(KNEE,)))) is None
 
 
-@pytest.mark.long  # minutes each: a floating base's balances are not yet weighed fast
 def test_a_rotor_and_a_heavy_trunk_are_no_wrong_thigh(tmp_path: Path) -> None:
     prepared = prepare(study(tmp_path, Hidden(rotor={KNEE - 1: 0.05}, payload=0.05)))
     (thigh,) = (k for k, name in enumerate(prepared.fit.motions[0].body.links) if name == "a_thigh")
@@ -74,7 +72,6 @@ def test_a_rotor_and_a_heavy_trunk_are_no_wrong_thigh(tmp_path: Path) -> None:
     assert low < 0.05 < high
 
 
-@pytest.mark.long  # minutes each: a floating base's balances are not yet weighed fast
 def test_a_wrong_trunk_is_found_with_its_mass(tmp_path: Path) -> None:
     state, _ = identified(prepare(study(tmp_path, Hidden(payload=0.5))))
     (body,) = (term for term in state.accepted if term.place.link is not None)
@@ -83,7 +80,6 @@ def test_a_wrong_trunk_is_found_with_its_mass(tmp_path: Path) -> None:
     assert low < 0.5 < high
 
 
-@pytest.mark.long  # minutes each: a floating base's balances are not yet weighed fast
 def test_an_imus_zeros_are_plain_beside_friction(tmp_path: Path) -> None:
     """They hardly show in the torques, which are most of what is looked at."""
     zeros = (0.03, -0.02, 0.025)

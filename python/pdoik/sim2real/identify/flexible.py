@@ -7,20 +7,24 @@ position, speed, load and time have taken what any cause might.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..effects.unknown import hats
 from ..motion.balances import Balances
 from ..motion.motion import Motion
-from ..motion.place import Columns, Place, Shape
+from ..motion.place import Balance, Columns, Place, Shape
 from ..regression.fit import Term
 from ..study.recording import FloatArray
-from .hypothesis import ordinary, usual_size
+from .hypothesis import Hypothesis, ordinary, usual_size
 from .linearisation import Linearisation
 from .model import Model
 from .ordinary import Ordinary
 
 _KNOTS = 7
+_ROUNDS = 4  # of coefficients and noise: nothing but the shape of what is left is asked
+_BALANCES: tuple[Balance, ...] = ("torque", "drive", "law", "velocity", "servo")
 _SOFT = (0.02, 0.2)  # speeds over which friction turns [rad/s]
 
 
@@ -37,15 +41,14 @@ class Smooth:
                 self._ends[name, j] = np.quantile(x, (0.005, 0.995))
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Hat functions, steps of direction, acceleration."""
+        """Hat functions, steps of direction, acceleration, in the balance that the shape tells."""
         (j,) = place.joints
         parts = [motion.sign(j, s)[:, None] for s in _SOFT] + [motion.ddq[:, j, None]]
         for name in ("q", "dq", "borne", "time"):
             low, high = self._ends[name, j]
             if high > low:
                 parts.append(hats(_variable(motion, name, j), float(low), float(high), _KNOTS))
-        both = np.hstack(parts)
-        return {(balance, j): both for balance in ("torque", "drive", "law", "velocity", "servo")}
+        return {(_BALANCES[int(shape[0])], j): np.hstack(parts)}
 
 
 def _variable(motion: Motion, name: str, j: int) -> FloatArray:
@@ -56,25 +59,34 @@ def _variable(motion: Motion, name: str, j: int) -> FloatArray:
 def count_independent(balances: Balances, data: Linearisation) -> None:
     """Set how many rows of each series say something new."""
     smooth = Smooth(balances)
-    hypotheses = list(Ordinary(balances=balances, bodies=1.0).hypotheses())
+    ordinary_part = Ordinary(balances=balances, bodies=1.0).hypotheses()
+    hypotheses = [replace(each, positive=False) for each in ordinary_part]
     for j in range(balances.n):
-        columns = balances.compute(smooth, Place(joints=(j,)), ())
-        for key, values in columns.items():
-            if key not in data.series:
-                continue
-            size = np.sqrt(np.mean(values[data.series[key].rows] ** 2, axis=0))
-            kept = size > 0.0
-            if not kept.any():
-                continue
-            term = Term(
-                effect=Smooth.id,
-                place=Place(joints=(j,)),
-                shape=(),
-                columns={key: values[:, kept]},
-                prior=np.ones(int(kept.sum())),
-            )
-            usual = max(usual_size(balances, key), 1e-9)
-            hypotheses.append(ordinary(term, usual / size[kept]))
-    model = Model(Linearisation(data.series), hypotheses)
+        for number, balance in enumerate(_BALANCES):
+            if (balance, j) in data.series:
+                hypotheses += _of_balance(balances, data, smooth, j, (float(number),))
+    model = Model(Linearisation(data.series), hypotheses, rounds=_ROUNDS)
     for key, series in data.series.items():
         series.independent = len(series.rows) / series.repeats(model.left(key))
+
+
+def _of_balance(
+    balances: Balances, data: Linearisation, smooth: Smooth, j: int, shape: Shape
+) -> list[Hypothesis]:
+    """Smooth functions in one balance of a joint, of usual size each; none where none acts."""
+    place, key = Place(joints=(j,)), (_BALANCES[int(shape[0])], j)
+    columns = balances.compute(smooth, place, shape)
+    if key not in columns:
+        return []
+    size = np.sqrt(np.mean(columns[key][data.series[key].rows] ** 2, axis=0))
+    kept = size > 0.0
+    if not kept.any():
+        return []
+    term = Term(
+        effect=Smooth.id,
+        place=place,
+        shape=shape,
+        columns={each: values[:, kept] for each, values in columns.items()},
+        prior=np.ones(int(kept.sum())),
+    )
+    return [ordinary(term, max(usual_size(balances, key), 1e-9) / size[kept])]

@@ -36,6 +36,7 @@ class Model:
         data: Linearisation,
         hypotheses: Sequence[Hypothesis],
         like: Model | None = None,
+        rounds: int = _ROUNDS,
     ) -> None:
         """Fits at once.
 
@@ -43,6 +44,7 @@ class Model:
             data: rows and sums.
             hypotheses: all that is in the model.
             like: a model like it, of the same data, whose noise and bounds it begins with.
+            rounds: of coefficients and noise in turn, at most.
         """
         self.data = data
         self.hypotheses = tuple(hypotheses)
@@ -60,7 +62,7 @@ class Model:
         self.noise: dict[Key, float] = {}  # variance of what is left, per row
         self._left: dict[Key, FloatArray] = {}
         self.active = self._begun_active(like)
-        self._settle({} if like is None else like.noise)
+        self._settle({} if like is None else like.noise, rounds)
 
     def _begun_active(self, like: Model | None) -> NDArray[np.bool_]:
         """Coefficients that rested on their bound in a model like this one rest at first."""
@@ -90,11 +92,11 @@ class Model:
             else:
                 self.index[key] = np.zeros(0, np.intp), np.zeros(0, np.intp)
 
-    def _settle(self, noise: Mapping[Key, float]) -> None:
+    def _settle(self, noise: Mapping[Key, float], rounds: int) -> None:
         for key, series in self.data.series.items():
             first = max(series.square / len(series.rows), series.floor**2)
             self.noise[key] = noise.get(key, first)
-        for _ in range(_ROUNDS):
+        for _ in range(rounds):
             self._solve()
             before = self.noise
             self.noise = {key: self._variance_of(key) for key in before}
