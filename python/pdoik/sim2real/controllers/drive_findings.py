@@ -13,6 +13,7 @@ from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
 from ..effects.torque_saturation import OF_LAW, TorqueSaturation
 from ..effects.torque_speed_limit import TorqueSpeedLimit
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
+from ..motion.ceiling import Ceiling, ceiling_of
 from ..motion.prepare import Prepared
 from ..regression.naming import where_in_words
 from ..study.recording import Recording
@@ -64,11 +65,10 @@ def drive_findings(drives: Drives) -> tuple[Finding, ...]:
     limits = prepared.study.thresholds.controllers
     late = {each.joint: each for each in lateness.later_ones(drives.fit, limits)}
     found = []
-    for j, strips in drives.fit.items():
-        cut = cut_off.cut_off(j, strips, limits) if _in_torque(prepared, j) else None
-        if cut is not None and not _told(prepared, cut):
-            held = cut_off.saved_by(cut, judges[j]) if j in judges else None
-            found.append(_limit(prepared, cut, held))
+    for j in range(len(prepared.study.joints)):
+        cut = _top(prepared, j) or (_cut(drives, j) if j in drives.fit else None)
+        if cut is not None:
+            found.append(cut)
             late.pop(j, None)  # what is cut off also comes late
     for j, each in late.items():
         held = lateness.saved_by(each, judges[j]) if j in judges else None
@@ -96,16 +96,55 @@ def _in_torque(prepared: Prepared, j: int) -> bool:
     return effort_of((*study.fit, *study.validate), j) == "tau"
 
 
-def _told(prepared: Prepared, cut: CutOff) -> bool:
-    """Whether the level is the one that the robot's description has."""
+def _told(prepared: Prepared, j: int, level: float) -> bool:
+    """Whether a level is the one that the robot's description has."""
     study = prepared.study
     if study.robot is None:
         return False
-    facts = robot_facts(study.robot).joints.get(study.joints[cut.joint])
-    return bool(facts and facts.effort and cut.level > _AS_TOLD * facts.effort)
+    facts = robot_facts(study.robot).joints.get(study.joints[j])
+    return bool(facts and facts.effort and level > _AS_TOLD * facts.effort)
 
 
-def _limit(prepared: Prepared, cut: CutOff, held: Saved | None) -> Finding:
+def _top(prepared: Prepared, j: int) -> Finding | None:
+    """A ceiling that joint j's torques show by themselves, whatever was asked for."""
+    limits = prepared.study.thresholds.limits
+    top = ceiling_of(prepared.fit.motions, j, limits)
+    if top is None or _told(prepared, j, top.level):
+        return None
+    held = None if prepared.validate is None else prepared.validate.motions
+    again = top if held is None else ceiling_of(held, j, limits)
+    effect, other, values, of = _limited(top)
+    stands_out = 1.0 - 1.0 / top.pile
+    judged = 0.0 if again is None else stands_out
+    seen = Support(
+        log_odds=top.occasions * float(np.log(top.pile)),
+        weight=stands_out,
+        gain=stands_out,
+        t=float(np.sqrt(top.occasions)),
+        size=top.pile,
+        agree=len(prepared.fit.motions),
+        sessions=len(prepared.fit.motions),
+        blocks=top.occasions,
+        left=1.0,
+        rivals=1,
+    )
+    return _stated(prepared, (j, effect, other), values, of, seen, (judged, 0.0), ("tau",))
+
+
+def _cut(drives: Drives, j: int) -> Finding | None:
+    """Beyond which joint j gives less than its law asks for."""
+    prepared, limits = drives.prepared, drives.prepared.study.thresholds.controllers
+    cut = cut_off.cut_off(j, drives.fit[j], limits) if _in_torque(prepared, j) else None
+    if cut is None or _told(prepared, j, cut.level):
+        return None
+    held = cut_off.saved_by(cut, drives.judges[j]) if j in drives.judges else None
+    return _finding(prepared, cut, *_limited(cut), held)
+
+
+def _limited(
+    cut: CutOff | Ceiling,
+) -> tuple[str, str, Values, tuple[str, tuple[float, ...]]]:
+    """Name, the other name, figures, and of what it is: a level, or a line that falls."""
     values = {"level": (cut.level, cut.level_std)}
     effect, other = TorqueSaturation.id, TorqueSpeedLimit.id
     if np.isfinite(cut.no_load):
@@ -113,7 +152,7 @@ def _limit(prepared: Prepared, cut: CutOff, held: Saved | None) -> Finding:
         no_load = (cut.no_load, cut.no_load_std)
         values = {"stall_torque": values["level"], "no_load_speed": no_load}
     shape = (OF_LAW, *(value for value, _ in values.values()))
-    return _finding(prepared, cut, effect, other, values, ("law", shape), held)
+    return effect, other, values, ("law", shape)
 
 
 def _delay(prepared: Prepared, late: Late, held: Saved | None) -> Finding:
@@ -135,12 +174,36 @@ def _finding(
     of: tuple[str, tuple[float, ...]],
     held: Saved | None,
 ) -> Finding:
-    study, effect = prepared.study, CATALOGUE[name]
-    joint = study.joints[seen.joint]
+    gain = seen.saved.gain
+    support = Support(
+        weight=gain,
+        gain=gain,
+        t=seen.saved.t,
+        size=float(np.sqrt(gain / max(1.0 - gain, 1e-3))),
+        agree=seen.agree,
+        sessions=seen.recordings,
+        blocks=seen.saved.blocks,
+        left=1.0,
+        rivals=1,
+    )
+    judged = (gain, 0.0) if held is None else (held.gain, 1.96 * held.error)
+    channels = ("q_des", effort_of(prepared.study.fit, seen.joint))
+    return _stated(prepared, (seen.joint, name, other), values, of, support, judged, channels)
+
+
+def _stated(
+    prepared: Prepared,
+    named: tuple[int, str, str],  # joint, its name, the other name
+    values: Values,
+    of: tuple[str, tuple[float, ...]],
+    support: Support,
+    judged: tuple[float, float],  # gain of what judges, and half its interval
+    channels: tuple[str, ...],
+) -> Finding:
+    study, (j, name, other) = prepared.study, named
+    effect, joint, (gain, spread) = CATALOGUE[name], study.joints[j], judged
     where = where_in_words(effect.on, (joint,), ())
     plain = {key: value for key, (value, _) in values.items()}
-    gain = seen.saved.gain
-    judged, spread = (gain, 0.0) if held is None else (held.gain, 1.96 * held.error)
     return Finding(
         effect=name,
         joints=(joint,),
@@ -159,22 +222,10 @@ def _finding(
         equivalents=(Equivalent(effect=other, joints=(joint,)),),
         decided_by=effect.decided_by,
         evidence=Evidence(
-            validation_gain=judged,
-            interval95=(judged - spread, judged + spread),
-            channels=("q_des", effort_of(study.fit, seen.joint)),
+            validation_gain=gain, interval95=(gain - spread, gain + spread), channels=channels
         ),
-        support=Support(
-            weight=gain,
-            gain=gain,
-            t=seen.saved.t,
-            size=float(np.sqrt(gain / max(1.0 - gain, 1e-3))),
-            agree=seen.agree,
-            sessions=seen.recordings,
-            blocks=seen.saved.blocks,
-            left=1.0,
-            rivals=1,
-        ),
-        weight=gain,
+        support=support,
+        weight=support.weight,
         variant=of[0],
         shape=of[1],
     )

@@ -7,12 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..motion.motion import Motion
-from ..motion.place import Shape
+from ..motion.place import Place, Shape
 from ..simulation.parts import DriveChange, Part, SensorChange
 from ..study.recording import FloatArray
 from .effect import Example, Parameter
 from .site import Site
 from .torque_channel import OF_BOTH, TorqueChannel
+
+_TRIFLE = 0.03  # of the usual torque: zeros of current sensors
 
 
 class TorqueOffset(TorqueChannel):
@@ -27,7 +29,6 @@ class TorqueOffset(TorqueChannel):
     decided_by = "a rest in a pose where gravity does not load the joint"
     source = "drive calibration"
     example = Example(values={"offset": 0.8})
-    per_joint_moving = False
     against = "q"
     gated = True
     of_joint_torque = True
@@ -45,6 +46,12 @@ class TorqueOffset(TorqueChannel):
     ) -> tuple[Shape, FloatArray]:
         """The offset."""
         return shape or (OF_BOTH,), np.array([values["offset"]])
+
+    def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
+        """Less than a few hundredths of what the joint usually bears."""
+        (j,) = place.joints
+        usual = float(np.sqrt(np.mean(motion.borne[:, j] ** 2)))
+        return abs(values["offset"]) < _TRIFLE * usual
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

@@ -57,7 +57,7 @@ def _variable(motion: Motion, name: str, j: int) -> FloatArray:
 
 
 def count_independent(balances: Balances, data: Linearisation) -> None:
-    """Set how many rows of each series say something new."""
+    """Set how many rows of each series say something new: one of a block at least."""
     smooth = Smooth(balances)
     ordinary_part = Ordinary(balances=balances, bodies=1.0).hypotheses()
     hypotheses = [replace(each, positive=False) for each in ordinary_part]
@@ -67,7 +67,8 @@ def count_independent(balances: Balances, data: Linearisation) -> None:
                 hypotheses += _of_balance(balances, data, smooth, j, (float(number),))
     model = Model(Linearisation(data.series), hypotheses, rounds=_ROUNDS)
     for key, series in data.series.items():
-        series.independent = len(series.rows) / series.repeats(model.left(key))
+        blocks = len(np.unique(balances.block[series.rows]))
+        series.independent = max(len(series.rows) / series.repeats(model.left(key)), blocks)
 
 
 def _of_balance(

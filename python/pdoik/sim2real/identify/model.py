@@ -25,6 +25,8 @@ _ROUNDS = 40  # at most, of coefficients and noise in turn
 _SETTLED = 0.02  # relative change of a variance that is none
 _LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
 _NO_PULL = 1e-9  # against a bound, of the largest there is
+_LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
+_ACTS = 0.0025  # of a part's largest square, from which it acts
 _TRACE = 1e-11  # of ridge, where columns are scaled to one
 
 
@@ -252,6 +254,23 @@ class Model:
     def log_posterior(self) -> float:
         """Up to a constant of the study; -inf where it cannot be."""
         return self.log_evidence + self.log_prior if self.admissible else -np.inf
+
+    def size_of(self, hypothesis: Hypothesis) -> float:
+        """A hypothesis' part over what nothing explains, in the balance where that is largest.
+
+        Sensors' noise does not count as that; of an event, only rows where it acts do.
+        """
+        largest = 0.0
+        for key, part in self.part(hypothesis).items():
+            power = part**2
+            if hypothesis.term.place.window is not None:
+                power = power[power > _ACTS * power.max(initial=0.0)]
+            if not len(power):
+                continue
+            left, noise = float(np.mean(self.left(key) ** 2)), self.data.series[key].floor ** 2
+            rest = max(left - noise, _LEAST_OWN * max(left, noise), 1e-300)
+            largest = max(largest, float(np.sqrt(np.mean(power) / rest)))
+        return largest
 
     def part(self, hypothesis: Hypothesis) -> dict[Key, FloatArray]:
         """What a hypothesis adds to the balances where it acts, (N,) each."""

@@ -137,6 +137,8 @@ class Weighing:
             while (gone := whole.impossible) and all(each is not hypothesis for each in gone):
                 whole = whole.without(*gone)
             odds = whole.log_posterior - beside.log_posterior
+            if whole.size_of(hypothesis) < self.balances.thresholds.identify.matters:
+                continue
             old = self.tried.get(hypothesis.key)
             if old is None or odds > old[1]:
                 self.tried[hypothesis.key] = hypothesis, odds

@@ -206,8 +206,13 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
 
 
 def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
-    """Whether recordings that only judge are surely worse with it than without."""
-    return prepared.validate is not None and finding.evidence.interval95[1] < 0.0
+    """Whether recordings that only judge are not surely better with it, or by next to nothing."""
+    if prepared.validate is None:
+        return False
+    seen, believed = finding.evidence, prepared.study.thresholds.identify
+    acts = max(map(abs, seen.interval95)) >= _NEVER
+    little = seen.beside_others is not None and seen.beside_others < believed.judged
+    return acts and (little or seen.interval95[0] <= 0.0)
 
 
 def _if_sized(finding: Finding, suspected: float) -> Finding:
@@ -236,7 +241,9 @@ def _is_ordinary(state: Identified, terms: Sequence[Term]) -> bool:
 def _suspect(prepared: Prepared, finding: Finding) -> Finding:
     """What was found and then contradicted is not claimed."""
     most = prepared.study.thresholds.confidence.suspected
-    said = f"{finding.statement} The held-out recordings, which only judge, contradict it."
+    worse = finding.evidence.interval95[1] < 0.0
+    how = "contradict it" if worse else "show next to nothing of it"
+    said = f"{finding.statement} The held-out recordings, which only judge, {how}."
     return replace(finding, statement=said, confidence=min(finding.confidence, most))
 
 

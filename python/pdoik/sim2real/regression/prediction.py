@@ -102,9 +102,11 @@ class Prediction:
             square = b.residual[key][rows] ** 2 * scale
             began += np.bincount(block, square, minlength=count)
             other += np.bincount(block, without[key][rows] ** 2 * scale, minlength=count)
+        beside_others = float(gained.sum() / max(float(other.sum()), 1e-12))
         if other.sum() > began.sum():  # the rest alone make it worse than it was
             began = other
-        return replace(share_by_blocks(gained, began, seed), channels=channels)
+        seen = share_by_blocks(gained, began, seed)
+        return replace(seen, channels=channels, beside_others=beside_others)
 
 
 def share_by_blocks(gained: FloatArray, began: FloatArray, seed: int) -> Evidence:

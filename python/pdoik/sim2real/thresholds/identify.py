@@ -65,6 +65,11 @@ class IdentifyThresholds(Group):
         0.3, "an ordinary part over what nothing explains, from which it is named"
     )
     matters_more: float = threshold(1.0, "the same of a peculiar cause")
+    judged: float = threshold(
+        0.2,
+        "share of what all else leaves of recordings that only judge, that a peculiar cause must"
+        " explain",
+    )
     scale_off: float = threshold(
         0.08, "share by which a torque's scale must be off to be named, beyond calibration"
     )

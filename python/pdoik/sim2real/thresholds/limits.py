@@ -31,3 +31,12 @@ class LimitThresholds(Group):
     fastest: float = threshold(
         50.0, "no-load speed over the highest speed seen, beyond which a line does not fall"
     )
+    least_piled: int = threshold(20, "samples at a ceiling that is seen in torques alone", "rows")
+    least_share: float = threshold(0.02, "the same as a share of all samples")
+    least_occasions: int = threshold(3, "occasions on which it must be reached", "occasions")
+    piled: float = threshold(2.0, "samples at such a ceiling over those just below it, per N m")
+    over: float = threshold(0.1, "samples beyond it, over those at it")
+    varies: float = threshold(
+        0.7, "spread of gravity or inertia at a ceiling over the width that its noise makes likely"
+    )
+    above_noise: float = threshold(8.0, "least level of a ceiling over that width")
