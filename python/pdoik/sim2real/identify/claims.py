@@ -18,6 +18,7 @@ from ..effects.torque_gain import TorqueGain
 from ..findings import Support
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term, TermKey, term_of
+from ..regression.tolerances import Tolerance
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Rival, Tried
@@ -28,6 +29,7 @@ from .rivals import in_place_of, judged
 from .support import held_out_support
 from .weighing import Candidate, State
 
+_UNNAMED = (DAYS, Tolerance.id)
 _WITHIN = 1.96  # errors of a 95 % interval
 _ALIKE = 2.0  # factor within which joints' delays may be one cause's
 
@@ -101,7 +103,7 @@ class _Claims:
         model = self.state.model
         deviations = np.sqrt(model.variances)
         for hypothesis, span in _placed(model):
-            ordinary = hypothesis.ordinary and hypothesis.term.effect != DAYS
+            ordinary = hypothesis.ordinary and hypothesis.term.effect not in _UNNAMED
             if not ordinary or not model.active[span].any():
                 continue
             beta, std = model.beta[span], deviations[span]

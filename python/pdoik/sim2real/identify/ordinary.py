@@ -23,6 +23,7 @@ from ..motion.balances import Balances
 from ..motion.place import Place, Shape
 from ..regression.background import usual_torque
 from ..regression.fit import Fit, Term, term_of
+from ..regression.tolerances import LATE, SCALE, SPEED, ZERO, Tolerance
 from ..regression.trusted_bodies import TRUST as TRUST
 from ..regression.trusted_bodies import trusted
 from ..study.recording import FloatArray
@@ -79,6 +80,7 @@ class Ordinary:
         """All of it."""
         found = [h for j in self.joints for h in self._of_joint(j)]
         found += [h for j in self.joints for h in self._of_days(j)]
+        found += [h for j in range(self.balances.n) for h in self._of_calibration(j)]
         return (*found, *self._of_imu(), *self._of_bodies())
 
     def _of_joint(self, j: int) -> Iterator[Hypothesis]:
@@ -140,6 +142,23 @@ class Ordinary:
                         prior=np.ones(1),
                     )
                 yield ordinary(self._days[at], size)
+
+    def _of_calibration(self, j: int) -> Iterator[Hypothesis]:
+        """Of joint j's drive and speed sensor, as exact as these are made."""
+        b, believed = self.balances, self.balances.thresholds.identify
+        sizes = {
+            ZERO: believed.drive_zero * max(usual_torque(b, j), 1e-9),
+            SCALE: believed.drive_scale,
+            LATE: believed.drive_late,
+            SPEED: believed.speed_scale,
+        }
+        for kind, size in sizes.items():
+            at = Tolerance.id, j, (kind,)
+            if at not in self._terms:
+                self._terms[at] = term_of(b, Tolerance(), Place(joints=(j,)), (kind,))
+            term = self._terms[at]
+            if term is not None:
+                yield ordinary(term, size)
 
     @property
     def sessions(self) -> NDArray[np.intp]:

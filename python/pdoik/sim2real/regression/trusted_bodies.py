@@ -10,6 +10,7 @@ from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from .fit import Term
+from .tolerances import Tolerance
 
 _BODY = CATALOGUE[LinkInertials.id]
 
@@ -32,7 +33,7 @@ class _OfThatDay(Effect):
         return f"The friction of {where} differs from day to day."
 
 
-_OTHER = {TRUST: _BODY, _OfThatDay.id: _OfThatDay()}
+_OTHER = {TRUST: _BODY, _OfThatDay.id: _OfThatDay(), Tolerance.id: Tolerance()}
 
 
 def effect_of(term: Term) -> Effect:

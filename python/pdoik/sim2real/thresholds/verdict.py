@@ -26,7 +26,7 @@ class VerdictThresholds(Group):
         0.1, "share of the residue that a variable must hold to be named"
     )
     usual_residue: float = threshold(
-        0.2, "what catalogue laws leave of a joint's friction, at least", "", "identified arms"
+        0.1, "what catalogue laws leave of a joint's friction, at least", "", "identified arms"
     )
     usual_change: float = threshold(
         0.08,
