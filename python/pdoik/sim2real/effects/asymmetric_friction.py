@@ -38,9 +38,7 @@ class AsymmetricFriction(Effect):
         "viscous_friction",
     )
     complexity = 3
-    of_joint_torque = True
     ordinary = True
-    depends_on = ("speed",)
     one_of = "one way"
     jumps = True
 

@@ -28,10 +28,8 @@ class CoulombFriction(Effect):
     source = "Armstrong-Helouvry et al., Automatica 30(7), 1994"
     example = Example(values={"level": 1.5}, shape=(0.02,))
     gated = True
-    of_joint_torque = True
     ordinary = True
     one_of = "dry"
-    depends_on = ("speed",)
     size_first = True
     jumps = True
 

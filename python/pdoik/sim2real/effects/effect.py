@@ -91,10 +91,8 @@ class Effect(ABC):
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
     gated: ClassVar[bool] = False  # may act in a part of the time or of the positions only
-    of_joint_torque: ClassVar[bool] = False  # may stand in for another torque of its joint
     in_background: ClassVar[bool] = False  # of a joint's torque, as every machine has it
     ordinary: ClassVar[bool] = False  # every machine's joints may have some: weighed as a set
-    depends_on: ClassVar[tuple[str, ...]] = ()  # variables by which a joint's torque shows it
     of_floating_base: ClassVar[bool] = False  # nothing that stands fixed can show it
     together: ClassVar[bool] = False  # its joints are one place, not one each
 
@@ -253,10 +251,6 @@ class Effect(ABC):
     def gravity(self, values: Mapping[str, float]) -> FloatArray | None:
         """Gravity in the frame of the base, (3,) [m/s^2], if it turns that; None elsewhere."""
         return None
-
-    def is_edge_of(self, shape: Shape, other: str, other_shape: Shape) -> bool:
-        """Whether it is only what is left at the edge of another effect at the same place."""
-        return False
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it; () where it acts in a log only.

@@ -36,9 +36,7 @@ class FrictionDrift(Effect):
     )
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
-    of_joint_torque = True
     ordinary = True
-    depends_on = ("time",)
     size_first = True
     jumps = True
 

@@ -39,10 +39,8 @@ class GearEfficiency(Effect):
     odds = 0.1
     complexity = 3
     against = "load"
-    of_joint_torque = True
     ordinary = True
     one_of = "by load"
-    depends_on = ("load", "position and speed")
     jumps = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:

@@ -24,7 +24,6 @@ class JointCoupling(Effect):
     source = "virtual work of a coupled transmission"
     example = Example(values={"ratio": 0.05}, place=Place(joints=(2, 1)))
     complexity = 3
-    depends_on = ("other load",)
     together = True
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:

@@ -31,10 +31,8 @@ class LoadDependentFriction(Effect):
     complexity = 2
     against = "load"
     gated = True
-    of_joint_torque = True
     ordinary = True
     one_of = "by load"
-    depends_on = ("load", "position and speed")
     size_first = True
     jumps = True
 

@@ -34,8 +34,6 @@ class PositionDependentSpring(Effect):
     example = Example(values={"stiffness": 12.0, "onset": 0.4, "side": 1.0}, shape=(1.0, 0.4))
     complexity = 3
     against = "q"
-    of_joint_torque = True
-    depends_on = ("position",)
     size_first = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:

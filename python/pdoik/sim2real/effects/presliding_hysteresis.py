@@ -48,10 +48,8 @@ class PreslidingHysteresis(Effect):
     example = Example(values={"level": 2.0, "displacement": 0.02})
     complexity = 2
     gated = True
-    of_joint_torque = True
     ordinary = True
     one_of = "dry"
-    depends_on = ("speed",)
     size_first = True
     makes_up_for_misfit = True
     jumps = True

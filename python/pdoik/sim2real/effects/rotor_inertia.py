@@ -27,7 +27,6 @@ class RotorInertia(Effect):
     )
     source = "Featherstone, Rigid Body Dynamics Algorithms, 2008, Sec. 9.6"
     example = Example(values={"inertia": 0.2})
-    of_joint_torque = True
     ordinary = True
     size_first = True
 

@@ -43,7 +43,6 @@ class StrainWaveError(Effect):
     complexity = 4.5
     against = "q"
     sought = "harmonics"
-    of_joint_torque = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Of a link that is further by the angle's sine, and by its cosine, per radian."""

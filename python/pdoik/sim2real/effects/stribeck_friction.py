@@ -14,8 +14,6 @@ from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
-_SHARP = 0.4  # of a hump's speed, within which dry friction must turn for the hump to count
-
 
 class StribeckFriction(Effect):
     """tau = S sign(dq) exp(-(dq/v)^2) with S > 0: a negative S is smooth dry friction, not this."""
@@ -33,9 +31,7 @@ class StribeckFriction(Effect):
     example = Example(values={"extra": 1.5, "speed": 0.3})
     beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
-    of_joint_torque = True
     ordinary = True
-    depends_on = ("speed",)
     size_first = True
     jumps = True
 
@@ -67,10 +63,6 @@ class StribeckFriction(Effect):
     ) -> tuple[Shape, FloatArray]:
         """The extra friction is linear, the speed is not."""
         return (values["speed"],), np.array([values["extra"]])
-
-    def is_edge_of(self, shape: Shape, other: str, other_shape: Shape) -> bool:
-        """Of dry friction that is smooth about rest."""
-        return other == "coulomb_friction" and other_shape[0] > _SHARP * shape[0]
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

@@ -33,8 +33,6 @@ class TorqueGain(TorqueChannel):
     per_joint_moving = False
     against = "load"
     gated = True
-    of_joint_torque = True
-    depends_on = ("load", "other load")
 
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:
         """In proportion to the torque."""

@@ -31,10 +31,8 @@ class TorqueOffset(TorqueChannel):
     example = Example(values={"offset": 0.8})
     against = "q"
     gated = True
-    of_joint_torque = True
     ordinary = True
     one_of = "one way"
-    depends_on = ("position", "time", "other load")
     size_first = True
 
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:

@@ -35,8 +35,6 @@ class TorqueRipple(Effect):
     against = "q"
     sought = "harmonics"
     gated = True
-    of_joint_torque = True
-    depends_on = ("position",)
     size_first = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:

@@ -38,7 +38,6 @@ class TorqueSaturation(Effect):
     least_of_rest = 0.5
     complexity = 2
     against = "load"
-    of_joint_torque = True
     size_first = True
     makes_up_for_misfit = True
     of_commands = True

@@ -46,7 +46,6 @@ class TorqueSpeedLimit(Effect):
     least_of_rest = 0.5
     complexity = 3
     against = "speed"
-    of_joint_torque = True
     makes_up_for_misfit = True
     of_commands = True
 

@@ -57,7 +57,6 @@ class Unknown(Effect):
     )
     complexity = 9
     sought = "last"
-    of_joint_torque = True
     together = True
     makes_up_for_misfit = True
     refined = False

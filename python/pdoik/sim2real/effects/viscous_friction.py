@@ -24,9 +24,7 @@ class ViscousFriction(Effect):
     source = "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, Sec. 7.1"
     example = Example(values={"coefficient": 1.2})
     gated = True
-    of_joint_torque = True
     ordinary = True
-    depends_on = ("speed",)
     size_first = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -173,17 +172,3 @@ def _of_mjcf(robot: str) -> Mapping[str, _Told]:
         force = float(model.jnt_actfrcrange[k, 1]) if model.jnt_actfrclimited[k] else 0.0
         found[model.joint(k).name] = _Told(lower=float(low), upper=float(high), torque=force)
     return found
-
-
-def text_of(robot: Path) -> str:
-    """A description as text.
-
-    Raises:
-        LoadError: it is not where the study says.
-    """
-    if not robot.is_file():
-        raise LoadError(
-            f"the robot's description is not at {robot} any more: bring it back, or tell the study"
-            " where it is"
-        )
-    return robot.read_text(encoding="utf-8")

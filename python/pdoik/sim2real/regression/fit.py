@@ -295,11 +295,3 @@ class Fit:
         """Coefficients fitted without each fold."""
         pairs = zip(self.fold_gram, self.fold_moment, strict=True)
         return [self.solve(self.gram - g, self.moment - m) for g, m in pairs]
-
-    def by_block(self, squares: dict[Key, FloatArray]) -> FloatArray:
-        """Sums of squared rows per block of the bootstrap."""
-        b = self.balances
-        total = np.zeros(int(b.block.max()) + 1)
-        for key, values in squares.items():
-            total += np.bincount(b.block[self.rows[key]], values, minlength=len(total))
-        return total

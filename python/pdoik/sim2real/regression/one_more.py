@@ -54,18 +54,6 @@ class OneMore:
         own = _solved(term, gram, gram - cross.T @ taken, moment)
         return np.concatenate([self._fit.beta - taken @ own, own])
 
-    def leverage(self, term: Term, there: FloatArray) -> float:
-        """Of other rows, whose squared columns are `there` (k, k), a coefficient's on average.
-
-        1 where they say as much of it as the fit's own rows do, with its prior: how much of these
-        rows' noise comes back in those.
-        """
-        if term.fixed:
-            return 0.0
-        _, gram, cross = self._sums(term)
-        reduced = gram - cross.T @ self._taken(cross)
-        return float(np.trace(_solved(term, gram, reduced, there))) / len(gram)
-
     def doubt(self, index: NDArray[np.intp], rows: FloatArray) -> FloatArray:
         """Variance of what the fit says of other rows, (N,), in their noise's.
 
