@@ -26,7 +26,7 @@ from .model import Model
 from .ordinary import DAYS, TRUST
 from .posterior import Posterior
 from .rivals import in_place_of, judged
-from .support import held_out_support
+from .support import as_trusted, held_out_support
 from .weighing import Candidate, State
 
 _UNNAMED = (DAYS, Tolerance.id)
@@ -77,10 +77,10 @@ class _Claims:
         """Causes that were chosen."""
         weighed = judged(self.posterior, self.state)
         everything = [hypothesis.term for hypothesis, _, _ in weighed]
-        believed = self.noisy.thresholds.identify
+        believed, fit = self.noisy.thresholds.identify, as_trusted(self.fit, everything)
         for hypothesis, odds, others in weighed:
             term = hypothesis.term
-            seen = held_out_support(self.fit, self.start, term, odds, len(others), everything)
+            seen = held_out_support(fit, self.start, term, odds, len(others), everything)
             likely = odds >= believed.worth and seen.size > believed.matters_more
             sure = likely and not _may_be_nothing(self.state.model, hypothesis)
             self._take(term, seen, others, sure=sure)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..effects.torque_gain import TorqueGain
 from ..findings import Support
 from ..motion.place import Key
 from ..regression.fit import Fit, Term
+from ..regression.tolerances import Tolerance
+from ..regression.trusted_bodies import TRUST
 from ..study.recording import FloatArray
 from .ordinary import days_of
 
+_TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
 _LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
 _ACTS = 0.05  # of a column's mean square, from which a row counts as one where it acts
 
@@ -79,6 +84,24 @@ def held_out_support(
         rivals=rivals,
         event=term.place.window is not None,
     )
+
+
+def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
+    """The fit with bodies and scales where they are: no peculiar cause is made up for by them.
+
+    How far they may be off is in a cause's odds. Without it they would go as far as rows ask.
+    """
+    b, kept = copy(fit.balances), []
+    left = {key: b.residual[key].copy() for key in fit.design}
+    for term, beta in fit.weighted:
+        if term.effect not in _TRUSTED or any(term is each for each in peculiar):
+            kept.append(term)
+            continue
+        for key, column in term.columns.items():
+            if key in left:
+                left[key] -= column @ beta
+    b.residual = {**b.residual, **left}
+    return Fit(b, kept)
 
 
 def _folds_told(fit: Fit, term: Term) -> int:
