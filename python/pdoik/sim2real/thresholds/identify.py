@@ -72,7 +72,10 @@ class IdentifyThresholds(Group):
     matters: float = threshold(
         0.3, "an ordinary part over what nothing explains, from which it is named"
     )
-    matters_more: float = threshold(1.0, "the same of a peculiar cause")
+    matters_more: float = threshold(0.7, "the same of a peculiar cause")
+    matters_most: float = threshold(
+        1.0, "the same of one in a part of time or positions, which was chosen among hundreds"
+    )
     judged: float = threshold(
         0.2,
         "share of what all else leaves of recordings that only judge, that a peculiar cause must"
