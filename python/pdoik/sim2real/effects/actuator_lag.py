@@ -42,6 +42,7 @@ class ActuatorLag(Effect):
         nothing={"time_constant": 0.0},
     )
     fixed = True
+    size_first = True
     simulated_rivals = ("command_delay",)
     complexity = 2
     is_delay = True

@@ -124,6 +124,7 @@ class CommandDelay(Effect):
     source = "transport delay"
     example = Example(values={"delay": 0.03}, shape=(OF_POSITION, 0.03), nothing={"delay": 0.0})
     fixed = True
+    size_first = True
     simulated_rivals = ("actuator_lag",)
     complexity = 2
     is_delay = True

@@ -23,7 +23,7 @@ from ..motion.balances import Balances
 from ..motion.place import Place, Shape
 from ..regression.background import usual_torque
 from ..regression.fit import Fit, Term, term_of
-from ..regression.tolerances import LATE, SCALE, SPEED, ZERO, Tolerance
+from ..regression.tolerances import SCALE, SPEED, ZERO, Tolerance
 from ..regression.trusted_bodies import TRUST as TRUST
 from ..regression.trusted_bodies import trusted
 from ..study.recording import FloatArray
@@ -149,7 +149,6 @@ class Ordinary:
         sizes = {
             ZERO: believed.drive_zero * max(usual_torque(b, j), 1e-9),
             SCALE: believed.drive_scale,
-            LATE: believed.drive_late,
             SPEED: believed.speed_scale,
         }
         for kind, size in sizes.items():

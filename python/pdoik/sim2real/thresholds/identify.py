@@ -44,9 +44,6 @@ class IdentifyThresholds(Group):
         0.02, "standard deviation of a drive's zero, in usual torques", "", "current loops"
     )
     drive_scale: float = threshold(0.02, "the same of its scale beside its command")
-    drive_late: float = threshold(
-        0.0015, "the same of its lateness beyond a command's hold", "s", "current loops"
-    )
     speed_scale: float = threshold(0.005, "the same of a speed's scale beside its position's")
     usual_part: float = threshold(
         0.3, "part of a peculiar cause, as a share of what its balance usually is"
