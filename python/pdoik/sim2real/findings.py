@@ -66,7 +66,7 @@ class Evidence:
     validation_gain: float  # share of the mean square residual, 0 to 1
     interval95: tuple[float, float]
     channels: tuple[str, ...] = ()  # the columns it rests on
-    beside_others: float | None = None  # the same share of what all else leaves
+    beside_others: float | None = None  # the same of what all else leaves where it acts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

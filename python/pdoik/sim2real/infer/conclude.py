@@ -212,7 +212,7 @@ def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
     seen, believed = finding.evidence, prepared.study.thresholds.identify
     acts = max(map(abs, seen.interval95)) >= _NEVER
     little = seen.beside_others is not None and seen.beside_others < believed.judged
-    return acts and (little or seen.interval95[0] <= 0.0)
+    return acts and (little or seen.interval95[0] < 0.0)
 
 
 def _if_sized(finding: Finding, suspected: float) -> Finding:

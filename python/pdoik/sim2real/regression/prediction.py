@@ -14,6 +14,7 @@ from ..study.recording import FloatArray
 from .fit import Fit, Term, TermKey
 from .trusted_bodies import effect_of
 
+_ACTS = 0.05  # of a part's mean square, from which it acts in a row
 _DRAWS = 300
 
 
@@ -92,6 +93,7 @@ class Prediction:
             without[key] = with_it[key] + column @ beta
         count = int(b.block.max()) + 1
         gained, began, other = np.zeros(count), np.zeros(count), np.zeros(count)
+        acting = left_there = 0.0
         for key in term.columns:
             if key not in without:
                 continue
@@ -102,7 +104,11 @@ class Prediction:
             square = b.residual[key][rows] ** 2 * scale
             began += np.bincount(block, square, minlength=count)
             other += np.bincount(block, without[key][rows] ** 2 * scale, minlength=count)
-        beside_others = float(gained.sum() / max(float(other.sum()), 1e-12))
+            there = (without[key] - with_it[key])[rows] ** 2
+            at = there > _ACTS * max(float(there.mean()), 1e-300)
+            acting += float(difference[at].sum())
+            left_there += float(np.sum(without[key][rows][at] ** 2)) * scale
+        beside_others = acting / max(left_there, 1e-12)
         if other.sum() > began.sum():  # the rest alone make it worse than it was
             began = other
         seen = share_by_blocks(gained, began, seed)
