@@ -81,8 +81,8 @@ class _Claims:
         for hypothesis, odds, others in weighed:
             term = hypothesis.term
             seen = held_out_support(fit, self.start, term, odds, len(others), everything)
-            part = term.place.gate is not None
-            least = believed.matters_most if part else believed.matters_more
+            common = CATALOGUE[term.effect].odds >= believed.common and term.place.gate is None
+            least = believed.matters_common if common else believed.matters_more
             likely = odds >= believed.worth and seen.size > least
             sure = likely and not _may_be_nothing(self.state.model, hypothesis)
             self._take(term, seen, others, sure=sure)

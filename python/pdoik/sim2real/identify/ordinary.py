@@ -76,11 +76,16 @@ class Ordinary:
             if ("torque", j) in b.residual and b.excited[j] and b.mask["torque", j].any()
         ]
 
+    @property
+    def _reported(self) -> list[int]:
+        """Joints whose torque is known beside their motion."""
+        return [j for j in range(self.balances.n) if ("torque", j) in self.balances.residual]
+
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """All of it."""
         found = [h for j in self.joints for h in self._of_joint(j)]
         found += [h for j in self.joints for h in self._of_days(j)]
-        found += [h for j in range(self.balances.n) for h in self._of_calibration(j)]
+        found += [h for j in self._reported for h in self._of_calibration(j)]
         return (*found, *self._of_imu(), *self._of_bodies())
 
     def _of_joint(self, j: int) -> Iterator[Hypothesis]:

@@ -69,10 +69,9 @@ class IdentifyThresholds(Group):
     matters: float = threshold(
         0.3, "an ordinary part over what nothing explains, from which it is named"
     )
-    matters_more: float = threshold(0.7, "the same of a peculiar cause")
-    matters_most: float = threshold(
-        1.0, "the same of one in a part of time or positions, which was chosen among hundreds"
-    )
+    matters_more: float = threshold(1.0, "the same of a peculiar cause")
+    matters_common: float = threshold(0.7, "the same of one that many machines have")
+    common: float = threshold(0.1, "probability of a cause at a place, from which many have it")
     judged: float = threshold(
         0.2,
         "share of what all else leaves of recordings that only judge, that a peculiar cause must"
