@@ -25,11 +25,11 @@ BEFORE = "before"
 _estimated = Model._settle
 
 
-def noise_of_ordinary_alone(model: Model, noise: Mapping[Any, float]) -> None:
+def noise_of_ordinary_alone(model: Model, noise: Mapping[Any, float], rounds: int) -> None:
     """In the place of Model's: noise that ordinary physics leaves, never less beside causes."""
     ordinary = [each for each in model.hypotheses if each.ordinary]
     if len(ordinary) == len(model.hypotheses):
-        _estimated(model, noise)
+        _estimated(model, noise, rounds)
     else:
         model.noise = dict(noise or Model(model.data, ordinary).noise)
         model._solve()

@@ -260,6 +260,7 @@ def _finding(content: dict[str, Any]) -> Finding:
         evidence=Evidence(
             validation_gain=content["evidence"]["validation_gain"],
             interval95=tuple(content["evidence"]["interval95"]),
+            beside_others=content["evidence"].get("beside_others"),
             channels=tuple(content["evidence"].get("channels", ())),
         ),
         support=Support(**content["support"]) if content.get("support") else None,

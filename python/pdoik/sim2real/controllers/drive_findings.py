@@ -10,7 +10,7 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..effects.actuator_lag import ActuatorLag
 from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
-from ..effects.torque_saturation import OF_LAW, TorqueSaturation
+from ..effects.torque_saturation import OF_LAW, TorqueSaturation, kinds
 from ..effects.torque_speed_limit import TorqueSpeedLimit
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.ceiling import Ceiling, ceiling_of
@@ -106,8 +106,10 @@ def _told(prepared: Prepared, j: int, level: float) -> bool:
 
 
 def _top(prepared: Prepared, j: int) -> Finding | None:
-    """A ceiling that joint j's torques show by themselves, whatever was asked for."""
+    """A ceiling that joint j's torques show by themselves, where nobody logged what was asked."""
     limits = prepared.study.thresholds.limits
+    if kinds(prepared.fit.motions[0], j):
+        return None
     top = ceiling_of(prepared.fit.motions, j, limits)
     if top is None or _told(prepared, j, top.level):
         return None

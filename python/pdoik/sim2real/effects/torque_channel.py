@@ -13,6 +13,8 @@ from .effect import Effect
 OF_BOTH, OF_REPORT, OF_DRIVE = 0.0, 1.0, 2.0
 """Shapes: report and command are wrong alike; the report alone; what the drive makes of it."""
 
+_OF_DRIVE = -0.7  # log odds, half as likely
+
 
 class TorqueChannel(Effect):
     """An error of a torque that shows in the balances beside which it stands."""
@@ -44,6 +46,10 @@ class TorqueChannel(Effect):
             elif motion.has_law(j):
                 columns["law", j] = self.error(motion, motion.law_of(j))
         return columns
+
+    def log_prior(self, shape: Shape) -> float:
+        """A sensor is wrong more often than what a drive makes of its command."""
+        return _OF_DRIVE if shape[0] == OF_DRIVE else 0.0
 
     def variant(self, shape: Shape) -> str:
         """Whether the report is wrong or the drive; "" where both are, or nobody can tell."""

@@ -49,11 +49,7 @@ def wider(model: Model, law: Hypothesis) -> Model:
 def has_shape(hypothesis: Hypothesis) -> bool:
     term = hypothesis.term
     effect = CATALOGUE[term.effect]
-    return (
-        term.place.gate is not None
-        or bool(effect.free(term.shape))
-        or bool(effect.variant(term.shape))
-    )
+    return term.place.gate is not None or bool(effect.free(term.shape))
 
 
 def of_torque(hypothesis: Hypothesis) -> bool:
