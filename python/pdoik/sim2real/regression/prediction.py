@@ -105,9 +105,9 @@ class Prediction:
             began += np.bincount(block, square, minlength=count)
             other += np.bincount(block, without[key][rows] ** 2 * scale, minlength=count)
             there = (without[key] - with_it[key])[rows] ** 2
-            at = there > _ACTS * max(float(there.mean()), 1e-300)
-            acting += float(difference[at].sum())
-            left_there += float(np.sum(without[key][rows][at] ** 2)) * scale
+            acts = there > _ACTS * max(float(there.mean()), 1e-300)
+            acting += float(difference[acts].sum())
+            left_there += float(np.sum(without[key][rows][acts] ** 2)) * scale
         beside_others = acting / max(left_there, 1e-12)
         if other.sum() > began.sum():  # the rest alone make it worse than it was
             began = other
