@@ -221,8 +221,17 @@ def _if_sized(finding: Finding, suspected: float) -> Finding:
     That another day's friction may be nothing, of few that were seen, is no doubt of these days'.
     """
     effect = CATALOGUE[finding.effect]
-    if not effect.size_first or not finding.parameters:
+    if not finding.parameters:
         return finding
+    if not effect.size_first:
+        nothing = (effect.example and effect.example.nothing) or {}
+        figures = finding.parameters.items()
+        inside = (
+            each.interval95[0] <= nothing.get(name, 0.0) <= each.interval95[1]
+            for name, each in figures
+        )
+        least = min(finding.confidence, suspected - 1e-3)
+        return replace(finding, confidence=least) if all(inside) else finding
     size = next(iter(finding.parameters.values()))
     low, high = size.interval95
     if size.spread is not None:
