@@ -25,9 +25,15 @@ _ROUNDS = 40  # at most, of coefficients and noise in turn
 _SETTLED = 0.02  # relative change of a variance that is none
 _LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
 _NO_PULL = 1e-9  # against a bound, of the largest there is
-_LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
 _ACTS = 0.0025  # of a part's largest square, from which it acts
 _TRACE = 1e-11  # of ridge, where columns are scaled to one
+
+LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
+
+
+def unexplained(left: float, noise: float) -> float:
+    """Of the mean square that is left, what is no noise of sensors."""
+    return max(left - noise, LEAST_OWN * max(left, noise), 1e-300)
 
 
 class Model:
@@ -267,8 +273,8 @@ class Model:
                 power = power[power > _ACTS * power.max(initial=0.0)]
             if not len(power):
                 continue
-            left, noise = float(np.mean(self.left(key) ** 2)), self.data.series[key].floor ** 2
-            rest = max(left - noise, _LEAST_OWN * max(left, noise), 1e-300)
+            left = float(np.mean(self.left(key) ** 2))
+            rest = unexplained(left, self.data.series[key].floor ** 2)
             largest = max(largest, float(np.sqrt(np.mean(power) / rest)))
         return largest
 

@@ -100,20 +100,12 @@ class Ordinary:
             TorqueOffset.id: believed.offset * usual,
             RotorInertia.id: believed.rotor * usual / max(accelerated, 1e-9),
         }
-        if not self._feet_are_free:
+        if not b.loads_are_inferred:  # noise and all: scales of all torques would shrink it
             sizes[TorqueGain.id] = believed.torque
         for name, size in sizes.items():
             term = self.term(name, j)
             if term is not None:
                 yield ordinary(term, max(size, 1e-12), positive=name in _POSITIVE)
-
-    @property
-    def _feet_are_free(self) -> bool:
-        """Whether torques say what feet take, noise and all: all scales together would shrink it.
-
-        A scale is then a peculiar cause only.
-        """
-        return any(foot.load is not None for m in self.balances.motions for foot in m.feet)
 
     def term(self, name: str, j: int, shape: Shape | None = None) -> Term | None:
         """The term of a joint's part; None where it changes nothing."""

@@ -56,7 +56,7 @@ def _gravity_of(fit: Fit) -> FloatArray | None:
 
 def _with_feet(prepared: Prepared, fit: Fit) -> Prepared | None:
     """With other forces on the feet; None where nothing says what these are, or none matters."""
-    if not any(foot.load is not None for motion in prepared.fit.motions for foot in motion.feet):
+    if not prepared.fit.loads_are_inferred:
         return None
     found = fit.weighted
     again = _moved(prepared, prepared.fit, found)

@@ -15,10 +15,10 @@ from ..regression.fit import Fit, Term
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import TRUST
 from ..study.recording import FloatArray
+from .model import LEAST_OWN, unexplained
 from .ordinary import days_of
 
 _TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
-_LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
 _ACTS = 0.05  # of a column's mean square, from which a row counts as one where it acts
 
 
@@ -63,7 +63,7 @@ def held_out_support(
         seen |= np.bincount(b.fold[rows], minlength=fit.folds) > 0
         each = float(np.sum(before[key][at] ** 2))
         noise = len(rows) * (b.floor[key] / b.sigma[key]) ** 2
-        began += max(each - noise, _LEAST_OWN * each)
+        began += max(each - noise, LEAST_OWN * each)
         first += float(np.sum(start.target[key] ** 2))
         own += float(np.sum(_part(fit, term, key) ** 2)) / b.sigma[key] ** 2
         left += float(np.sum(after[key][at] ** 2))
@@ -133,8 +133,7 @@ def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
             continue
         own = float(np.mean(part[rows] ** 2))
         left = float(np.mean(fit.residual(key) ** 2)) * b.sigma[key] ** 2
-        noise = b.floor[key] ** 2
-        rest = max(left - noise, _LEAST_OWN * max(left, noise), 1e-300)
+        rest = unexplained(left, b.floor[key] ** 2)
         others = [
             float(np.mean(_part(fit, each, key)[rows] ** 2))
             for each in peculiar

@@ -210,9 +210,13 @@ def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
     if prepared.validate is None:
         return False
     seen, believed = finding.evidence, prepared.study.thresholds.identify
-    acts = max(map(abs, seen.interval95)) >= _NEVER
     little = seen.beside_others is not None and seen.beside_others < believed.judged
-    return acts and (little or seen.interval95[0] < 0.0)
+    return _acts(seen) and (little or seen.interval95[0] < 0.0)
+
+
+def _acts(seen: Evidence) -> bool:
+    """Whether recordings that only judge say anything of a cause."""
+    return max(map(abs, seen.interval95)) >= _NEVER
 
 
 def _if_sized(finding: Finding, suspected: float) -> Finding:
@@ -260,10 +264,9 @@ def _as_judged(findings: Sequence[Finding]) -> list[str]:
     """What held-out recordings say nothing of, in words: it stays all the same."""
     notes = []
     for each in findings:
-        low, high = each.evidence.interval95
         where = ", ".join(each.links or each.joints) or "the base"
         said = f"{CATALOGUE[each.effect].words} at {where}"
-        if max(abs(low), abs(high)) < _NEVER:
+        if not _acts(each.evidence):
             notes.append(
                 f"{said}: never acts in the held-out recordings, and rests on the fit recordings"
                 " alone."

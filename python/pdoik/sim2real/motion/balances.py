@@ -102,6 +102,11 @@ class Balances:
         """Balances and channels that these motions have."""
         return tuple(self.residual)
 
+    @property
+    def loads_are_inferred(self) -> bool:
+        """Whether torques say what feet take."""
+        return any(foot.load is not None for m in self.motions for foot in m.feet)
+
     def thin(self, motion: int, values: FloatArray, cutoff: float | None = None) -> FloatArray:
         """Filter and leave out samples, as every balance is; (T, ...) to (N of the motion, ...)."""
         m = self.motions[motion]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..study.recording import FloatArray
 from ..thresholds.limits import LimitThresholds
+from .flat_top import occasions_of
 from .motion import Motion
 
 _NO_LOADS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0)  # over the fastest speed seen
@@ -36,7 +37,6 @@ class Ceiling:
     level_std: float
     no_load: float  # speed at which nothing is left [rad/s]; inf where the level is the same
     no_load_std: float
-    share: float  # of the samples, that lie at it
     pile: float  # samples at it over those just below, per N m
     occasions: int
 
@@ -58,23 +58,23 @@ def ceiling_of(motions: Sequence[Motion], j: int, limits: LimitThresholds) -> Ce
         return None
     fastest = float(np.quantile(np.abs(samples.along), 0.999))
     lines = [share * fastest for share in _NO_LOADS if fastest > limits.least_span]
-    best: tuple[float, Ceiling | None] = 0.0, None
-    for no_load in (np.inf, *lines):
-        for reached in _REACHED:
-            score, found = _ceiling(samples, no_load, reached, limits)
-            if found is not None and score > best[0]:
-                best = score, found
-    return best[1]
+    tried = (
+        _ceiling(samples, no_load, reached, limits)
+        for no_load in (np.inf, *lines)
+        for reached in _REACHED
+    )
+    found = [each for each in tried if each is not None]
+    return max(found, key=lambda each: each[0])[1] if found else None
 
 
 def _samples(motions: Sequence[Motion], j: int) -> _Samples | None:
     size, along, parts, moves, noise = [], [], [], [], []
     for m in motions:
-        tau, body = m.recording.tau, m.body
-        if tau is None or body is None or m.rows > m.n or not np.isfinite(tau[:, j]).all():
+        tau = m.recording.tau
+        if tau is None or m.body is None or m.rows > m.n or not np.isfinite(tau[:, j]).all():
             return None
-        torque, sign, rest = tau[:, j], np.sign(tau[:, j]), np.zeros_like(m.dq)
-        gravity = body.torque(m.q, rest, rest)[:, j]
+        torque, sign = tau[:, j], np.sign(tau[:, j])
+        gravity = m.tau_at_rest()[:, j]
         inertia = m.tau_without_rotor()[:, j] - gravity
         good = m.valid
         size.append(np.abs(torque)[good])
@@ -101,17 +101,17 @@ def _noise(torque: FloatArray) -> float:
 
 def _ceiling(
     s: _Samples, no_load: float, reached: float, limits: LimitThresholds
-) -> tuple[float, Ceiling | None]:
+) -> tuple[float, Ceiling] | None:
     """One that is at a quantile of the torques, and by how many samples it stands out."""
     left, use = _left(s, no_load)
     if np.count_nonzero(use) < limits.least_piled / max(1.0 - reached, 1e-6):
-        return 0.0, None
+        return None
     level, at = float(np.quantile((s.size / left)[use], reached)), use
     for _ in range(_ROUNDS):
         near = max(_WIDE * s.noise, _LEAST * level)
         at = use & (np.abs(s.size - level * left) < near)
         if np.count_nonzero(at) < limits.least_piled:
-            return 0.0, None
+            return None
         level, no_load = _line(s, at, no_load)
         left, use = _left(s, no_load)
     below = s.size - level * left
@@ -121,7 +121,7 @@ def _ceiling(
     score, pile = 0.5 * count - expected, 0.5 * count / max(expected, 1.0)
     inside = at & s.moves
     varies = float(s.parts[inside].std(axis=0).max()) if inside.any() else 0.0
-    occasions = int(np.sum(np.diff(np.flatnonzero(at)) * s.period > limits.apart)) + 1
+    occasions = occasions_of(at, s.period, limits.apart)
     clear = (
         pile >= limits.piled
         and count >= limits.least_share * len(s.size)
@@ -131,7 +131,7 @@ def _ceiling(
         and occasions >= limits.least_occasions
     )
     if not clear:
-        return score, None
+        return None
     speeds = np.quantile(s.along[at], (0.05, 0.95))
     if np.ptp(speeds) < limits.falls * no_load:
         no_load = np.inf
@@ -141,7 +141,6 @@ def _ceiling(
         level_std=level_std,
         no_load=no_load,
         no_load_std=no_load_std,
-        share=count / len(s.size),
         pile=pile,
         occasions=occasions,
     )

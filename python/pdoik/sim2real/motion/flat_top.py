@@ -62,7 +62,7 @@ def flat_top(
         int(np.sum(each > level + max(limits.noise * noise, 2 * limits.flat * level)))
         for each in highest
     )
-    occasions = sum(_occasions(a, t[3], limits.apart) for t, a in zip(torques, at, strict=True))
+    occasions = sum(occasions_of(a, t[3], limits.apart) for t, a in zip(torques, at, strict=True))
     once = occasions < 2
     if spread > max(1.5 * noise, limits.flat * level) or over > 0.1 * len(top):
         return None
@@ -92,7 +92,7 @@ def _beyond(torques: Torques, level: float, noise: float) -> NDArray[np.bool_]:
     return inner
 
 
-def _occasions(at: NDArray[np.bool_], period: float, apart: float) -> int:
+def occasions_of(at: NDArray[np.bool_], period: float, apart: float) -> int:
     """How often, gaps shorter than `apart` [s] not counted."""
     index = np.flatnonzero(at)
     return int(np.sum(np.diff(index) * period > apart)) + 1 if len(index) else 0

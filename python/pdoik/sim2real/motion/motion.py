@@ -187,6 +187,14 @@ class Motion:
             self.cache["rigid"] = self.body.torque(self.q, self.dq, self.ddq)
         return self.cache["rigid"]
 
+    def tau_at_rest(self) -> FloatArray:
+        """Torques that would hold the rigid body where it is, (T, rows)."""
+        if "at rest" not in self.cache:
+            assert self.body is not None
+            rest = np.zeros_like(self.dq)
+            self.cache["at rest"] = self.body.torque(self.q, rest, rest)
+        return self.cache["at rest"]
+
     def tip_moved(self, q: FloatArray, body: RigidBody | None = None) -> FloatArray:
         """Change of the tip's pose to other positions (T, n), or another body's; (T, 6)."""
         assert self.body is not None

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from ..effects.effect import Effect
+from ..effects.torque_channel import OF_DRIVE
+from ..effects.torque_gain import TorqueGain
+from ..effects.torque_offset import TorqueOffset
 from ..motion.motion import Motion
-from ..motion.place import Balance, Columns, Place, Shape
-from ..study.recording import FloatArray
+from ..motion.place import Columns, Place, Shape
 
 ZERO, SCALE, SPEED = 0.0, 1.0, 2.0
 """Shapes: a drive's zero, its scale, a speed's scale."""
+
+_OF_DRIVES = {ZERO: TorqueOffset(), SCALE: TorqueGain()}
 
 
 class Tolerance(Effect):
@@ -26,16 +28,7 @@ class Tolerance(Effect):
         (j,) = place.joints
         if shape[0] == SPEED:
             return {} if motion.measured_dq is None else {("velocity", j): motion.dq[:, j, None]}
-        asked: tuple[Balance, FloatArray]
-        if motion.has_command(j) and motion.command is not None:
-            asked = "drive", motion.command[:, j]
-        elif motion.has_law(j):
-            asked = "law", motion.law_of(j)
-        else:
-            return {}
-        balance, torque = asked
-        column = np.ones_like(torque) if shape[0] == ZERO else torque
-        return {(balance, j): column[:, None]}
+        return _OF_DRIVES[shape[0]].columns(motion, place, (OF_DRIVE,))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
