@@ -17,7 +17,7 @@ from pdoik.sim2real.identify.pool import Pool
 from pdoik.sim2real.identify.posterior import Posterior
 from pdoik.sim2real.identify.weighing import State
 from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.motion.place import Gate, Place
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.regression.fit import TermKey, term_of
 from sim2real_known_causes import RIGHT, RUBS, SEVERAL, few_steps, several, study
@@ -134,16 +134,54 @@ def test_what_a_sound_machine_began_with_goes(tmp_path: Path) -> None:
 class Shedding(Posterior):
     """A search whose ordinary part, tuned, leaves no room for what was added to it."""
 
+    def has_room(self, each: Hypothesis) -> bool:
+        return each.term.effect != "stribeck_friction"
+
     def tuned(self, *given: Any) -> State:
         state = super().tuned(*given)
-        kept = [each for each in state.chosen if each.term.effect != "stribeck_friction"]
-        return self.with_causes(state, kept)
+        return self.with_causes(state, [each for each in state.chosen if self.has_room(each)])
+
+
+class SheddingParts(Shedding):
+    """The same of what acts in a part, whose ends move as it is tried."""
+
+    def has_room(self, each: Hypothesis) -> bool:
+        return each.term.place.gate is None
 
 
 def test_what_cannot_stay_is_not_tried_for_ever(mixed: Balances) -> None:
     posterior = Shedding.of(mixed, few_steps())
     state = posterior.grown(posterior.begun(RIGHT))
     assert ("position_dependent_spring", Place(joints=(1,))) in keys(state)
+
+
+def test_a_part_that_cannot_stay_is_not_tried_for_ever(tmp_path: Path) -> None:
+    def pushed(k: int, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
+        return 2.0 * (q > 0.13) * (q < 0.41) * np.array([1.0, 0.0])
+
+    said: list[str] = []
+    steps = few_steps()
+
+    def tell(text: str) -> None:
+        steps(text)
+        said.append(text)
+
+    posterior = SheddingParts.of(prepare(study(tmp_path, pushed)).fit, tell)
+    state = posterior.grown(posterior.begun(RIGHT))
+    assert all(each.term.place.gate is None for each in state.chosen)
+    assert max(said.count(text) for text in said) < 6  # of its beginnings and last looks
+
+
+def test_a_cause_is_the_same_wherever_its_part_ends(mixed: Balances) -> None:
+    def part(low: float, of: str = "position") -> Hypothesis:
+        place = Place(joints=(1,), gate=Gate(of=of, low=low, high=low + 0.5))
+        effect = CATALOGUE["viscous_friction"]
+        term = term_of(mixed, effect, place, effect.shapes(mixed.motions, place)[0])
+        assert term is not None
+        return peculiar(mixed, term)
+
+    assert part(-0.4).key == part(0.0).key
+    assert part(0.0).key != part(0.0, "time").key
 
 
 @pytest.mark.parametrize("step", [1e-6, 0.005, 0.01, 0.03])

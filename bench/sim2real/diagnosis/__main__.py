@@ -9,16 +9,9 @@ memory of long studies instead. Needs the extras bench and sim2real.
 """
 
 import json
-import multiprocessing
-import resource
-import tempfile
-import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, replace
-from pathlib import Path
+from dataclasses import asdict
 from typing import Annotated
-from unittest import mock
 
 import numpy as np
 import pandas as pd
@@ -29,23 +22,17 @@ from bench.common.digests import code_digest
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
 from bench.common.whole_files import write_text
-from bench.sim2real.concealed import build
 from bench.sim2real.concealed.catalogue import EFFECTS
-from bench.sim2real.concealed.draft import Draft, draft_of
-from bench.sim2real.concealed.effect import Effect
-from bench.sim2real.concealed.motion import Style, recording_motion
 from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
+from bench.sim2real.diagnosis.long_studies import times_table
 from bench.sim2real.diagnosis.score import run_study
-from pdoik.sim2real import diagnose
 
 ROOM = 50  # seeds between two effects, half of them for each way of hiding
 QUICK = (
     *("coulomb_friction", "viscous_friction", "payload", "torque_offset", "command_delay"),
     *("backlash",),
 )
-LONG = 40.0  # of each of three recordings [s]
-REPEATS = 3
 
 
 def main(
@@ -178,59 +165,6 @@ def place(entry: dict) -> str:
 
 def residuals(joint: dict) -> str:
     return " ".join(f"{joint[name]:.3g}" for name in ("before", "after", "noise_floor"))
-
-
-def times_table(seed: int) -> str:
-    """Seconds and peak memory for Panda with friction in every joint, by length of recordings."""
-    rows = []
-    for factor in (1, 2, 4):
-        with (
-            tempfile.TemporaryDirectory(prefix="pdoik-diagnosis-") as folder,
-            cli.console.status(f"three recordings of {factor * LONG:g} s"),
-        ):
-            samples = long_study(Path(folder) / "study", seed, factor * LONG)
-            runs = [alone(Path(folder) / "study" / "study.yaml") for _ in range(REPEATS)]
-        seconds, memory, findings = np.median(runs, axis=0)
-        figures = [f"{seconds:.1f}", f"{1e6 * seconds / samples:.0f}", f"{memory:.2f}"]
-        rows.append([f"3 x {factor * LONG:g} s", samples, *figures, int(findings)])
-    header = ["recordings", "samples", "median seconds", "us per sample", "peak memory [GiB]"]
-    return markdown_table([*header, "findings"], rows)
-
-
-def alone(study: Path) -> tuple[float, float, int]:
-    """Seconds, GiB and findings of one diagnosis in a process of its own."""
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(1, mp_context=context) as pool:
-        return pool.submit(timed, study).result()
-
-
-def timed(study: Path) -> tuple[float, float, int]:
-    begin = time.perf_counter()
-    findings = diagnose(study).findings
-    seconds = time.perf_counter() - begin
-    return seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, len(findings)
-
-
-def long_study(folder: Path, seed: int, duration: float) -> int:
-    """Panda with Coulomb friction in every joint, logged at 250 Hz; the number of samples."""
-    spec = WorldSpec(seed=seed, effect="coulomb_friction", size=20.0)
-
-    def draft(spec: WorldSpec) -> Draft:
-        short, rng = draft_of(spec), spec.stream("long")
-        kinds = (("sines", "reversals"), ("moves", "sines"), ("reversals", "sines", "moves"))
-        motions = [recording_motion(short.arm, rng, kind, duration, 0.7, Style()) for kind in kinds]
-        sensors = replace(short.sensors, log_period=0.004)
-        return replace(short, motions=motions, roles=["fit", "fit", "validate"], sensors=sensors)
-
-    drawn = build.drawn
-
-    def everywhere(draft: Draft, attempt: int = 0) -> tuple[Effect, ...]:
-        plans = [replace(draft.plan, places=(joint,)) for joint in range(draft.arm.n)]
-        return tuple(drawn(replace(draft, plan=plan), attempt)[0] for plan in plans)
-
-    with mock.patch.multiple(build, draft_of=draft, drawn=everywhere):
-        build.make_study(folder, spec)
-    return sum(len(path.read_text().splitlines()) - 1 for path in folder.glob("rec*.csv"))
 
 
 if __name__ == "__main__":

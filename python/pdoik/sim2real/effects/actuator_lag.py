@@ -24,6 +24,11 @@ from .command_delay import (
 from .effect import Effect, Example, Parameter
 from .site import Site
 
+SLOWEST_TORQUE = 0.08
+"""Time constant of the slowest torque loops, pneumatic ones: 2 Hz [s]. What is slower is no lag."""
+
+_AT_BOUND = 0.98
+
 
 class ActuatorLag(Effect):
     """T dtau/dt + tau = tau_cmd."""
@@ -53,7 +58,11 @@ class ActuatorLag(Effect):
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Time constants [s]."""
-        return drive_shapes(motions, place, TIMES)
+        return [
+            (what, time)
+            for what, time in drive_shapes(motions, place, TIMES)
+            if what != OF_TORQUE or time < SLOWEST_TORQUE
+        ]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """The lagged command less the command."""
@@ -73,7 +82,12 @@ class ActuatorLag(Effect):
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """What lags is what it is; the time within a factor."""
         what, time = shape
-        return [(what, what), (0.4 * time, min(2.5 * time, self.parameters[0].upper))]
+        most = SLOWEST_TORQUE if what == OF_TORQUE else self.parameters[0].upper
+        return [(what, what), (0.4 * time, min(2.5 * time, most))]
+
+    def possible(self, shape: Shape) -> bool:
+        """Whether a torque loop may be as slow as that."""
+        return shape[0] != OF_TORQUE or shape[1] < _AT_BOUND * SLOWEST_TORQUE
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Less than the sampling can tell."""

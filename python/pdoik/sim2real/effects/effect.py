@@ -236,6 +236,10 @@ class Effect(ABC):
         """What a body's ten parameters are added to, (10,); None of what is no body."""
         return None
 
+    def possible(self, shape: Shape) -> bool:
+        """Whether a shape makes physical sense, whatever the recordings say."""
+        return True
+
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether nothing in the recordings contradicts it outright."""
         return True

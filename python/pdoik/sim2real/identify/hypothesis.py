@@ -8,7 +8,7 @@ import numpy as np
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
-from ..motion.place import Key
+from ..motion.place import Gate, Key
 from ..regression.background import usual_torque
 from ..regression.fit import Term, TermKey
 from ..study.recording import FloatArray
@@ -33,8 +33,11 @@ class Hypothesis:
 
     @property
     def key(self) -> TermKey:
-        """What it is and where: the same for other shapes."""
-        return self.term.key
+        """What it is and where: the same for other shapes, and for other ends of its part."""
+        effect, place = self.term.key
+        if place.gate is None:
+            return effect, place
+        return effect, replace(place, gate=Gate(of=place.gate.of))
 
     @property
     def width(self) -> int:
@@ -45,6 +48,8 @@ class Hypothesis:
         """Whether coefficients make physical sense."""
         if self.ordinary:
             return True
+        if not CATALOGUE[self.term.effect].possible(self.term.shape):
+            return False
         if self.term.fixed:  # where the data want another multiple of it, it is something else
             return bool(_LEAST_FIXED < beta[0] < _MOST_FIXED)
         return CATALOGUE[self.term.effect].admissible(beta)

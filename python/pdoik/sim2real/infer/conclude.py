@@ -79,7 +79,7 @@ def conclude(
     against = [
         (each, terms)
         for each, terms in found
-        if _is_contradicted(prepared, each) and not _is_ordinary(state, terms)
+        if _is_contradicted(prepared, each, ordinary=_is_ordinary(state, terms))
     ]
     # The rest was learnt beside them, and stays as it is; nothing is predicted with them.
     prediction.apart |= {term.key for _, terms in against for term in terms}
@@ -205,11 +205,16 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
     )
 
 
-def _is_contradicted(prepared: Prepared, finding: Finding) -> bool:
-    """Whether recordings that only judge are not surely better with it, or by next to nothing."""
+def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) -> bool:
+    """Whether recordings that only judge are not surely better with it, or by next to nothing.
+
+    What every machine has is there in any case: it is only not to make them worse.
+    """
     if prepared.validate is None:
         return False
     seen, believed = finding.evidence, prepared.study.thresholds.identify
+    if ordinary:
+        return _acts(seen) and seen.validation_gain < 0.0
     little = seen.beside_others is not None and seen.beside_others < believed.judged
     return _acts(seen) and (little or seen.interval95[0] < 0.0)
 

@@ -9,7 +9,7 @@ from .recording import Recording, Role
 from .split import part
 from .study import Study
 
-_PIECE = 60.0  # about the length of an excerpt [s]
+_PIECE = 30.0  # about the length of an excerpt [s]
 
 
 def excerpted(study: Study) -> Study:

@@ -38,8 +38,11 @@ def glitches(values: FloatArray) -> NDArray[np.bool_]:
     # Float noise and interpolated logs have no resolution: there the other bounds decide.
     resolution = float(np.quantile(size[size > 0.0], 0.02))
     least = max(_STEPS * resolution, _USUAL * float(np.median(bends)))
+    large, back = size > 0.5 * least, np.zeros(len(steps), dtype=np.bool_)
+    for width in range(1, min(_LONGEST, len(steps) - 1) + 1):
+        back[:-width] |= (steps[:-width] * steps[width:] < 0.0) & large[width:]
     last = -1
-    for k in map(int, np.flatnonzero(size > 0.5 * least)):
+    for k in map(int, np.flatnonzero(large & back)):
         if k <= last:
             continue
         for width in range(1, _LONGEST + 1):

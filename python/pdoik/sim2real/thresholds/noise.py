@@ -24,9 +24,9 @@ class NoiseThresholds(Group):
         1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"
     )
     longest_fit: float = threshold(
-        600.0, "recorded time to fit beyond which excerpts are used, spread over all of it", "s"
+        240.0, "recorded time to fit beyond which excerpts are used, spread over all of it", "s"
     )
-    longest_judged: float = threshold(300.0, "the same of recordings that only judge", "s")
+    longest_judged: float = threshold(120.0, "the same of recordings that only judge", "s")
     folds: int = threshold(4, "parts of cross-validation: recordings, or long stretches of few")
     lowest_cutoff: float = threshold(5.0, "lowest cut-off of the balances that is chosen", "Hz")
     highest_cutoff: float = threshold(20.0, "highest cut-off that is chosen", "Hz")
