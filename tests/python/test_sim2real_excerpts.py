@@ -37,7 +37,7 @@ def test_a_study_that_is_short_enough_is_left_as_it_is(tmp_path: Path) -> None:
 @pytest.mark.parametrize("most", [4.0, 9.0])
 def test_excerpts_are_spread_over_all_of_a_long_log(tmp_path: Path, most: float) -> None:
     study = logged(tmp_path)
-    numbers = {"noise.longest_fit": most, "noise.longest_judged": most / 2}
+    numbers = {"noise.longest": most}
     limited = replace(study, thresholds=Thresholds().changed(numbers))
     some = excerpted(limited)
     assert sum(lengths(some.fit)) == pytest.approx(most, rel=0.05)
@@ -53,3 +53,17 @@ def test_excerpts_are_spread_over_all_of_a_long_log(tmp_path: Path, most: float)
     centre = np.mean([r.start + 0.5 * (r.time[-1] - r.time[0]) for r in study.fit])
     assert np.mean(middles) == pytest.approx(centre, rel=0.05, abs=0.2)
     assert any("minutes of recordings" in note for note in some.notes)
+    assert sum(lengths(some.recordings)) == pytest.approx(1.5 * most, rel=0.05)
+
+
+def test_as_much_is_kept_as_the_rows_of_all_joints_allow(tmp_path: Path) -> None:
+    """What is logged twice as quickly, or has twice the joints, says as much in half the time."""
+    study = logged(tmp_path)
+    noise = study.thresholds.noise
+    cutoff = min(noise.highest_cutoff, noise.cutoff_of_rate / study.recordings[0].period)
+    rows = 3.0 * cutoff * len(study.joints)
+    numbers = {"noise.most_rows": round(rows * 10.0), "noise.shortest": 5.0}
+    limited = replace(study, thresholds=Thresholds().changed(numbers))
+    assert sum(lengths(excerpted(limited).fit)) == pytest.approx(10.0, rel=0.05)
+    fewer = replace(study, thresholds=Thresholds().changed({**numbers, "noise.most_rows": 1}))
+    assert sum(lengths(excerpted(fewer).fit)) == pytest.approx(5.0, rel=0.05)

@@ -101,14 +101,15 @@ def examine(
         UnanswerableError: nothing can be found in the study, and `anyway` is False.
     """
     say = tell or (lambda stage, text, share: None)
-    study = load_study(study)
-    if thresholds is not None:
-        study = replace(study, thresholds=thresholds)
     with threadpool_limits(limits=1, user_api="blas"):  # of small solves threads only wait
-        ready = made_ready(study, say)
+        ready = made_ready(_believing(load_study(study), thresholds), say)
         if ready.unanswerable and not anyway:
             raise UnanswerableError(ready.unanswerable)
         return _examined(ready, seed, say)
+
+
+def _believing(study: Study, thresholds: Thresholds | None) -> Study:
+    return study if thresholds is None else replace(study, thresholds=thresholds)
 
 
 def _examined(ready: Ready, seed: int, say: Tell) -> Examination:

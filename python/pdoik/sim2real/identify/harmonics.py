@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
-from ..motion.balances import Balances
 from ..motion.place import Place
 from ..regression.fit import Fit, Term, term_of
 from ..study.recording import FloatArray
 
 _LOWEST, _HIGHEST = 4, 300  # cycles per turn; fewer look like gravity
 _TRIED = 2  # harmonics per joint that are worked out
+_BINS = 4096  # of a turn
+_REACHES = np.geomspace(_LOWEST, _HIGHEST, 32)  # harmonics to which rows are told apart by speed
 
 
 def harmonic_terms(fit: Fit) -> list[Term]:
@@ -20,7 +20,6 @@ def harmonic_terms(fit: Fit) -> list[Term]:
     b, least = fit.balances, fit.balances.thresholds.identify
     effects = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     terms = []
-    harmonics = np.arange(_LOWEST, _HIGHEST + 1)
     for j in range(b.n):
         key = ("torque", j)
         if key not in fit.design or not b.excited[j]:
@@ -28,25 +27,34 @@ def harmonic_terms(fit: Fit) -> list[Term]:
         rows = fit.rows[key]
         if len(rows) < least.harmonic_rows:
             continue
-        waves, count = _waves(b, j)
-        count = np.maximum(count, float(least.harmonic_rows))
-        power = 2.0 * np.abs(fit.residual(key) @ waves[rows]) ** 2 / count
+        q = b.sampled([m.q[:, j] for m in b.motions])[rows]
+        dq = b.sampled([m.dq[:, j] for m in b.motions])[rows]
+        reach = 2.0 * np.pi * b.motions[0].cutoff / np.maximum(np.abs(dq), 1e-9)
+        power = _powers(q, reach, fit.residual(key), least.harmonic_rows)
         for i in np.argsort(power)[::-1][:_TRIED]:
             if power[i] > least.harmonic_power:
-                shape = (float(harmonics[i]),)
+                shape = (float(_LOWEST + i),)
                 found = [term_of(b, each, Place(joints=(j,)), shape) for each in effects]
                 terms += [term for term in found if term is not None]
     return terms
 
 
-def _waves(b: Balances, j: int) -> tuple[NDArray[np.complex64], FloatArray]:
-    """Harmonics of joint j's angle at every row, zero where the filter would take them, kept."""
-    name = f"waves {j}"
-    if name not in b.scratch:
-        q = b.sampled([m.q[:, j] for m in b.motions])
-        dq = b.sampled([m.dq[:, j] for m in b.motions])
-        harmonics = np.arange(_LOWEST, _HIGHEST + 1)
-        passes = np.abs(dq)[:, None] * harmonics < 2 * np.pi * b.motions[0].cutoff
-        waves = np.exp(1j * q[:, None] * harmonics) * passes
-        b.scratch[name] = (waves.astype(np.complex64), passes.sum(axis=0).astype(np.float64))
-    return b.scratch[name]
+def _powers(q: FloatArray, reach: FloatArray, left: FloatArray, fewest: int) -> FloatArray:
+    """Power of each harmonic of an angle, by the transforms of bins of it.
+
+    Args:
+        q: (N,) angles.
+        reach: (N,) the highest harmonic that the filter lets pass at a row's speed.
+        left: (N,) what is left.
+        fewest: rows that count at least.
+    """
+    kind = np.searchsorted(_REACHES, reach, side="right") - 1
+    seen = kind >= 0
+    kind, at = kind[seen], np.rint(q[seen] * (_BINS / (2.0 * np.pi))).astype(np.intp) % _BINS
+    size = len(_REACHES) * _BINS
+    sums = np.bincount(kind * _BINS + at, weights=left[seen], minlength=size)
+    waves = np.fft.rfft(sums.reshape(-1, _BINS), axis=1)[:, _LOWEST : _HIGHEST + 1]
+    passes = np.arange(_LOWEST, _HIGHEST + 1) <= _REACHES[:, None]
+    rows = np.bincount(kind, minlength=len(_REACHES)) @ passes
+    found = np.abs(np.sum(waves * passes, axis=0)) ** 2
+    return np.asarray(2.0 * found / np.maximum(rows, fewest), dtype=np.float64)

@@ -20,6 +20,8 @@ from .hypothesis import Hypothesis
 from .linearisation import Linearisation
 from .model import Model
 
+_AT_ONCE = 64  # columns that are taken together
+
 
 @dataclass(frozen=True, slots=True)
 class Scored:
@@ -31,9 +33,9 @@ class Scored:
 
 @dataclass(kw_only=True, eq=False)
 class _Of:
-    """The pool's columns at one balance."""
+    """Columns at one balance, rounded: their sums are exact, of columns that are a little others."""
 
-    columns: FloatArray  # (N, w)
+    columns: NDArray[np.float32]  # (N, w)
     index: NDArray[np.intp]  # (w,) of the pool's coefficients
     moment: FloatArray  # (w,)
     cross: FloatArray  # (columns of the series, w), as many as were asked for
@@ -51,11 +53,14 @@ class Pool:
         self._of: dict[Key, _Of] = {}
         self._own: list[dict[Key, FloatArray]] = [{} for _ in self.candidates]
         for key, series in data.series.items():
-            parts, index = [], []
+            parts: list[NDArray[np.float32]] = []
+            index, moments = [], []
             for number, (each, span) in enumerate(zip(self.candidates, self._spans, strict=True)):
                 if key in each.term.columns:
-                    part = each.term.columns[key][series.rows]
-                    parts.append(part)
+                    rounded = each.term.columns[key][series.rows].astype(np.float32)
+                    part = rounded.astype(np.float64)
+                    parts.append(rounded)
+                    moments.append(part.T @ series.target)
                     index.append(np.arange(span.start, span.stop))
                     self._own[number][key] = part.T @ part
             if parts:
@@ -63,7 +68,7 @@ class Pool:
                 self._of[key] = _Of(
                     columns=columns,
                     index=np.concatenate(index),
-                    moment=columns.T @ series.target,
+                    moment=np.concatenate(moments),
                     cross=np.zeros((0, columns.shape[1])),
                 )
 
@@ -102,8 +107,12 @@ class Pool:
         series, of = self.data.series[key], self._of[key]
         done = len(of.cross)
         if done < series.width:
-            new = series.columns[:, done : series.width].T @ of.columns
-            of.cross = np.vstack([of.cross, new])
+            new, width = series.columns[:, done : series.width].T, of.columns.shape[1]
+            parts = [
+                new @ of.columns[:, k : k + _AT_ONCE].astype(np.float64)
+                for k in range(0, width, _AT_ONCE)
+            ]
+            of.cross = np.vstack([of.cross, np.hstack(parts)])
         return of.cross
 
 

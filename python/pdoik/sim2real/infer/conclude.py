@@ -234,10 +234,11 @@ def _if_sized(finding: Finding, suspected: float) -> Finding:
         return finding
     if not effect.size_first:
         nothing = (effect.example and effect.example.nothing) or {}
-        figures = finding.parameters.items()
+        chosen = {each.name for each in effect.parameters if each.chosen}
         inside = (
             each.interval95[0] <= nothing.get(name, 0.0) <= each.interval95[1]
-            for name, each in figures
+            for name, each in finding.parameters.items()
+            if name not in chosen
         )
         least = min(finding.confidence, suspected - 1e-3)
         return replace(finding, confidence=least) if all(inside) else finding

@@ -86,7 +86,6 @@ class Balances:
         self.floor: dict[Key, float] = {}
         self.sigma: dict[Key, float] = {}
         self.repeats = 1.0  # rows that say the same as one, by their noise
-        self.scratch: dict[str, tuple[NDArray[np.complex64], FloatArray]] = {}
         self._columns: dict[_Name, dict[Key, FloatArray]] = {}
         self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
         self._last: tuple[_Name | None, list[Columns]] = None, []

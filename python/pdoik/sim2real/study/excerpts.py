@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from ..thresholds.noise import NoiseThresholds
-from .recording import Recording, Role
+import numpy as np
+
+from .recording import Recording
 from .split import part
 from .study import Study
 
 _PIECE = 30.0  # about the length of an excerpt [s]
+_ROWS = 3.0  # of a period of the cut-off
 
 
 def excerpted(study: Study) -> Study:
@@ -22,7 +25,8 @@ def excerpted(study: Study) -> Study:
     notes: list[str] = []
     for role in dict.fromkeys(recording.role for recording in study.recordings):
         every = [each for each in study.recordings if each.role == role]
-        most, whole = _most(limits, role), sum(map(_length, every))
+        whole = sum(map(_length, every))
+        most = _most(study, every) * (1.0 if role == "fit" else limits.judged_share)
         if whole <= most:
             kept += every
             continue
@@ -37,8 +41,13 @@ def excerpted(study: Study) -> Study:
     return replace(study, recordings=tuple(kept), notes=(*study.notes, *notes))
 
 
-def _most(limits: NoiseThresholds, role: Role) -> float:
-    return limits.longest_fit if role == "fit" else limits.longest_judged
+def _most(study: Study, recordings: Sequence[Recording]) -> float:
+    """Time of so many rows as a search bears, which are a few for each period of the cut-off."""
+    limits = study.thresholds.noise
+    rate = 1.0 / float(np.median([recording.period for recording in recordings]))
+    cutoff = min(limits.highest_cutoff, limits.cutoff_of_rate * rate)
+    rows = _ROWS * cutoff * len(study.joints)  # every second
+    return float(np.clip(limits.most_rows / rows, limits.shortest, limits.longest))
 
 
 def _length(recording: Recording) -> float:

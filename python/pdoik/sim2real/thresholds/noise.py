@@ -23,10 +23,14 @@ class NoiseThresholds(Group):
     block: float = threshold(
         1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"
     )
-    longest_fit: float = threshold(
-        240.0, "recorded time to fit beyond which excerpts are used, spread over all of it", "s"
+    longest: float = threshold(
+        600.0, "recorded time to fit beyond which excerpts are used, spread over all of it", "s"
     )
-    longest_judged: float = threshold(120.0, "the same of recordings that only judge", "s")
+    shortest: float = threshold(240.0, "time that excerpts last together at least", "s")
+    most_rows: int = threshold(
+        50_000, "rows of all joints to fit beyond which excerpts are used, as balances are thinned"
+    )
+    judged_share: float = threshold(0.5, "the same of recordings that only judge, as a share of it")
     folds: int = threshold(4, "parts of cross-validation: recordings, or long stretches of few")
     lowest_cutoff: float = threshold(5.0, "lowest cut-off of the balances that is chosen", "Hz")
     highest_cutoff: float = threshold(20.0, "highest cut-off that is chosen", "Hz")

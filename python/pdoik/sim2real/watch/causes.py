@@ -81,7 +81,6 @@ class WeighedRows:
             balances.residual[key] = made.residual[key] * self._weight[key]
             alike[key] = float(np.sqrt(memory))
             self.count += float(np.count_nonzero(balances.mask[key])) / memory
-        balances.scratch = {}
         self.balances = balances.with_noise(alike)
         self.time = time
 
