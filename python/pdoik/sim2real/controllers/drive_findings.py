@@ -13,7 +13,7 @@ from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
 from ..effects.torque_saturation import OF_LAW, TorqueSaturation, kinds
 from ..effects.torque_speed_limit import TorqueSpeedLimit
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
-from ..motion.ceiling import Ceiling, ceiling_of
+from ..motion.ceiling import Ceiling, ceiling_of, pile_at
 from ..motion.prepare import Prepared
 from ..regression.naming import where_in_words
 from ..study.recording import Recording
@@ -114,10 +114,11 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
     if top is None or _told(prepared, j, top.level):
         return None
     held = None if prepared.validate is None else prepared.validate.motions
-    again = top if held is None else ceiling_of(held, j, limits)
+    again = top.pile if held is None else pile_at(top, held, j)
+    if again < limits.piled:  # what only judges must show it too
+        return None
     effect, other, values, of = _limited(top)
-    stands_out = 1.0 - 1.0 / top.pile
-    judged = 0.0 if again is None else stands_out
+    stands_out, judged = 1.0 - 1.0 / top.pile, 1.0 - 1.0 / again
     seen = Support(
         log_odds=top.occasions * float(np.log(top.pile)),
         weight=stands_out,

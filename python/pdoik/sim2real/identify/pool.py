@@ -33,7 +33,7 @@ class Scored:
 
 @dataclass(kw_only=True, eq=False)
 class _Of:
-    """Columns at one balance, rounded: their sums are exact, of columns that are a little others."""
+    """Columns at one balance, rounded: sums are exact, of columns that are a little others."""
 
     columns: NDArray[np.float32]  # (N, w)
     index: NDArray[np.intp]  # (w,) of the pool's coefficients

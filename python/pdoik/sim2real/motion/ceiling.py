@@ -67,6 +67,27 @@ def ceiling_of(motions: Sequence[Motion], j: int, limits: LimitThresholds) -> Ce
     return max(found, key=lambda each: each[0])[1] if found else None
 
 
+def pile_at(ceiling: Ceiling, motions: Sequence[Motion], j: int) -> float:
+    """Samples of joint j at a ceiling that others showed, over those just below it, per N m."""
+    s = _samples(motions, j)
+    if s is None:
+        return 0.0
+    left, use = _left(s, ceiling.no_load)
+    near = max(_WIDE * s.noise, _LEAST * ceiling.level)
+    below = s.size - ceiling.level * left
+    return _pile(int(np.count_nonzero(use & (np.abs(below) < near))), _expected(below, use, near))
+
+
+def _expected(below: FloatArray, use: NDArray[np.bool_], near: float) -> float:
+    """Samples that a band as wide as a ceiling would hold, by those just below it."""
+    just = use & (below < -near) & (below > -_BELOW * near)
+    return float(np.count_nonzero(just)) / (_BELOW - 1.0)
+
+
+def _pile(count: int, expected: float) -> float:
+    return 0.5 * count / max(expected, 1.0)
+
+
 def _samples(motions: Sequence[Motion], j: int) -> _Samples | None:
     size, along, parts, moves, noise = [], [], [], [], []
     for m in motions:
@@ -116,9 +137,9 @@ def _ceiling(
         left, use = _left(s, no_load)
     below = s.size - level * left
     count = int(np.count_nonzero(at))
-    expected = np.count_nonzero(use & (below < -near) & (below > -_BELOW * near)) / (_BELOW - 1.0)
+    expected = _expected(below, use, near)
     beyond = int(np.count_nonzero(use & (below > _BEYOND * near)))
-    score, pile = 0.5 * count - expected, 0.5 * count / max(expected, 1.0)
+    score, pile = 0.5 * count - expected, _pile(count, expected)
     inside = at & s.moves
     varies = float(s.parts[inside].std(axis=0).max()) if inside.any() else 0.0
     occasions = occasions_of(at, s.period, limits.apart)
