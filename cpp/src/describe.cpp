@@ -39,12 +39,10 @@ std::string describe(const WorstConstraint& worst, const Robot& robot, const Sce
     return worst.obstacle < scene.shapes().count() ? scene.shapes().shape(worst.obstacle).name
                                                    : std::string("a shape");
   };
-  const auto held_name = [&] {
-    return "clearance of " +
-           (worst.index < scene.held().count() ? scene.held()[worst.index].shape.name
-                                               : std::string("what was held")) +
-           " to ";
+  const auto name_of_held = [&](int k) {
+    return k < scene.held().count() ? scene.held()[k].shape.name : std::string("what was held");
   };
+  const auto held_name = [&] { return "clearance of " + name_of_held(worst.index) + " to "; };
   switch (worst.kind) {
     case Kind::None:
       return "none";
@@ -70,6 +68,8 @@ std::string describe(const WorstConstraint& worst, const Robot& robot, const Sce
       return held_name() + shape_name();
     case Kind::HeldHull:
       return held_name() + hull_name(occupancy, worst.obstacle);
+    case Kind::HeldHeld:
+      return held_name() + name_of_held(worst.obstacle);
   }
   return "none";
 }

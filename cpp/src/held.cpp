@@ -53,6 +53,14 @@ Held::Held(Solids solids, const Robot& robot, const HullModel& hulls, const Shap
     const int at = static_cast<int>(balls_.points.size());
     balls_.points.push_back({each->body, each->solid.centre()});
     balls_.moving.push_back({at, at, each->solid.radius(), at});
+    for (const auto& other : solids_) {
+      const auto its = [&](const std::string& name) {
+        return std::find(other->may_touch.begin(), other->may_touch.end(), name) !=
+               other->may_touch.end();
+      };
+      held_heeded_.push_back(each->body != other->body && !may_touch(other->shape.name) &&
+                             !its(each->shape.name));
+    }
   }
 }
 

@@ -90,4 +90,23 @@ std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double w
   return near;
 }
 
+std::optional<HeldNear> HeldClearance::nearest_of_held(int k, int other, double within) const {
+  if (!held_.heeds_held(k, other)) return std::nullopt;
+  const Solid &solid = held_[k].solid, &still = held_[other].solid;
+  const Frame &own = frame(k), &its = frame(other);
+  const Vec4 apart = transform(own, solid.centre()) - transform(its, still.centre());
+  const double far = std::sqrt(dot3(apart, apart)) - solid.radius() - still.radius();
+  if (!(far - self_clearance_ < within)) return std::nullopt;
+  // In the frame of the other's body, which then stands still.
+  const auto turned = [&](const Vec4& axis) { return to_local(its, its.p + axis); };
+  const Frame relative{turned(own.x), turned(own.y), turned(own.z), to_local(its, own.p)};
+  const ConvexDistance found = convex_distance(solid, relative, still);
+  if (!(found.distance - self_clearance_ < within)) return std::nullopt;
+  HeldNear near{Kind::HeldHeld, k, other, found.distance - self_clearance_, 0, {}};
+  const Vec4 point = transform(its, found.point), gradient = rotate(its, found.gradient);
+  near.pulls.add(held_[k].body, point, -gradient);
+  near.pulls.add(held_[other].body, point, gradient);
+  return near;
+}
+
 }  // namespace pdoik::detail

@@ -170,6 +170,9 @@ void Judge::judge_held(const Scene& scene, double look, Verdict& verdict, Result
     for (int hull = 0; hull < held_->hulls(); ++hull)
       note(held_->nearest_of_hull(k, hull, within(result.self_distance, off_itself)),
            result.self_distance, off_itself);
+    for (int other = 0; other < k; ++other)
+      note(held_->nearest_of_held(k, other, within(result.self_distance, off_itself)),
+           result.self_distance, off_itself);
   }
 }
 

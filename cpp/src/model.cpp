@@ -32,13 +32,19 @@ std::vector<Model::Turn> turns_of(const Robot& robot) {
   for (int i = 0; i < robot.dof(); ++i) {
     const bool endless = std::isinf(robot.lower()[i]) &&
                          robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Continuous;
-    turns.push_back(endless ? Model::Turn::Wrap : Model::Turn::Limited);
+    const bool turns_about =
+        robot.joint_types()[static_cast<std::size_t>(i)] != JointType::Prismatic;
+    const bool whole = turns_about && robot.upper()[i] - robot.lower()[i] >= 2.0 * M_PI;
+    turns.push_back(endless ? Model::Turn::Wrap
+                    : whole ? Model::Turn::Whole
+                            : Model::Turn::Limited);
   }
   for (const Body& body : robot.bodies()) {
     if (body.dof < 0 || (!body.prismatic && body.multiplier == std::round(body.multiplier)))
       continue;
     Model::Turn& turn = turns[static_cast<std::size_t>(body.dof)];
     if (turn == Model::Turn::Wrap) turn = Model::Turn::Bound;
+    if (turn == Model::Turn::Whole) turn = Model::Turn::Limited;
   }
   return turns;
 }
@@ -77,7 +83,9 @@ void Model::wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const Turn turn = turns[static_cast<std::size_t>(i)];
     if (turn == Turn::Bound) q[i] = std::clamp(q[i], start[i] - M_PI, start[i] + M_PI);
-    if (turn == Turn::Wrap) q[i] = start[i] + std::remainder(q[i] - start[i], 2.0 * M_PI);
+    if (turn != Turn::Wrap && turn != Turn::Whole) continue;
+    const double near = start[i] + std::remainder(q[i] - start[i], 2.0 * M_PI);
+    if (turn == Turn::Wrap || (near >= robot.lower()[i] && near <= robot.upper()[i])) q[i] = near;
   }
 }
 

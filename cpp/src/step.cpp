@@ -4,137 +4,150 @@
 #include <cmath>
 
 #include "detail/outcome.hpp"
-#include "detail/travel.hpp"
 
 namespace pdoik::detail {
 namespace {
 
-/// What goals weigh against constraints when both cannot be had.
-constexpr double kYieldingGoals = 1e-4;
-/// Places on a longer way that are looked at are no nearer to each other than this share of it.
-constexpr double kFinest = 0.1;
+constexpr int kRounds = 4;   ///< linearisations of the barriers in a step
+constexpr int kPulled = 2;   ///< Gauss-Newton steps with the posture
+constexpr int kExactly = 6;  ///< and without it, until the goals are reached
+/// Barriers are looked for at twice what a step can reach, since it may take half of it, and no
+/// farther than this [m].
+constexpr double kShare = 2.0, kFar = 0.3;
+/// Of the largest diagonal entry of the Hessian: where the goals leave a joint free it stays.
+constexpr double kDamping = 1e-5, kLeastDamping = 1e-11;
+constexpr double kStalled = 0.98;                 ///< share of a cost that a turn may leave
+constexpr double kEasier = 0.1, kHarder = 10.0;   ///< after a turn that went downhill, or did not
+constexpr double kShares[] = {0.5, 0.25, 0.125};  ///< of a way that is not to be gone whole
+constexpr double kSettled = 1e-10;                ///< a change of joints that is none [rad], [m]
+/// Barriers are linear and hulls turn: what was missed is held off twice over, and forgotten by a
+/// tenth in a step.
+constexpr double kWider = 2.0, kForgotten = 0.9, kMostOff = 2e-3;
+constexpr double kRounding = 1e-12;   ///< of a distance [m]
+constexpr double kWorthwhile = 0.98;  ///< share of a shortfall that may be left by a round
 
 }  // namespace
 
 Step::Step(Workspace& workspace)
-    : workspace_(workspace), model_(workspace.model()), levers_(model_.levers) {
-  for (Eigen::VectorXd* each : {&probe_.q, &q_, &lower_, &upper_, &at_, &held_levers_})
-    each->setZero(model_.robot.dof());
+    : workspace_(workspace),
+      model_(workspace.model()),
+      gate_(workspace),
+      barriers_(model_),
+      program_(model_.robot.dof()) {
+  const Eigen::Index n = model_.robot.dof();
+  hessian_.setZero(n, n);
+  for (Eigen::VectorXd* each : {&gradient_, &q_, &pulled_, &next_, &least_, &most_})
+    each->setZero(n);
 }
 
-void Step::approach(const StepRequest& step, double margin, Result& result) {
+void Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
   LeastSquaresProblem& problem = workspace_.least_squares;
-  workspace_.problem.set_goals(step.goals);
-  q_ = *step.from;
+  double value = problem.evaluate_goals(q_) + problem.posture.value(q_);
+  ++result.evaluations;
+  double damping = -1.0;
+  for (int turn = 0; turn < turns && !late(); ++turn) {
+    if (!problem.posture.wanted() && problem.reached()) return;
+    problem.linearise_goals(hessian_, gradient_);
+    problem.posture.linearise(q_, hessian_, gradient_);
+    const double scale = std::max(hessian_.diagonal().maxCoeff(), 1e-12);
+    if (damping < 0.0) damping = kDamping * scale + value;
+    damping = std::max(damping, kLeastDamping * scale);
+    hessian_.diagonal().array() += damping;
+    next_ = q_ - about;
+    gradient_.noalias() -= hessian_.selfadjointView<Eigen::Upper>() * next_;
+    ++result.iterations;
+    if (!program_.factorise(hessian_) ||
+        !program_.solve(gradient_, barriers_.within(least_, most_), next_))
+      break;
+    next_ += about;
+    const double change = (next_ - q_).cwiseAbs().maxCoeff();
+    const double there = problem.evaluate_goals(next_) + problem.posture.value(next_);
+    ++result.evaluations;
+    if (there < value) {
+      const bool stalls = there > kStalled * value;
+      q_ = next_;
+      value = there;
+      damping *= kEasier;
+      if (stalls) return;
+    } else {
+      problem.evaluate_goals(q_);
+      damping *= kHarder;
+    }
+    if (change < kSettled) return;
+  }
+  problem.evaluate_goals(q_);
+}
+
+bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
+  LeastSquaresProblem& problem = workspace_.least_squares;
+  least_ = *step.lower - about;
+  most_ = *step.upper - about;
+  problem.place(about);
+  const double reach = std::min(kShare * step.margin + stand_off_, kFar);
+  if (late() || !barriers_.find(workspace_.problem, reach, stand_off_)) return false;
+  barriers_.come_to_terms(least_, most_);
+  q_ = about + barriers_.way_out();
+  problem.posture.set(step.pull_to, step.pull);
+  descend(about, kPulled, result);
+  problem.posture.set(step.posture, step.weights);
+  const double pulled = problem.evaluate_goals(q_) + problem.posture.value(q_);
+  pulled_ = q_;
   problem.posture.set(nullptr, nullptr);
-  problem.count_no_obstacles();
-  problem.evaluate(q_);
-  // A goal that is farther than a step can bring it is approached by what a step can.
-  for (GoalTerm& goal : workspace_.problem.goals) goal.come_within(step.advance, step.turn);
-  if (workspace_.scene().within_reach() > 0)
-    problem.count_obstacles_within(margin, true);
-  else
-    problem.count_shapes_alone();
-  problem.remember_next();
-  if (deadline_->passed()) return;
-  if (step.pull_to != nullptr) {
-    problem.posture.set(step.pull_to, step.pull);
-    minimise(workspace_.settling, result);
-    problem.posture.set(nullptr, nullptr);
+  descend(about, kExactly, result);
+  if (problem.reached()) return true;
+  problem.posture.set(step.posture, step.weights);
+  if (problem.evaluate_goals(q_) + problem.posture.value(q_) > pulled) q_ = pulled_;
+  return true;
+}
+
+void Step::take_a_part(const Eigen::VectorXd& about) {
+  for (const double share : kShares) {
+    if (late() || gate_.consider(q_, share)) return;
   }
-  minimise(workspace_.patient, result);
-  if (step.pull_to != nullptr && !deadline_->struck() && !problem.holds()) {
-    // The posture may have led astray: once more without it, and back if that is no better.
-    at_ = q_;
-    q_ = *step.from;
-    minimise(workspace_.patient, result);
-    if (!problem.holds()) {
-      q_ = at_;
-      if (!deadline_->passed()) problem.evaluate(q_);
+  // At least out of what it is in, whatever becomes of the goals.
+  q_ = about + barriers_.way_out();
+  if (!gate_.clear() && !late()) gate_.consider(q_);
+}
+
+void Step::go_on(const StepRequest& step, Result& result) {
+  Eigen::VectorXd& about = workspace_.q;
+  about = *step.from;
+  for (int round = 0; round < kRounds; ++round) {
+    if (gate_.incumbent().success && gate_.pull() == 0.0) return;
+    const double before = gate_.shortfall();
+    if (!propose(step, about, result)) return;
+    if ((q_ - about).cwiseAbs().maxCoeff() < kSettled) return;
+    // Time is kept for it, though the clock has struck.
+    const double share = gate_.share_in_time(q_);
+    const bool taken = gate_.consider(q_, share);
+    // What is linear here bends: held off by more, and once more.
+    const bool missed = barriers_.met() && gate_.missed() > kRounding;
+    if (missed) stand_off_ = std::min(kMostOff, kWider * (stand_off_ + gate_.missed()));
+    if (late()) return;
+    if (!missed || round + 1 == kRounds) {
+      if (!taken) return take_a_part(about);
+      if (gate_.clear() && gate_.shortfall() > kWorthwhile * before) return;
     }
-  }
-  if (!deadline_->struck() && !problem.holds()) {
-    // Not everything can be had: a goal that is far must not push the robot through a constraint.
-    problem.scale_goals(kYieldingGoals / std::max(1.0, problem.goal_pull()));
-    minimise(workspace_.settling, result);
-    // What pulls at a constraint, however little, is a little beyond it.
-    if (!deadline_->struck() && problem.touching()) {
-      problem.scale_goals(0.0);
-      minimise(workspace_.patient, result);
-    }
-    problem.scale_goals(1.0);
-  }
-}
-
-double Step::way_from(const Eigen::VectorXd& from) {
-  levers_ = model_.levers;
-  if (!levers_.allFinite()) hull_levers(model_.robot, model_.hulls, from, q_, levers_);
-  const Held& held = workspace_.scene().held();
-  if (held.count() > 0) {
-    hull_levers(model_.robot, held.balls(), from, q_, held_levers_);
-    levers_ = levers_.cwiseMax(held_levers_);
-  }
-  return levers_.dot((q_ - from).cwiseAbs());
-}
-
-double Step::room(const Result& verdict) const {
-  return std::min(verdict.clearance - model_.options.clearance,
-                  0.5 * (verdict.self_distance - model_.options.self_clearance));
-}
-
-bool Step::is_clear_on_the_way(const StepRequest& step) {
-  // Conservative advancement: nothing can be met before hulls have moved by their clearance. Where
-  // there is none, the way may lead out or along, but no deeper.
-  const double way = way_from(*step.from);
-  double at = 0.0, floor = 0.0;
-  while (true) {
-    if (deadline_->passed()) return false;
-    at_ = *step.from + at * (q_ - *step.from);
-    workspace_.judge(step.goals, at_, probe_, step.look);
-    const double left = room(probe_);
-    if (at == 0.0) floor = std::min(0.0, left);
-    if (left < floor - model_.options.clearance_tolerance) return false;
-    if (at >= 1.0) return true;
-    at = std::min(1.0, at + std::max(left - floor, kFinest * model_.long_way) / way);
+    about = gate_.incumbent().q;
   }
 }
 
 void Step::take(const StepRequest& step, Result& result) {
-  const Deadline deadline = workspace_.deadline_in(step.max_time);
-  deadline_ = &deadline;
+  const Deadline deadline = workspace_.deadline_in(step.max_time, 2);
   workspace_.watch(deadline);
   begin_result(result);
-  probe_.late_evaluations = 0;
-  lower_ = *step.lower;
-  upper_ = *step.upper;
-  approach(step, step.margin, result);
-  if (way_from(*step.from) > model_.long_way && !is_clear_on_the_way(step)) {
-    // Something is in between: no farther in this step than needs no looking.
-    for (Eigen::Index i = 0; i < q_.size(); ++i) {
-      const double most = model_.long_way / (static_cast<double>(q_.size()) * levers_[i]);
-      lower_[i] = std::max(lower_[i], (*step.from)[i] - most);
-      upper_[i] = std::min(upper_[i], (*step.from)[i] + most);
-    }
-    q_ = *step.from;
-    if (!deadline.struck()) approach(step, model_.long_way, result);
-  }
-  // Half-way to a posture, with the time up, is no place to be if staying solves.
-  const bool struck = deadline.struck(),
-             stays = struck && workspace_.least_squares.remembered_holds();
-  if (stays) q_ = *step.from;
-  workspace_.judge(step.goals, q_, result, step.look);
-  if (!result.success && !struck && !deadline.passed()) {
-    // Nothing solves: better stay than go deeper into what a goal pulls at.
-    Result& moved = workspace_.saved;
-    moved = result;
-    workspace_.judge(step.goals, *step.from, result, step.look);
-    const double floor = std::min(0.0, room(result)) - model_.options.clearance_tolerance;
-    if (!result.success && room(moved) >= floor) restore(moved, result);
-  }
-  result.late_evaluations += probe_.late_evaluations;
-  result.status = result.success && !stays ? Status::Solved
-                  : struck                 ? Status::TimeLimit
-                                           : Status::Exhausted;
+  stand_off_ *= kForgotten;
+  gate_.open(step);
+  // A goal that is farther than a step can bring it is approached by what a step can.
+  workspace_.problem.set_goals(step.goals);
+  workspace_.least_squares.evaluate_goals(*step.from);
+  for (GoalTerm& goal : workspace_.problem.goals) goal.come_within(step.advance, step.turn);
+  go_on(step, result);
+  restore(gate_.incumbent(), result);
+  result.late_evaluations = gate_.late_evaluations();
+  result.status = result.success      ? Status::Solved
+                  : deadline.struck() ? Status::TimeLimit
+                                      : Status::Exhausted;
   result.time = deadline.elapsed();
   result.intake = workspace_.scene().intake;
 }

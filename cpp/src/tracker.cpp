@@ -87,6 +87,7 @@ struct Tracker::Implementation {
         way(workspace) {
     step = step_of(robot, options);
     margin = detail::farthest_travel(robot, model->hulls, step);
+    tip_travel = detail::farthest_tip_travel(robot, step);
     last = robot.mid_configuration();
     posture = last;
     lower.setZero(robot.dof());
@@ -94,9 +95,14 @@ struct Tracker::Implementation {
     pull_to.setZero(robot.dof());
     weights.setOnes(robot.dof());
     if (solver_options.joint_weights.size() > 0) weights = solver_options.joint_weights;
-    pull = options.posture_weight * weights;
-    pull.array() += options.smoothness;
+    set_pull();
     result.q = last;
+  }
+
+  /// What pulls at each joint: the last answer, and a posture where one is set.
+  void set_pull() {
+    posture_pull = (has_posture ? options.posture_weight : 0.0) * weights;
+    pull = posture_pull.array() + options.smoothness;
   }
 
   /// The last answer once more, with what it is worth now left unsaid.
@@ -113,8 +119,8 @@ struct Tracker::Implementation {
   void advance(std::span<const Goal> goals) {
     lower = (last - step).cwiseMax(robot.lower());
     upper = (last + step).cwiseMin(robot.upper());
-    const bool pulls = has_posture && options.posture_weight > 0.0;
-    if (pulls) {
+    pull_to = last;
+    if (has_posture) {
       pull_to = (options.posture_weight * weights.array() * posture.array() +
                  options.smoothness * last.array()) /
                 pull.array().max(1e-300);
@@ -126,11 +132,14 @@ struct Tracker::Implementation {
          .from = &last,
          .lower = &lower,
          .upper = &upper,
-         .pull_to = pulls ? &pull_to : nullptr,
-         .pull = pulls ? &pull : nullptr,
+         .pull_to = &pull_to,
+         .pull = &pull,
+         .posture = has_posture ? &posture : nullptr,
+         .weights = has_posture ? &posture_pull : nullptr,
          .max_time = options.max_time,
          .margin = margin,
-         .advance = std::max(0.5 * margin, kBeyondTolerance * solver_options.position_tolerance),
+         .advance =
+             std::max(0.5 * tip_travel, kBeyondTolerance * solver_options.position_tolerance),
          .turn = std::max(0.5 * step.sum(), kBeyondTolerance * solver_options.rotation_tolerance),
          .look = kLook},
         result);
@@ -154,9 +163,9 @@ struct Tracker::Implementation {
   detail::Scene scene;
   detail::Workspace workspace;
   detail::Step way;
-  Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull;
+  Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull, posture_pull;
   bool has_posture = false;
-  double margin = 0.0;
+  double margin = 0.0, tip_travel = 0.0;
   detail::Complaint cloud_complaint;  ///< of the last cloud, empty if it was taken
   detail::Complaint complaint;        ///< of the last goals
   TrackerResult result;
@@ -194,6 +203,7 @@ void Tracker::set_posture(VectorIn posture) {
     impl_->posture = posture;
   }
   impl_->has_posture = posture.size() > 0;
+  impl_->set_pull();
 }
 
 bool Tracker::set_obstacles(const Obstacles& points) {

@@ -24,23 +24,41 @@ void for_each_arm(const Robot& robot, int body, double arm, const Eigen::VectorX
 
 }  // namespace
 
+namespace {
+
+/// How far a point gets that is `local` from its body's joint when each joint makes up to a step.
+double travel(const Robot& robot, int body, double local, const Eigen::VectorXd& step) {
+  double sum = 0.0;
+  for_each_arm(robot, body, local, robot.lower(), robot.upper(),
+               [&](const Body& joint, double arm) {
+                 if (joint.multiplier == 0.0) return;  // it follows nothing
+                 const double moves = std::abs(joint.multiplier) * step[joint.dof];
+                 // However far a point turns, it ends within two arms of where it was.
+                 sum += joint.prismatic ? moves : arm > 0.0 ? std::min(moves, 2.0) * arm : 0.0;
+               });
+  return sum;
+}
+
+}  // namespace
+
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step) {
   double farthest = 0.0;
   const auto visit = [&](int body, double local) {
-    double sum = 0.0;
-    const auto add = [&](const Body& joint, double arm) {
-      if (joint.multiplier == 0.0) return;  // it follows nothing
-      const double moves = std::abs(joint.multiplier) * step[joint.dof];
-      // However far a point turns, it ends within two arms of where it was.
-      sum += joint.prismatic ? moves : arm > 0.0 ? std::min(moves, 2.0) * arm : 0.0;
-    };
-    for_each_arm(robot, body, local, robot.lower(), robot.upper(), add);
-    farthest = std::max(farthest, sum);
+    farthest = std::max(farthest, travel(robot, body, local, step));
   };
   for (const AttachedPoint& point : hulls.points)
     visit(point.body, std::sqrt(dot3(point.local, point.local)));
   for (const Hull& hull : hulls.moving) {
     if (hull.has_capsules()) hulls.for_each_arm(hull, visit);
+  }
+  return farthest;
+}
+
+double farthest_tip_travel(const Robot& robot, const Eigen::VectorXd& step) {
+  double farthest = 0.0;
+  for (const int tip : robot.tips()) {
+    const double local = robot.T_body_link(tip).translation().norm();
+    farthest = std::max(farthest, travel(robot, robot.body_of_link(tip), local, step));
   }
   return farthest;
 }

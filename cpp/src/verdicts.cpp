@@ -47,6 +47,7 @@ bool Verdicts::take(Attempt& attempt, int k) {
   if (trial.reached && is_clear(attempt, trial, attempt.stays_near(k))) {
     workspace_.judge(attempt.request.goals, trial.q, result);
     if (result.success) {
+      leave_idle(attempt);
       if (attempt.request.posture != nullptr || attempt.nearest) settle(attempt);
       if (!attempt.nearest) return true;
       const double distance = attempt.distance_to_wanted(result.q);
@@ -153,6 +154,25 @@ void Verdicts::keep_candidate(Attempt& attempt, const Trial& trial) {
     measured = true;
   }
   attempt.candidates.add(trial.q, shortfall, measured);
+}
+
+void Verdicts::leave_idle(Attempt& attempt) {
+  if (model_.options.balance.wanted()) return;
+  const Robot& robot = model_.robot;
+  Result &result = *attempt.result, &saved = workspace_.saved;
+  q_ = attempt.start;
+  for (const Goal& goal : attempt.request.goals) {
+    const int link = robot.tips()[static_cast<std::size_t>(goal.tip)];
+    for (int b = robot.body_of_link(link); b > 0;) {
+      const Body& body = robot.bodies()[static_cast<std::size_t>(b)];
+      if (body.dof >= 0) q_[body.dof] = result.q[body.dof];
+      b = body.parent;
+    }
+  }
+  if (q_ == result.q || attempt.deadline.passed()) return;
+  saved = result;
+  workspace_.judge(attempt.request.goals, q_, result);
+  if (!result.success) restore(saved, result);
 }
 
 void Verdicts::settle(Attempt& attempt) {

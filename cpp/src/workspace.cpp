@@ -79,8 +79,8 @@ void Workspace::use(const Scene& scene) {
   lagrangian.reset_multipliers();
 }
 
-Deadline Workspace::deadline_in(double max_time) const {
-  return {max_time - std::min(verdict_time_, kMostReserved * max_time), interrupt};
+Deadline Workspace::deadline_in(double max_time, int verdicts) const {
+  return {max_time - std::min(verdicts * verdict_time_, kMostReserved * max_time), interrupt};
 }
 
 void Workspace::judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result,

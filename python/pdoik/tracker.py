@@ -13,11 +13,13 @@ from pdoik.solver import Solver
 class Tracker(Carries, _core.Tracker):
     """One step each period, from the last answer, by a deadline, never a jump.
 
-    Every step goes downhill from the last answer inside a box of speed limits times period, cut
-    with the joint limits; there are no restarts. A joint without a speed limit may go as far as it
-    likes: a step that moves hulls by more than 2 cm, or half the thinnest hull's width, is taken
-    only if the way there is clear. Where nothing solves, it stays rather than go deeper. Bad
-    numbers do not raise: the last answer stands, and the step says so. It belongs to one thread.
+    Every step begins with standing still. What comes nearest to the goals inside a box of speed
+    limits times period, cut with the joint limits, takes its place only if it is no deeper in
+    anything than standing still, nor than contact, all along the straight way there: in points,
+    shapes, the robot itself, what it carries, beyond the balance it keeps. Half the room before
+    contact is what one step may take, and what is touched is left first. A goal that cannot be
+    reached is come near to, and the robot rests. There are no restarts. Bad numbers do not raise:
+    the last answer stands, and the step says so. It belongs to one thread.
 
     >>> import numpy as np
     >>> import pdoik
@@ -35,7 +37,8 @@ class Tracker(Carries, _core.Tracker):
         speed_share: Of the robot's speed limits, how much may be used.
         max_speed: Speed limits to hold besides those of the robot, shape (n,) [rad/s] or [m/s].
         posture_weight: Of the squared distance to the posture, where one is set [m^2/rad^2].
-        smoothness: Of the squared distance to the last answer, beside the posture [m^2/rad^2].
+        smoothness: Of the squared distance to the last answer, in what the search is pulled to
+            [m^2/rad^2].
 
     Raises:
         ValueError: A number is out of range, or the solver's method is "paper".

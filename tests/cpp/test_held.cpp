@@ -212,7 +212,7 @@ TEST(Held, the_judge_finds_what_it_is_nearest_to) {
 }
 
 TEST(Held, its_constraints_rows_are_central_differences_in_both_forms) {
-  int checked[3] = {0, 0, 0};
+  int checked[4] = {0, 0, 0, 0};
   for (int seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Holding holding(seed);
@@ -227,6 +227,10 @@ TEST(Held, its_constraints_rows_are_central_differences_in_both_forms) {
     bench.set_obstacles(random_obstacles(holding.random, 30, 0.8));
     bench.scene.use(set);
     bench.scene.attach(holding.link, {&holding.held, 1}, {});
+    Shape other = random_shape(holding.random, holding.random.integer(0, 3), "other");
+    other.size *= 0.4;
+    other.T_base_shape.translation() *= 0.4;
+    bench.scene.attach(holding.robot.link_names()[3], {&other, 1}, {});
     HeldConstraints& family = bench.problem.constraints.held;
     family.hold(bench.scene);
     family.use(true);
@@ -334,6 +338,47 @@ TEST(Held, solves_and_steps_keep_it_off_and_blocked_says_what_it_touches) {
   }
   EXPECT_GT(solved, 20);
   EXPECT_GT(kept, 50);
+}
+
+TEST(Held, what_two_links_hold_keeps_off_each_other) {
+  const Robot robot = Robot::builtin("panda");
+  Random random(4);
+  const std::string one = robot.link_names()[3], other = robot.link_names().back();
+  const double radius = 0.12;
+  const Shape first = Shape::sphere("first", Eigen::Vector3d::Zero(), radius);
+  const Shape second = Shape::sphere("second", Eigen::Vector3d::Zero(), radius);
+  Solver solver(robot, timeless());
+  solver.attach(one, {&first, 1});
+  solver.attach(other, {&second, 1});
+  Solver either(robot, timeless());
+  const std::vector<std::string> each_other{"first"};
+  either.attach(one, {&first, 1});
+  either.attach(other, {&second, 1}, each_other);
+  int touching = 0, kept = 0;
+  Result both, allowed;
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::VectorXd q = random_configuration(robot, random);
+    solver.judge(robot.fk(q), q, both);
+    either.judge(robot.fk(q), q, allowed);
+    const double apart =
+        (robot.fk(q, one).translation() - robot.fk(q, other).translation()).norm() - 2.0 * radius;
+    EXPECT_NEAR(both.self_distance, std::min(allowed.self_distance, apart), 1e-9);
+    if (apart > -1e-3) continue;
+    ++touching;
+    EXPECT_FALSE(both.success);
+    if (both.worst.kind == WorstConstraint::Kind::HeldHeld) {
+      EXPECT_EQ(solver.describe(both.worst), "clearance of second to first");
+    }
+    // The tip stays where it is wanted only if that can be without the two touching.
+    const Result found = solver.solve(robot.fk(q), q);
+    if (!found.success) continue;
+    ++kept;
+    EXPECT_GE(
+        (robot.fk(found.q, one).translation() - robot.fk(found.q, other).translation()).norm(),
+        2.0 * radius - 1e-6);
+  }
+  EXPECT_GT(touching, 10);
+  EXPECT_GT(kept, 2);
 }
 
 TEST(Held, what_may_touch_it_and_what_makes_no_sense) {

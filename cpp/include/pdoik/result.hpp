@@ -41,15 +41,16 @@ struct WorstConstraint {
     HeldPoint,      ///< of what is carried to a point
     HeldShape,      ///< of what is carried to a shape
     HeldHull,       ///< of what is carried to a hull
+    HeldHeld,       ///< of what is carried to what another link carries
   };
   Kind kind = Kind::None;  ///< which kind of constraint
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
   /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's
-  /// lower and upper x, y, z, then 6 the support polygon. For HeldPoint, HeldShape and HeldHull the
-  /// place of what is held, in the order that it was attached.
+  /// lower and upper x, y, z, then 6 the support polygon. For those of what is held its place, in
+  /// the order that it was attached.
   int index = -1;
   /// The point's row for Clearance and HeldPoint, the shape's place for Shape and HeldShape, the
-  /// other hull for SelfCollision and HeldHull.
+  /// other hull for SelfCollision and HeldHull, the place of the other that is held for HeldHeld.
   int obstacle = -1;
   double violation =
       0.0;  ///< by how much it is missed beyond its tolerance [m] or [rad]; at most 0 if it holds

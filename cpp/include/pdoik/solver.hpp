@@ -89,7 +89,8 @@ class Solver {
   /// Let a link carry solids from now on, beside what links carry already: they keep off points,
   /// shapes and the robot's other links as its own hulls do. Allocates.
   /// @param shapes  Their poses are in the link's frame.
-  /// @param may_touch  Links of the robot and shapes of scenes, by name, that they may touch.
+  /// @param may_touch  Links of the robot, shapes of scenes and other things that links carry, by
+  /// name, that they may touch.
   /// @throws std::invalid_argument  There is no such link or no joint moves it; as check_shape; a
   /// half-space; a name that something carried has already.
   void attach(const std::string& link, std::span<const Shape> shapes,

@@ -21,7 +21,7 @@ struct TrackerOptions {
   Eigen::VectorXd max_speed = {};
   /// Of the squared distance to the posture, where one is set [m^2/rad^2].
   double posture_weight = 1e-3;
-  /// Of the squared distance to the last answer [m^2/rad^2].
+  /// Of the squared distance to the last answer, in what the search is pulled to [m^2/rad^2].
   double smoothness = 1e-4;
 };
 
@@ -30,8 +30,8 @@ enum class TrackerStatus {
   Tracking,        ///< goals, limits and all constraints hold to their tolerances
   Infeasible,      ///< they cannot be met within the step, as far as going downhill shows; q is the
                    ///< step that comes nearest, and result.worst names what gives
-  DeadlineStruck,  ///< max_time struck first; q is the last answer if that still solves, else the
-                   ///< best so far
+  DeadlineStruck,  ///< max_time struck before they were met; q is the best so far, which is at
+                   ///< worst the last answer
   InvalidInput,  ///< the goals or the last obstacles make no sense: `complaint` says why; q is the
                  ///< last answer
 };
@@ -40,8 +40,10 @@ enum class TrackerStatus {
 const char* to_string(TrackerStatus status);
 
 /// The outcome of a step. Clearance beyond 0.5 m is told as that much: a step has no time to find
-/// out how far the far is. q is always a configuration that may be sent to the motors, never
-/// farther from the last one than the step limits.
+/// out how far the far is. Whatever the status, q is never farther from the last answer than the
+/// step limits, and by the scene as it is no deeper in anything than standing still would be, nor
+/// than contact: points, shapes, the robot itself, what it carries, the balance it is asked to
+/// keep.
 struct TrackerResult : Result {
   TrackerStatus tracking = TrackerStatus::InvalidInput;  ///< what became of the step
   int step_limited = -1;  ///< the first joint that its step limit holds back, -1 for none
@@ -59,13 +61,15 @@ struct TrackerResult : Result {
 ///       send(tracker.step(goals).q);
 ///     }
 ///
-/// Every step goes downhill from the last answer inside a box of speed limits times period, cut
-/// with the joint limits, so it cannot jump; there are no restarts. A joint without a speed limit
-/// may go as far as it likes; a step that moves hulls by more than 2 cm, or half the thinnest
-/// hull's width, is looked at along the way, every tenth of that where obstacles are near, and is
-/// taken only if it is clear. Where nothing solves, it stays rather than go deeper into what it
-/// touches. Input that makes no sense does not throw: the last answer stands, and the step says so.
-/// A tracker belongs to one thread; after construction nothing allocates, locks or prints.
+/// Every step begins with standing still. What comes nearest to the goals inside a box of speed
+/// limits times period, the joint limits and barriers takes its place: of what is clear a step
+/// takes half the room at most, and what is touched is left first. It is taken only if it is judged
+/// to be no deeper in anything than standing still, nor than contact, all along the straight way,
+/// and nearer to the goals, or clearer. On the way what could be grazed unseen is less than a tenth
+/// of a millimetre. A goal that cannot be reached is come near to, and the robot rests. There are
+/// no restarts, so it cannot jump, and a minimum that is only local may hold it. Input that makes
+/// no sense does not throw: the last answer stands, and the step says so. A tracker belongs to one
+/// thread; after construction nothing allocates, locks or prints.
 class Tracker {
  public:
   /// @name Making one
@@ -119,9 +123,10 @@ class Tracker {
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
   void set_shapes(const Shapes& shapes);
   /// Let a link carry solids from now on, beside what links carry already: they keep off points,
-  /// shapes and the robot's other links as its own hulls do. Allocates.
+  /// shapes, the robot's other links and what these carry as its own hulls do. Allocates.
   /// @param shapes  Their poses are in the link's frame.
-  /// @param may_touch  Links of the robot and shapes of scenes, by name, that they may touch.
+  /// @param may_touch  Links of the robot, shapes of scenes and other things that links carry, by
+  /// name, that they may touch.
   /// @throws std::invalid_argument  There is no such link or no joint moves it; as check_shape; a
   /// half-space; a name that something carried has already.
   void attach(const std::string& link, std::span<const Shape> shapes,

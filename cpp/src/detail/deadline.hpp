@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 
 namespace pdoik::detail {
 
@@ -16,17 +17,25 @@ class Deadline {
       : start_(Clock::now()), limit_(seconds), interrupt_(&interrupt) {}
 
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  /// Time until it strikes, infinite if it never does [s].
+  double left() const {
+    return interrupt_ == nullptr ? std::numeric_limits<double>::infinity() : limit_ - elapsed();
+  }
   /// Looks at the clock, until it has struck.
   bool passed() const { return passed_at(Clock::now()); }
   /// The same, for whoever has just looked.
   bool passed_at(std::chrono::steady_clock::time_point time) const {
     if (struck_ || interrupt_ == nullptr) return struck_;
+    if (looks_left > 0 && --looks_left == 0) return struck_ = true;
     const double now = std::chrono::duration<double>(time - start_).count();
     if (now >= limit_) return struck_ = true;
     if (now < next_question_) return false;
     next_question_ = now + kBetweenQuestions;
     return struck_ = *interrupt_ && (*interrupt_)();
   }
+  /// Of this thread: how many looks there are until one finds that it has, whatever the time; 0 for
+  /// by the time. For tests, which can strike at every look.
+  static inline thread_local int looks_left = 0;
   /// Whether a look has found that it has, without another look.
   bool struck() const { return struck_; }
 

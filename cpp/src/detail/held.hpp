@@ -44,13 +44,17 @@ class Held {
   bool heeds_shape(int k, int shape) const {
     return shapes_heeded_[static_cast<std::size_t>(k * shape_count_ + shape)];
   }
+  /// Whether two are held by links that move against one another, and may not touch.
+  bool heeds_held(int k, int other) const {
+    return held_heeded_[static_cast<std::size_t>(k * count() + other)];
+  }
   /// Balls about the solids, in their order: where to look for points.
   const HullModel& balls() const { return balls_; }
 
  private:
   Solids solids_;
   HullModel balls_;
-  std::vector<bool> hulls_heeded_, shapes_heeded_;
+  std::vector<bool> hulls_heeded_, shapes_heeded_, held_heeded_;
   int hull_count_ = 0, shape_count_ = 0;
 };
 

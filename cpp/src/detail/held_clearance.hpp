@@ -14,16 +14,16 @@ namespace pdoik::detail {
 
 /// What a held solid is near to.
 struct HeldNear {
-  WorstConstraint::Kind kind = WorstConstraint::Kind::None;  ///< HeldPoint, HeldShape or HeldHull
+  WorstConstraint::Kind kind = WorstConstraint::Kind::None;  ///< of those with Held
   int held = -1;
-  int other = -1;  ///< the point's id, the shape, or the hull's place in the occupancy
+  int other = -1;  ///< the point's id, the shape, the hull's place in the occupancy, the other held
   double distance = std::numeric_limits<double>::infinity();  ///< beyond what is wanted [m]
   int slot = 0;  ///< of the pair, the same from one configuration to another
   Pulls pulls;   ///< the derivatives of minus the distance
 };
 
-/// Distances of what the robot holds from points, shapes and its own hulls. The state of one
-/// thread. Allocates at construction only.
+/// Distances of what the robot holds from points, shapes, its own hulls and one another. The state
+/// of one thread. Allocates at construction only.
 class HeldClearance {
  public:
   /// All outlive it.
@@ -34,7 +34,7 @@ class HeldClearance {
   /// The robot's.
   int hulls() const { return hull_capsules_.count(); }
   /// At most so many are found at once.
-  int most(int shapes) const { return count() * (1 + shapes + hull_capsules_.count()); }
+  int most(int shapes) const { return count() * (1 + shapes + hull_capsules_.count() + count()); }
 
   /// Where the bodies' frames and the robot's attached points are, which are read until the next.
   template <class FrameOf>
@@ -48,8 +48,8 @@ class HeldClearance {
     balls_.place(static_cast<std::size_t>(k), transform(frame, held_[k].solid.centre()));
   }
 
-  /// Calls visit(HeldNear) for the nearest point, each shape and each hull that is within a
-  /// distance of what is wanted, by ascending slots.
+  /// Calls visit(HeldNear) for the nearest point, and each shape, hull and other that is held,
+  /// within a distance of what is wanted, by ascending slots.
   template <class Visit>
   void find(const ObstacleView& points, const ShapePairs& shapes, double within, Visit&& visit) {
     int slot = 0;
@@ -66,13 +66,16 @@ class HeldClearance {
         tell(nearest_of_shape(k, shapes, shape, within));
       for (int hull = 0; hull < hull_capsules_.count(); ++hull)
         tell(nearest_of_hull(k, hull, within));
+      for (int other = 0; other < k; ++other) tell(nearest_of_held(k, other, within));
     }
   }
-  /// The nearest point to a solid, if within a distance; the same of a shape, and of a hull.
+  /// The nearest point to a solid, if within a distance; the same of a shape, of a hull, and of
+  /// what another link holds.
   std::optional<HeldNear> nearest_point(int k, const ObstacleView& points, double within);
   std::optional<HeldNear> nearest_of_shape(int k, const ShapePairs& shapes, int shape,
                                            double within) const;
   std::optional<HeldNear> nearest_of_hull(int k, int hull, double within);
+  std::optional<HeldNear> nearest_of_held(int k, int other, double within) const;
 
  private:
   const Frame& frame(int k) const { return frames_[static_cast<std::size_t>(k)]; }

@@ -35,7 +35,6 @@ class LeastSquaresProblem {
 
   void count_all_obstacles() { counted_ = Counted::All; }
   void count_no_obstacles() { counted_ = Counted::None; }
-  void count_shapes_alone() { counted_ = Counted::Shapes; }
   /// Count those that are within `margin` of a hull where f was last evaluated [m]. If not `exact`,
   /// points with a radius are then held off by half_sum_constraint, which errs to the safe side.
   void count_obstacles_within(double margin, bool exact = false) {
@@ -77,9 +76,6 @@ class LeastSquaresProblem {
         });
   }
 
-  /// Weigh all goals by this much more or less from now on.
-  void scale_goals(double scale) { goal_scale_ = scale; }
-
   /// Place the robot, and evaluate nothing.
   void place(const Eigen::VectorXd& q) {
     for (Eigen::Index i = 0; i < q.size(); ++i) {
@@ -91,6 +87,14 @@ class LeastSquaresProblem {
   }
 
   double evaluate(const Eigen::VectorXd& q) {
+    double sum = 2.0 * evaluate_goals(q);
+    sum += options_.collision_weight * options_.collision_weight * violation();
+    if (cut_) return std::numeric_limits<double>::infinity();
+    return 0.5 * sum + posture.value(q);
+  }
+
+  /// f without constraints and without the pull to a posture.
+  double evaluate_goals(const Eigen::VectorXd& q) {
     place(q);
     at_ = q;
     double sum = 0.0;
@@ -102,43 +106,31 @@ class LeastSquaresProblem {
       const double p2 = dot3(p, p);
       const Vec4& e = goal.keep_rotation_error();
       const double r2 = dot3(e, e);
-      sum += goal_scale_ * goal.weight() * (p2 + w2 * r2);
+      sum += goal.weight() * (p2 + w2 * r2);
       position_error_ = std::max(position_error_, p2);
       rotation_error_ = std::max(rotation_error_, r2);
     }
-    sum += options_.collision_weight * options_.collision_weight * violation();
-    if (first_holds_ == First::Wanted) first_holds_ = holds() ? First::Holds : First::Fails;
-    if (cut_) return std::numeric_limits<double>::infinity();
-    return 0.5 * sum + posture.value(q);
+    return 0.5 * sum;
   }
 
   /// Whether goals and constraints hold where f was last evaluated; a pull has no such end.
   bool done() const { return holds() && !posture.wanted(); }
   bool holds() const { return reached() && !touching_ && !cut_; }
-  /// Whether any constraint is violated there.
-  bool touching() const { return touching_; }
-  /// From now on remember whether they hold where f is evaluated next.
-  void remember_next() { first_holds_ = First::Wanted; }
-  bool remembered_holds() const { return first_holds_ == First::Holds; }
-  /// The weightiest goal's error there, radians weighed [m].
-  double goal_pull() const {
-    double largest = 0.0;
-    for (const GoalTerm& goal : problem_.goals) {
-      const double turned = options_.rotation_weight * goal.rotation_distance();
-      largest = std::max(largest, goal.weight() * (goal.position_distance() + turned));
-    }
-    return largest;
-  }
   /// Whether the goals are, where f was last evaluated.
   bool reached() const {
     const double p = options_.position_tolerance, r = options_.rotation_tolerance;
     return position_error_ < p * p && rotation_error_ < r * r;
   }
 
-  void linearise(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+  /// Of the goals alone.
+  void linearise_goals(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     H.setZero();
     g.setZero();
     for (const GoalTerm& goal : problem_.goals) add_goal(goal, H, g);
+  }
+
+  void linearise(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    linearise_goals(H, g);
     const double v2 = options_.collision_weight * options_.collision_weight;
     problem_.constraints.for_each([&](auto& family, std::size_t) {
       for (int k = 0; k < family.count() && !problem_.is_late(k); ++k) {
@@ -161,10 +153,10 @@ class LeastSquaresProblem {
 
   CollisionState& hulls() { return problem_.constraints.hulls; }
 
-  enum class Counted { All, Near, NearSafely, Shapes, None };
+  enum class Counted { All, Near, NearSafely, None };
   ObstacleView obstacles() const {
     if (counted_ == Counted::All) return problem_.scene->obstacles();
-    return counted_ >= Counted::Shapes ? ObstacleView(none_) : nearby_.view();
+    return counted_ == Counted::None ? ObstacleView(none_) : nearby_.view();
   }
 
   /// The sum of squares of what is violated.
@@ -220,7 +212,7 @@ class LeastSquaresProblem {
       }
     }
     Vec4 p = goal.position_error(), e = w * goal.kept_rotation_error();
-    const double weight = goal_scale_ * goal.weight();
+    const double weight = goal.weight();
     if (weight != 1.0) {
       const Vec4 root = broadcast(std::sqrt(weight));
       p *= root;
@@ -252,9 +244,6 @@ class LeastSquaresProblem {
   const Options& options_;
   Counted counted_ = Counted::All;
   bool cut_ = false;
-  enum class First { Unwanted, Wanted, Holds, Fails };
-  First first_holds_ = First::Unwanted;
-  double goal_scale_ = 1.0;
   ObstacleSet none_;
   NearbyObstacles nearby_;
   Eigen::VectorXd cosine_, sine_, row_, at_;

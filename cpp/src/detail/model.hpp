@@ -18,8 +18,8 @@ struct Model {
 
   /// Whether a goal's target lies farther away than the links stretch.
   bool is_out_of_reach(const Goal& goal) const;
-  /// Joints without limits stay within half a turn of a start: by wrapping q, or by bounds where a
-  /// mimic joint follows at a rate that a whole turn would not leave unchanged.
+  /// Joints stay within half a turn of a start, whose limits let them, by whole turns: or by bounds
+  /// where a mimic joint follows at a rate that a whole turn would not leave unchanged.
   void wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const;
   /// Whether more joints move tips or hulls than goals fix.
   bool is_redundant(std::span<const Goal> goals) const;
@@ -28,7 +28,7 @@ struct Model {
   Options options;
   HullModel hulls;
   std::vector<bool> matters;  ///< joints that move a tip or a hull
-  enum class Turn { Limited, Wrap, Bound };
+  enum class Turn { Limited, Whole, Wrap, Bound };
   std::vector<Turn> turns;
   Eigen::VectorXd pull;  ///< of each joint to a posture [m^2/rad^2]
   LowDiscrepancy sequence;

@@ -1,24 +1,14 @@
 #pragma once
 
-#include <span>
-
+#include "detail/barriers.hpp"
+#include "detail/gate.hpp"
+#include "detail/quadratic_program.hpp"
 #include "detail/workspace.hpp"
 
 namespace pdoik::detail {
 
-/// What one step of a control loop is asked.
-struct StepRequest {
-  std::span<const Goal> goals;
-  const Eigen::VectorXd *from, *lower, *upper;  ///< the last answer, and bounds about it
-  const Eigen::VectorXd *pull_to, *pull;        ///< see PosturePull; may be null
-  double max_time;                              ///< [s]
-  /// Obstacles farther than this from the hulls cannot be met within a step; may be infinite [m].
-  double margin;
-  double advance, turn;  ///< how far a tip may be asked to go in one step [m], [rad]
-  double look;           ///< clearance beyond this is told as this [m]
-};
-
-/// The step from the last answer that comes nearest to goals and constraints, downhill.
+/// A step of a control loop from the last answer: what comes nearest to the goals inside what
+/// barriers leave, taken as far as the gate lets it.
 class Step {
  public:
   /// The workspace outlives it.
@@ -28,24 +18,26 @@ class Step {
   void take(const StepRequest& request, Result& result);
 
  private:
-  /// The configuration within bounds that comes nearest, into q_; obstacles farther than a margin
-  /// cannot be met [m].
-  void approach(const StepRequest& request, double margin, Result& result);
-  double minimise(LevenbergMarquardt& minimiser, Result& result) {
-    return workspace_.minimise(minimiser, q_, lower_, upper_, result);
-  }
-  /// Whether hulls stay clear of obstacles and each other on the straight way to q_.
-  bool is_clear_on_the_way(const StepRequest& request);
-  /// How far hulls may move before one meets an obstacle or another; negative if they do [m].
-  double room(const Result& verdict) const;
-  /// A bound on how far any part of a hull gets on that way [m].
-  double way_from(const Eigen::VectorXd& from);
+  /// Candidates from one configuration on, each with what the last ones left.
+  void go_on(const StepRequest& request, Result& result);
+  /// Half the way to q_, a quarter, an eighth, or only out of what it is in, from a configuration.
+  void take_a_part(const Eigen::VectorXd& about);
+  /// What comes nearest to goals inside the barriers about a configuration, into q_.
+  /// @returns Whether the clock left time for it.
+  bool propose(const StepRequest& request, const Eigen::VectorXd& about, Result& result);
+  /// Gauss-Newton steps from q_, at most so many, with the pull to a posture or without.
+  void descend(const Eigen::VectorXd& about, int turns, Result& result);
+  /// No farther than the clock allows.
+  bool late() const { return workspace_.problem.deadline->passed(); }
 
   Workspace& workspace_;
   const Model& model_;
-  const Deadline* deadline_ = nullptr;
-  Result probe_;  ///< on the way
-  Eigen::VectorXd q_, lower_, upper_, at_, levers_, held_levers_;
+  Gate gate_;
+  Barriers barriers_;
+  QuadraticProgram program_;
+  Eigen::MatrixXd hessian_;
+  Eigen::VectorXd gradient_, q_, pulled_, next_, least_, most_;
+  double stand_off_ = 0.0;  ///< what linearised barriers missed lately [m]
 };
 
 }  // namespace pdoik::detail

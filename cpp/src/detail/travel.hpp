@@ -11,6 +11,9 @@ namespace pdoik::detail {
 /// slides without bound.
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step);
 
+/// The same of the tips alone.
+double farthest_tip_travel(const Robot& robot, const Eigen::VectorXd& step);
+
 /// What one unit of each joint moves any part of any hull by, at most, shape (n,) [m/rad] or 1,
 /// while all joints are between two configurations. Allocates nothing if `levers` has its size.
 void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& from,

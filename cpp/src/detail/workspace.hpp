@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -36,8 +37,10 @@ class Workspace {
   /// The clock that everything looks at from now on, which outlives what follows.
   void watch(const Deadline& deadline) { problem.deadline = &deadline; }
 
-  /// The clock of a solve that may take this long: time is kept for its verdict.
-  Deadline deadline_in(double max_time) const;
+  /// The clock of a solve that may take this long: time is kept for so many verdicts.
+  Deadline deadline_in(double max_time, int verdicts = 1) const;
+  /// How many verdicts there is time for.
+  double verdicts_left() const { return problem.deadline->left() / std::max(verdict_time_, 1e-9); }
   /// Judge a configuration, a pass over what is near. Counts as late once the clock has struck.
   void judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result,
              double look = std::numeric_limits<double>::infinity());

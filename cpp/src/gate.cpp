@@ -1,0 +1,142 @@
+#include "detail/gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detail/travel.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// A way is cut into pieces so short that what a hull can touch inside one, and not at its ends, is
+/// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest [m].
+constexpr double kGraze = 5e-5;
+constexpr double kLooks = 0.4;       ///< share of the time that a way may take
+constexpr double kBetter = 1e-6;     ///< relative decrease from which something is better
+constexpr double kRounding = 1e-12;  ///< of a distance [m]
+
+}  // namespace
+
+Gate::Gate(Workspace& workspace)
+    : workspace_(workspace),
+      model_(workspace.model()),
+      finest_(std::sqrt(8.0 * model_.long_way * kGraze)),
+      levers_(model_.levers) {
+  asked_.reserve(model_.robot.tips().size());
+  for (Eigen::VectorXd* each :
+       {&incumbent_.q, &candidate_.q, &probe_.q, &trial_, &at_, &held_levers_})
+    each->setZero(model_.robot.dof());
+}
+
+void Gate::judge(const Eigen::VectorXd& q, Result& result) {
+  workspace_.judge(step_->goals, q, result, step_->look);
+}
+
+Gate::Room Gate::room(const Result& verdict) const {
+  return {verdict.clearance - model_.options.clearance,
+          verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation};
+}
+
+double Gate::excess(const Room& room) const {
+  const auto beyond = [](double own, double held) { return std::min(0.0, held) - own; };
+  const double most =
+      std::max({beyond(room.obstacles, held_.obstacles), beyond(room.self, held_.self),
+                beyond(room.balance, held_.balance)});
+  return most > kRounding ? most : 0.0;
+}
+
+Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
+  workspace_.least_squares.place(q);
+  const Options& options = model_.options;
+  const double w2 = options.rotation_weight * options.rotation_weight;
+  PosturePull pull;
+  pull.set(step_->posture, step_->weights);
+  Worth worth{0.0, pull.value(q), true};
+  for (GoalTerm& goal : asked_) {
+    goal.place(workspace_.problem.rollout.frame(goal.body()));
+    const double p = goal.position_distance(), r = goal.rotation_distance();
+    worth.shortfall += 0.5 * goal.weight() * (p * p + w2 * r * r);
+    worth.reached &= p < options.position_tolerance && r < options.rotation_tolerance;
+  }
+  worth.shortfall += worth.pull;
+  return worth;
+}
+
+double Gate::way_to(const Eigen::VectorXd& q) {
+  const Eigen::VectorXd& from = *step_->from;
+  if (!model_.levers.allFinite()) hull_levers(model_.robot, model_.hulls, from, q, levers_);
+  double way = 0.0;
+  const Held& held = workspace_.scene().held();
+  if (held.count() > 0) hull_levers(model_.robot, held.balls(), from, q, held_levers_);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const double lever = held.count() > 0 ? std::max(levers_[i], held_levers_[i]) : levers_[i];
+    way += lever * std::abs(q[i] - from[i]);
+  }
+  return way;
+}
+
+void Gate::open(const StepRequest& step) {
+  step_ = &step;
+  probe_.late_evaluations = incumbent_.late_evaluations = candidate_.late_evaluations = 0;
+  asked_.clear();
+  for (const Goal& goal : step.goals) asked_.emplace_back(model_.robot, goal);
+  judge(*step.from, incumbent_);
+  held_ = room_ = room(incumbent_);
+  worth_ = worth_at(*step.from);
+}
+
+bool Gate::is_better(const Worth& worth) const {
+  if (worth.reached != worth_.reached) return worth.reached;
+  return worth.reached ? worth.pull < (1.0 - kBetter) * worth_.pull
+                       : worth.shortfall < (1.0 - kBetter) * worth_.shortfall;
+}
+
+bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first, double last,
+                            const Room& one, const Room& other) {
+  // Distances change no faster than hulls move, of two hulls no faster than both: what they are at
+  // both ends may be enough. If not, the middle is looked at, and both halves.
+  const double length = (last - first) * way;
+  if (length <= finest_) return true;
+  const auto is_enough = [&](double here, double there, double held, double speed) {
+    const double floor = std::min(0.0, held);
+    return (here - floor) + (there - floor) >= speed * length;
+  };
+  if (is_enough(one.obstacles, other.obstacles, held_.obstacles, 1.0) &&
+      is_enough(one.self, other.self, held_.self, 2.0))
+    return true;
+  if (workspace_.problem.deadline->passed()) return false;
+  const double middle = 0.5 * (first + last);
+  at_ = *step_->from + middle * (to - *step_->from);
+  judge(at_, probe_);
+  const Room there = room(probe_);
+  return excess(there) == 0.0 && is_clear_between(to, way, first, middle, one, there) &&
+         is_clear_between(to, way, middle, last, there, other);
+}
+
+double Gate::share_in_time(const Eigen::VectorXd& q) {
+  const double way = way_to(q), room = std::min(held_.obstacles, 0.5 * held_.self);
+  const double looked_at = std::max(kLooks * workspace_.verdicts_left(), 1.0) * finest_;
+  return way <= std::max(room, looked_at) ? 1.0 : std::max(room, looked_at) / way;
+}
+
+bool Gate::consider(const Eigen::VectorXd& q, double share) {
+  const Eigen::VectorXd& from = *step_->from;
+  missed_ = 0.0;
+  trial_ = (from + share * (q - from)).cwiseMax(*step_->lower).cwiseMin(*step_->upper);
+  const Worth worth = worth_at(trial_);
+  if (clear() && !is_better(worth)) return false;
+  judge(trial_, candidate_);
+  const Room there = room(candidate_);
+  missed_ = std::max(0.0, -there.least());
+  if (excess(there) > 0.0) return false;
+  // First of all out of what it is in, and not back.
+  if (there.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
+    return false;
+  if (!is_clear_between(trial_, way_to(trial_), 0.0, 1.0, held_, there)) return false;
+  std::swap(incumbent_, candidate_);
+  room_ = there;
+  worth_ = worth;
+  return true;
+}
+
+}  // namespace pdoik::detail

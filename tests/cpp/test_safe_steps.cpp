@@ -1,0 +1,258 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "arms.hpp"
+#include "detail/deadline.hpp"
+#include "pdoik/tracker.hpp"
+
+// No step is worse than standing still, whenever the clock strikes and whatever becomes of it.
+namespace pdoik {
+namespace {
+
+using namespace pdoik::testing;
+
+/// A robot among what it may touch, and a goal on the other side of it.
+struct Place {
+  std::string name;
+  Robot robot;
+  Options options;
+  Eigen::VectorXd q;
+  std::vector<Goal> goals;
+  ObstacleMatrix points;
+  std::vector<Shape> shapes, held;
+};
+
+Goal pose_of(const Robot& robot, const Eigen::VectorXd& q, int tip = 0) {
+  Goal goal;
+  goal.tip = tip;
+  goal.T_base_tip = robot.fk(q, robot.tips()[static_cast<std::size_t>(tip)]);
+  return goal;
+}
+
+Options timeless_with(bool self_collision) {
+  Options options = timeless();
+  options.self_collision = self_collision;
+  options.forgive_overhang = false;
+  return options;
+}
+
+/// Points about the middle of the way from one configuration to another, that leave the first one
+/// clear.
+ObstacleMatrix in_between(const Robot& robot, Random& random, const Eigen::VectorXd& from,
+                          const Eigen::VectorXd& to) {
+  ObstacleMatrix points(12, 4);
+  for (Eigen::Index k = 0; k < points.rows();) {
+    const double share = random.uniform(0.3, 1.0);
+    const Eigen::VectorXd q = from + share * (to - from);
+    const auto link = static_cast<std::size_t>(random.uniform(2.0, 6.9));
+    Eigen::Vector3d at = robot.fk(q, robot.link_names()[link]).translation();
+    for (int i = 0; i < 3; ++i) at[i] += random.uniform(-0.05, 0.05);
+    points.row(k) << at.transpose(), 0.01;
+    if (brute_force_clearance(robot, from, points.row(k), 50) > 0.005) ++k;
+  }
+  return points;
+}
+
+Place arm_place(const std::string& name, const std::string& kind, std::uint64_t seed) {
+  Random random(seed);
+  Place place{name + ", " + kind,
+              with_hulls(Robot::builtin(name)),
+              timeless_with(kind == "self"),
+              {},
+              {},
+              ObstacleMatrix(0, 4),
+              {},
+              {}};
+  const Robot& robot = place.robot;
+  place.q = random_configuration(robot, random, 0.1);
+  const Eigen::VectorXd aim = random_configuration(robot, random, 0.1);
+  place.goals = {pose_of(robot, aim)};
+  if (kind == "self") return place;
+  place.points = in_between(robot, random, place.q, aim);
+  if (kind == "shapes") {
+    for (Eigen::Index k = 0; k < place.points.rows(); ++k) {
+      place.shapes.push_back(
+          Shape::sphere("ball " + std::to_string(k), place.points.row(k).head<3>(), 0.01));
+    }
+    place.points.resize(0, 4);
+  }
+  if (kind == "held") {
+    place.held = {Shape::box("box", Eigen::Isometry3d::Identity(), {0.06, 0.06, 0.2})};
+  }
+  return place;
+}
+
+void dress(const Place& place, auto& solver) {
+  if (place.points.rows() > 0) solver.set_obstacles(place.points);
+  if (!place.shapes.empty()) solver.set_shapes(Shapes(place.shapes));
+  if (!place.held.empty()) {
+    const Robot& robot = place.robot;
+    solver.attach(robot.link_names()[static_cast<std::size_t>(robot.tips()[0])], place.held);
+  }
+}
+
+/// What is left before contact, by kind.
+Eigen::Vector3d room(const Result& verdict, const Options& options) {
+  return {verdict.clearance - options.clearance, verdict.self_distance - options.self_clearance,
+          -verdict.balance_violation};
+}
+
+class Judged {
+ public:
+  explicit Judged(const Place& place) : place_(place), solver_(place.robot, place.options) {
+    dress(place, solver_);
+  }
+  Eigen::Vector3d room_at(const Eigen::VectorXd& q) {
+    solver_.judge(place_.goals, q, verdict_);
+    return room(verdict_, place_.options);
+  }
+
+ private:
+  const Place& place_;
+  Solver solver_;
+  Result verdict_;
+};
+
+constexpr double kRounding = 1e-9;  // [m]
+/// What may be grazed between two places on a way that were looked at [m].
+constexpr double kGraze = 2e-4;
+
+void expect_no_worse(Judged& judged, const Eigen::VectorXd& from, const Eigen::VectorXd& to,
+                     const std::string& when) {
+  const Eigen::Vector3d floor = judged.room_at(from).cwiseMin(0.0);
+  const Eigen::Vector3d end = judged.room_at(to);
+  ASSERT_GE((end - floor).minCoeff(), -kRounding) << when << ": " << (end - floor).transpose();
+  for (int k = 1; k < 10 && (to - from).cwiseAbs().maxCoeff() > 0.0; ++k) {
+    const Eigen::Vector3d there = judged.room_at(from + 0.1 * k * (to - from));
+    ASSERT_GE((there - floor).minCoeff(), -kGraze) << when << ", on the way";
+  }
+}
+
+std::vector<Place> places() {
+  std::vector<Place> result;
+  for (const std::string& name : arm_names())
+    for (const char* kind : {"points", "shapes", "held", "self"})
+      for (std::uint64_t seed = 1; seed <= 2; ++seed) result.push_back(arm_place(name, kind, seed));
+  return result;
+}
+
+TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock_strikes) {
+  int moved = 0, struck = 0, near = 0;
+  for (const Place& place : places()) {
+    Judged judged(place);
+    Tracker tracker(place.robot, place.options, {.period = 0.01, .max_time = 1e6});
+    dress(place, tracker);
+    tracker.reset(place.q);
+    for (int k = 0; k < 60; ++k) {
+      const Eigen::VectorXd from = tracker.q();
+      if (k % 6 == 5) {
+        for (int looks = 1; looks < 60; looks += 1 + looks / 8) {
+          detail::Deadline::looks_left = looks;
+          tracker.reset(from);
+          const TrackerResult& step = tracker.step(place.goals);
+          struck += step.tracking == TrackerStatus::DeadlineStruck ? 1 : 0;
+          detail::Deadline::looks_left = 0;
+          expect_no_worse(
+              judged, from, step.q,
+              place.name + ", look " + std::to_string(looks) + " of step " + std::to_string(k));
+          if (HasFatalFailure()) return;
+        }
+        tracker.reset(from);
+      }
+      const TrackerResult& step = tracker.step(place.goals);
+      moved += step.q == from ? 0 : 1;
+      near += judged.room_at(from).minCoeff() < 0.005 ? 1 : 0;
+      expect_no_worse(judged, from, step.q, place.name + ", step " + std::to_string(k));
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(moved, 400);
+  EXPECT_GT(struck, 400);
+  EXPECT_GT(near, 100);  // or nothing was tried
+}
+
+TEST(SafeSteps, what_comes_at_an_arm_at_half_a_metre_per_second_is_kept_off) {
+  for (const std::string& name : arm_names()) {
+    Place place{name,
+                with_hulls(Robot::builtin(name)),
+                timeless_with(false),
+                {},
+                {},
+                ObstacleMatrix(0, 4),
+                {},
+                {}};
+    place.options.clearance = 0.02;
+    place.q = place.robot.mid_configuration();
+    place.q[1] += 0.5;
+    place.q[3] -= 0.7;
+    place.goals = {pose_of(place.robot, place.q)};
+    const std::vector<std::string>& links = place.robot.link_names();
+    const Eigen::Vector3d at = place.robot.fk(place.q, links[4]).translation();
+    Tracker tracker(place.robot, place.options, {.period = 0.001, .max_time = 1e6});
+    tracker.reset(place.q);
+    tracker.set_posture(place.q);
+    Random random(3);
+    ObstacleMatrix ball(80, 4), now;
+    for (Eigen::Index k = 0; k < ball.rows(); ++k) {
+      const Eigen::Vector3d out =
+          Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1))
+              .normalized();
+      ball.row(k) << 0.08 * out.transpose(), 0.015;
+    }
+    double least = 1.0;
+    for (int k = 0; k < 700; ++k) {
+      now = ball;
+      now.leftCols<3>().rowwise() +=
+          (at + Eigen::Vector3d(0.02, -0.3 + 0.0005 * k, 0.03)).transpose();
+      tracker.set_obstacles(now);
+      least = std::min(least, tracker.step(place.goals).clearance);
+    }
+    EXPECT_GT(least, place.options.clearance - 1e-4) << name;
+  }
+}
+
+TEST(SafeSteps, an_arm_whose_goal_cannot_be_reached_comes_to_rest) {
+  for (const std::string& name : arm_names()) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const Place place = arm_place(name, "shapes", seed);
+      Tracker tracker(place.robot, place.options, {.period = 0.002, .max_time = 1e6});
+      dress(place, tracker);
+      tracker.reset(place.q);
+      Eigen::VectorXd before = place.q, way = before;
+      int back = 0;
+      for (int k = 0; k < 3000; ++k) {
+        const Eigen::VectorXd& q = tracker.step(place.goals).q;
+        if (k >= 2500) {
+          back += ((q - before).array() * way.array()).minCoeff() < -1e-10 ? 1 : 0;
+          EXPECT_LT((q - before).cwiseAbs().maxCoeff() / 0.002, 0.02) << place.name << " " << k;
+          if (HasFailure()) return;
+        }
+        way = q - before;
+        before = q;
+      }
+      EXPECT_EQ(back, 0) << place.name;
+    }
+  }
+}
+
+TEST(SafeSteps, a_robot_without_hulls_follows) {
+  for (const std::string& name : arm_names()) {
+    Robot robot = Robot::builtin(name);
+    robot.set_occupancy({});
+    Tracker tracker(robot, timeless(), {.period = 0.001, .max_time = 1e6});
+    Eigen::VectorXd q = robot.mid_configuration();
+    q[1] += 0.4;
+    q[3] -= 0.8;
+    tracker.reset(q);
+    Goal goal = pose_of(robot, q);
+    for (int k = 0; k < 400; ++k) {
+      goal.T_base_tip.translation().z() -= 0.00025;
+      const TrackerResult& step = tracker.step({&goal, 1});
+      EXPECT_TRUE(step.success) << name << " " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pdoik
