@@ -207,5 +207,63 @@ TEST(SolverBehaviour, joints_that_move_neither_tip_nor_hull_stay_where_they_star
   EXPECT_GT(restarts, 50);
 }
 
+TEST(SolverBehaviour, arms_of_any_size_are_solved_alike) {
+  // One arm of six joints, from a millimetre's reach to a kilometre's.
+  const auto arm = [](double size) {
+    std::vector<DhRow> rows;
+    for (int i = 0; i < 6; ++i) {
+      rows.push_back({.alpha = i == 0 ? 0.0 : (i % 2 == 1 ? M_PI_2 : -M_PI_2),
+                      .a = i % 2 == 1 ? 0.2 * size : 0.0,
+                      .d = 0.1 * size,
+                      .lower = -2.5,
+                      .upper = 2.5});
+    }
+    return Robot::from_dh(rows);
+  };
+  for (const InnerMethod inner : {InnerMethod::LevenbergMarquardt, InnerMethod::Lbfgs}) {
+    for (const double size : {1e-3, 1e-2, 1.0, 1e2, 1e3}) {
+      const Robot robot = arm(size);
+      Options options = timeless();
+      options.inner = inner;
+      options.max_restarts = 20;
+      options.position_tolerance = 1e-5 * size;
+      Solver solver(robot, options);
+      Random random(4);
+      int solved = 0;
+      for (int k = 0; k < 30; ++k)
+        solved += solver.solve(robot.fk(random_configuration(robot, random))).success;
+      EXPECT_GE(solved, 29) << size << (inner == InnerMethod::Lbfgs ? " by L-BFGS" : "");
+    }
+  }
+}
+
+TEST(SolverBehaviour, lengths_by_the_robots_size_are_as_ever_for_usual_arms_and_as_told_if_told) {
+  for (const std::string& name : arm_names()) {
+    const Options sized = Options{}.sized_for(Robot::builtin(name));
+    EXPECT_EQ(sized.rotation_weight, 0.3) << name;
+    EXPECT_EQ(sized.point_distance, 0.5) << name;
+  }
+  for (const double reach : {0.19, 0.21, 2.9, 3.1}) {
+    DhRow turn{.lower = -1.0, .upper = 1.0};
+    Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();
+    tool.translation().x() = reach;
+    const Robot robot = Robot::from_dh({turn}, tool);
+    const double expected = reach > 0.2 && reach < 3.0 ? 0.3 : 0.25 * reach;
+    EXPECT_NEAR(Options{}.sized_for(robot).rotation_weight, expected, 1e-12) << reach;
+    Options told;
+    told.rotation_weight = 0.7;
+    told.point_distance = 0.1;
+    EXPECT_EQ(told.sized_for(robot).rotation_weight, 0.7);
+    EXPECT_EQ(told.sized_for(robot).point_distance, 0.1);
+  }
+  // How far a rail or a floating base goes makes an arm no larger, a stage that slides no smaller.
+  for (const double rail : {0.1, 50.0, std::numeric_limits<double>::infinity()}) {
+    DhRow slide{.lower = -rail, .upper = rail, .prismatic = true}, turn{};
+    Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();
+    tool.translation().x() = 0.15;
+    EXPECT_EQ(Options{}.sized_for(Robot::from_dh({slide, turn}, tool)).rotation_weight, 0.3);
+  }
+}
+
 }  // namespace
 }  // namespace pdoik

@@ -34,8 +34,10 @@ TEST(SolverMisuse, options_out_of_range_are_refused_by_name) {
   for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
     refused("position_tolerance", [&](Options& o) { o.position_tolerance = bad; });
     refused("rotation_tolerance", [&](Options& o) { o.rotation_tolerance = bad; });
-    refused("rotation_weight", [&](Options& o) { o.rotation_weight = bad; });
     refused("collision_weight", [&](Options& o) { o.collision_weight = bad; });
+  }
+  for (const double bad : {-1.0, kNan, kInfinity}) {  // 0 is for by the robot's size
+    refused("rotation_weight", [&](Options& o) { o.rotation_weight = bad; });
     refused("point_distance", [&](Options& o) { o.point_distance = bad; });
   }
   for (const double bad : {kNan, kInfinity, -kInfinity})

@@ -67,7 +67,7 @@ class Solver {
 
   /// As it was at construction.
   const Robot& robot() const;
-  /// Those it was made with.
+  /// Those it was made with, as Options::sized_for has them.
   const Options& options() const;
   /// @}
 
