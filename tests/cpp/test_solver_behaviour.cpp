@@ -265,5 +265,24 @@ TEST(SolverBehaviour, lengths_by_the_robots_size_are_as_ever_for_usual_arms_and_
   }
 }
 
+TEST(SolverBehaviour, a_base_collision_names_what_the_base_is_in_however_deep_another_hull_is) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  for_settings([&](Options options) {
+    options.max_restarts = 3;
+    Solver solver(robot, options);
+    const Eigen::VectorXd q = robot.mid_configuration();
+    ObstacleMatrix obstacles(2, 3);
+    obstacles.row(0) = robot.fk(q).translation().transpose();  // in the hand
+    obstacles.row(1) << 0.0, 0.0, -0.0698;  // just in the ball around the base's origin
+    solver.set_obstacles(obstacles);
+    const Result result = solver.solve(robot.fk(q), q);
+    ASSERT_EQ(result.status, Status::BaseCollision);
+    EXPECT_EQ(result.worst.kind, WorstConstraint::Kind::Clearance);
+    EXPECT_EQ(result.worst.obstacle, 1) << solver.describe(result.worst);
+    EXPECT_GT(result.worst.violation, 0.0);
+    EXPECT_LT(result.worst.violation, 1e-3);
+  });
+}
+
 }  // namespace
 }  // namespace pdoik
