@@ -6,6 +6,7 @@
 
 #include "detail/collision_state.hpp"
 #include "detail/convex_distance.hpp"
+#include "detail/deadline.hpp"
 #include "detail/held.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
@@ -49,9 +50,12 @@ class HeldClearance {
   }
 
   /// Calls visit(HeldNear) for the nearest point, each shape and each hull that is within a
-  /// distance of what is wanted, by ascending slots.
+  /// distance of what is wanted, by ascending slots. @returns Whether it has looked at all before
+  /// the deadline, which may be null.
   template <class Visit>
-  void find(const ObstacleView& points, const ShapePairs& shapes, double within, Visit&& visit) {
+  bool find(const ObstacleView& points, const ShapePairs& shapes, double within,
+            const Deadline* deadline, Visit&& visit) {
+    constexpr int kBetweenLooks = 32;  // pairs of solids, which take longer than others
     int slot = 0;
     const auto tell = [&](std::optional<HeldNear> near) {
       if (near) {
@@ -62,11 +66,14 @@ class HeldClearance {
     };
     for (int k = 0; k < count(); ++k) {
       tell(nearest_point(k, points, within));
-      for (int shape = 0; shape < shapes.count(); ++shape)
+      for (int shape = 0; shape < shapes.count(); ++shape) {
+        if (passed_in(shape, deadline, kBetweenLooks)) return false;
         tell(nearest_of_shape(k, shapes, shape, within));
+      }
       for (int hull = 0; hull < hull_capsules_.count(); ++hull)
         tell(nearest_of_hull(k, hull, within));
     }
+    return true;
   }
   /// The nearest point to a solid, if within a distance; the same of a shape, and of a hull.
   std::optional<HeldNear> nearest_point(int k, const ObstacleView& points, double within);

@@ -34,7 +34,10 @@ class Workspace {
   void use(const Scene& scene);
 
   /// The clock that everything looks at from now on, which outlives what follows.
-  void watch(const Deadline& deadline) { problem.deadline = &deadline; }
+  void watch(const Deadline& deadline) {
+    problem.deadline = &deadline;
+    problem.constraints.watch(&deadline);
+  }
 
   /// The clock of a solve that may take this long: time is kept for its verdict.
   Deadline deadline_in(double max_time) const;
