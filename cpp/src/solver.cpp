@@ -137,10 +137,10 @@ struct Solver::Implementation {
       : model(other.model), scene(*model, other.scene), own(model, scene) {}
 
   /// Held while the obstacles are read.
-  std::shared_lock<std::shared_mutex> read() {
-    auto lock = scene.read();
+  detail::CloudState::Reading read() {
+    auto reading = scene.read();
     if (scene.has_changed()) own.workspace.use(scene);
-    return lock;
+    return reading;
   }
 
   std::shared_ptr<const detail::Model> model;
@@ -164,8 +164,10 @@ const Options& Solver::options() const { return impl_->model->options; }
 void Solver::set_obstacles(const Obstacles& points) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point started = Clock::now();
-  detail::check_obstacles(points);
-  impl_->scene.assign(points);
+  detail::check_count(points.rows(), "obstacles");
+  const Obstacles own = impl_->scene.copied(points);
+  detail::check_obstacles(own);
+  impl_->scene.assign(own);
   impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
 }
 

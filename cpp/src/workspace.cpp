@@ -76,12 +76,15 @@ void Workspace::use(const Scene& scene) {
   problem.scene = &scene;
   const Options& options = model().options;
   const int padded =
-      std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
+      std::max(scene.padded_points(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
   problem.constraints.shapes.reserve(scene.shapes().count());
-  problem.constraints.held.hold(scene);
-  judge_.hold(scene);
-  tool.hold(scene);
+  if (held_stamp_ != scene.held_stamp()) {
+    held_stamp_ = scene.held_stamp();
+    problem.constraints.held.hold(scene);
+    judge_.hold(scene);
+    tool.hold(scene);
+  }
   least_squares.reserve(padded);
   least_squares.count_all_obstacles();
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)

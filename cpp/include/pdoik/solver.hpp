@@ -16,7 +16,7 @@
 namespace pdoik {
 
 /// Obstacle points, one row each: x y z, or x y z radius, in the base frame [m]. Row-major views of
-/// existing arrays are read in place.
+/// existing arrays are read without a conversion, once: what is checked and used is a copy.
 using Obstacles =
     Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
                Eigen::OuterStride<>>;
@@ -79,7 +79,7 @@ class Solver {
   /// still has the last ones: copies share them. What it took is in the results that follow, as
   /// `intake`.
   /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number
-  /// beyond 1e6, naming the row.
+  /// beyond 1e6, naming the row, and on more than Cloud::kMostPoints.
   void set_obstacles(const Obstacles& points);
   /// Those of a cloud, as they are whenever a solve begins. Solvers share it.
   void set_obstacles(const Cloud& cloud);

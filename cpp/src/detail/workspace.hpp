@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -59,7 +60,8 @@ class Workspace {
   std::shared_ptr<const Model> model_;
   Judge judge_;
   AugmentedLagrangian augmented_lagrangian_;
-  double verdict_time_ = 0.0;  ///< what a verdict takes, by the last ones [s]
+  double verdict_time_ = 0.0;     ///< what a verdict takes, by the last ones [s]
+  std::uint64_t held_stamp_ = 0;  ///< of what the scene holds that was last taken in
 
  public:
   Problem problem;
