@@ -107,7 +107,9 @@ class Solver {
   /// @{
 
   /// Ask `wanted` about ten times a second whether to end a solve early, with the status TimeLimit:
-  /// for Ctrl-C where max_time is long. Copies of the solver do not ask.
+  /// for Ctrl-C where max_time is long. It is asked by the thread that called alone, and ends a
+  /// batch as well, of which the targets that were not begun keep that status and the middle of the
+  /// ranges. Copies of the solver do not ask.
   void set_interrupt(std::function<bool()> wanted);
 
   /// Find q so that each goal's tip has its pose, axis or position, inside joint limits, clear of
