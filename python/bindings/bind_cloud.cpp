@@ -3,6 +3,7 @@
 #include "bind.hpp"
 #include "cloud.hpp"
 #include "pdoik/point_cloud.hpp"
+#include "without_gil.hpp"
 
 namespace pdoik::python {
 namespace {
@@ -77,7 +78,7 @@ True)")
              const std::optional<Thinning> thinning = to_thinning(leaf, radii, solid);
              const PointsView view(points, "points");
              const Points viewpoints = to_viewpoints(viewpoint);
-             const py::gil_scoped_release release;
+             const WithoutGil release;
              return ThinnedCloud{thinned(view, thinning, {.viewpoints = viewpoints},
                                          [](const auto& rows) { return Cloud(rows); }),
                                  thinning};
@@ -106,7 +107,7 @@ Raises:
             const PointsView view(points, "points");
             const Eigen::AlignedBox3d box = to_region(region);
             const Points viewpoints = to_viewpoints(viewpoint);
-            const py::gil_scoped_release release;
+            const WithoutGil release;
             check_part(self, box);
             return thinned(view, self.thinning, {.viewpoints = viewpoints, .within = box},
                            [&](const auto& rows) { return self.cloud.update(rows, box); });
@@ -130,7 +131,7 @@ Raises:
           "remove",
           [](ThinnedCloud& self, const ArrayLike& region) {
             const Eigen::AlignedBox3d box = to_region(region);
-            const py::gil_scoped_release release;
+            const WithoutGil release;
             check_part(self, box);
             return self.cloud.remove(box);
           },
