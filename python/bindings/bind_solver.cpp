@@ -20,6 +20,7 @@
 #include "pdoik/solver.hpp"
 #include "result.hpp"
 #include "scene.hpp"
+#include "units.hpp"
 #include "without_gil.hpp"
 
 namespace pdoik::python {
@@ -31,6 +32,7 @@ struct SharedSolver {
     solver.set_interrupt(is_interrupted);
   }
   Solver solver;
+  ToldOfUnits told_of_units = false;  ///< with the GIL held
 
   /// Of a thread, from when it is made. Without the GIL; Ctrl-C is heard while it waits.
   class Turn {
@@ -137,6 +139,7 @@ NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
   const auto address = [](const std::optional<Eigen::VectorXd>& v) { return v ? &*v : nullptr; };
   const Request request{goals, address(start), address(near), address(step)};
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   NamedResult result;
   {
     const WithoutGil release;
@@ -158,6 +161,7 @@ NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLi
   const std::vector<Goal> goals = to_goals(T_base_tip, self.solver.robot(), self.solver.options());
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   const WithoutGil release;
   const SharedSolver::Turn turn(self);
   given.give_to(self.solver);
@@ -177,6 +181,7 @@ std::vector<NamedClearance> clearances(SharedSolver& self, const ArrayLike& q,
                                        const std::optional<ObstaclesLike>& obstacles) {
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   const WithoutGil release;
   const SharedSolver::Turn turn(self);
   given.give_to(self.solver);
@@ -220,6 +225,7 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
                                 " rows, expected 1 or " + std::to_string(goals.size()));
   }
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   BatchResult batch;
   batch.dof = self.solver.robot().dof();
 
@@ -250,6 +256,7 @@ py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
     int threads) {
   const std::vector<Eigen::Isometry3d> targets = to_isometries(T_base_tip, "T_base_tip");
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   const auto count = static_cast<py::ssize_t>(targets.size());
   py::array_t<std::uint8_t> statuses(count);
   py::array_t<float> q({count, static_cast<py::ssize_t>(self.solver.robot().dof())});
@@ -313,7 +320,10 @@ Returns:
 Raises:
     ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative,
         something is NaN or infinite, or there are more than 33,554,432 points.
-    RuntimeError: A signal's handler asks the very solver that it has interrupted.)")
+    RuntimeError: A signal's handler asks the very solver that it has interrupted.
+
+Warns:
+    ObstacleWarning: Points are so far away, once for each solver, that they are in millimetres most likely.)")
       .def("solve_batch", &solve_batch, py::arg("T_base_tip"), py::arg("q0") = py::none(),
            py::arg("obstacles") = py::none(), py::arg("threads") = 0,
            R"(Solve many targets among the same obstacles, on several threads, each as `solve` does.

@@ -44,6 +44,17 @@ class ObstaclesIn {
     }
   }
 
+  /// Some of the points, a few dozen at most.
+  RowMatrix sample(int most) const {
+    if (cloud_) return cloud_->sample(most);
+    const Obstacles all = points_.in_double();
+    if (all.rows() == 0 || all.cols() < 3) return RowMatrix(0, 3);
+    const Eigen::Index step = (all.rows() + most - 1) / most, count = (all.rows() - 1) / step + 1;
+    RowMatrix some(count, 3);
+    for (Eigen::Index k = 0; k < count; ++k) some.row(k) = all.row(k * step).head<3>();
+    return some;
+  }
+
   /// Hand them to a Solver or a Tracker.
   template <class Taker>
   void give_to(Taker& taker) const {
