@@ -36,10 +36,9 @@ double reach(const Robot& robot) {
 
 double median_distance(const RowMatrix& points) {
   if (points.rows() == 0) return 0.0;
-  // Of what is no number the norm is none either.
-  Eigen::VectorXd distances = points.leftCols<3>().rowwise().norm();
+  Eigen::VectorXd distances = points.leftCols<3>().rowwise().norm() - points.col(3);
   auto* const middle = distances.data() + distances.size() / 2;
-  if (!(distances.array() <= 1e6).all()) return 0.0;  // which whoever takes them refuses
+  if (!(distances.array() <= 1e6).all()) return 0.0;  // which whoever takes them refuses, as NaN
   std::nth_element(distances.data(), middle, distances.data() + distances.size());
   return *middle;
 }

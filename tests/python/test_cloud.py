@@ -214,6 +214,8 @@ def test_points_that_are_far_in_metres_are_not_warned_of() -> None:
     for obstacles in (None, hall, some, pdoik.Cloud(hall), np.zeros((0, 3)), [[0.5, 0.5, 0.5]]):
         pdoik.Solver(ROBOT).solve(T, obstacles=obstacles)
     row = pdoik.DhRow(a=100.0, lower=-1.0, upper=1.0)  # an arm of some hundred metres
+    balls = np.c_[MILLIMETRES, np.full(len(MILLIMETRES), 1e4)]  # that reach as far as the robot
+    pdoik.Solver(ROBOT).solve(T, obstacles=balls)
     crane = pdoik.Robot.from_dh([row, row])
     pdoik.Solver(crane).solve(crane.fk([0.1, 0.1]), obstacles=MILLIMETRES)
     endless = pdoik.Robot.from_dh([pdoik.DhRow(prismatic=True), row])
