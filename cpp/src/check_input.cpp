@@ -216,4 +216,11 @@ void check_obstacles(const Obstacles& points) {
   complaint.raise();
 }
 
+void check_count(Eigen::Index points, const char* name) {
+  if (static_cast<std::size_t>(points) <= Cloud::kMostPoints) return;
+  throw std::invalid_argument(std::string(name) + " has " + std::to_string(points) +
+                              " rows, expected at most " + std::to_string(Cloud::kMostPoints) +
+                              ": thin them out first (voxel_downsample)");
+}
+
 }  // namespace pdoik::detail

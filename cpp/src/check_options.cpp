@@ -84,9 +84,11 @@ void check_options(const Options& o) {
   require(o.max_restarts >= 0, "max_restarts", o.max_restarts, "at least 0");
   require(o.max_obstacles >= 0 && o.max_obstacles <= 10'000'000, "max_obstacles", o.max_obstacles,
           "0 to 10 million");
-  require_positive("rotation_weight", o.rotation_weight);
+  require(o.rotation_weight >= 0.0 && std::isfinite(o.rotation_weight), "rotation_weight",
+          o.rotation_weight, "a finite length of at least 0 [m]");
   require_positive("collision_weight", o.collision_weight);
-  require_positive("point_distance", o.point_distance);
+  require(o.point_distance >= 0.0 && std::isfinite(o.point_distance), "point_distance",
+          o.point_distance, "a finite length of at least 0 [m]");
   require(o.start_inset > 0.0 && o.start_inset < 0.5, "start_inset", o.start_inset,
           "a fraction in (0, 0.5)");
   const double length = o.goal_axis.norm();

@@ -8,6 +8,7 @@
 #include "detail/check_input.hpp"
 #include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
+#include "detail/own_rows.hpp"
 #include "detail/rows.hpp"
 
 namespace pdoik {
@@ -16,6 +17,7 @@ namespace {
 using detail::CellOrder;
 using detail::CloudState;
 using detail::ObstacleSet;
+using detail::OwnRows;
 using detail::Vec4;
 
 /// Points that have numbers, as ObstacleSet takes them in.
@@ -28,16 +30,16 @@ struct Numbered {
   void prefetch(int row) const { __builtin_prefetch(&points[static_cast<std::size_t>(row)]); }
 };
 
+/// A copy, checked: what another thread writes into the rows meanwhile is in it or is not.
 template <class Rows>
-void check(const Rows& points) {
-  if (static_cast<std::size_t>(points.rows()) > Cloud::kMostPoints) {
-    throw std::invalid_argument("points has " + std::to_string(points.rows()) +
-                                " rows, expected at most " + std::to_string(Cloud::kMostPoints) +
-                                ": thin them out first (voxel_downsample)");
-  }
+OwnRows taken(const Rows& points) {
+  detail::check_count(points.rows(), "points");
+  OwnRows own;
+  own.take(points);
   detail::Complaint complaint;
-  detail::accepts_obstacles(points, complaint, "points");
+  detail::accepts_obstacles(own.rows(), complaint, "points");
   complaint.raise();
+  return own;
 }
 
 void check(const Eigen::AlignedBox3d& region) {
@@ -57,11 +59,12 @@ void check(const Eigen::AlignedBox3d& region) {
 
 template <class Rows>
 std::shared_ptr<CloudState> taken_in(const Rows& points) {
-  check(points);
+  const OwnRows own = taken(points);
+  const Obstacles rows = own.rows();
   auto state = std::make_shared<CloudState>();
   CellOrder order;
-  state->change_unshared().assign(static_cast<int>(points.rows()), order,
-                                  detail::RowsOf<Rows>{points, points.cols() > 3});
+  state->change_unshared().assign(static_cast<int>(rows.rows()), order,
+                                  detail::RowsOf<Obstacles>{rows, rows.cols() > 3});
   return state;
 }
 
@@ -91,31 +94,33 @@ void rebuild(ObstacleSet& set, const std::vector<Vec4>& more) {
 
 template <class Rows>
 int replace(CloudState& state, const Rows& points, const Eigen::AlignedBox3d& region) {
-  check(points);
+  const OwnRows own = taken(points);
   check(region);
-  const detail::RowsOf<Rows> rows{points, points.cols() > 3};
+  const Obstacles all = own.rows();
+  const detail::RowsOf<Obstacles> rows{all, all.cols() > 3};
   // What was rounded on its way here still counts as inside.
   const double slack = 1e-6 * std::max(1.0, region.max().cwiseAbs().maxCoeff());
   std::vector<Vec4> more;
-  more.reserve(static_cast<std::size_t>(points.rows()));
-  for (int row = 0; row < static_cast<int>(points.rows()); ++row) {
+  more.reserve(static_cast<std::size_t>(all.rows()));
+  for (int row = 0; row < static_cast<int>(all.rows()); ++row) {
     more.push_back(rows(row));
     if (region.exteriorDistance(detail::to_vector3(more.back())) > slack) {
       throw std::invalid_argument("points has row " + std::to_string(row) +
                                   " outside of the region that it is to fill");
     }
   }
-  int removed = 0;
-  state.update([&](ObstacleSet& set) {
-    removed = set.remove(region);
+  return state.update([region, more = std::move(more)](ObstacleSet& set) {
+    const int removed = set.remove(region);
     const auto total = static_cast<std::size_t>(set.count()) + more.size();
     if (total > Cloud::kMostPoints)
       throw std::invalid_argument("the cloud would have more than " +
                                   std::to_string(Cloud::kMostPoints) + " points");
     CellOrder order;
-    if (!set.insert(more, order)) rebuild(set, more);
+    if (set.insert(more, order))
+      return CloudState::Changed{removed, static_cast<std::size_t>(removed) + more.size()};
+    rebuild(set, more);
+    return CloudState::Changed{removed, total};
   });
-  return removed;
 }
 
 }  // namespace
@@ -125,8 +130,7 @@ Cloud::Cloud(const Obstacles& points) : state_(taken_in(points)) {}
 Cloud::Cloud(const ObstaclesF& points) : state_(taken_in(points)) {}
 
 std::size_t Cloud::size() const {
-  const auto reading = state_->read();
-  return static_cast<std::size_t>(state_->points().count());
+  return static_cast<std::size_t>(state_->read().points().count());
 }
 
 int Cloud::update(const Obstacles& points, const Eigen::AlignedBox3d& region) {
@@ -138,9 +142,10 @@ int Cloud::update(const ObstaclesF& points, const Eigen::AlignedBox3d& region) {
 
 int Cloud::remove(const Eigen::AlignedBox3d& region) {
   check(region);
-  int removed = 0;
-  state_->update([&](ObstacleSet& set) { removed = set.remove(region); });
-  return removed;
+  return state_->update([region](ObstacleSet& set) {
+    const int removed = set.remove(region);
+    return CloudState::Changed{removed, static_cast<std::size_t>(removed)};
+  });
 }
 
 int Cloud::remove_robot(const Robot& robot, VectorIn q, double padding) {
@@ -154,8 +159,7 @@ int Cloud::remove_robot(const Robot& robot, VectorIn q, double padding) {
   const detail::HullModel hulls(robot);
   std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
   robot.body_poses(q, T_base_body);
-  int removed = 0;
-  state_->update([&](ObstacleSet& set) {
+  return state_->update([&](ObstacleSet& set) {
     std::vector<int> within;
     for (const auto* group : {&hulls.moving, &hulls.fixed}) {
       detail::CollisionState state(hulls, *group);
@@ -164,14 +168,15 @@ int Cloud::remove_robot(const Robot& robot, VectorIn q, double padding) {
       state.place(T_base_body);
       detail::find_within(state, set, padding, within);
     }
-    removed = set.remove(std::move(within));
+    const int removed = set.remove(std::move(within));
+    // Never again: what it looks at is gone then.
+    return CloudState::Changed{removed, static_cast<std::size_t>(set.count()) + 1};
   });
-  return removed;
 }
 
 Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> Cloud::points() const {
   const auto reading = state_->read();
-  const ObstacleSet& set = state_->points();
+  const ObstacleSet& set = reading.points();
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows(set.count(), 4);
   Eigen::Index next = 0;
   for (int place = 0; place < set.places(); ++place) {
@@ -182,18 +187,29 @@ Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> Cloud::points() const 
   return rows;
 }
 
+Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> Cloud::sample(int most) const {
+  const auto reading = state_->read();
+  const ObstacleSet& set = reading.points();
+  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows(most, 4);
+  Eigen::Index next = 0;
+  const int step = std::max(1, (set.places() + most - 1) / most);
+  for (int place = 0; place < set.places(); place += step) {
+    if (!set.holds(place)) continue;
+    const Vec4& o = set[place];
+    rows.row(next++) << o[0], o[1], o[2], o[3];
+  }
+  return rows.topRows(next);
+}
+
 std::vector<int> Cloud::ids() const {
   const auto reading = state_->read();
-  const ObstacleSet& set = state_->points();
+  const ObstacleSet& set = reading.points();
   std::vector<int> ids;
   for (int place = 0; place < set.places(); ++place)
     if (set.holds(place)) ids.push_back(set.id(place));
   return ids;
 }
 
-std::size_t Cloud::bytes() const {
-  const auto reading = state_->read();
-  return state_->points().bytes();
-}
+std::size_t Cloud::bytes() const { return state_->bytes(); }
 
 }  // namespace pdoik

@@ -47,9 +47,12 @@ void CommonContacts::note(Problem& problem) {
   }
   const int hulls = static_cast<int>(problem.model.hulls.moving.size());
   const int first = problem.scene->within_reach() > 0 ? -1 : 0;
+  int turn = 0;
   for (int hull = 0; hull < hulls; ++hull) {
-    for (int shape = first; shape < problem.scene->shapes().count(); ++shape)
+    for (int shape = first; shape < problem.scene->shapes().count(); ++shape) {
+      if (problem.is_late(turn++)) return;
       if (pairs_.size() < kMost && touches(problem, hull, shape)) pairs_.push_back({hull, shape});
+    }
   }
 }
 

@@ -85,8 +85,10 @@ void Lagrangian::set_goals(std::span<const Goal> goals) {
 }
 
 void Lagrangian::set_obstacles(const Obstacles& points) {
-  detail::check_obstacles(points);
-  impl_->set_obstacles(points);
+  detail::check_count(points.rows(), "obstacles");
+  const Obstacles own = impl_->scene.copied(points);
+  detail::check_obstacles(own);
+  impl_->set_obstacles(own);
 }
 
 Eigen::Index Lagrangian::size() const { return impl_->map.size(); }

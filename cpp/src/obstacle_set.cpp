@@ -1,6 +1,7 @@
 #include "detail/obstacle_set.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace pdoik::detail {
 namespace {
@@ -29,6 +30,42 @@ void ObstacleSet::reserve(std::size_t count) {
   blocks_.reserve((groups + kLanes) * kLanes);
   if (few_ == nullptr) few_ = std::make_unique<ObstacleSet>();
   few_->reserve(padded / kLanes + 1);
+}
+
+void ObstacleSet::copy(const ObstacleSet& other) {
+  const auto take = [](auto& own, const auto& theirs) {
+    own.reserve(theirs.capacity());
+    own = theirs;
+  };
+  take(points_, other.points_);
+  take(index_, other.index_);
+  take(coarse_x_, other.coarse_x_);
+  take(coarse_y_, other.coarse_y_);
+  take(coarse_z_, other.coarse_z_);
+  take(coarse_radius_, other.coarse_radius_);
+  for (const auto& [own, theirs] : {std::pair{&blocks_, &other.blocks_},
+                                    {&groups_, &other.groups_},
+                                    {&districts_, &other.districts_}}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      take(own->low[axis], theirs->low[axis]);
+      take(own->high[axis], theirs->high[axis]);
+    }
+    take(own->radius, theirs->radius);
+    own->count = theirs->count;
+    own->padded = theirs->padded;
+  }
+  if (other.few_ != nullptr) {
+    if (few_ == nullptr) few_ = std::make_unique<ObstacleSet>();
+    few_->copy(*other.few_);
+  }
+  changed_ = other.changed_;
+  origin_ = other.origin_;
+  count_ = other.count_;
+  places_ = other.places_;
+  padded_ = other.padded_;
+  next_id_ = other.next_id_;
+  extent_ = other.extent_;
+  in_order_ = other.in_order_;
 }
 
 void ObstacleSet::begin(int count, const Eigen::Vector3d& origin) {

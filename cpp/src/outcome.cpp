@@ -20,6 +20,19 @@ std::optional<Status> why_hopeless(const Model& model, std::span<const Goal> goa
   return std::nullopt;
 }
 
+void name_base_contact(const Scene& scene, const Options& options, Result& result) {
+  if (result.status != Status::BaseCollision) return;
+  using Kind = WorstConstraint::Kind;
+  const Clearance& point = scene.fixed();  // radii include the clearance that is wanted
+  const ShapeClearance& shape = scene.fixed_to_shapes();
+  const double by_point = -point.distance, by_shape = options.clearance - shape.distance;
+  result.worst = by_point > by_shape
+                     ? WorstConstraint{Kind::Clearance, point.source, point.obstacle,
+                                       by_point - options.clearance_tolerance}
+                     : WorstConstraint{Kind::Shape, shape.source, shape.shape,
+                                       by_shape - options.clearance_tolerance};
+}
+
 void begin_result(Result& result) {
   result.iterations = result.evaluations = result.restarts = result.late_evaluations = 0;
   result.success = false;

@@ -25,6 +25,7 @@ void solve_as_in_the_paper(Workspace& workspace, const Request& request, Result&
   workspace.judge(request.goals, q, result);
   end_result(why_hopeless(model, request.goals, scene.base_collides()), deadline, scene.intake,
              result);
+  name_base_contact(scene, model.options, result);
 }
 
 }  // namespace pdoik::detail

@@ -1,11 +1,21 @@
 #include "detail/scene.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 
 #include "detail/rows.hpp"
 
 namespace pdoik::detail {
+namespace {
+
+std::uint64_t new_stamp() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
+}  // namespace
+
 Scene::Scene(const Model& model)
     : model_(model),
       hulls_(model.hulls),
@@ -13,10 +23,12 @@ Scene::Scene(const Model& model)
       margin_(model.options.clearance),
       tolerance_(model.options.clearance_tolerance),
       own_(std::make_shared<CloudState>()),
-      cloud_(own_) {
+      cloud_(own_),
+      held_stamp_(new_stamp()) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   const auto count = static_cast<std::size_t>(model.options.max_obstacles);
   own_->change_unshared().reserve(count);
+  copy_.reserve(count);
   if (count > static_cast<std::size_t>(ObstacleSet::kLarge)) order_.reserve(count);
   assign(Eigen::Matrix<double, 0, 3, Eigen::RowMajor>());
 }
@@ -31,7 +43,8 @@ Scene::Scene(const Model& model, const Scene& other)
       cloud_(other.cloud_),
       shapes_(other.shapes_),
       fixed_to_shapes_(other.fixed_to_shapes_),
-      held_(other.held_) {
+      held_(other.held_),
+      held_stamp_(new_stamp()) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   intake = other.intake;
 }
@@ -86,20 +99,24 @@ void Scene::detach(const std::string& link) {
 
 void Scene::hold(Held::Solids solids) {
   held_ = Held(std::move(solids), model_.robot, hulls_, shapes_);
+  held_stamp_ = new_stamp();
   changed_ = true;
 }
 
-std::shared_lock<std::shared_mutex> Scene::read() {
-  std::shared_lock<std::shared_mutex> lock;
-  if (own_ == nullptr) lock = cloud_->read();  // nobody updates one of its own
-  if (version_ != cloud_->version()) refresh();
-  return lock;
+CloudState::Reading Scene::read() {
+  CloudState::Reading reading = cloud_->read();
+  points_ = &reading.points();
+  if (version_ != reading.version()) {
+    version_ = reading.version();
+    refresh();
+  }
+  return reading;
 }
 
 void Scene::refresh() {
-  version_ = cloud_->version();
   changed_ = true;
-  const ObstacleSet& points = cloud_->points();
+  const ObstacleSet& points = *points_;
+  padded_points_ = points.padded();
   within_reach_ =
       std::isfinite(hulls_.reach)
           ? points.count_within(hulls_.reach_centre, hulls_.reach + 2.0 * std::max(margin_, 0.0))

@@ -70,10 +70,14 @@ ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs, dou
   return least;
 }
 
-bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than) {
+bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than,
+                const Deadline* deadline) {
+  int turn = 0;
   for (int k = 0; k < hulls.count(); ++k) {
-    for (int shape = 0; shape < pairs.count(); ++shape)
+    for (int shape = 0; shape < pairs.count(); ++shape) {
+      if (passed_in(turn++, deadline)) return true;
       if (hull_clearance(hulls, k, pairs, shape, than).shape >= 0) return true;
+    }
   }
   return false;
 }

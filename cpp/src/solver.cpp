@@ -6,6 +6,7 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "detail/check_input.hpp"
@@ -43,14 +44,43 @@ namespace {
 /// No thread is woken for fewer targets than this.
 constexpr std::size_t kFewestEach = 4;
 
+/// Whether a batch is to end early: asked of whoever wants to know by the thread that called, on
+/// which alone Ctrl-C is heard, and told to the others.
+class BatchInterrupt {
+ public:
+  explicit BatchInterrupt(const std::function<bool()>& wanted) : wanted_(wanted) {}
+
+  /// Asks, if this is the thread that called.
+  bool ask() {
+    if (wanted_ && std::this_thread::get_id() == caller_ && !stop_ && wanted_()) stop_ = true;
+    return stop_;
+  }
+  /// The same ten times a second.
+  bool ask_now_and_then() {
+    if (!wanted_ || std::this_thread::get_id() != caller_) return stop_;
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return stop_;
+    next_ = now + std::chrono::milliseconds(100);
+    return ask();
+  }
+
+ private:
+  const std::function<bool()>& wanted_;
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::chrono::steady_clock::time_point next_ =
+      std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+  std::atomic<bool> stop_{false};
+};
+
 /// One request after the other of a list that several threads work on.
 class Shared final : public detail::Requests {
  public:
   Shared(std::span<const std::vector<Goal>> goals, std::span<const Eigen::VectorXd> q0,
-         std::vector<Result>& results, std::atomic<std::size_t>& turn)
-      : goals_(goals), q0_(q0), results_(results), turn_(turn) {}
+         std::vector<Result>& results, std::atomic<std::size_t>& turn, BatchInterrupt& interrupt)
+      : goals_(goals), q0_(q0), results_(results), turn_(turn), interrupt_(interrupt) {}
 
   bool next(Request& request, Result*& result) override {
+    if (interrupt_.ask_now_and_then()) return false;
     const std::size_t i = turn_++;
     if (i >= goals_.size()) return false;
     request = {.goals = goals_[i], .q0 = q0_.empty() ? nullptr : &q0_[q0_.size() == 1 ? 0 : i]};
@@ -63,6 +93,7 @@ class Shared final : public detail::Requests {
   std::span<const Eigen::VectorXd> q0_;
   std::vector<Result>& results_;
   std::atomic<std::size_t>& turn_;
+  BatchInterrupt& interrupt_;
 };
 
 class Single final : public detail::Requests {
@@ -137,10 +168,10 @@ struct Solver::Implementation {
       : model(other.model), scene(*model, other.scene), own(model, scene) {}
 
   /// Held while the obstacles are read.
-  std::shared_lock<std::shared_mutex> read() {
-    auto lock = scene.read();
+  detail::CloudState::Reading read() {
+    auto reading = scene.read();
     if (scene.has_changed()) own.workspace.use(scene);
-    return lock;
+    return reading;
   }
 
   std::shared_ptr<const detail::Model> model;
@@ -164,8 +195,10 @@ const Options& Solver::options() const { return impl_->model->options; }
 void Solver::set_obstacles(const Obstacles& points) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point started = Clock::now();
-  detail::check_obstacles(points);
-  impl_->scene.assign(points);
+  detail::check_count(points.rows(), "obstacles");
+  const Obstacles own = impl_->scene.copied(points);
+  detail::check_obstacles(own);
+  impl_->scene.assign(own);
   impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
 }
 
@@ -243,15 +276,21 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
   // Batches of one solver may run at once, so each has a view of the obstacles of its own.
   detail::Scene scene(*impl_->model, impl_->scene);
   const auto reading = scene.read();
-  std::vector<Result> results(goals.size());
+  Result not_begun;
+  not_begun.q = robot().mid_configuration();
+  not_begun.status = Status::TimeLimit;
+  std::vector<Result> results(goals.size(), not_begun);
+  BatchInterrupt interrupt(impl_->own.workspace.interrupt);
   std::atomic<std::size_t> turn{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
   const auto work = [&] {
     try {
       auto worker = impl_->workers.take(impl_->model, scene);
-      Shared requests(goals, q0, results, turn);
+      worker->workspace.interrupt = [&interrupt] { return interrupt.ask(); };
+      Shared requests(goals, q0, results, turn, interrupt);
       worker->solve(requests);
+      worker->workspace.interrupt = nullptr;
       impl_->workers.give_back(std::move(worker));
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
@@ -260,7 +299,7 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
   };
   const auto wanted = static_cast<std::size_t>(threads > 0 ? threads : detail::processor_count());
   const std::size_t count = std::clamp<std::size_t>(goals.size() / kFewestEach, 1, wanted);
-  detail::run_together(static_cast<int>(count) - 1, work);
+  detail::run_together(static_cast<int>(count) - 1, work, [&interrupt] { interrupt.ask(); });
   if (failure) std::rethrow_exception(failure);
   return results;
 }

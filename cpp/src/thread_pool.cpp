@@ -3,6 +3,7 @@
 #include <pthread.h>
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <list>
 #include <mutex>
@@ -23,7 +24,8 @@ class ThreadPool {
     return *current();
   }
 
-  void run(int helpers, const std::function<void()>& work) {
+  void run(int helpers, const std::function<void()>& work,
+           const std::function<void()>& while_waiting) {
     Job job{&work, helpers, 0};
     std::unique_lock lock(mutex_);
     const auto place = jobs_.insert(jobs_.end(), &job);
@@ -33,7 +35,12 @@ class ThreadPool {
     work();
     lock.lock();
     jobs_.erase(place);  // nobody new begins
-    ended_.wait(lock, [&] { return job.running == 0; });
+    const auto is_done = [&] { return job.running == 0; };
+    while (!ended_.wait_for(lock, std::chrono::milliseconds(100), is_done)) {
+      lock.unlock();
+      while_waiting();
+      lock.lock();
+    }
   }
 
  private:
@@ -86,9 +93,10 @@ class ThreadPool {
 
 }  // namespace
 
-void run_together(int helpers, const std::function<void()>& work) {
+void run_together(int helpers, const std::function<void()>& work,
+                  const std::function<void()>& while_waiting) {
   if (helpers > 0)
-    ThreadPool::shared().run(helpers, work);
+    ThreadPool::shared().run(helpers, work, while_waiting);
   else
     work();
 }

@@ -215,8 +215,9 @@ bool Tracker::set_obstacles(const Obstacles& points) {
                   static_cast<long long>(points.rows()), most);
     return false;
   }
-  if (!detail::accepts_obstacles(points, complaint)) return false;
-  impl_->scene.assign(points);
+  const Obstacles own = impl_->scene.copied(points);
+  if (!detail::accepts_obstacles(own, complaint)) return false;
+  impl_->scene.assign(own);
   impl_->scene.intake = std::chrono::duration<double>(Clock::now() - started).count();
   return true;
 }

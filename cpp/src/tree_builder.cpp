@@ -38,8 +38,8 @@ class TreeBuilder {
     const std::size_t base = base_link.empty() ? root() : link(base_link, "base link");
     tree_.bodies.emplace_back();
     visit(base, kNone, 0, Eigen::Isometry3d::Identity());
-    assign_dofs();
     tree_.warnings = description_.warnings;
+    assign_dofs();
     for (const LinkDescription& each : tree_.links) {
       const std::string complaint = inertia_complaint(each);
       if (!complaint.empty()) tree_.warnings.push_back(complaint);
@@ -123,6 +123,7 @@ class TreeBuilder {
     }
     if (joint.type == JointType::Continuous) return;
     if (std::isnan(joint.lower) || std::isnan(joint.upper)) fail(what + "limits are not numbers");
+    if (leaves_no_range(joint)) return;  // which follows all the same: assign_dofs says so
     if (joint.lower > joint.upper) {
       fail(what + "lower limit " + std::to_string(joint.lower) + " is above its upper limit " +
            std::to_string(joint.upper));
@@ -136,6 +137,13 @@ class TreeBuilder {
     if (joint.type == JointType::Revolute && (std::isinf(joint.lower) || std::isinf(joint.upper))) {
       fail(what + "is revolute with an infinite limit: expected finite limits or type continuous");
     }
+  }
+
+  /// Whether the limits are none that a joint which follows another could move between: files fill
+  /// them in because URDF wants some, as [0, 0] or the wrong way round. A joint of its own that has
+  /// a single position is locked on purpose.
+  static bool leaves_no_range(const JointDescription& joint) {
+    return joint.mimic && joint.type != JointType::Continuous && !(joint.lower < joint.upper);
   }
 
   /// With one parent each at most, a graph is a tree exactly when one link has none and all are
@@ -241,6 +249,10 @@ class TreeBuilder {
     return source;
   }
 
+  void warn_of(const std::string& what, const std::vector<std::string>& joints) {
+    if (!joints.empty()) tree_.warnings.push_back(what + join(joints));
+  }
+
   void assign_dofs() {
     std::map<std::size_t, int> dof_of_joint;
     std::vector<double> lower, upper, velocity, effort;
@@ -253,9 +265,15 @@ class TreeBuilder {
       const bool limited = joint.type != JointType::Continuous;
       lower.push_back(limited ? joint.lower : -std::numeric_limits<double>::infinity());
       upper.push_back(limited ? joint.upper : std::numeric_limits<double>::infinity());
-      velocity.push_back(joint.velocity);
-      effort.push_back(joint.effort);
+      constexpr double kNoLimit = 1e9;  // what files write, too, where there is none
+      const auto as_meant = [](double limit) {
+        return limit < kNoLimit ? limit : std::numeric_limits<double>::infinity();
+      };
+      velocity.push_back(as_meant(joint.velocity));
+      effort.push_back(as_meant(joint.effort));
     }
+    const std::vector<double> own_lower = lower, own_upper = upper;
+    std::vector<std::string> without_range;
     for (std::size_t b = 0; b < body_joint_.size(); ++b) {
       const Source source = source_of(body_joint_[b]);
       Body& body = tree_.bodies[b + 1];
@@ -269,10 +287,22 @@ class TreeBuilder {
              "' by a multiplier or offset that is not finite or beyond 1e6, all followers between "
              "them counted");
       }
-      if (description_.joints[body_joint_[b]].mimic) {
-        narrow_limits(description_.joints[body_joint_[b]], body, lower, upper);
-      }
+      const JointDescription& joint = description_.joints[body_joint_[b]];
+      if (leaves_no_range(joint))
+        without_range.push_back(joint.name);
+      else if (joint.mimic)
+        narrow_limits(joint, body, lower, upper);
     }
+    std::vector<std::string> locked;
+    for (std::size_t d = 0; d < lower.size(); ++d) {
+      if (lower[d] == upper[d] && own_lower[d] < own_upper[d])
+        locked.push_back(tree_.joint_names[d]);
+    }
+    warn_of(
+        "a mimic joint's lower limit is not below its upper one: left out, so that only the joint "
+        "it follows has limits, at ",
+        without_range);
+    warn_of("the limits of what mimics it leave a single position: locked, at ", locked);
     for (std::size_t d = 0; d < lower.size(); ++d) bound_limits(d, lower[d], upper[d]);
     const auto size = static_cast<Eigen::Index>(lower.size());
     tree_.lower = Eigen::Map<Eigen::VectorXd>(lower.data(), size);

@@ -222,6 +222,7 @@ void Verdicts::finish(Attempt& attempt) {
     if (attempt.contact && !result.success) result.worst = *attempt.contact;
   }
   end_result(attempt.hopeless, attempt.deadline, workspace_.scene().intake, result);
+  name_base_contact(workspace_.scene(), model_.options, result);
 }
 
 }  // namespace pdoik::detail

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "detail/reach.hpp"
+
 namespace pdoik::detail {
 namespace {
 
@@ -12,6 +14,14 @@ constexpr double kMostReserved = 0.5;
 AugmentedLagrangianOptions lagrangian_options(const Options& options) {
   AugmentedLagrangianOptions result = options.augmented_lagrangian;
   if (options.method == Method::Paper) result.form = PenaltyForm::Printed;
+  return result;
+}
+
+/// The cost is in square metres, and so is what is small of it.
+LbfgsOptions lbfgs_options(const Model& model) {
+  LbfgsOptions result = model.options.lbfgs;
+  const double size = std::min(1.0, relative_size(model.robot));
+  result.gradient_tolerance *= size * size;
   return result;
 }
 
@@ -45,7 +55,7 @@ Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
     : model_(std::move(model_in)),
       judge_(model().robot, model().options, model().hulls),
       augmented_lagrangian_(model().robot.dof(), lagrangian_options(model().options),
-                            model().options.lbfgs),
+                            lbfgs_options(model())),
       problem(model(), scene),
       map(model().robot),
       lagrangian(map, problem),
@@ -66,12 +76,15 @@ void Workspace::use(const Scene& scene) {
   problem.scene = &scene;
   const Options& options = model().options;
   const int padded =
-      std::max(scene.obstacles()->padded(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
+      std::max(scene.padded_points(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
   problem.constraints.shapes.reserve(scene.shapes().count());
-  problem.constraints.held.hold(scene);
-  judge_.hold(scene);
-  tool.hold(scene);
+  if (held_stamp_ != scene.held_stamp()) {
+    held_stamp_ = scene.held_stamp();
+    problem.constraints.held.hold(scene);
+    judge_.hold(scene);
+    tool.hold(scene);
+  }
   least_squares.reserve(padded);
   least_squares.count_all_obstacles();
   if (options.method == Method::Paper || options.inner == InnerMethod::Lbfgs)

@@ -52,7 +52,7 @@ PlainProblem::PlainProblem(const Robot& robot, const Options& options)
   const int tip = robot.tips().front();
   T_last_tip_ = robot.T_body_link(tip).matrix();
   tip_points_.emplace_back(0.0, 0.0, 0.0, 1.0);  // u_e, then the w_ep and v_ep (Eq. vwep)
-  const double k = options.point_distance;
+  const double k = options.sized_for(robot).point_distance;
   if (goal_ == GoalType::Pose) {
     tip_points_.emplace_back(k, 0.0, 0.0, 1.0);
     tip_points_.emplace_back(0.0, k, 0.0, 1.0);

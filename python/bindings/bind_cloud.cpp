@@ -3,6 +3,7 @@
 #include "bind.hpp"
 #include "cloud.hpp"
 #include "pdoik/point_cloud.hpp"
+#include "without_gil.hpp"
 
 namespace pdoik::python {
 namespace {
@@ -16,7 +17,13 @@ auto thinned(const PointsView& points, const std::optional<Thinning>& thinning,
   const RowMatrix cast =
       points.is_single() ? RowMatrix(points.in_single().cast<double>()) : RowMatrix();
   const Obstacles all = points.is_single() ? Obstacles(cast) : points.in_double();
-  return take(Obstacles(thin(all, *thinning, sink)));
+  const RowMatrix kept = thin(all, *thinning, sink);
+  if (kept.rows() == 0 && all.rows() > 0) {
+    throw std::invalid_argument("points has " + std::to_string(all.rows()) +
+                                " rows, each with NaN or infinity: a camera that saw nothing, "
+                                "perhaps, which does not say that nothing is there");
+  }
+  return take(Obstacles(kept));
 }
 
 std::optional<Thinning> to_thinning(const std::optional<double>& leaf, bool radii, bool solid) {
@@ -59,8 +66,9 @@ void bind_cloud(py::module_& module) {
 The points are put in the order of the cells that they lie in, with boxes around neighbours, so that a solve
 among a million looks at few of them. Give it as `obstacles` wherever points go.
 
-A solve sees the cloud as it is when it begins: updates wait for the solves that have begun, and solves that
-begin meanwhile wait for the update. Any number of threads may solve and update at once.
+A solve sees the cloud as it is when it begins, for an update makes another one beside it: no solve waits for an
+update and no update for a solve. Any number of threads may solve and update at once; updates take turns. A cloud
+that has been updated takes twice the memory, and once more for each older one that is still solved among.
 
 >>> import numpy as np
 >>> import pdoik
@@ -77,7 +85,7 @@ True)")
              const std::optional<Thinning> thinning = to_thinning(leaf, radii, solid);
              const PointsView view(points, "points");
              const Points viewpoints = to_viewpoints(viewpoint);
-             const py::gil_scoped_release release;
+             const WithoutGil release;
              return ThinnedCloud{thinned(view, thinning, {.viewpoints = viewpoints},
                                          [](const auto& rows) { return Cloud(rows); }),
                                  thinning};
@@ -88,16 +96,16 @@ True)")
 
 Args:
     points: x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float32 and float64 are
-        read in place where a row's numbers lie side by side. With no rows: a cloud to be updated.
+        read without a conversion where a row's numbers lie side by side. With no rows: a cloud to be updated.
     leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
-        voxel_downsample; rows with NaN or infinity are then left out. None keeps all.
+        voxel_downsample; rows with NaN or infinity are then left out, but not all of them. None keeps all.
     radii: Give each kept point the radius of a ball such that the balls hold every point there was.
     solid: The points are the surface of solid things: sink these balls into them, see voxel_downsample.
     viewpoint: Of a solid cloud, where it was seen from, shape (3,), or (N, 3) for each point [m].
 
 Raises:
     ValueError: The shape is wrong, a number is NaN, infinite or beyond 1e6, a radius is negative (naming the
-        row), or there are more than 33,554,432 points.)")
+        row), there are more than 33,554,432 points, or nothing is left of them to thin out.)")
       .def("__len__", [](const ThinnedCloud& self) { return self.cloud.size(); })
       .def(
           "update",
@@ -106,13 +114,15 @@ Raises:
             const PointsView view(points, "points");
             const Eigen::AlignedBox3d box = to_region(region);
             const Points viewpoints = to_viewpoints(viewpoint);
-            const py::gil_scoped_release release;
+            const WithoutGil release;
             check_part(self, box);
             return thinned(view, self.thinning, {.viewpoints = viewpoints, .within = box},
                            [&](const auto& rows) { return self.cloud.update(rows, box); });
           },
           py::arg("points"), py::arg("region"), py::arg("viewpoint") = py::none(),
-          R"(Put points in place of all those in a region, at the cost of what changes.
+          R"(Put points in place of all those in a region, at twice the cost of what changes.
+
+The first time, where much changes, and while an older one is still solved among, it copies all.
 
 Args:
     points: As in the constructor, thinned out as the cloud was; all within the region. No ball of a
@@ -130,7 +140,7 @@ Raises:
           "remove",
           [](ThinnedCloud& self, const ArrayLike& region) {
             const Eigen::AlignedBox3d box = to_region(region);
-            const py::gil_scoped_release release;
+            const WithoutGil release;
             check_part(self, box);
             return self.cloud.remove(box);
           },
@@ -156,7 +166,7 @@ Raises:
 A point's row when it was taken in, numbered on with each update.)")
       .def_property_readonly(
           "nbytes", [](const ThinnedCloud& self) { return self.cloud.bytes(); },
-          "The memory that the points take [bytes].")
+          "The memory that the points take, with those of older ones that are kept [bytes].")
       .def("__repr__", [](const ThinnedCloud& self) {
         return py::str("<Cloud of {} points, {:.3g} MB>")
             .format(self.cloud.size(), 1e-6 * static_cast<double>(self.cloud.bytes()));

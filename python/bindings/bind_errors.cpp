@@ -10,7 +10,7 @@ namespace pdoik::python {
 namespace {
 
 struct ErrorTypes {
-  py::object load_error, robot_warning;
+  py::object load_error, robot_warning, obstacle_warning;
 };
 
 /// The classes of pdoik/errors.py, looked up once.
@@ -19,9 +19,16 @@ const ErrorTypes& error_types() {
   return storage
       .call_once_and_store_result([] {
         const py::module_ errors = py::module_::import("pdoik.errors");
-        return ErrorTypes{errors.attr("LoadError"), errors.attr("RobotWarning")};
+        return ErrorTypes{errors.attr("LoadError"), errors.attr("RobotWarning"),
+                          errors.attr("ObstacleWarning")};
       })
       .get_stored();
+}
+
+void warn_by(const py::object& category, const std::string& message) {
+  const py::object text = to_str(message).attr("encode")("utf-8");
+  if (PyErr_WarnEx(category.ptr(), PyBytes_AsString(text.ptr()), 1) != 0)
+    throw py::error_already_set();
 }
 
 void translate(std::exception_ptr pointer) {
@@ -42,11 +49,10 @@ py::str to_str(const std::string& text) {
       PyUnicode_DecodeUTF8(text.data(), size, "backslashreplace"));
 }
 
-void warn(const std::string& message) {
-  const py::object text = to_str(message).attr("encode")("utf-8");
-  if (PyErr_WarnEx(error_types().robot_warning.ptr(), PyBytes_AsString(text.ptr()), 1) != 0) {
-    throw py::error_already_set();
-  }
+void warn(const std::string& message) { warn_by(error_types().robot_warning, message); }
+
+void warn_of_obstacles(const std::string& message) {
+  warn_by(error_types().obstacle_warning, message);
 }
 
 void bind_errors(py::module_&) {

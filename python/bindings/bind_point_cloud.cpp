@@ -3,6 +3,7 @@
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "thinning.hpp"
+#include "without_gil.hpp"
 
 namespace pdoik::python {
 
@@ -13,7 +14,7 @@ void bind_point_cloud(py::module_& module) {
          const std::optional<ArrayLike>& viewpoint) {
         const PointsView cloud = PointsView::float64(points, "points");
         const Points viewpoints = to_viewpoints(viewpoint);
-        const py::gil_scoped_release release;
+        const WithoutGil release;
         return thin(cloud, {leaf, radii, solid}, {.viewpoints = viewpoints});
       },
       py::arg("points"), py::arg("leaf"), py::arg("radii") = false, py::arg("solid") = false,

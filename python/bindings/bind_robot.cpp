@@ -15,6 +15,7 @@
 #include "pdoik/floating_base.hpp"
 #include "pdoik/robot.hpp"
 #include "robot_state.hpp"
+#include "without_gil.hpp"
 
 namespace pdoik::python {
 namespace {
@@ -66,7 +67,7 @@ Robot from_urdf(const PathOrText& path_or_xml, const std::optional<std::string>&
   const auto T = to_placement(T_world_base);
   const auto bounds = to_bounds(floating_base);
   const auto load = [&] {
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     Robot robot = placed(load_urdf(path_or_xml.value), base_link, tip_link, T, bounds);
     if (srdf) robot.set_ignored_pairs(load_srdf_pairs(srdf->value, robot));
     return robot;
@@ -250,7 +251,7 @@ Raises:
           "self_filter",
           [](const Robot& self, ThinnedCloud& cloud, const ArrayLike& q, double padding) {
             const Eigen::VectorXd at = to_vector(q, "q", self.dof());
-            const py::gil_scoped_release release;
+            const WithoutGil release;
             return cloud.cloud.remove_robot(self, at, padding);
           },
           py::arg("cloud"), py::arg("q"), py::kw_only(), py::arg("padding") = 0.0,

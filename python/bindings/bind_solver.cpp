@@ -2,6 +2,7 @@
 #include <pybind11/typing.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -9,6 +10,8 @@
 #include <mutex>
 #include <new>
 #include <span>
+#include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "arrays.hpp"
@@ -17,6 +20,8 @@
 #include "pdoik/solver.hpp"
 #include "result.hpp"
 #include "scene.hpp"
+#include "units.hpp"
+#include "without_gil.hpp"
 
 namespace pdoik::python {
 namespace {
@@ -24,43 +29,76 @@ namespace {
 /// A solver belongs to one thread at a time: Python's threads wait for their turn.
 struct SharedSolver {
   SharedSolver(const Robot& robot, const Options& options) : solver(robot, options) {
-    solver.set_interrupt([] {
-      const py::gil_scoped_acquire acquire;
-      return PyErr_CheckSignals() != 0;
-    });
+    solver.set_interrupt(is_interrupted);
   }
   Solver solver;
-  std::mutex mutex;
+  ToldOfUnits told_of_units = false;  ///< with the GIL held
+
+  /// Of a thread, from when it is made. Without the GIL; Ctrl-C is heard while it waits.
+  class Turn {
+   public:
+    explicit Turn(SharedSolver& of) : of_(of) {
+      if (of.taken_by_.load() == std::this_thread::get_id()) {
+        throw std::runtime_error(
+            "the solver is solving in this very thread, which a signal's handler has interrupted: "
+            "a handler needs a solver of its own");
+      }
+      while (!of.mutex_.try_lock_for(std::chrono::milliseconds(100))) raise_if_interrupted();
+      of.taken_by_ = std::this_thread::get_id();
+    }
+    ~Turn() {
+      of_.taken_by_ = std::thread::id();
+      of_.mutex_.unlock();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    SharedSolver& of_;
+  };
 
   /// Batches run beside solves and one another, each with a copy: of those of past batches one is
   /// used again, for making its memory takes longer than a short batch.
   /// @param generation  What give_back is to be told.
   std::unique_ptr<Solver> take_copy(int& generation) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    generation = changes;
-    if (copies.empty()) return std::make_unique<Solver>(solver);
-    std::unique_ptr<Solver> copy = std::move(copies.back());
-    copies.pop_back();
+    {
+      const std::lock_guard lock(copies_mutex_);
+      generation = changes_;
+      if (!copies_.empty()) {
+        std::unique_ptr<Solver> copy = std::move(copies_.back());
+        copies_.pop_back();
+        return copy;
+      }
+    }
+    const Turn turn(*this);
+    auto copy = std::make_unique<Solver>(solver);
+    copy->set_interrupt(is_interrupted);
+    const std::lock_guard lock(copies_mutex_);
+    generation = changes_;
     return copy;
   }
   /// Change what the solver carries, which copies of past batches know nothing of.
   template <class Change>
   void change(Change&& change) {
-    const py::gil_scoped_release release;
-    const std::lock_guard<std::mutex> lock(mutex);
+    const WithoutGil release;
+    const Turn turn(*this);
     change(solver);
-    copies.clear();
-    ++changes;
+    const std::lock_guard lock(copies_mutex_);
+    copies_.clear();
+    ++changes_;
   }
   void give_back(std::unique_ptr<Solver> copy, int generation) {
     copy->clear_obstacles();  // which may be a cloud that nobody else holds any more
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (generation == changes) copies.push_back(std::move(copy));
+    const std::lock_guard lock(copies_mutex_);
+    if (generation == changes_) copies_.push_back(std::move(copy));
   }
 
  private:
-  std::vector<std::unique_ptr<Solver>> copies;
-  int changes = 0;
+  std::timed_mutex mutex_;  ///< of the solver
+  std::atomic<std::thread::id> taken_by_;
+  std::mutex copies_mutex_;  ///< never held for long
+  std::vector<std::unique_ptr<Solver>> copies_;
+  int changes_ = 0;
 };
 
 /// A copy of the solver, until the batch ends.
@@ -101,10 +139,11 @@ NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
   const auto address = [](const std::optional<Eigen::VectorXd>& v) { return v ? &*v : nullptr; };
   const Request request{goals, address(start), address(near), address(step)};
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   NamedResult result;
   {
-    const py::gil_scoped_release release;
-    const std::lock_guard<std::mutex> lock(self.mutex);
+    const WithoutGil release;
+    const SharedSolver::Turn turn(self);
     using Clock = std::chrono::steady_clock;
     const Clock::time_point started = Clock::now();
     given.give_to(self.solver);
@@ -122,8 +161,9 @@ NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLi
   const std::vector<Goal> goals = to_goals(T_base_tip, self.solver.robot(), self.solver.options());
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
   const ObstaclesIn given(obstacles, "obstacles");
-  const py::gil_scoped_release release;
-  const std::lock_guard<std::mutex> lock(self.mutex);
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
+  const WithoutGil release;
+  const SharedSolver::Turn turn(self);
   given.give_to(self.solver);
   Result result;
   self.solver.judge(goals, configuration, result);
@@ -141,8 +181,9 @@ std::vector<NamedClearance> clearances(SharedSolver& self, const ArrayLike& q,
                                        const std::optional<ObstaclesLike>& obstacles) {
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
   const ObstaclesIn given(obstacles, "obstacles");
-  const py::gil_scoped_release release;
-  const std::lock_guard<std::mutex> lock(self.mutex);
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
+  const WithoutGil release;
+  const SharedSolver::Turn turn(self);
   given.give_to(self.solver);
   std::vector<NamedClearance> result;
   for (const ObstacleClearance& each : self.solver.clearances(configuration)) {
@@ -171,12 +212,6 @@ void bind_clearance(py::module_& module) {
       });
 }
 
-/// Ctrl-C is heard between slices of a batch, which grow until one takes a tenth of a second.
-void raise_if_interrupted() {
-  const py::gil_scoped_acquire acquire;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
-
 BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
                         const std::optional<ArrayLike>& q0,
                         const std::optional<ObstaclesLike>& obstacles, int threads) {
@@ -190,10 +225,11 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
                                 " rows, expected 1 or " + std::to_string(goals.size()));
   }
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   BatchResult batch;
   batch.dof = self.solver.robot().dof();
 
-  const py::gil_scoped_release release;
+  const WithoutGil release;
   BatchSolver batch_solver(self);
   Solver& solver = *batch_solver;
   given.give_to(solver);
@@ -220,13 +256,14 @@ py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
     int threads) {
   const std::vector<Eigen::Isometry3d> targets = to_isometries(T_base_tip, "T_base_tip");
   const ObstaclesIn given(obstacles, "obstacles");
+  warn_of_units(given, self.solver.robot(), self.told_of_units);
   const auto count = static_cast<py::ssize_t>(targets.size());
   py::array_t<std::uint8_t> statuses(count);
   py::array_t<float> q({count, static_cast<py::ssize_t>(self.solver.robot().dof())});
   auto* const status_at = statuses.mutable_data();
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
       q.mutable_data(), count, self.solver.robot().dof());
-  const py::gil_scoped_release release;
+  const WithoutGil release;
   BatchSolver batch_solver(self);
   Solver& solver = *batch_solver;
   given.give_to(solver);
@@ -271,8 +308,8 @@ Args:
         None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
         answers are within pi of it.
     obstacles: A Cloud; a list of Shapes; a Scene of both; or points x y z, or x y z radius, in the base frame,
-        shape (N, 3) or (N, 4) [m], taken in by each call anew. Float64 in C order is read in place. None or
-        empty: there are none, whatever the call before had.
+        shape (N, 3) or (N, 4) [m], taken in by each call anew. Float64 in C order is read without a
+        conversion. None or empty: there are none, whatever the call before had.
     posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
         the first solution found, shape (n,) [rad] or [m].
     max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
@@ -281,8 +318,12 @@ Returns:
     The result; not being able to is a status, not an exception.
 
 Raises:
-    ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative, or
-        something is NaN or infinite.)")
+    ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative,
+        something is NaN or infinite, or there are more than 33,554,432 points.
+    RuntimeError: A signal's handler asks the very solver that it has interrupted.
+
+Warns:
+    ObstacleWarning: Points are so far away, once for each solver, that they are in millimetres most likely.)")
       .def("solve_batch", &solve_batch, py::arg("T_base_tip"), py::arg("q0") = py::none(),
            py::arg("obstacles") = py::none(), py::arg("threads") = 0,
            R"(Solve many targets among the same obstacles, on several threads, each as `solve` does.

@@ -9,12 +9,19 @@
 #include "pdoik/tracker.hpp"
 #include "result.hpp"
 #include "scene.hpp"
+#include "units.hpp"
 
 namespace pdoik::python {
 namespace {
 
 using TrackingName =
     py::typing::Literal<"'tracking'", "'infeasible'", "'deadline_struck'", "'invalid_input'">;
+
+/// As Python has it.
+struct PythonTracker : Tracker {
+  using Tracker::Tracker;
+  ToldOfUnits told_of_units = false;
+};
 
 /// A copy that outlives the next step.
 struct NamedStep : NamedResult {
@@ -36,12 +43,19 @@ NamedStep named(const Tracker& tracker, const TrackerResult& result) {
   return step;
 }
 
-NamedStep step(Tracker& self, const GoalsLike& T_base_tip,
+/// What stands for an argument that was left out.
+bool is_left_out(const std::optional<ObstaclesLike>& obstacles) {
+  return obstacles && obstacles->value.is(py::ellipsis());
+}
+
+NamedStep step(PythonTracker& self, const GoalsLike& T_base_tip,
                const std::optional<ObstaclesLike>& obstacles) {
   try {
-    if (obstacles) {
+    if (!is_left_out(obstacles)) {
       try {
-        ObstaclesIn(obstacles, "obstacles").give_to(self);
+        const ObstaclesIn given(obstacles, "obstacles");
+        warn_of_units(given, self.robot(), self.told_of_units);
+        given.give_to(self);
       } catch (const std::invalid_argument& refused) {
         self.refuse_obstacles(refused.what());
       }
@@ -107,23 +121,23 @@ best so far; `invalid_input`: q is the last answer, and `complaint` says why.)")
 void bind_tracker(py::module_& module) {
   bind_latency(module);
   bind_step(module);
-  py::class_<Tracker>(module, "Tracker")
+  py::class_<PythonTracker>(module, "Tracker")
       .def(py::init([](const Robot& robot, const Options& options, double period, double max_time,
                        double speed_share, const std::optional<ArrayLike>& max_speed,
                        double posture_weight, double smoothness) {
              TrackerOptions t{period, max_time, speed_share, {}, posture_weight, smoothness};
              if (max_speed) t.max_speed = to_vector(*max_speed, "max_speed", robot.dof());
-             return Tracker(robot, options, t);
+             return PythonTracker(robot, options, t);
            }),
            py::arg("robot"), py::arg("options"), py::kw_only(), py::arg("period"),
            py::arg("max_time"), py::arg("speed_share"), py::arg("max_speed"),
            py::arg("posture_weight"), py::arg("smoothness"))
-      .def_property_readonly("robot", &Tracker::robot, py::return_value_policy::copy)
+      .def_property_readonly("robot", [](const PythonTracker& self) { return self.robot(); })
       .def_property_readonly(
-          "q", [](const Tracker& self) { return self.q(); }, "The last answer, shape (n,).")
+          "q", [](const PythonTracker& self) { return self.q(); }, "The last answer, shape (n,).")
       .def(
           "reset",
-          [](Tracker& self, const ArrayLike& q) {
+          [](PythonTracker& self, const ArrayLike& q) {
             self.reset(to_vector(q, "q", self.robot().dof()));
           },
           py::arg("q"),
@@ -136,7 +150,7 @@ Raises:
     ValueError: q has another shape or holds NaN or infinity.)")
       .def(
           "set_posture",
-          [](Tracker& self, const std::optional<ArrayLike>& posture) {
+          [](PythonTracker& self, const std::optional<ArrayLike>& posture) {
             self.set_posture(posture ? to_vector(*posture, "posture", self.robot().dof())
                                      : Eigen::VectorXd());
           },
@@ -147,35 +161,38 @@ Raises:
     ValueError: It has another shape or holds NaN or infinity.)")
       .def(
           "attach",
-          [](Tracker& self, const std::string& link, const std::vector<Shape>& shapes,
+          [](PythonTracker& self, const std::string& link, const std::vector<Shape>& shapes,
              const std::vector<std::string>& may_touch) { self.attach(link, shapes, may_touch); },
           py::arg("link"), py::arg("shapes"), py::arg("may_touch") = py::tuple(),
           "As Solver.attach, for the steps that follow.")
       .def(
           "detach",
-          [](Tracker& self, const std::optional<std::string>& link) {
+          [](PythonTracker& self, const std::optional<std::string>& link) {
             link ? self.detach(*link) : self.detach();
           },
           py::arg("link") = py::none(), "As Solver.detach.")
-      .def("step", &step, py::arg("T_base_tip"), py::arg("obstacles") = py::none(),
+      .def("step", &step, py::arg("T_base_tip"), py::arg("obstacles") = py::ellipsis(),
            R"(One step towards the goals, by the deadline. Raises nothing for bad numbers.
 
 Args:
     T_base_tip: Goals as in Solver.solve.
-    obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None: those of the
-        step before stay; of a Cloud its updates are seen. A cloud that makes no sense is refused: steps then hold the last answer until a
-        good one comes.
+    obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None or empty: there are
+        none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
+        sense is refused: steps then hold the last answer until a good one comes.
 
 Returns:
     Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in
     anything than standing still would be, nor than contact.
 
 Raises:
-    TypeError: Something is no array of numbers.)")
+    TypeError: Something is no array of numbers.
+
+Warns:
+    ObstacleWarning: As in Solver.solve.)")
       .def_property_readonly(
-          "latency", [](const Tracker& self) { return self.latency(); },
+          "latency", [](const PythonTracker& self) { return self.latency(); },
           "Of all steps so far, in C++.")
-      .def("clear_latency", &Tracker::clear_latency);
+      .def("clear_latency", [](PythonTracker& self) { self.clear_latency(); });
 }
 
 }  // namespace pdoik::python

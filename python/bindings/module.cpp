@@ -1,9 +1,11 @@
 #include "bind.hpp"
 #include "pdoik/simd.hpp"
+#include "without_gil.hpp"
 
 PYBIND11_MODULE(_core, module) {
   using namespace pdoik::python;
   module.doc() = "The compiled half of pdoik. Its names are to be had from `pdoik` itself.";
+  bind_end(module);
   bind_errors(module);
   bind_occupancy(module);
   bind_cloud(module);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "cloud.hpp"
@@ -42,6 +43,19 @@ class ObstaclesIn {
       case Kind::None:
         break;
     }
+  }
+
+  /// Some of the points, x y z radius, at most so many.
+  RowMatrix sample(int most) const {
+    if (cloud_) return cloud_->sample(most);
+    const Obstacles all = points_.in_double();
+    if (all.rows() == 0 || all.cols() < 3) return RowMatrix(0, 4);
+    const Eigen::Index step = (all.rows() + most - 1) / most, count = (all.rows() - 1) / step + 1;
+    RowMatrix some = RowMatrix::Zero(count, 4);
+    const Eigen::Index columns = std::min<Eigen::Index>(all.cols(), 4);
+    for (Eigen::Index k = 0; k < count; ++k)
+      some.row(k).head(columns) = all.row(k * step).head(columns);
+    return some;
   }
 
   /// Hand them to a Solver or a Tracker.

@@ -31,7 +31,7 @@ from pdoik._core import (
     simd_name,
     voxel_downsample,
 )
-from pdoik.errors import LoadError, OverhangWarning, PdoikError, RobotWarning
+from pdoik.errors import LoadError, ObstacleWarning, OverhangWarning, PdoikError, RobotWarning
 from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
     AugmentedLagrangianOptions,
@@ -58,6 +58,7 @@ __all__ = [
     "LevenbergMarquardtOptions",
     "LoadError",
     "ObstacleClearance",
+    "ObstacleWarning",
     "Occupancy",
     "Options",
     "OverhangWarning",

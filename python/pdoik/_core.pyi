@@ -88,8 +88,9 @@ class Cloud:
     The points are put in the order of the cells that they lie in, with boxes around neighbours, so that a solve
     among a million looks at few of them. Give it as `obstacles` wherever points go.
     
-    A solve sees the cloud as it is when it begins: updates wait for the solves that have begun, and solves that
-    begin meanwhile wait for the update. Any number of threads may solve and update at once.
+    A solve sees the cloud as it is when it begins, for an update makes another one beside it: no solve waits for an
+    update and no update for a solve. Any number of threads may solve and update at once; updates take turns. A cloud
+    that has been updated takes twice the memory, and once more for each older one that is still solved among.
     
     >>> import numpy as np
     >>> import pdoik
@@ -108,16 +109,16 @@ class Cloud:
         
         Args:
             points: x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float32 and float64 are
-                read in place where a row's numbers lie side by side. With no rows: a cloud to be updated.
+                read without a conversion where a row's numbers lie side by side. With no rows: a cloud to be updated.
             leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
-                voxel_downsample; rows with NaN or infinity are then left out. None keeps all.
+                voxel_downsample; rows with NaN or infinity are then left out, but not all of them. None keeps all.
             radii: Give each kept point the radius of a ball such that the balls hold every point there was.
             solid: The points are the surface of solid things: sink these balls into them, see voxel_downsample.
             viewpoint: Of a solid cloud, where it was seen from, shape (3,), or (N, 3) for each point [m].
         
         Raises:
             ValueError: The shape is wrong, a number is NaN, infinite or beyond 1e6, a radius is negative (naming the
-                row), or there are more than 33,554,432 points.
+                row), there are more than 33,554,432 points, or nothing is left of them to thin out.
         """
     def __len__(self) -> int:
         ...
@@ -135,7 +136,9 @@ class Cloud:
         """
     def update(self, points: numpy.typing.ArrayLike, region: numpy.typing.ArrayLike, viewpoint: numpy.typing.ArrayLike | None = None) -> int:
         """
-        Put points in place of all those in a region, at the cost of what changes.
+        Put points in place of all those in a region, at twice the cost of what changes.
+        
+        The first time, where much changes, and while an older one is still solved among, it copies all.
         
         Args:
             points: As in the constructor, thinned out as the cloud was; all within the region. No ball of a
@@ -160,7 +163,7 @@ class Cloud:
     @property
     def nbytes(self) -> int:
         """
-        The memory that the points take [bytes].
+        The memory that the points take, with those of older ones that are kept [bytes].
         """
     @property
     def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 4]"]:
@@ -1347,8 +1350,8 @@ class Solver:
                 None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
                 answers are within pi of it.
             obstacles: A Cloud; a list of Shapes; a Scene of both; or points x y z, or x y z radius, in the base frame,
-                shape (N, 3) or (N, 4) [m], taken in by each call anew. Float64 in C order is read in place. None or
-                empty: there are none, whatever the call before had.
+                shape (N, 3) or (N, 4) [m], taken in by each call anew. Float64 in C order is read without a
+                conversion. None or empty: there are none, whatever the call before had.
             posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
                 the first solution found, shape (n,) [rad] or [m].
             max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
@@ -1357,8 +1360,12 @@ class Solver:
             The result; not being able to is a status, not an exception.
         
         Raises:
-            ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative, or
-                something is NaN or infinite.
+            ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative,
+                something is NaN or infinite, or there are more than 33,554,432 points.
+            RuntimeError: A signal's handler asks the very solver that it has interrupted.
+        
+        Warns:
+            ObstacleWarning: Points are so far away, once for each solver, that they are in millimetres most likely.
         """
     def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
         """
@@ -1464,21 +1471,24 @@ class Tracker:
         Raises:
             ValueError: It has another shape or holds NaN or infinity.
         """
-    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> TrackerResult:
+    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = ...) -> TrackerResult:
         """
         One step towards the goals, by the deadline. Raises nothing for bad numbers.
         
         Args:
             T_base_tip: Goals as in Solver.solve.
-            obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None: those of the
-                step before stay; of a Cloud its updates are seen. A cloud that makes no sense is refused: steps then hold the last answer until a
-                good one comes.
+            obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None or empty: there are
+                none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
+                sense is refused: steps then hold the last answer until a good one comes.
         
         Returns:
             Always a configuration that may be sent to the motors, never farther from the last than the step limits.
         
         Raises:
             TypeError: Something is no array of numbers.
+        
+        Warns:
+            ObstacleWarning: As in Solver.solve.
         """
     @property
     def latency(self) -> LatencyHistogram:

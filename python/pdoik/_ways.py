@@ -10,6 +10,7 @@ import collections.abc
 import inspect
 import os
 from dataclasses import replace
+from string import whitespace
 from typing import TYPE_CHECKING
 
 import numpy.typing
@@ -75,8 +76,8 @@ def from_urdf(
     from .descriptions.load import load_given
     from .descriptions.text import Given
 
-    text = str(path_or_xml)
-    if text.lstrip().startswith("<"):
+    text = str(path_or_xml).lstrip("\ufeff" + whitespace)  # a byte order mark may come first
+    if text.startswith("<"):
         given = Given.of_text(text, packages=packages)
         _check(given, "the text", "urdf")
     else:

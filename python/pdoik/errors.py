@@ -20,5 +20,9 @@ class RobotWarning(UserWarning):
     """A robot's description is odd in a way that does not stop kinematics."""
 
 
+class ObstacleWarning(UserWarning):
+    """Obstacles are given in a way that is a mistake, most likely."""
+
+
 class OverhangWarning(UserWarning):
     """The capsules that hold a link stick out farther than they should."""

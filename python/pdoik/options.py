@@ -206,10 +206,13 @@ class Options:
         inner: How method "default" minimises from one start: "levenberg_marquardt" over joint
             positions, or the paper's augmented Lagrangian with "lbfgs" over slack variables.
         max_obstacles: Obstacle points that fit without a further allocation.
-        rotation_weight: Metres that one radian weighs in Levenberg-Marquardt's residual [m].
+        rotation_weight: Metres that one radian weighs in Levenberg-Marquardt's residual [m]; 0 for
+            by the robot's size: 0.3 m where its farthest tip reaches 0.2 m to 3 m, a quarter of
+            the reach of larger and smaller ones.
         collision_weight: Of a metre of penetration in Levenberg-Marquardt's residual.
         start_inset: Starts for the slack variables keep this fraction of a range off the limits.
-        point_distance: k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep).
+        point_distance: k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep); 0
+            for by the robot's size: 0.5 m where rotation_weight is 0.3 m, and in proportion.
         lbfgs: Of the limited-memory BFGS minimiser.
         augmented_lagrangian: Of Algorithm IK's outer loop.
         levenberg_marquardt: Of the least-squares minimiser.

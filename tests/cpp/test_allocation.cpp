@@ -6,6 +6,7 @@
 #include "arms.hpp"
 #include "binomial.hpp"
 #include "detail/self_collision.hpp"
+#include "pdoik/cloud.hpp"
 #include "pdoik/tracker.hpp"
 #include "tree_bench.hpp"
 
@@ -236,6 +237,38 @@ TEST(Allocation, a_solve_of_a_tree_by_the_paper_s_minimiser_allocates_nothing) {
     const Request request{.goals = full.goals, .q0 = &full.q0, .posture = &full.posture};
     if (k == 0) solver.solve(request, result);
     EXPECT_EQ(allocations([&] { solver.solve(request, result); }), 0) << k;
+  }
+}
+
+TEST(Allocation, a_tracker_that_carries_something_allocates_nothing_among_new_points) {
+  const Robot robot = Robot::builtin("panda");
+  Options options;
+  options.self_collision = true;
+  const Eigen::VectorXd q = robot.mid_configuration();
+  for (const bool among_shapes : {false, true}) {
+    Tracker tracker(robot, options, {.period = 0.001, .max_time = 10.0});
+    if (among_shapes) {
+      Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
+      aside.translation() << 0.5, 0.9, 0.2;
+      tracker.set_shapes(Shapes({Shape::box("box", aside, Eigen::Vector3d::Constant(0.1))}));
+    }
+    const Shape held =
+        Shape::box("held", Eigen::Isometry3d::Identity(), Eigen::Vector3d(0.05, 0.05, 0.1));
+    tracker.attach(robot.tip_links()[0], {&held, 1});
+    tracker.reset(q);
+    Random random(5);
+    tracker.step(robot.fk(q));
+    for (int k = 0; k < 20; ++k) {
+      const ObstacleMatrix cloud = random_obstacles(random, 60, 1.5, 0.01);
+      EXPECT_EQ(allocations([&] { tracker.set_obstacles(cloud); }), 0) << k;
+      EXPECT_EQ(allocations([&] { tracker.step(robot.fk(q)); }), 0) << k;
+    }
+    Cloud cloud(random_obstacles(random, 60, 1.5, 0.01));
+    tracker.set_obstacles(cloud);
+    for (int k = 0; k < 5; ++k) {
+      cloud.remove({Eigen::Vector3d::Constant(0.2 * k - 1.0), Eigen::Vector3d::Constant(0.2 * k)});
+      EXPECT_EQ(allocations([&] { tracker.step(robot.fk(q)); }), 0) << k;
+    }
   }
 }
 

@@ -1,10 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <set>
 #include <thread>
 
 #include "brute_force.hpp"
+#include "detail/cloud_state.hpp"
+#include "detail/rows.hpp"
+#include "detail/scene.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/tracker.hpp"
 #include "solver_settings.hpp"
@@ -235,6 +240,92 @@ TEST(Cloud, takes_no_more_than_64_bytes_a_point_when_large) {
     const Cloud cloud(surfaces(random, count, 0.0));
     EXPECT_LT(static_cast<double>(cloud.bytes()) / count, 64.0) << count;
   }
+}
+
+TEST(Cloud, what_is_being_read_stays_as_it_is_whatever_updates_come_and_none_waits_for_another) {
+  // All in one thread: whoever waited would wait for ever.
+  Random random(11);
+  detail::CloudState state;
+  const auto filled_with = [&](int count) {
+    return [=, points = surfaces(random, count, 0.01)](detail::ObstacleSet& set) {
+      detail::CellOrder order;
+      set.assign(count, order, detail::RowsOf<Rows4>{points, true});
+      return detail::CloudState::Changed{0, static_cast<std::size_t>(count)};
+    };
+  };
+  std::vector<detail::CloudState::Reading> readings;
+  std::vector<int> counts;
+  readings.push_back(state.read());
+  counts.push_back(0);
+  for (int k = 0; k < 6; ++k) {
+    counts.push_back(1000 * (k + 1) + k);
+    state.update(filled_with(counts.back()));
+    readings.push_back(state.read());
+    EXPECT_THROW(state.update([](detail::ObstacleSet& set) -> detail::CloudState::Changed {
+      set.remove(Box(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Ones()));
+      throw std::invalid_argument("no");
+    }),
+                 std::invalid_argument);
+    EXPECT_EQ(state.read().version(), readings.back().version());
+  }
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    EXPECT_EQ(readings[k].points().count(), counts[k]);
+    EXPECT_EQ(readings[k].version(), static_cast<int>(k));
+  }
+  const std::size_t all = state.bytes();
+  readings.clear();
+  for (int k = 0; k < 3; ++k) state.update(filled_with(1000));
+  EXPECT_LT(state.bytes(), all / 2);  // what nobody reads any more is given back
+}
+
+TEST(Cloud, updates_one_after_the_other_leave_the_points_of_a_cloud_that_is_made_anew_between) {
+  for (int seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(static_cast<std::uint64_t>(seed));
+    const Rows4 points = surfaces(random, seed % 2 == 0 ? 300 : 6000, 0.02);
+    Cloud watched{Obstacles(points)}, alone{Obstacles(points)};
+    const Robot robot = Robot::builtin("panda");
+    for (int k = 0; k < 25; ++k) {
+      const Box region = random_box(random, random.uniform(0.05, 1.2));
+      const Rows4 all = surfaces(random, 400, 0.02);
+      const Rows4 more = rows_where(
+          all, [&](Eigen::Index i) { return region.contains(all.row(i).head<3>().transpose()); });
+      if (k % 4 == 3) {
+        EXPECT_EQ(watched.remove(region), alone.remove(region));
+      } else {
+        EXPECT_EQ(watched.update(Obstacles(more), region), alone.update(Obstacles(more), region));
+      }
+      if (k % 3 == 0) alone = Cloud{Obstacles(alone.points())};  // never anything to repeat
+      EXPECT_EQ(sorted_rows(watched.points()), sorted_rows(alone.points()));
+      EXPECT_EQ(clearance_among(robot, robot.mid_configuration(), watched),
+                clearance_among(robot, robot.mid_configuration(), alone));
+    }
+  }
+}
+
+TEST(Cloud, a_step_does_not_wait_for_an_update) {
+  using Clock = std::chrono::steady_clock;
+  const Robot robot = Robot::builtin("panda");
+  const detail::Model model(robot, {});
+  detail::Scene scene(model);
+  const auto state = std::make_shared<detail::CloudState>();
+  scene.use(state);
+  std::atomic<bool> begun = false, may_end = false;
+  std::jthread updates([&] {
+    state->update([&](detail::ObstacleSet&) {
+      begun = true;
+      while (!may_end) std::this_thread::yield();
+      return detail::CloudState::Changed{0, 0};
+    });
+  });
+  while (!begun) std::this_thread::yield();
+  std::jthread watchdog([&] {  // or the test would never end
+    const auto until = Clock::now() + std::chrono::seconds(5);
+    while (!may_end && Clock::now() < until) std::this_thread::yield();
+    EXPECT_TRUE(may_end.exchange(true)) << "it waits";
+  });
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(scene.read().points().count(), 0);
+  may_end = true;
 }
 
 }  // namespace

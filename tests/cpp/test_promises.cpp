@@ -294,7 +294,8 @@ TEST(Promises, a_search_that_no_joint_can_help_ends_by_its_deadline) {
 
 /// What a failed answer falls short by, in the search's own measure, from what the judge says.
 double shortfall(const Result& result, const Options& options) {
-  const double p = result.position_error, r = options.rotation_weight * result.rotation_error,
+  constexpr double kRotationWeight = 0.3;  // of arms of usual sizes
+  const double p = result.position_error, r = kRotationWeight * result.rotation_error,
                c = options.collision_weight * std::max(0.0, -result.clearance);
   return 0.5 * (p * p + r * r + c * c);
 }

@@ -233,6 +233,53 @@ TEST(Robot, a_followers_limits_hold_exactly_where_its_leaders_do) {
   }
 }
 
+/// A finger of two joints, the second of which follows the first.
+RobotDescription finger(double low, double high) {
+  RobotDescription description;
+  description.links = {{.name = "a"}, {.name = "b"}, {.name = "c"}};
+  JointDescription follower = joint_between("b", "c", "follower", JointType::Revolute, low, high);
+  follower.mimic = Mimic{"leader", 1.0, 0.0};
+  description.joints = {follower,
+                        joint_between("a", "b", "leader", JointType::Revolute, -0.5, 1.2)};
+  return description;
+}
+
+TEST(Robot, a_followers_limits_that_leave_no_range_do_not_lock_its_leader_and_a_warning_says_so) {
+  for (const auto& [low, high] :
+       {std::pair(0.0, 0.0), {0.0, -0.0}, {-0.0, 0.0}, {0.7, 0.7}, {1.0, -1.0}}) {
+    SCOPED_TRACE(std::to_string(low) + " to " + std::to_string(high));
+    const Robot robot(finger(low, high));
+    EXPECT_EQ(robot.lower()[0], -0.5);
+    EXPECT_EQ(robot.upper()[0], 1.2);
+    ASSERT_EQ(robot.warnings().size(), 1U);
+    EXPECT_NE(robot.warnings()[0].find("follower"), std::string::npos) << robot.warnings()[0];
+    EXPECT_NE(robot.warnings()[0].find("mimic"), std::string::npos) << robot.warnings()[0];
+    const Robot again(robot.description(), robot.base_link(), robot.tip_links());
+    EXPECT_EQ(again.warnings(), robot.warnings());
+  }
+  EXPECT_TRUE(Robot(finger(-0.2, 0.2)).warnings().empty());
+}
+
+TEST(Robot, a_leader_that_its_followers_leave_a_single_position_is_said_to_be_locked) {
+  const Robot robot(finger(1.2, 2.0));
+  EXPECT_EQ(robot.lower()[0], robot.upper()[0]);
+  ASSERT_EQ(robot.warnings().size(), 1U);
+  EXPECT_NE(robot.warnings()[0].find("locked, at leader"), std::string::npos);
+}
+
+TEST(Robot, speeds_and_efforts_that_no_machine_has_are_no_limits) {
+  RobotDescription description = finger(-1.0, 1.0);
+  for (const double limit : {1e9, 1e16, 1e300}) {
+    description.joints[1].velocity = description.joints[1].effort = limit;
+    const Robot robot(description);
+    EXPECT_TRUE(std::isinf(robot.velocity()[0])) << limit;
+    EXPECT_TRUE(std::isinf(robot.effort()[0])) << limit;
+  }
+  description.joints[1].velocity = description.joints[1].effort = 1e8;
+  EXPECT_EQ(Robot(description).velocity()[0], 1e8);
+  EXPECT_EQ(Robot(description).effort()[0], 1e8);
+}
+
 TEST(Robot, a_chain_of_followers_multiplies_rates_and_carries_offsets) {
   RobotDescription description;
   description.links = {{.name = "l0"}, {.name = "l1"}, {.name = "l2"}, {.name = "l3"}};

@@ -421,5 +421,38 @@ TEST(Shapes, batches_give_the_same_answers_and_trackers_keep_off) {
   }
 }
 
+TEST(Shapes, whoever_looks_at_many_looks_at_the_clock_meanwhile) {
+  Random random(3);
+  const Robot robot = Robot::builtin("panda");
+  Workbench bench(robot, {});
+  const auto boxes = std::make_shared<ShapeSet>();
+  for (int k = 0; k < 5000; ++k) {
+    const Eigen::Isometry3d T(Eigen::Translation3d(random.point(0.7)));
+    boxes->shapes.push_back(
+        Shape::box("box" + std::to_string(k), T, Eigen::Vector3d::Constant(0.02)));
+    boxes->solids.emplace_back(boxes->shapes.back());
+  }
+  bench.scene.use(boxes);
+  Constraints& constraints = bench.problem.constraints;
+  constraints.shapes.reserve(bench.scene.shapes().count());
+  const Eigen::VectorXd q = robot.mid_configuration();
+  const double whole = bench.least_squares.evaluate(q);
+  const int found = constraints.shapes.count();
+  ASSERT_TRUE(std::isfinite(whole));
+  ASSERT_GT(found, 20);
+
+  const std::function<bool()> nobody;
+  const Deadline struck(0.0, nobody), late(1e9, nobody);
+  for (const Deadline* deadline : {&late, &struck}) {
+    bench.problem.deadline = deadline;
+    constraints.watch(deadline);
+    const double value = bench.least_squares.evaluate(q);
+    EXPECT_EQ(value, deadline == &late ? whole : kInfinity);
+    EXPECT_EQ(constraints.shapes.was_cut(), deadline == &struck);
+    EXPECT_LT(constraints.shapes.count(), deadline == &struck ? found / 2 : found + 1);
+    EXPECT_EQ(bench.least_squares.holds(), false);
+  }
+}
+
 }  // namespace
 }  // namespace pdoik::detail

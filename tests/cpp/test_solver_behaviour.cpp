@@ -207,5 +207,82 @@ TEST(SolverBehaviour, joints_that_move_neither_tip_nor_hull_stay_where_they_star
   EXPECT_GT(restarts, 50);
 }
 
+TEST(SolverBehaviour, arms_of_any_size_are_solved_alike) {
+  // One arm of six joints, from a millimetre's reach to a kilometre's.
+  const auto arm = [](double size) {
+    std::vector<DhRow> rows;
+    for (int i = 0; i < 6; ++i) {
+      rows.push_back({.alpha = i == 0 ? 0.0 : (i % 2 == 1 ? M_PI_2 : -M_PI_2),
+                      .a = i % 2 == 1 ? 0.2 * size : 0.0,
+                      .d = 0.1 * size,
+                      .lower = -2.5,
+                      .upper = 2.5});
+    }
+    return Robot::from_dh(rows);
+  };
+  for (const InnerMethod inner : {InnerMethod::LevenbergMarquardt, InnerMethod::Lbfgs}) {
+    for (const double size : {1e-3, 1e-2, 1.0, 1e2, 1e3}) {
+      const Robot robot = arm(size);
+      Options options = timeless();
+      options.inner = inner;
+      options.max_restarts = 20;
+      options.position_tolerance = 1e-5 * size;
+      Solver solver(robot, options);
+      Random random(4);
+      int solved = 0;
+      for (int k = 0; k < 30; ++k)
+        solved += solver.solve(robot.fk(random_configuration(robot, random))).success;
+      EXPECT_GE(solved, 29) << size << (inner == InnerMethod::Lbfgs ? " by L-BFGS" : "");
+    }
+  }
+}
+
+TEST(SolverBehaviour, lengths_by_the_robots_size_are_as_ever_for_usual_arms_and_as_told_if_told) {
+  for (const std::string& name : arm_names()) {
+    const Options sized = Options{}.sized_for(Robot::builtin(name));
+    EXPECT_EQ(sized.rotation_weight, 0.3) << name;
+    EXPECT_EQ(sized.point_distance, 0.5) << name;
+  }
+  for (const double reach : {0.19, 0.21, 2.9, 3.1}) {
+    DhRow turn{.lower = -1.0, .upper = 1.0};
+    Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();
+    tool.translation().x() = reach;
+    const Robot robot = Robot::from_dh({turn}, tool);
+    const double expected = reach > 0.2 && reach < 3.0 ? 0.3 : 0.25 * reach;
+    EXPECT_NEAR(Options{}.sized_for(robot).rotation_weight, expected, 1e-12) << reach;
+    Options told;
+    told.rotation_weight = 0.7;
+    told.point_distance = 0.1;
+    EXPECT_EQ(told.sized_for(robot).rotation_weight, 0.7);
+    EXPECT_EQ(told.sized_for(robot).point_distance, 0.1);
+  }
+  // How far a rail or a floating base goes makes an arm no larger, a stage that slides no smaller.
+  for (const double rail : {0.1, 50.0, std::numeric_limits<double>::infinity()}) {
+    DhRow slide{.lower = -rail, .upper = rail, .prismatic = true}, turn{};
+    Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();
+    tool.translation().x() = 0.15;
+    EXPECT_EQ(Options{}.sized_for(Robot::from_dh({slide, turn}, tool)).rotation_weight, 0.3);
+  }
+}
+
+TEST(SolverBehaviour, a_base_collision_names_what_the_base_is_in_however_deep_another_hull_is) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  for_settings([&](Options options) {
+    options.max_restarts = 3;
+    Solver solver(robot, options);
+    const Eigen::VectorXd q = robot.mid_configuration();
+    ObstacleMatrix obstacles(2, 3);
+    obstacles.row(0) = robot.fk(q).translation().transpose();  // in the hand
+    obstacles.row(1) << 0.0, 0.0, -0.0698;  // just in the ball around the base's origin
+    solver.set_obstacles(obstacles);
+    const Result result = solver.solve(robot.fk(q), q);
+    ASSERT_EQ(result.status, Status::BaseCollision);
+    EXPECT_EQ(result.worst.kind, WorstConstraint::Kind::Clearance);
+    EXPECT_EQ(result.worst.obstacle, 1) << solver.describe(result.worst);
+    EXPECT_GT(result.worst.violation, 0.0);
+    EXPECT_LT(result.worst.violation, 1e-3);
+  });
+}
+
 }  // namespace
 }  // namespace pdoik

@@ -1,6 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <memory>
+
 #include "arms.hpp"
+#include "pdoik/cloud.hpp"
+#include "pdoik/lagrangian.hpp"
 
 namespace pdoik {
 namespace {
@@ -34,8 +39,10 @@ TEST(SolverMisuse, options_out_of_range_are_refused_by_name) {
   for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
     refused("position_tolerance", [&](Options& o) { o.position_tolerance = bad; });
     refused("rotation_tolerance", [&](Options& o) { o.rotation_tolerance = bad; });
-    refused("rotation_weight", [&](Options& o) { o.rotation_weight = bad; });
     refused("collision_weight", [&](Options& o) { o.collision_weight = bad; });
+  }
+  for (const double bad : {-1.0, kNan, kInfinity}) {  // 0 is for by the robot's size
+    refused("rotation_weight", [&](Options& o) { o.rotation_weight = bad; });
     refused("point_distance", [&](Options& o) { o.point_distance = bad; });
   }
   for (const double bad : {kNan, kInfinity, -kInfinity})
@@ -55,6 +62,23 @@ TEST(SolverMisuse, options_out_of_range_are_refused_by_name) {
        {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNan, 0.0, 1.0)}) {
     refused("goal_axis", [&](Options& o) { o.goal_axis = bad; });
   }
+}
+
+TEST(SolverMisuse, more_rows_than_places_can_be_counted_for_are_refused_before_any_is_read) {
+  // Rows that overlap, of memory that is never touched.
+  const Eigen::Index rows = (Eigen::Index{1} << 25) + 1;
+  const std::unique_ptr<double, decltype(&std::free)> memory(
+      static_cast<double*>(std::calloc(static_cast<std::size_t>(rows) + 2, sizeof(double))),
+      &std::free);
+  ASSERT_NE(memory, nullptr);
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Map<const Rows, 0, Eigen::OuterStride<>> many(memory.get(), rows, 3,
+                                                             Eigen::OuterStride<>(1));
+  Solver solver(Robot::builtin("panda"));
+  expect_invalid([&] { solver.set_obstacles(many); }, {"obstacles", "33554433 rows"});
+  expect_invalid([&] { Cloud{Obstacles(many)}; }, {"points", "33554433 rows"});
+  Lagrangian lagrangian(Robot::builtin("panda"), {}, Lagrangian::Variables::Slack);
+  expect_invalid([&] { lagrangian.set_obstacles(many); }, {"obstacles", "33554433 rows"});
 }
 
 TEST(SolverMisuse, robots_it_cannot_take_are_refused) {

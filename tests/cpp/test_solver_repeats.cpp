@@ -180,7 +180,7 @@ TEST(SolverRepeats, more_restarts_never_make_the_best_found_worse) {
       solver.set_obstacles(problem.obstacles);
       const Result result = solver.solve(target);
       if (result.success) break;
-      const double rotation = options.rotation_weight * result.rotation_error;
+      const double rotation = solver.options().rotation_weight * result.rotation_error;
       const double depth = std::max(0.0, -result.clearance);
       const double shortfall =
           result.position_error * result.position_error + rotation * rotation + depth * depth;

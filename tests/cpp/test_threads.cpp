@@ -1,6 +1,9 @@
+#include <algorithm>
+#include <chrono>
 #include <functional>
 #include <thread>
 
+#include "detail/cell_order.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/lagrangian.hpp"
 #include "pdoik/tracker.hpp"
@@ -183,6 +186,51 @@ TEST(Threads, a_cloud_may_be_updated_while_others_solve_among_it) {
     solver.solve_batch(some_targets(robot, t, 10), {}, 2);
   });
   EXPECT_EQ(cloud.size(), static_cast<std::size_t>(points.rows()));
+}
+
+TEST(Threads, who_wants_a_batch_to_end_is_asked_by_the_thread_that_called_and_heard_at_once) {
+  const Robot robot = Robot::builtin("ur10");
+  Options options;
+  options.max_restarts = std::numeric_limits<int>::max();
+  options.prefer = Prefer::Nearest;  // all of the time
+  for (const double max_time : {20.0, 0.05}) {
+    options.max_time = max_time;
+    Solver solver(robot, options);
+    const auto started = std::chrono::steady_clock::now();
+    const auto passed = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    };
+    const std::thread::id caller = std::this_thread::get_id();
+    solver.set_interrupt([&] {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      return passed() > 0.3;
+    });
+    const std::vector<Result> results = solver.solve_batch(some_targets(robot, 3, 200), {}, 2);
+    EXPECT_LT(passed(), 3.0);
+    ASSERT_EQ(results.size(), 200U);
+    for (const Result& result : results) EXPECT_TRUE(result.q.allFinite());
+    EXPECT_EQ(results.back().status, Status::TimeLimit);
+    EXPECT_FALSE(results.back().success);
+  }
+}
+
+TEST(Threads, points_that_are_no_numbers_by_now_have_cells_all_the_same) {
+  Random random(8);
+  const ObstacleMatrix points = random_obstacles(random, 3000, 1.5, 0.0);
+  for (int place = 0; place < 3000; place += 97) {
+    detail::CellOrder order;
+    ObstacleMatrix soiled = points;
+    soiled(place, place % 3) = place % 2 == 0 ? std::nan("") : 1e300;
+    const auto row = [&](int k) {
+      return detail::Vec4{soiled(k, 0), soiled(k, 1), soiled(k, 2), 0.0};
+    };
+    order.begin(3000,
+                [&](int k) { return detail::Vec4{points(k, 0), points(k, 1), points(k, 2), 0.0}; });
+    for (int k = 0; k < 3000; ++k) order.add(row(k));
+    std::vector<bool> there(3000, false);
+    for (const auto& entry : order.sorted()) there[static_cast<std::size_t>(entry.row)] = true;
+    EXPECT_EQ(std::count(there.begin(), there.end(), true), 3000);
+  }
 }
 
 }  // namespace

@@ -195,6 +195,25 @@ TEST(Urdf, velocity_and_effort_limits_that_are_left_out_are_none_and_a_warning_s
             Lines{"lower and upper limit are 0, as where URDF is told none: locked at j"});
 }
 
+TEST(Urdf, a_mimic_joint_whose_limits_are_filled_in_with_zeros_does_not_lock_the_one_it_follows) {
+  for (const std::string limits :
+       {R"(lower="0" upper="0")", R"(lower="0" upper="-0")", R"(lower="0.1" upper="0")", ""}) {
+    SCOPED_TRACE(limits);
+    const Robot robot = Robot::from_urdf(
+        R"(<robot name="gripper"><link name="palm"/><link name="left"/><link name="right"/>
+    <joint name="slide" type="prismatic"><parent link="palm"/><child link="left"/><axis xyz="0 1 0"/>
+      <limit lower="0" upper="0.04" effort="1" velocity="0.2"/></joint>
+    <joint name="follow" type="prismatic"><parent link="palm"/><child link="right"/><axis xyz="0 1 0"/>
+      <limit )" +
+        limits + R"( effort="1" velocity="0.2"/><mimic joint="slide" multiplier="-1"/></joint>
+    </robot>)");
+    EXPECT_EQ(robot.lower()[0], 0.0);
+    EXPECT_EQ(robot.upper()[0], 0.04);
+    ASSERT_EQ(robot.warnings().size(), 1U);
+    EXPECT_NE(robot.warnings()[0].find("follow"), std::string::npos);
+  }
+}
+
 TEST(Urdf, mimic_tags_prismatic_and_continuous_joints_arrive) {
   const Robot robot = Robot::from_urdf(R"(<robot name="gripper">
     <link name="palm"/><link name="left"/><link name="right"/><link name="wheel"/>

@@ -1,5 +1,6 @@
 """Robots, studies and motions the tests share."""
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,9 @@ from references import PinocchioRobot
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
 SHIPPED = ("panda", "ur10", "iiwa14")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as where a shell starts them with nohup
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile("pdoik", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("pdoik")

@@ -351,6 +351,17 @@ def test_numbers_read_well() -> None:
     assert json.loads(text) == {"a": [1.0, None], "b": [None, {"c": 3}]}
 
 
+def test_the_package_is_the_command_for_python_m() -> None:
+    said = {
+        module: subprocess.run(
+            [sys.executable, "-m", module, "info", "panda"], capture_output=True, text=True
+        )
+        for module in ("pdoik", "pdoik.cli")
+    }
+    assert said["pdoik"].returncode == 0, said["pdoik"].stderr
+    assert said["pdoik"].stdout == said["pdoik.cli"].stdout
+
+
 def test_the_entry_point_runs_the_app(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

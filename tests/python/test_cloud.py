@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 import threading
+import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -93,6 +95,131 @@ def test_what_makes_no_sense_is_refused_by_name() -> None:
     assert len(cloud) == 10
     assert len(pdoik.Cloud(np.zeros((0, 3)))) == 0
     assert len(pdoik.Cloud(bad, leaf=0.01)) == 9  # which leaves such rows out
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_a_camera_that_saw_nothing_is_no_empty_scene(dtype: type) -> None:
+    blind = np.full((6, 3), np.nan, dtype=dtype)
+    blind[2] = np.inf
+    everywhere = [[-9, -9, -9], [9, 9, 9]]
+    for how in ({}, {"radii": True}, {"solid": True}):
+        with pytest.raises(ValueError, match="points has 6 rows, each with NaN or infinity"):
+            pdoik.Cloud(blind, leaf=0.01, **how)
+        cloud = pdoik.Cloud(cloud_of(50), leaf=0.01, **how)
+        count = len(cloud)
+        with pytest.raises(ValueError, match="each with NaN or infinity"):
+            cloud.update(blind, everywhere)
+        assert len(cloud) == count
+        assert cloud.update(blind[:0], everywhere) == count  # no rows say that nothing is there
+        assert len(cloud) == 0
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_what_another_thread_writes_into_points_meanwhile_is_refused_or_taken_whole(
+    dtype: type,
+) -> None:
+    good = cloud_of(60_000, dtype=dtype)
+    points, ends = good.copy(), threading.Event()
+
+    def scribble() -> None:
+        while not ends.is_set():
+            points[::7] = np.nan
+            points[::5] = 1e30
+            points[:] = good
+
+    writer = threading.Thread(target=scribble)
+    writer.start()
+    solver = pdoik.Solver(ROBOT, pdoik.Options(max_time=0.002, max_obstacles=len(good)))
+    tracker = pdoik.Tracker(solver)
+    T, q = ROBOT.fk(ROBOT.mid_configuration()), ROBOT.mid_configuration()
+    lattice = np.sort(good.astype(np.float64).ravel())
+    refused = taken = 0
+    until = time.monotonic() + 3.0
+    try:
+        while time.monotonic() < until:
+            for use in (
+                lambda: solver.solve(T, obstacles=points),
+                lambda: solver.judge(T, q, obstacles=points),
+                lambda: tracker.step(T, points),
+                lambda: pdoik.Cloud(points, leaf=0.05, radii=True),
+            ):
+                with suppress(ValueError):
+                    use()
+            try:
+                left = pdoik.Cloud(points).points[:, :3].ravel()
+                assert np.isin(left, lattice).all()  # each is one that was written
+                taken += 1
+            except ValueError:
+                refused += 1
+    finally:
+        ends.set()
+        writer.join()
+    assert refused > 0
+
+
+def test_arrays_of_more_rows_than_can_be_numbered_are_refused_unread() -> None:
+    rows = 2**25 + 1
+    many = np.lib.stride_tricks.as_strided(np.zeros(rows + 2), (rows, 3), (8, 8))
+    solver = pdoik.Solver(ROBOT)
+    T, q = np.eye(4), ROBOT.mid_configuration()
+    for use in (
+        lambda: solver.solve(T, obstacles=many),
+        lambda: solver.judge(T, q, obstacles=many),
+        lambda: solver.clearances(q, obstacles=many),
+        lambda: solver.solve_batch(np.array([T]), obstacles=many),
+        lambda: pdoik.Cloud(many),
+    ):
+        with pytest.raises(ValueError, match="has 33554433 rows, expected at most 33554432"):
+            use()
+    step = pdoik.Tracker(solver).step(T, many)
+    assert step.tracking == "invalid_input"
+    assert "33554433 rows" in step.complaint
+
+
+MILLIMETRES = 1e3 * (cloud_of(500) * [0.5, 0.5, 1.0])
+
+
+def given_as(kind: str, points: np.ndarray) -> object:
+    if kind == "scene":
+        return pdoik.Scene(cloud=points)
+    return pdoik.Cloud(points) if kind == "cloud" else points.astype(kind)
+
+
+@pytest.mark.parametrize("kind", ["float64", "float32", "cloud", "scene"])
+def test_points_in_millimetres_are_warned_of_once_by_who_takes_them(kind: str) -> None:
+    T, q = ROBOT.fk(ROBOT.mid_configuration()), ROBOT.mid_configuration()
+    obstacles = given_as(kind, MILLIMETRES)
+    for use in (
+        lambda solver: solver.solve(T, obstacles=obstacles),
+        lambda solver: solver.judge(T, q, obstacles=obstacles),
+        lambda solver: solver.clearances(q, obstacles=obstacles),
+        lambda solver: solver.solve_batch(np.array([T]), obstacles=obstacles),
+        lambda solver: pdoik.Tracker(solver).step(T, obstacles),
+    ):
+        solver = pdoik.Solver(ROBOT)
+        with pytest.warns(pdoik.ObstacleWarning, match="are they in millimetres") as told:
+            use(solver)
+        assert len(told) == 1
+    solver = pdoik.Solver(ROBOT)
+    with pytest.warns(pdoik.ObstacleWarning):
+        solver.solve(T, obstacles=obstacles)
+    for _ in range(3):
+        solver.solve(T, obstacles=obstacles)  # a warning is an error in tests
+
+
+def test_points_that_are_far_in_metres_are_not_warned_of() -> None:
+    T = ROBOT.fk(ROBOT.mid_configuration())
+    hall = cloud_of(500) * 30.0
+    some = np.vstack([cloud_of(300), MILLIMETRES[:200]])
+    for obstacles in (None, hall, some, pdoik.Cloud(hall), np.zeros((0, 3)), [[0.5, 0.5, 0.5]]):
+        pdoik.Solver(ROBOT).solve(T, obstacles=obstacles)
+    row = pdoik.DhRow(a=100.0, lower=-1.0, upper=1.0)  # an arm of some hundred metres
+    balls = np.c_[MILLIMETRES, np.full(len(MILLIMETRES), 1e4)]  # that reach as far as the robot
+    pdoik.Solver(ROBOT).solve(T, obstacles=balls)
+    crane = pdoik.Robot.from_dh([row, row])
+    pdoik.Solver(crane).solve(crane.fk([0.1, 0.1]), obstacles=MILLIMETRES)
+    endless = pdoik.Robot.from_dh([pdoik.DhRow(prismatic=True), row])
+    pdoik.Solver(endless, pdoik.Options(goal="position")).solve(np.eye(4), obstacles=MILLIMETRES)
 
 
 def test_threads_solve_among_a_cloud_while_another_updates_it() -> None:

@@ -206,3 +206,10 @@ def test_hulls_are_fitted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert kept.stat().st_mtime == 0
     assert again.occupancy.to_yaml() == first.occupancy.to_yaml()
     assert {capsule[0] for capsule in again.occupancy.capsules} == {"arm"}
+
+
+def test_speeds_and_forces_that_a_model_does_not_limit_are_unlimited(strange: Path) -> None:
+    pytest.importorskip("mujoco")
+    robot = pdoik.Robot.from_mjcf(strange)
+    assert np.isinf(robot.velocity).all()
+    assert not (robot.effort == 1e9).any()

@@ -162,8 +162,11 @@ def test_choices_that_do_not_exist_are_named(arguments: dict, message: str) -> N
     "arguments",
     [
         *({name: value} for value in (0.0, -1.0, np.nan) for name in (
-            "max_time", "position_tolerance", "rotation_tolerance", "rotation_weight",
-            "collision_weight", "point_distance", "start_inset",
+            "max_time", "position_tolerance", "rotation_tolerance", "collision_weight",
+            "start_inset",
+        )),
+        *({name: value} for value in (-1.0, np.nan) for name in (
+            "rotation_weight", "point_distance",
         )),
         *({"clearance": value} for value in (np.nan, np.inf)),
         *({"clearance_tolerance": value} for value in (np.nan, np.inf, -1)),

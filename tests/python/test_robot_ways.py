@@ -230,3 +230,17 @@ def test_the_command_line_fits_and_pairs_what_load_robot_takes(
     misuse(run("info", file, "--xacro-arg", "length=1"), "--xacro-arg", "NAME:=VALUE")
     misuse(run("occupancy", "panda"), "shipped")
     misuse(run("occupancy", "pamda"), "nearest: panda")
+
+
+MARKED = """\ufeff  \n<robot name="arm"><link name="a"/><link name="b">
+  <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_a_text_that_begins_with_a_byte_order_mark_is_a_text(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(MARKED.replace("  \n", ""), encoding="utf-8")
+    for given in (MARKED, "  " + MARKED, MARKED[1:], file):
+        assert pdoik.Robot.from_urdf(given).joint_names == ["j"]
+    assert pdoik.Robot.from_urdf(MARKED, hulls=True).occupancy.capsules

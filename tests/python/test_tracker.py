@@ -144,7 +144,7 @@ def test_where_standing_still_solves_no_posture_leads_away_from_a_solution(
     tracker = tracker_of(robot, solved.q, options, posture_weight=1.0, speed_share=5.0)
     tracker.set_posture(rng.uniform(robot.lower, robot.upper))
     for k in range(300):
-        step = tracker.step(target, cloud if k == 0 else None)
+        step = tracker.step(target, cloud) if k == 0 else tracker.step(target)
         assert step.tracking == "tracking", (k, step.worst_constraint, step.worst_violation)
 
 
@@ -264,8 +264,8 @@ def test_a_cloud_that_makes_no_sense_is_held_against_until_a_good_one_comes(
     T = panda.fk(start)
     tracker = tracker_of(panda, start)
     q = tracker.step(T).q
-    for obstacles in (cloud, None, None):
-        step = tracker.step(panda.fk(start + 0.1), obstacles)
+    for obstacles in ({"obstacles": cloud}, {}, {}):
+        step = tracker.step(panda.fk(start + 0.1), **obstacles)
         assert step.tracking == "invalid_input"
         assert complaint in step.complaint
         np.testing.assert_array_equal(step.q, q)
@@ -287,6 +287,24 @@ def test_a_million_points_are_taken_where_there_is_room_and_an_empty_cloud_clear
     for empty in ([], np.zeros((0, 3)), np.zeros((0, 4))):
         step = tracker.step(T, empty)
         assert step.clearance == np.inf
+
+
+def test_none_means_no_obstacles_and_left_out_means_the_last_ones(
+    panda: pdoik.Robot, start: np.ndarray
+) -> None:
+    T, ball = panda.fk(start), pdoik.Shape.sphere("ball", (0.9, 0.9, 0.9), 0.05)
+    for obstacles in ([[0.9, 0.9, 0.9]], pdoik.Cloud([[0.9, 0.9, 0.9]]), [ball]):
+        tracker = tracker_of(panda, start)
+        assert np.isfinite(tracker.step(T, obstacles).clearance)
+        assert np.isfinite(tracker.step(T).clearance)
+        assert tracker.step(T, None).clearance == np.inf
+        assert tracker.step(T).clearance == np.inf
+        assert tracker.solver.solve(T, obstacles=None).clearance == np.inf
+        assert np.isfinite(tracker.step(T, obstacles=obstacles).clearance)
+        assert tracker.step(T, obstacles=None).clearance == np.inf
+    refused = tracker.step(T, [[np.nan, 0, 0]])
+    assert refused.tracking == tracker.step(T).tracking == "invalid_input"
+    assert tracker.step(T, None).tracking == "tracking"  # which is a good one
 
 
 def test_obstacles_stay_until_new_ones_come(panda: pdoik.Robot, start: np.ndarray) -> None:

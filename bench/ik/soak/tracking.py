@@ -67,8 +67,9 @@ def run(motion: Motion, robot: pdoik.Robot) -> Record:
         goals: Any = step.goals
         if step.sound and not plain:
             goals = {tip: make_goal(kinds[tip], T) for tip, T in step.goals.items()}
+        given = () if step.cloud is None else (step.cloud,)  # else those of the step before
         wall, cpu = time.perf_counter(), time.thread_time()
-        results.append(tracker.step(goals, step.cloud))
+        results.append(tracker.step(goals, *given))
         clocks.append((time.perf_counter() - wall, time.thread_time() - cpu))
 
     def of(name: str) -> Any:

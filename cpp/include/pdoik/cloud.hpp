@@ -29,15 +29,18 @@ using ObstaclesF =
 ///     cloud.update(seen, region);            // what the camera saw there, for what was there
 ///     solver.solve(request, result);         // among the new points
 ///
-/// A copy is another handle of the same cloud. A solve sees the cloud as it is when it begins:
-/// updates wait for the solves that have begun, and solves that begin meanwhile wait for the
-/// update. So any number of threads may solve and update at once.
+/// A copy is another handle of the same cloud. A solve sees the cloud as it is when it begins, for
+/// an update makes another one beside it: no solve waits for an update and no update for a solve,
+/// and any number of threads may solve and update at once. Updates take turns. A cloud that has
+/// been updated takes twice the memory, and once more for each older one that is still solved
+/// among.
 class Cloud {
  public:
   /// No points.
   Cloud();
   /// Take points in.
-  /// @param points  x y z, or x y z radius, one row each, in the base frame [m]. Read in place.
+  /// @param points  x y z, or x y z radius, one row each, in the base frame [m]. Read once, into a
+  /// copy that is then checked and used: another thread may write into them meanwhile.
   /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number
   /// beyond 1e6, naming the row, and on more than kMostPoints.
   explicit Cloud(const Obstacles& points);
@@ -50,9 +53,10 @@ class Cloud {
   /// The number of points.
   std::size_t size() const;
 
-  /// Put points in place of all those in a region, whose cost is that of what changes: it sorts the
-  /// new points and looks at blocks of 16 that the region meets. Now and then, as room runs out, it
-  /// makes the whole cloud anew.
+  /// Put points in place of all those in a region, whose cost is twice that of what changes: it
+  /// sorts the new points and looks at blocks of 16 that the region meets. The first time, where
+  /// much changes, and while an older one is still solved among, it copies all; now and then, as
+  /// room runs out, it makes the whole cloud anew.
   /// @param region  An axis-aligned box, its border included.
   /// @returns How many points there were.
   /// @throws std::invalid_argument as the constructor; on a region that is empty, inside out or no
@@ -74,10 +78,12 @@ class Cloud {
 
   /// Rows x y z radius, in the cloud's own order, shape (N, 4) [m].
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> points() const;
+  /// Some of them, spread over all, shape (K, 4) with K <= most.
+  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> sample(int most) const;
   /// What results call each of `points` (WorstConstraint's obstacle): its row when it was taken in,
   /// numbered on with each update.
   std::vector<int> ids() const;
-  /// The memory that the points take [bytes].
+  /// The memory that the points take, with those of older ones that are kept [bytes].
   std::size_t bytes() const;
 
  private:

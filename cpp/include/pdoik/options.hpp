@@ -139,14 +139,16 @@ struct Options {
   InnerMethod inner = InnerMethod::LevenbergMarquardt;  ///< for Method::Default
   int max_obstacles = 1024;  ///< obstacle points that fit without a further allocation
 
-  double rotation_weight =
-      0.3;  ///< metres that one radian weighs in Levenberg-Marquardt's residual [m]
+  /// Metres that one radian weighs in Levenberg-Marquardt's residual; 0 for by the robot's size:
+  /// 0.3 m for arms of the usual sizes, see `sized_for` [m].
+  double rotation_weight = 0.0;
   double collision_weight =
       0.5;  ///< weight of a metre of penetration in Levenberg-Marquardt's residual
   double start_inset =
       0.01;  ///< starts for the slack variables keep this fraction of a range off the limits
-  double point_distance =
-      0.5;  ///< k_p = q_p, where the goal's points sit on the tip's axes [m] (Eq. vwep)
+  /// k_p = q_p, where the goal's points sit on the tip's axes; 0 for by the robot's size: 0.5 m for
+  /// arms of the usual sizes [m] (Eq. vwep).
+  double point_distance = 0.0;
 
   /// Of the paper's inner minimiser.
   LbfgsOptions lbfgs{.first_step = 5.0, .max_step = 4.0, .curvature = 0.5};
@@ -156,6 +158,10 @@ struct Options {
 
   /// What self_collision comes to for a robot.
   bool keeps_off_itself(const Robot& robot) const;
+  /// These with the lengths that are 0 for by the robot's size as they come to for a robot: times
+  /// its reach over 1.2 m where no tip reaches 0.2 m from the first joint that moves it, or one
+  /// does 3 m, slides left out; as they are said for usual sizes else.
+  Options sized_for(const Robot& robot) const;
   /// @}
 };
 

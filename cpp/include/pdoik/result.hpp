@@ -16,7 +16,8 @@ enum class Status {
   OutOfReach,     ///< the target lies farther from the arm's root than its links stretch, or no
                   ///< joint moves its tip; q is the nearest of a few starts
   BaseCollision,  ///< an obstacle point lies in a hull that no joint moves: no answer exists; q is
-                  ///< the best found for the goal alone
+                  ///< the best found for the goal alone, and the worst constraint says which
+                  ///< obstacle is in which of these hulls
   Blocked,  ///< what is rigid to the tip is in an obstacle at the target, so no answer exists; or
             ///< some fifty starts that reached it all ended with the same hull in the same
             ///< obstacle, so that none is likely. q is the best found, and the worst constraint

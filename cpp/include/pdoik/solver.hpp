@@ -16,7 +16,7 @@
 namespace pdoik {
 
 /// Obstacle points, one row each: x y z, or x y z radius, in the base frame [m]. Row-major views of
-/// existing arrays are read in place.
+/// existing arrays are read without a conversion, once: what is checked and used is a copy.
 using Obstacles =
     Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
                Eigen::OuterStride<>>;
@@ -67,7 +67,7 @@ class Solver {
 
   /// As it was at construction.
   const Robot& robot() const;
-  /// Those it was made with.
+  /// Those it was made with, as Options::sized_for has them.
   const Options& options() const;
   /// @}
 
@@ -79,7 +79,7 @@ class Solver {
   /// still has the last ones: copies share them. What it took is in the results that follow, as
   /// `intake`.
   /// @throws std::invalid_argument on a wrong shape, NaN or infinity, a negative radius or a number
-  /// beyond 1e6, naming the row.
+  /// beyond 1e6, naming the row, and on more than Cloud::kMostPoints.
   void set_obstacles(const Obstacles& points);
   /// Those of a cloud, as they are whenever a solve begins. Solvers share it.
   void set_obstacles(const Cloud& cloud);
@@ -108,7 +108,9 @@ class Solver {
   /// @{
 
   /// Ask `wanted` about ten times a second whether to end a solve early, with the status TimeLimit:
-  /// for Ctrl-C where max_time is long. Copies of the solver do not ask.
+  /// for Ctrl-C where max_time is long. It is asked by the thread that called alone, and ends a
+  /// batch as well, of which the targets that were not begun keep that status and the middle of the
+  /// ranges. Copies of the solver do not ask.
   void set_interrupt(std::function<bool()> wanted);
 
   /// Find q so that each goal's tip has its pose, axis or position, inside joint limits, clear of

@@ -116,8 +116,8 @@ class Tracker {
   /// good one comes.
   /// @returns Whether it was taken.
   bool set_obstacles(const Obstacles& points);
-  /// Those of a cloud, as they are whenever a step begins. A step then waits for an update that has
-  /// begun; and it allocates when the cloud has become larger than max_obstacles.
+  /// Those of a cloud, as they are whenever a step begins. A step waits for no update; it allocates
+  /// when the cloud has become larger than max_obstacles.
   void set_obstacles(const Cloud& cloud);
   /// The solids from now on, beside the points; Shapes() for none. Allocates.
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.

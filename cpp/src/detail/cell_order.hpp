@@ -36,8 +36,9 @@ class CellOrder {
   }
   void add(const Vec4& point) {
     const auto cell = [&](int axis) {
+      // In this order of arguments what is no number counts to the first cell.
       return static_cast<std::int32_t>(
-          std::min(std::max((point[axis] - centre_[axis]) * scale_ + half_, 0.0), last_));
+          std::min(last_, std::max(0.0, (point[axis] - centre_[axis]) * scale_ + half_)));
     };
     const std::uint32_t key = spread(cell(0)) | spread(cell(1)) << 1U | spread(cell(2)) << 2U;
     entries_[count_] = {key, static_cast<int>(count_)};

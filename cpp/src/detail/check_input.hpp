@@ -40,5 +40,7 @@ void check_configuration(VectorIn q, int dof, const std::string& name);
 template <class Rows>
 bool accepts_obstacles(const Rows& points, Complaint& complaint, const char* name = "obstacles");
 void check_obstacles(const Obstacles& points);
+/// As many points as places can be counted for, at most.
+void check_count(Eigen::Index points, const char* name);
 
 }  // namespace pdoik::detail

@@ -47,6 +47,14 @@ class Constraints {
     });
   }
 
+  /// The clock that loops over shapes look at; null for none.
+  void watch(const Deadline* deadline) {
+    shapes.watch(deadline);
+    held.watch(deadline);
+  }
+  /// Whether it struck before the last `find` had looked at all.
+  bool was_cut() const { return shapes.was_cut() || held.was_cut(); }
+
   CollisionState hulls;
   ObstacleConstraints obstacles;
   SelfConstraints self;

@@ -50,8 +50,9 @@ class Deadline {
 };
 
 /// For loops whose turns are short: looks at the clock in one of many of them.
-inline bool passed_in(int turn, const Deadline* deadline) {
-  return (turn & 255) == 255 && deadline != nullptr && deadline->passed();
+/// @param every  A power of two: fewer where turns are longer.
+inline bool passed_in(int turn, const Deadline* deadline, int every = 256) {
+  return (turn & (every - 1)) == every - 1 && deadline != nullptr && deadline->passed();
 }
 
 }  // namespace pdoik::detail

@@ -6,6 +6,7 @@
 
 #include "detail/collision_state.hpp"
 #include "detail/convex_distance.hpp"
+#include "detail/deadline.hpp"
 #include "detail/held.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/result.hpp"
@@ -48,10 +49,18 @@ class HeldClearance {
     balls_.place(static_cast<std::size_t>(k), transform(frame, held_[k].solid.centre()));
   }
 
+<<<<<<< HEAD
   /// Calls visit(HeldNear) for the nearest point, and each shape, hull and other that is held,
   /// within a distance of what is wanted, by ascending slots.
+=======
+  /// Calls visit(HeldNear) for the nearest point, each shape and each hull that is within a
+  /// distance of what is wanted, by ascending slots. @returns Whether it has looked at all before
+  /// the deadline, which may be null.
+>>>>>>> small-safety
   template <class Visit>
-  void find(const ObstacleView& points, const ShapePairs& shapes, double within, Visit&& visit) {
+  bool find(const ObstacleView& points, const ShapePairs& shapes, double within,
+            const Deadline* deadline, Visit&& visit) {
+    constexpr int kBetweenLooks = 32;  // pairs of solids, which take longer than others
     int slot = 0;
     const auto tell = [&](std::optional<HeldNear> near) {
       if (near) {
@@ -62,12 +71,15 @@ class HeldClearance {
     };
     for (int k = 0; k < count(); ++k) {
       tell(nearest_point(k, points, within));
-      for (int shape = 0; shape < shapes.count(); ++shape)
+      for (int shape = 0; shape < shapes.count(); ++shape) {
+        if (passed_in(shape, deadline, kBetweenLooks)) return false;
         tell(nearest_of_shape(k, shapes, shape, within));
+      }
       for (int hull = 0; hull < hull_capsules_.count(); ++hull)
         tell(nearest_of_hull(k, hull, within));
       for (int other = 0; other < k; ++other) tell(nearest_of_held(k, other, within));
     }
+    return true;
   }
   /// The nearest point to a solid, if within a distance; the same of a shape, of a hull, and of
   /// what another link holds.

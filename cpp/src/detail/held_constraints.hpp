@@ -23,6 +23,10 @@ class HeldConstraints : public ByPulls {
       held_.emplace(model_.robot, model_.hulls, model_.options, scene.held());
     near_.reserve(most());
   }
+  /// The clock that is looked at while shapes are looked at; null for none.
+  void watch(const Deadline* deadline) { deadline_ = deadline; }
+  /// Whether it struck before `find` had looked at all.
+  bool was_cut() const { return was_cut_; }
   void use(bool wanted) { wanted_ = wanted; }
   std::size_t most() const {
     return held_ ? static_cast<std::size_t>(held_->most(scene_->shapes().count())) : 0;
@@ -30,16 +34,17 @@ class HeldConstraints : public ByPulls {
 
   bool wants_points() const { return wanted_ && held_.has_value(); }
   int groups() const { return 1; }
-  /// Whether anything touches where a rollout is and the hulls are.
+  /// Whether anything touches where a rollout is and the hulls are, or the clock has struck.
   bool any_touches(const Rollout& rollout) {
     if (!held_) return false;
     find_within(rollout, 0.0);
-    return !near_.empty();
+    return was_cut_ || !near_.empty();
   }
 
   template <class Reach>
   void find(const Rollout& rollout, Reach&& reach) {
     near_.clear();
+    was_cut_ = false;
     if (wants_points()) find_within(rollout, reach(0));
   }
   int count() const { return static_cast<int>(near_.size()); }
@@ -55,15 +60,16 @@ class HeldConstraints : public ByPulls {
     near_.clear();
     held_->place([&](int body) -> const Frame& { return rollout.frame(body); }, hulls_.positions(),
                  hulls_.frames());
-    held_->find(scene_->obstacles(), scene_->shapes(), within,
-                [&](const HeldNear& near) { near_.push_back({near, -near.distance}); });
+    was_cut_ = !held_->find(scene_->obstacles(), scene_->shapes(), within, deadline_,
+                            [&](const HeldNear& near) { near_.push_back({near, -near.distance}); });
   }
 
   const Model& model_;
   const CollisionState& hulls_;
   const Scene* scene_ = nullptr;
   std::optional<HeldClearance> held_;
-  bool wanted_ = false;
+  const Deadline* deadline_ = nullptr;
+  bool wanted_ = false, was_cut_ = false;
   std::vector<Near> near_;
 };
 

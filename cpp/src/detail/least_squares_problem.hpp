@@ -49,7 +49,7 @@ class LeastSquaresProblem {
   PosturePull posture;  ///< of the evaluations that follow
 
   /// Whether a hull touches one of the scene's shapes or near points or another hull, where f was
-  /// last evaluated or the robot was last placed.
+  /// last evaluated or the robot was last placed; or the clock has struck before that is known.
   bool touches() {
     hulls().place(problem_.rollout);
     SelfConstraints& self = problem_.constraints.self;
@@ -171,7 +171,7 @@ class LeastSquaresProblem {
     problem_.constraints.held.use(counted_ != Counted::None);
     problem_.constraints.find(problem_.rollout, [](std::size_t, int) { return kContactGap; });
     double sum = 0.0, worst = 0.0;
-    bool cut = false;
+    bool cut = problem_.constraints.was_cut();
     problem_.constraints.for_each([&](const auto& family, std::size_t) {
       for (int k = 0; k < family.count() && !cut; ++k) {
         cut = problem_.is_late(k);

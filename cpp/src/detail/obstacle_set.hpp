@@ -30,6 +30,9 @@ class ObstacleSet {
 
   void reserve(std::size_t count);
 
+  /// Become another one, with no less room. Allocates nothing if there is as much already.
+  void copy(const ObstacleSet& other);
+
   /// Take in `count` points. Allocates nothing if there is room.
   /// @param source  Vec4 source(int row) is x, y, z, radius, all finite; source.id(row) the point's
   /// number, source.prefetch(row) a hint that it will be wanted.

@@ -5,6 +5,7 @@
 
 #include "detail/deadline.hpp"
 #include "detail/model.hpp"
+#include "detail/scene.hpp"
 #include "pdoik/result.hpp"
 
 namespace pdoik::detail {
@@ -14,7 +15,14 @@ namespace pdoik::detail {
 std::optional<Status> why_hopeless(const Model& model, std::span<const Goal> goals,
                                    bool base_collides);
 
+/// Where the status is BaseCollision, let the worst constraint be what made it that: the deepest
+/// contact of a hull that no joint moves, whatever else is deeper.
+void name_base_contact(const Scene& scene, const Options& options, Result& result);
+
 /// Forget how much work an earlier solve took.
+/// What of a robot's fixed hulls is deepest in what: what makes a solve hopeless whose status is
+/// BaseCollision, whatever else is deeper.
+WorstConstraint base_contact(const Scene& scene, const Options& options);
 void begin_result(Result& result);
 /// Say how a solve ended, and when.
 void end_result(const std::optional<Status>& hopeless, const Deadline& deadline, double intake,

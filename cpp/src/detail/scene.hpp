@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -10,6 +11,7 @@
 #include "detail/cloud_state.hpp"
 #include "detail/held.hpp"
 #include "detail/model.hpp"
+#include "detail/own_rows.hpp"
 #include "detail/shape_clearance.hpp"
 
 namespace pdoik::detail {
@@ -26,6 +28,11 @@ class Scene {
   /// The same obstacles as another's.
   Scene(const Model& model, const Scene& other);
 
+  /// A copy of points, to check and then to assign. Valid until the next. Allocates as `assign`.
+  Points copied(const Points& points) {
+    copy_.take(points);
+    return copy_.rows();
+  }
   /// Take in points of its own: (N, 3) or (N, 4) rows x y z [radius]. Allocates only if there are
   /// more than ever before, or another scene has the last ones.
   void assign(const Points& points);
@@ -46,15 +53,21 @@ class Scene {
   /// What the robot holds from now on.
   void hold(Held::Solids solids);
 
-  /// Held while a solve reads the obstacles: brings up to date what follows from them.
-  std::shared_lock<std::shared_mutex> read();
+  /// Held while a solve reads the obstacles, which stay as they are: brings up to date what follows
+  /// from them.
+  CloudState::Reading read();
   /// Whether `read` has found them changed since this was last asked.
   bool has_changed() { return std::exchange(changed_, false); }
 
   /// Radii grow by the clearance that is wanted.
-  ObstacleView obstacles() const { return {&cloud_->points(), margin_}; }
+  ObstacleView obstacles() const { return {points_, margin_}; }
+  /// The places for points, whole lanes of them, when `read` was last asked.
+  int padded_points() const { return padded_points_; }
   const ShapePairs& shapes() const { return shapes_; }
   const Held& held() const { return held_; }
+  /// Another number whenever what is held, or the shapes it is held among, are others, and in each
+  /// scene.
+  std::uint64_t held_stamp() const { return held_stamp_; }
   /// At most how many points are within the reach of moving hulls; none of the others can touch
   /// any.
   int within_reach() const { return within_reach_; }
@@ -84,12 +97,15 @@ class Scene {
   double margin_, tolerance_;
   std::shared_ptr<CloudState> own_;  ///< null while a cloud is used
   std::shared_ptr<const CloudState> cloud_;
+  const ObstacleSet* points_ = nullptr;  ///< what is being read
+  OwnRows copy_;
   CellOrder order_;
   Clearance fixed_;
   ShapePairs shapes_;
   ShapeClearance fixed_to_shapes_;
   Held held_;
-  int within_reach_ = 0, version_ = -1;
+  std::uint64_t held_stamp_;
+  int within_reach_ = 0, version_ = -1, padded_points_ = 0;
   bool changed_ = true;
 };
 

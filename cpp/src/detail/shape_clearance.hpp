@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "detail/deadline.hpp"
 #include "detail/hull_capsules.hpp"
 #include "detail/shape_set.hpp"
 
@@ -48,7 +49,8 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
 ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs,
                                double than = std::numeric_limits<double>::infinity());
 
-/// Whether any hull is nearer than this to a shape.
-bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than);
+/// Whether any hull is nearer than this to a shape; true as well once the deadline has passed.
+bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than,
+                const Deadline* deadline);
 
 }  // namespace pdoik::detail

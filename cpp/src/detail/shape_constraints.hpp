@@ -17,6 +17,10 @@ class ShapeConstraints : public ByPulls {
       : capsules_(robot, model, model.moving) {}
 
   void let_touch(const Touching* touching) { capsules_.let_touch(touching); }
+  /// The clock that is looked at while shapes are looked at; null for none.
+  void watch(const Deadline* deadline) { deadline_ = deadline; }
+  /// Whether it struck before `find` had looked at all.
+  bool was_cut() const { return was_cut_; }
   void use_none() { pairs_ = nullptr; }
   /// The shapes of what follows, which outlive it; hulls keep `margin` off them [m].
   void use(const ShapePairs& pairs, double margin) {
@@ -33,11 +37,11 @@ class ShapeConstraints : public ByPulls {
   bool wants_points() const { return pairs_ != nullptr; }
   int groups() const { return capsules_.count(); }
   void place(const CollisionState& hulls) { capsules_.place(hulls.positions(), hulls.frames()); }
-  /// Whether any hull touches a shape of these where the hulls are.
+  /// Whether any hull touches a shape of these where the hulls are, or the clock has struck.
   bool any_touches(const ShapePairs& pairs, double margin, const CollisionState& hulls) {
     if (pairs.count() == 0) return false;
     place(hulls);
-    return any_nearer(capsules_, pairs, margin);
+    return any_nearer(capsules_, pairs, margin, deadline_);
   }
 
   /// Of one hull and one shape, if less than `than`, where the hulls were placed.
@@ -48,10 +52,16 @@ class ShapeConstraints : public ByPulls {
   template <class Reach>
   void find(const Rollout&, Reach&& reach) {
     near_.clear();
+    was_cut_ = false;
     if (pairs_ == nullptr) return;
+    int turn = 0;
     for (int k = 0; k < capsules_.count(); ++k) {
       const double within = margin_ + reach(k);
       for (int shape = 0; shape < pairs_->count(); ++shape) {
+        if (passed_in(turn++, deadline_)) {
+          was_cut_ = true;
+          return;
+        }
         const ShapeClearance found = hull_clearance(capsules_, k, *pairs_, shape, within);
         if (found.shape < 0) continue;
         Near& near = near_.emplace_back();
@@ -75,7 +85,9 @@ class ShapeConstraints : public ByPulls {
  private:
   HullCapsules capsules_;
   const ShapePairs* pairs_ = nullptr;
+  const Deadline* deadline_ = nullptr;
   double margin_ = 0.0;
+  bool was_cut_ = false;
   std::vector<Near> near_;
 };
 

@@ -1,6 +1,10 @@
 #pragma once
 
+<<<<<<< HEAD
 #include <algorithm>
+=======
+#include <cstdint>
+>>>>>>> small-safety
 #include <functional>
 #include <limits>
 #include <memory>
@@ -35,7 +39,10 @@ class Workspace {
   void use(const Scene& scene);
 
   /// The clock that everything looks at from now on, which outlives what follows.
-  void watch(const Deadline& deadline) { problem.deadline = &deadline; }
+  void watch(const Deadline& deadline) {
+    problem.deadline = &deadline;
+    problem.constraints.watch(&deadline);
+  }
 
   /// The clock of a solve that may take this long: time is kept for so many verdicts.
   Deadline deadline_in(double max_time, int verdicts = 1) const;
@@ -59,7 +66,8 @@ class Workspace {
   std::shared_ptr<const Model> model_;
   Judge judge_;
   AugmentedLagrangian augmented_lagrangian_;
-  double verdict_time_ = 0.0;  ///< what a verdict takes, by the last ones [s]
+  double verdict_time_ = 0.0;     ///< what a verdict takes, by the last ones [s]
+  std::uint64_t held_stamp_ = 0;  ///< of what the scene holds that was last taken in
 
  public:
   Problem problem;

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from string import whitespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -65,8 +66,10 @@ def load_geometry(
 
 def _parse(urdf: str | Path) -> tuple[ElementTree.Element, Path | None]:
     try:
-        if isinstance(urdf, str) and urdf.lstrip().startswith("<"):
-            return ElementTree.fromstring(urdf.lstrip()), None
+        if isinstance(urdf, str):
+            text = urdf.lstrip("\ufeff" + whitespace)  # a byte order mark may come first
+            if text.startswith("<"):
+                return ElementTree.fromstring(text), None
         return ElementTree.parse(urdf).getroot(), Path(urdf)
     except (OSError, ElementTree.ParseError) as error:
         raise LoadError(f"cannot read robot description {str(urdf)[:80]!r}: {error}") from error

@@ -1,0 +1,5 @@
+"""python -m pdoik: the command `pdoik`."""
+
+from pdoik.cli import main
+
+main()
