@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pdoik
 from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.soak.cases import KEPT, encode
-from bench.ik.soak.judge import Asked, Goals, Judge, Verdicts
+from bench.ik.soak.judge import ROUNDING, Asked, Goals, Judge, Verdicts
 from bench.ik.soak.motions import SHARES, SPEEDS, STEPS, Motion, Step, draw_motion, step_bounds
 from bench.ik.soak.scenes import four_columns, make_goal, make_options
 from bench.ik.soak.solves import FIELDS, Row, misreported
@@ -31,7 +31,7 @@ RUNS = 4  # of one robot before the next one is drawn
 PREEMPTED = 1e-4  # wall time that the thread did not have [s]
 WINDOWS = (1, 5, 25, STEPS)  # steps that a case is tried with, the fewest first
 FAULTS = (
-    *("false claim", "passed through", "limits", "step"),
+    *("false claim", "deeper", "passed through", "limits", "step"),
     *("not finite", "not held", "refused", "misreported"),
 )
 KEPT_OF_MOTION = ("speeds", "options", "tracker", "start", "posture", "goals")
@@ -150,6 +150,16 @@ def passing_depth(
     return depth
 
 
+def deeper(verdicts: Verdicts, held: Verdicts, asked: Asked) -> FloatArray:
+    """By how much steps are deeper in anything than standing still, and than contact, (T,) [m]."""
+    pairs = (
+        (verdicts.clearance, held.clearance, asked.clearance),
+        (verdicts.self_distance, held.self_distance, asked.self_clearance),
+        (-verdicts.balance_violation, -held.balance_violation, 0.0),
+    )
+    return np.max([np.minimum(still, wanted) - now for now, still, wanted in pairs], axis=0)
+
+
 def speed_class(speeds: FloatArray) -> str:
     """Of the limits that hold, in the words of SPEEDS."""
     if np.isinf(speeds).any():
@@ -162,6 +172,8 @@ def examine(motion: Motion, judge: Judge, record: Record) -> tuple[Row, dict[str
     asked = Asked.of(motion.options)
     clouds, sound = counted_clouds(motion.steps)
     verdicts = verdicts_of(judge, motion.goals, record.q, asked, clouds)
+    held = verdicts_of(judge, motion.goals, record.last, asked, clouds)
+    beyond = deeper(verdicts, held, asked)
     tracks = record.status == "tracking"
     refused = record.status == "invalid_input"
     moved = np.abs(record.q - record.last)
@@ -169,6 +181,7 @@ def examine(motion: Motion, judge: Judge, record: Record) -> tuple[Row, dict[str
     over = (moved - bound).max(axis=1)
     found = {
         "false claim": tracks & ~verdicts.solves(asked),
+        "deeper": beyond > ROUNDING,
         "limits": ~verdicts.limits_hold,
         "step": over > BOUND_ROUNDING,
         "not finite": ~np.isfinite(record.q).all(axis=1),
@@ -194,6 +207,7 @@ def examine(motion: Motion, judge: Judge, record: Record) -> tuple[Row, dict[str
         "speeds": speed_class(bound / motion.tracker["period"]),
         "long": int((is_long & tracks).sum()),
         "looked_at": len(depth),
+        "deeper": float(beyond.max()),
         "least_clearance_left": float(clearance_left[tracks].min(initial=np.inf)),
         "step_over": float(np.nanmax(np.where(np.isfinite(over), over, -np.inf), initial=-np.inf)),
         "path_depth": max(depth.values(), default=0.0),
