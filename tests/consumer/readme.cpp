@@ -12,13 +12,13 @@ int main() {
 
   pdoik::Robot robot = pdoik::Robot::builtin("panda");
   pdoik::Solver solver(robot, {.max_time = 0.001});  // all memory is taken here
-  solver.set_obstacles(points);                      // (N, 3) or (N, 4), row-major, read in place
+  solver.set_obstacles(points);                      // (N, 3) or (N, 4), row-major
   pdoik::Result result;
   solver.solve(T_base_tip, &q0, result);  // allocates nothing from the second call on
 
   pdoik::Cloud cloud(points);   // taken in once, shared by solvers and threads
   solver.set_obstacles(cloud);  // a handle: updates of the cloud show in the next solve
-  cloud.update(seen, region);   // waits for solves that have begun
+  cloud.update(seen, region);   // while others solve: neither waits
   const auto results = solver.solve_batch(targets);  // all processors, by threads that last
 
   std::cout << "README: " << pdoik::to_string(result.status) << ", " << cloud.size() << " points\n";
