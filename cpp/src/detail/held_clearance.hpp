@@ -49,14 +49,9 @@ class HeldClearance {
     balls_.place(static_cast<std::size_t>(k), transform(frame, held_[k].solid.centre()));
   }
 
-<<<<<<< HEAD
   /// Calls visit(HeldNear) for the nearest point, and each shape, hull and other that is held,
-  /// within a distance of what is wanted, by ascending slots.
-=======
-  /// Calls visit(HeldNear) for the nearest point, each shape and each hull that is within a
-  /// distance of what is wanted, by ascending slots. @returns Whether it has looked at all before
-  /// the deadline, which may be null.
->>>>>>> small-safety
+  /// within a distance of what is wanted, by ascending slots. @returns Whether it has looked at all
+  /// before the deadline, which may be null.
   template <class Visit>
   bool find(const ObstacleView& points, const ShapePairs& shapes, double within,
             const Deadline* deadline, Visit&& visit) {

@@ -1,10 +1,7 @@
 #pragma once
 
-<<<<<<< HEAD
 #include <algorithm>
-=======
-#include <cstdint>
->>>>>>> small-safety
+#include <functional>
 #include <functional>
 #include <limits>
 #include <memory>
