@@ -89,9 +89,18 @@ void Model::wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const Turn turn = turns[static_cast<std::size_t>(i)];
     if (turn == Turn::Bound) q[i] = std::clamp(q[i], start[i] - M_PI, start[i] + M_PI);
-    if (turn != Turn::Wrap && turn != Turn::Whole) continue;
-    const double near = start[i] + std::remainder(q[i] - start[i], 2.0 * M_PI);
-    if (turn == Turn::Wrap || (near >= robot.lower()[i] && near <= robot.upper()[i])) q[i] = near;
+    if (turn == Turn::Wrap) q[i] = start[i] + std::remainder(q[i] - start[i], 2.0 * M_PI);
+  }
+}
+
+void Model::unwind(const Eigen::VectorXd& wanted, Eigen::VectorXd& q) const {
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    if (turns[static_cast<std::size_t>(i)] != Turn::Whole) continue;
+    const double near = wanted[i] + std::remainder(q[i] - wanted[i], 2.0 * M_PI);
+    for (const double other : {near, near - 2.0 * M_PI, near + 2.0 * M_PI}) {
+      if (other < robot.lower()[i] || other > robot.upper()[i]) continue;
+      if (std::abs(other - wanted[i]) < std::abs(q[i] - wanted[i])) q[i] = other;
+    }
   }
 }
 

@@ -44,11 +44,12 @@ bool Verdicts::take(Attempt& attempt, int k) {
   result.restarts = k;
   attempt.search_cost += trial.evaluations;
   model_.wrap(attempt.start, trial.q);
+  model_.unwind(attempt.wanted(), trial.q);
   if (trial.reached && is_clear(attempt, trial, attempt.stays_near(k))) {
     workspace_.judge(attempt.request.goals, trial.q, result);
     if (result.success) {
-      leave_idle(attempt);
       if (attempt.request.posture != nullptr || attempt.nearest) settle(attempt);
+      leave_idle(attempt);
       if (!attempt.nearest) return true;
       const double distance = attempt.distance_to_wanted(result.q);
       if (!attempt.found || distance < attempt.least) {
@@ -160,7 +161,7 @@ void Verdicts::leave_idle(Attempt& attempt) {
   if (model_.options.balance.wanted()) return;
   const Robot& robot = model_.robot;
   Result &result = *attempt.result, &saved = workspace_.saved;
-  q_ = attempt.start;
+  q_ = attempt.wanted().cwiseMax(attempt.lower).cwiseMin(attempt.upper);
   for (const Goal& goal : attempt.request.goals) {
     const int link = robot.tips()[static_cast<std::size_t>(goal.tip)];
     for (int b = robot.body_of_link(link); b > 0;) {
@@ -188,6 +189,7 @@ void Verdicts::settle(Attempt& attempt) {
   problem.posture.set(nullptr, nullptr);
   workspace_.minimise(workspace_.patient, q_, attempt.lower, attempt.upper, result);
   model_.wrap(attempt.start, q_);
+  model_.unwind(posture, q_);
   workspace_.judge(attempt.request.goals, q_, result);
   if (result.success && attempt.distance_to_wanted(q_) < before) return;
   restore(saved, result);

@@ -273,7 +273,7 @@ TEST(Held, its_constraints_rows_are_central_differences_in_both_forms) {
     }
     if (HasFailure()) return;
   }
-  for (const int count : checked) EXPECT_GT(count, 50);
+  for (const int count : checked) EXPECT_GT(count, 30);
 }
 
 TEST(Held, solves_and_steps_keep_it_off_and_blocked_says_what_it_touches) {
@@ -341,44 +341,49 @@ TEST(Held, solves_and_steps_keep_it_off_and_blocked_says_what_it_touches) {
 }
 
 TEST(Held, what_two_links_hold_keeps_off_each_other) {
-  const Robot robot = Robot::builtin("panda");
+  Robot robot = Robot::builtin("panda");
+  robot.set_occupancy({});
   Random random(4);
   const std::string one = robot.link_names()[3], other = robot.link_names().back();
-  const double radius = 0.12;
+  const double radius = 0.2;
   const Shape first = Shape::sphere("first", Eigen::Vector3d::Zero(), radius);
   const Shape second = Shape::sphere("second", Eigen::Vector3d::Zero(), radius);
-  Solver solver(robot, timeless());
+  Solver solver(robot, timeless(GoalType::Position));
   solver.attach(one, {&first, 1});
   solver.attach(other, {&second, 1});
-  Solver either(robot, timeless());
+  Solver either(robot, timeless(GoalType::Position));
   const std::vector<std::string> each_other{"first"};
   either.attach(one, {&first, 1});
   either.attach(other, {&second, 1}, each_other);
-  int touching = 0, kept = 0;
+  int touching = 0, kept = 0, would_touch = 0;
   Result both, allowed;
-  for (int k = 0; k < 300; ++k) {
+  const auto apart_at = [&](const Eigen::VectorXd& q) {
+    return (robot.fk(q, one).translation() - robot.fk(q, other).translation()).norm() -
+           2.0 * radius;
+  };
+  for (int k = 0; k < 200; ++k) {
     const Eigen::VectorXd q = random_configuration(robot, random);
     solver.judge(robot.fk(q), q, both);
     either.judge(robot.fk(q), q, allowed);
-    const double apart =
-        (robot.fk(q, one).translation() - robot.fk(q, other).translation()).norm() - 2.0 * radius;
+    const double apart = apart_at(q);
     EXPECT_NEAR(both.self_distance, std::min(allowed.self_distance, apart), 1e-9);
-    if (apart > -1e-3) continue;
-    ++touching;
-    EXPECT_FALSE(both.success);
-    if (both.worst.kind == WorstConstraint::Kind::HeldHeld) {
-      EXPECT_EQ(solver.describe(both.worst), "clearance of second to first");
+    if (apart < -1e-3) {
+      ++touching;
+      EXPECT_FALSE(both.success);
+      if (both.worst.kind == WorstConstraint::Kind::HeldHeld) {
+        EXPECT_EQ(solver.describe(both.worst), "clearance of second to first");
+      }
+      continue;
     }
-    // The tip stays where it is wanted only if that can be without the two touching.
-    const Result found = solver.solve(robot.fk(q), q);
-    if (!found.success) continue;
+    const Result found = solver.solve(robot.fk(q)), without = either.solve(robot.fk(q));
+    if (!found.success || !without.success) continue;
     ++kept;
-    EXPECT_GE(
-        (robot.fk(found.q, one).translation() - robot.fk(found.q, other).translation()).norm(),
-        2.0 * radius - 1e-6);
+    EXPECT_GE(apart_at(found.q), -1e-6);
+    would_touch += apart_at(without.q) < -1e-3 ? 1 : 0;
   }
   EXPECT_GT(touching, 10);
-  EXPECT_GT(kept, 2);
+  EXPECT_GT(kept, 50);
+  EXPECT_GT(would_touch, 2);
 }
 
 TEST(Held, what_may_touch_it_and_what_makes_no_sense) {

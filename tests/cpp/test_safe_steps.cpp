@@ -240,14 +240,20 @@ TEST(SafeSteps, a_robot_without_hulls_follows) {
   for (const std::string& name : arm_names()) {
     Robot robot = Robot::builtin(name);
     robot.set_occupancy({});
-    Tracker tracker(robot, timeless(), {.period = 0.001, .max_time = 1e6});
+    Tracker tracker(robot, timeless(), {.period = 0.001, .max_time = 1e6, .speed_share = 3.0});
     Eigen::VectorXd q = robot.mid_configuration();
-    q[1] += 0.4;
+    q[1] += name == "ur10" ? -1.2 : 0.4;
+    q[2] += name == "ur10" ? 1.5 : 0.0;
     q[3] -= 0.8;
+    q[4] += 0.4;
+    q[5] += 0.7;
     tracker.reset(q);
     Goal goal = pose_of(robot, q);
-    for (int k = 0; k < 400; ++k) {
-      goal.T_base_tip.translation().z() -= 0.00025;
+    const Eigen::Vector3d centre = goal.T_base_tip.translation();
+    for (int k = 0; k < 500; ++k) {  // a circle of 2 cm at 0.25 m/s
+      const double turn = 0.00025 / 0.02 * k;
+      goal.T_base_tip.translation() =
+          centre + 0.02 * Eigen::Vector3d(std::cos(turn) - 1.0, 0.0, std::sin(turn));
       const TrackerResult& step = tracker.step({&goal, 1});
       EXPECT_TRUE(step.success) << name << " " << k;
     }

@@ -284,5 +284,57 @@ TEST(SolverBehaviour, a_base_collision_names_what_the_base_is_in_however_deep_an
   });
 }
 
+TEST(SolverBehaviour, answers_are_no_whole_turn_farther_than_they_must_be) {
+  const Robot robot = Robot::builtin("ur10");  // limits of two turns
+  Solver solver(robot, timeless());
+  Random random(5);
+  int solved = 0;
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::VectorXd q0 = random_configuration(robot, random);
+    const Eigen::Isometry3d target = robot.fk(random_configuration(robot, random));
+    const Result near = solver.solve(target, q0), any = solver.solve(target);
+    if (!near.success || !any.success) continue;
+    ++solved;
+    for (Eigen::Index i = 0; i < q0.size(); ++i) {
+      for (const double turn : {-2.0 * M_PI, 2.0 * M_PI}) {
+        const double other = near.q[i] + turn;
+        if (other < robot.lower()[i] || other > robot.upper()[i]) continue;
+        EXPECT_LE(std::abs(near.q[i] - q0[i]), std::abs(other - q0[i]) + 1e-9);
+      }
+      EXPECT_LE(std::abs(any.q[i]), M_PI + 1e-9);
+    }
+  }
+  EXPECT_GT(solved, 60);
+}
+
+TEST(SolverBehaviour, an_arm_that_no_goal_concerns_stays_where_it_can) {
+  const Robot robot = Robot::builtin("h1", "", {"left_elbow_link", "right_elbow_link"});
+  const int left =
+      robot.link_names()[static_cast<std::size_t>(robot.tips()[0])] == "left_elbow_link" ? 0 : 1;
+  Options options = timeless(GoalType::Position);
+  options.self_collision = false;
+  Solver solver(robot, options);
+  Random random(6);
+  int solved = 0;
+  const std::vector<std::string>& names = robot.joint_names();
+  for (int k = 0; k < 60; ++k) {
+    const Eigen::VectorXd q0 = random_configuration(robot, random, 0.1);
+    Goal goal;
+    goal.type = GoalType::Position;
+    goal.tip = left;
+    goal.T_base_tip = robot.fk(random_configuration(robot, random, 0.1), "left_elbow_link");
+    Result result;
+    solver.solve({.goals = {&goal, 1}, .q0 = &q0}, result);
+    if (!result.success) continue;
+    ++solved;
+    for (Eigen::Index i = 0; i < q0.size(); ++i) {
+      const std::string& name = names[static_cast<std::size_t>(i)];
+      if (!name.starts_with("right_")) continue;
+      EXPECT_EQ(result.q[i], q0[i]) << name;
+    }
+  }
+  EXPECT_GT(solved, 40);
+}
+
 }  // namespace
 }  // namespace pdoik

@@ -18,9 +18,12 @@ struct Model {
 
   /// Whether a goal's target lies farther away than the links stretch.
   bool is_out_of_reach(const Goal& goal) const;
-  /// Joints stay within half a turn of a start, whose limits let them, by whole turns: or by bounds
-  /// where a mimic joint follows at a rate that a whole turn would not leave unchanged.
+  /// Joints without limits stay within half a turn of a start: by wrapping q, or by bounds where a
+  /// mimic joint follows at a rate that a whole turn would not leave unchanged.
   void wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const;
+  /// Those with limits a turn apart or more come as near to what is wanted as whole turns bring
+  /// them.
+  void unwind(const Eigen::VectorXd& wanted, Eigen::VectorXd& q) const;
   /// Whether more joints move tips or hulls than goals fix.
   bool is_redundant(std::span<const Goal> goals) const;
 

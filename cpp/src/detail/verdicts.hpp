@@ -34,7 +34,7 @@ class Verdicts {
   bool all_end_alike(Attempt& attempt, const Trial& trial);
   bool repair_pays(const Attempt& attempt) const;
   void keep_candidate(Attempt& attempt, const Trial& trial);
-  /// Bring joints that move no goal's tip back to where they began, if the result still solves.
+  /// Bring joints that move no goal's tip to where they are wanted, if the result still solves.
   void leave_idle(Attempt& attempt);
   /// Go from the solution that the result holds downhill to the posture as long as it solves.
   void settle(Attempt& attempt);
