@@ -1482,7 +1482,8 @@ class Tracker:
                 sense is refused: steps then hold the last answer until a good one comes.
         
         Returns:
-            Always a configuration that may be sent to the motors, never farther from the last than the step limits.
+            Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in
+            anything than standing still would be, nor than contact.
         
         Raises:
             TypeError: Something is no array of numbers.
