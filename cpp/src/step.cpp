@@ -125,11 +125,24 @@ void Step::go_on(const StepRequest& step, Result& result) {
     if (missed) stand_off_ = std::min(kMostOff, kWider * (stand_off_ + gate_.missed()));
     if (late()) return;
     if (!missed || round + 1 == kRounds) {
+      if (!taken && brought_near_) {
+        bring_near(step, false);
+        continue;
+      }
       if (!taken) return take_a_part(about);
       if (gate_.clear() && gate_.shortfall() > kWorthwhile * before) return;
     }
     about = gate_.incumbent().q;
   }
+}
+
+void Step::bring_near(const StepRequest& step, bool near) {
+  workspace_.problem.set_goals(step.goals);
+  brought_near_ = false;
+  if (!near) return;
+  workspace_.least_squares.evaluate_goals(*step.from);
+  for (GoalTerm& goal : workspace_.problem.goals)
+    brought_near_ |= goal.come_within(step.advance, step.turn);
 }
 
 void Step::take(const StepRequest& step, Result& result) {
@@ -138,10 +151,7 @@ void Step::take(const StepRequest& step, Result& result) {
   begin_result(result);
   stand_off_ *= kForgotten;
   gate_.open(step);
-  // A goal that is farther than a step can bring it is approached by what a step can.
-  workspace_.problem.set_goals(step.goals);
-  workspace_.least_squares.evaluate_goals(*step.from);
-  for (GoalTerm& goal : workspace_.problem.goals) goal.come_within(step.advance, step.turn);
+  bring_near(step, true);
   go_on(step, result);
   restore(gate_.incumbent(), result);
   result.late_evaluations = gate_.late_evaluations();

@@ -318,8 +318,11 @@ def test_a_step_over_its_bound_and_a_claim_in_an_obstacle_are_caught() -> None:
     found = step_faults(spec, motion, path, ["tracking"] * 3)
     assert found["step"] == [2]
     assert found["false claim"] == [2]
+    assert found["deeper"] == [2]
     honest = step_faults(spec, motion, [*path[:3], 0.1], ["tracking", "tracking", "infeasible"])
-    assert honest == {"depth": 0.0}
+    assert honest == {"deeper": [2], "depth": 0.0}  # an excuse for the goal, not for the obstacle
+    stays = step_faults(spec, motion, [*path[:3], 0.0], ["tracking", "tracking", "infeasible"])
+    assert stays == {"depth": 0.0}
 
 
 def test_rubbish_that_is_not_refused_or_moves_the_robot_is_caught() -> None:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "detail/frame.hpp"
@@ -93,21 +94,24 @@ class GoalTerm {
   }
 
   void set_target(const Eigen::Isometry3d& T) { target_ = to_frame(T); }
-  /// Bring the target towards the tip, as placed, until the errors are within bounds [m], [rad].
-  void come_within(double position, double rotation) {
+  /// Bring the target towards the tip, as placed, until the errors are within bounds [m], [rad]:
+  /// both by the same share, so that what comes nearer to it comes nearer to where it was.
+  /// @returns Whether it was farther.
+  bool come_within(double position, double rotation) {
     const double p = position_distance(), r = rotation_distance();
-    if (r > rotation) {
-      const Vec4 e = broadcast(1.0 - rotation / r) * rotation_error();
+    const double share = std::min({1.0, position / p, rotation / r});
+    if (!(share < 1.0)) return false;
+    if (r > 0.0) {
+      const Vec4 e = broadcast(1.0 - share) * rotation_error();
       const double angle = std::sqrt(dot3(e, e));
       const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, to_vector3(e) / angle).toRotationMatrix();
       for (Vec4* axis : {&target_.x, &target_.y, &target_.z})
         *axis = to_vec4(R * to_vector3(*axis));
     }
-    if (p > position) {
-      const Vec4 shift = broadcast(1.0 - position / p) * position_error();
-      target_.p += shift;
-      position_error_ -= shift;
-    }
+    const Vec4 shift = broadcast(1.0 - share) * position_error();
+    target_.p += shift;
+    position_error_ -= shift;
+    return true;
   }
   /// Take the tip from its body's frame.
   void place(const Frame& T_base_body) {

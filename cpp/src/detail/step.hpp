@@ -18,6 +18,9 @@ class Step {
   void take(const StepRequest& request, Result& result);
 
  private:
+  /// Take in the goals: those that are farther than a step can bring a tip by what a step can, if
+  /// that is wanted.
+  void bring_near(const StepRequest& request, bool near);
   /// Candidates from one configuration on, each with what the last ones left.
   void go_on(const StepRequest& request, Result& result);
   /// Half the way to q_, a quarter, an eighth, or only out of what it is in, from a configuration.
@@ -37,7 +40,8 @@ class Step {
   QuadraticProgram program_;
   Eigen::MatrixXd hessian_;
   Eigen::VectorXd gradient_, q_, pulled_, next_, least_, most_;
-  double stand_off_ = 0.0;  ///< what linearised barriers missed lately [m]
+  bool brought_near_ = false;  ///< some goal
+  double stand_off_ = 0.0;     ///< what linearised barriers missed lately [m]
 };
 
 }  // namespace pdoik::detail
