@@ -14,7 +14,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
-from pdoik.sim2real import Diagnosis, Estimate, Evidence, Finding, Study, diagnose, load_study
+from pdoik.sim2real import Diagnosis, Estimate, Study, diagnose, load_study
 from pdoik.sim2real.confirm.event_support import event_support
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
@@ -53,7 +53,7 @@ def inverted(recording: Recording) -> Recording:
 
 
 def learnt(diagnosis: Diagnosis) -> list[tuple[object, ...]]:
-    """What was found where and how large, claimed or suspected, but for what only the held-out show."""
+    """What was found where, and how large, claimed or suspected; not what only judges show."""
     every = (*diagnosis.findings, *diagnosis.suspected)
     return sorted(
         (f.effect, f.joints, f.links, f.recordings, tuple(f.parameters.items()))
