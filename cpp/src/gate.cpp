@@ -11,8 +11,11 @@ namespace {
 /// A way is cut into pieces so short that what a hull can touch inside one, and not at its ends, is
 /// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest [m].
 constexpr double kGraze = 5e-5;
-constexpr double kLooks = 0.4;       ///< share of the time that a way may take
-constexpr double kBetter = 1e-6;     ///< relative decrease from which something is better
+constexpr double kLooks = 0.4;    ///< share of the time that a way may take
+constexpr double kBetter = 1e-6;  ///< relative decrease from which something is better
+/// The same for going as far as a step may: a robot at full speed for a second, at 1 kHz, has to
+/// make good a hundredth of what it falls short of, or it rests.
+constexpr double kWorthMoving = 1e-5;
 constexpr double kRounding = 1e-12;  ///< of a distance [m]
 
 }  // namespace
@@ -85,10 +88,22 @@ void Gate::open(const StepRequest& step) {
   worth_ = worth_at(*step.from);
 }
 
-bool Gate::is_better(const Worth& worth) const {
+bool Gate::is_better(const Worth& worth, const Eigen::VectorXd& q) const {
   if (worth.reached != worth_.reached) return worth.reached;
-  return worth.reached ? worth.pull < (1.0 - kBetter) * worth_.pull
-                       : worth.shortfall < (1.0 - kBetter) * worth_.shortfall;
+  const double kept = 1.0 - kBetter - kWorthMoving * share_of_box(q);
+  return worth.reached ? worth.pull < kept * worth_.pull
+                       : worth.shortfall < kept * worth_.shortfall;
+}
+
+double Gate::share_of_box(const Eigen::VectorXd& q) const {
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const double way = q[i] - (*step_->from)[i];
+    const double room =
+        way > 0.0 ? (*step_->upper)[i] - (*step_->from)[i] : (*step_->from)[i] - (*step_->lower)[i];
+    if (way != 0.0 && room > 0.0) most = std::max(most, std::abs(way) / room);
+  }
+  return most;
 }
 
 bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first, double last,
@@ -124,7 +139,7 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
   missed_ = 0.0;
   trial_ = (from + share * (q - from)).cwiseMax(*step_->lower).cwiseMin(*step_->upper);
   const Worth worth = worth_at(trial_);
-  if (clear() && !is_better(worth)) return false;
+  if (clear() && !is_better(worth, trial_)) return false;
   judge(trial_, candidate_);
   const Room there = room(candidate_);
   missed_ = std::max(0.0, -there.least());

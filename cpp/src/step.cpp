@@ -89,13 +89,12 @@ bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result
   q_ = about + barriers_.way_out();
   problem.posture.set(step.pull_to, step.pull);
   descend(about, kPulled, result);
-  problem.posture.set(step.posture, step.weights);
   const double pulled = problem.evaluate_goals(q_) + problem.posture.value(q_);
   pulled_ = q_;
   problem.posture.set(nullptr, nullptr);
   descend(about, kExactly, result);
   if (problem.reached()) return true;
-  problem.posture.set(step.posture, step.weights);
+  problem.posture.set(step.pull_to, step.pull);
   if (problem.evaluate_goals(q_) + problem.posture.value(q_) > pulled) q_ = pulled_;
   return true;
 }

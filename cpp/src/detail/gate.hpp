@@ -65,8 +65,10 @@ class Gate {
     bool reached;            ///< the goals, in their tolerances
   };
   Worth worth_at(const Eigen::VectorXd& q);
-  /// Whether that is better than what the incumbent is worth.
-  bool is_better(const Worth& worth) const;
+  /// Whether that is better than what the incumbent is worth, by more the farther it is.
+  bool is_better(const Worth& worth, const Eigen::VectorXd& q) const;
+  /// How far it is to a configuration, of how far each joint may go, the most of all joints.
+  double share_of_box(const Eigen::VectorXd& q) const;
   /// Whether nothing gets deeper between two shares of the straight way to a configuration, which
   /// is so long [m].
   bool is_clear_between(const Eigen::VectorXd& to, double way, double first, double last,
