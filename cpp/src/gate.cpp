@@ -61,7 +61,6 @@ Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
     worth.shortfall += 0.5 * goal.weight() * (p * p + w2 * r * r);
     worth.reached &= p < options.position_tolerance && r < options.rotation_tolerance;
   }
-  worth.shortfall += worth.pull;
   return worth;
 }
 

@@ -8,21 +8,22 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kRounds = 4;   ///< linearisations of the barriers in a step
-constexpr int kPulled = 2;   ///< Gauss-Newton steps with the posture
-constexpr int kExactly = 6;  ///< and without it, until the goals are reached
+constexpr int kRounds = 4;    ///< linearisations of the barriers in a step
+constexpr int kPulled = 2;    ///< Gauss-Newton steps with the posture
+constexpr int kExactly = 25;  ///< and without it, until the goals are reached
 /// Barriers are looked for at twice what a step can reach, since it may take half of it, and no
 /// farther than this [m].
 constexpr double kShare = 2.0, kFar = 0.3;
 /// Of the largest diagonal entry of the Hessian: where the goals leave a joint free it stays.
 constexpr double kDamping = 1e-5, kLeastDamping = 1e-11;
 constexpr double kStalled = 0.98;                 ///< share of a cost that a turn may leave
-constexpr double kEasier = 0.1, kHarder = 10.0;   ///< after a turn that went downhill, or did not
+constexpr double kEasier = 0.3, kHarder = 4.0;    ///< after a turn that went downhill, or did not
 constexpr double kShares[] = {0.5, 0.25, 0.125};  ///< of a way that is not to be gone whole
 constexpr double kSettled = 1e-10;                ///< a change of joints that is none [rad], [m]
 /// Barriers are linear and hulls turn: what was missed is held off twice over, and forgotten by a
 /// tenth in a step.
 constexpr double kWider = 2.0, kForgotten = 0.9, kMostOff = 2e-3;
+constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much less
 constexpr double kRounding = 1e-12;   ///< of a distance [m]
 constexpr double kWorthwhile = 0.98;  ///< share of a shortfall that may be left by a round
 
@@ -89,13 +90,15 @@ bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result
   q_ = about + barriers_.way_out();
   problem.posture.set(step.pull_to, step.pull);
   descend(about, kPulled, result);
-  const double pulled = problem.evaluate_goals(q_) + problem.posture.value(q_);
+  const double left = problem.evaluate_goals(q_), pull = problem.posture.value(q_);
   pulled_ = q_;
   problem.posture.set(nullptr, nullptr);
   descend(about, kExactly, result);
-  if (problem.reached()) return true;
+  // Goals come first: where they are next to reached, or nearly, whatever pulls.
+  const double exactly = problem.evaluate_goals(q_);
+  if (problem.reached() || exactly < kMuchNearer * left) return true;
   problem.posture.set(step.pull_to, step.pull);
-  if (problem.evaluate_goals(q_) + problem.posture.value(q_) > pulled) q_ = pulled_;
+  if (exactly + problem.posture.value(q_) > left + pull) q_ = pulled_;
   return true;
 }
 

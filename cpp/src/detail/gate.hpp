@@ -42,7 +42,7 @@ class Gate {
   bool clear() const { return room_.least() >= -model_.options.clearance_tolerance; }
   /// How deep in something the last candidate was [m].
   double missed() const { return missed_; }
-  /// The goals and the pull that it falls short of, as the search weighs them.
+  /// By how much it falls short of the goals, as the search weighs them.
   double shortfall() const { return worth_.shortfall; }
   /// What pulls at it beside the goals.
   double pull() const { return worth_.pull; }
@@ -61,7 +61,7 @@ class Gate {
   double excess(const Room& room) const;
   /// What a configuration is worth, whatever it touches.
   struct Worth {
-    double shortfall, pull;  ///< of the goals and what pulls, of what pulls alone
+    double shortfall, pull;  ///< of the goals, which come first, and of the posture
     bool reached;            ///< the goals, in their tolerances
   };
   Worth worth_at(const Eigen::VectorXd& q);
