@@ -23,7 +23,7 @@ constexpr double kRounding = 1e-12;  ///< of a distance [m]
 Gate::Gate(Workspace& workspace)
     : workspace_(workspace),
       model_(workspace.model()),
-      finest_(std::sqrt(8.0 * model_.long_way * kGraze)),
+      finest_(std::sqrt(8.0 * model_.narrowest * kGraze)),
       levers_(model_.levers) {
   asked_.reserve(model_.robot.tips().size());
   for (Eigen::VectorXd* each :
@@ -40,12 +40,9 @@ Gate::Room Gate::room(const Result& verdict) const {
           verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation};
 }
 
-double Gate::excess(const Room& room) const {
-  const auto beyond = [](double own, double held) { return std::min(0.0, held) - own; };
-  const double most =
-      std::max({beyond(room.obstacles, held_.obstacles), beyond(room.self, held_.self),
-                beyond(room.balance, held_.balance)});
-  return most > kRounding ? most : 0.0;
+bool Gate::is_deeper(const Room& room) const {
+  return floor_.obstacles - room.obstacles > kRounding || floor_.self - room.self > kRounding ||
+         floor_.balance - room.balance > kRounding;
 }
 
 Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
@@ -84,6 +81,8 @@ void Gate::open(const StepRequest& step) {
   for (const Goal& goal : step.goals) asked_.emplace_back(model_.robot, goal);
   judge(*step.from, incumbent_);
   held_ = room_ = room(incumbent_);
+  floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self),
+            std::min(0.0, held_.balance)};
   worth_ = worth_at(*step.from);
 }
 
@@ -111,19 +110,18 @@ bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first,
   // both ends may be enough. If not, the middle is looked at, and both halves.
   const double length = (last - first) * way;
   if (length <= finest_) return true;
-  const auto is_enough = [&](double here, double there, double held, double speed) {
-    const double floor = std::min(0.0, held);
+  const auto is_enough = [&](double here, double there, double floor, double speed) {
     return (here - floor) + (there - floor) >= speed * length;
   };
-  if (is_enough(one.obstacles, other.obstacles, held_.obstacles, 1.0) &&
-      is_enough(one.self, other.self, held_.self, 2.0))
+  if (is_enough(one.obstacles, other.obstacles, floor_.obstacles, 1.0) &&
+      is_enough(one.self, other.self, floor_.self, 2.0))
     return true;
   if (workspace_.problem.deadline->passed()) return false;
   const double middle = 0.5 * (first + last);
   at_ = *step_->from + middle * (to - *step_->from);
   judge(at_, probe_);
   const Room there = room(probe_);
-  return excess(there) == 0.0 && is_clear_between(to, way, first, middle, one, there) &&
+  return !is_deeper(there) && is_clear_between(to, way, first, middle, one, there) &&
          is_clear_between(to, way, middle, last, there, other);
 }
 
@@ -141,8 +139,8 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
   if (clear() && !is_better(worth, trial_)) return false;
   judge(trial_, candidate_);
   const Room there = room(candidate_);
-  missed_ = std::max(0.0, -there.least());
-  if (excess(there) > 0.0) return false;
+  missed_ = there.least() < -kRounding ? -there.least() : 0.0;
+  if (is_deeper(there)) return false;
   // First of all out of what it is in, and not back.
   if (there.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
     return false;

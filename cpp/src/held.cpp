@@ -1,6 +1,5 @@
 #include "detail/held.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "detail/frame.hpp"
@@ -34,10 +33,6 @@ Held::Held(Solids solids, const Robot& robot, const HullModel& hulls, const Shap
   const std::vector<Hull> all = hulls.all();
   hull_count_ = static_cast<int>(all.size());
   for (const auto& each : solids_) {
-    const auto may_touch = [&](const std::string& name) {
-      return std::find(each->may_touch.begin(), each->may_touch.end(), name) !=
-             each->may_touch.end();
-    };
     const auto link_name = [&](int link) {
       return robot.link_names()[static_cast<std::size_t>(link)];
     };
@@ -46,20 +41,17 @@ Held::Held(Solids solids, const Robot& robot, const HullModel& hulls, const Shap
       const bool is_own = moves_with(robot, hulls, hull, each->body) ||
                           (ends_with(robot, robot.body_of_link(a), each->body) &&
                            ends_with(robot, robot.body_of_link(b), each->body));
-      hulls_heeded_.push_back(!is_own && !may_touch(link_name(a)) && !may_touch(link_name(b)));
+      hulls_heeded_.push_back(!is_own && !each->may_touch_one(link_name(a)) &&
+                              !each->may_touch_one(link_name(b)));
     }
     for (int k = 0; k < shape_count_; ++k)
-      shapes_heeded_.push_back(!may_touch(shapes.shape(k).name));
+      shapes_heeded_.push_back(!each->may_touch_one(shapes.shape(k).name));
     const int at = static_cast<int>(balls_.points.size());
     balls_.points.push_back({each->body, each->solid.centre()});
     balls_.moving.push_back({at, at, each->solid.radius(), at});
     for (const auto& other : solids_) {
-      const auto its = [&](const std::string& name) {
-        return std::find(other->may_touch.begin(), other->may_touch.end(), name) !=
-               other->may_touch.end();
-      };
-      held_heeded_.push_back(each->body != other->body && !may_touch(other->shape.name) &&
-                             !its(each->shape.name));
+      held_heeded_.push_back(each->body != other->body && !each->may_touch_one(other->shape.name) &&
+                             !other->may_touch_one(each->shape.name));
     }
   }
 }

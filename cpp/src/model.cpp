@@ -8,16 +8,14 @@
 namespace pdoik::detail {
 namespace {
 
-/// A step that moves no part of a hull farther than this, nor than half the thinnest hull's width,
-/// is not looked at along the way: nothing that is clear of both its ends reaches deep on it. Of
-/// usual arms [m].
-constexpr double kLongWay = 0.02;
+/// Hulls are taken for no wider than this, of usual arms [m].
+constexpr double kWide = 0.02;
 /// Hulls are taken for no thinner than this, of usual arms [m].
 constexpr double kThin = 2e-4;
 
-double long_way_of(const Robot& robot, const HullModel& hulls) {
+double narrowest_of(const Robot& robot, const HullModel& hulls) {
   const double size = relative_size(robot);
-  return std::clamp(thinnest_hull(robot, hulls), kThin * size, kLongWay * size);
+  return std::clamp(thinnest_hull(robot, hulls), kThin * size, kWide * size);
 }
 
 std::vector<bool> joints_that_matter(const Robot& robot, const HullModel& hulls, bool balance) {
@@ -68,7 +66,7 @@ Model::Model(const Robot& robot_in, const Options& options_in)
       matters(joints_that_matter(robot, hulls, options.balance.wanted())),
       turns(turns_of(robot)),
       sequence(robot.dof(), options.seed),
-      long_way(long_way_of(robot, hulls)) {
+      narrowest(narrowest_of(robot, hulls)) {
   pull.setConstant(robot.dof(), options.posture_weight);
   if (options.joint_weights.size() > 0) pull = options.posture_weight * options.joint_weights;
   for (const int tip : robot.tips()) {

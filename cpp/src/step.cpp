@@ -24,7 +24,6 @@ constexpr double kSettled = 1e-10;                ///< a change of joints that i
 /// tenth in a step.
 constexpr double kWider = 2.0, kForgotten = 0.9, kMostOff = 2e-3;
 constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much less
-constexpr double kRounding = 1e-12;   ///< of a distance [m]
 constexpr double kWorthwhile = 0.98;  ///< share of a shortfall that may be left by a round
 
 }  // namespace
@@ -41,13 +40,13 @@ Step::Step(Workspace& workspace)
     each->setZero(n);
 }
 
-void Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
+double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
   LeastSquaresProblem& problem = workspace_.least_squares;
-  double value = problem.evaluate_goals(q_) + problem.posture.value(q_);
+  double goals = problem.evaluate_goals(q_), value = goals + problem.posture.value(q_);
   ++result.evaluations;
   double damping = -1.0;
   for (int turn = 0; turn < turns && !late(); ++turn) {
-    if (!problem.posture.wanted() && problem.reached()) return;
+    if (!problem.posture.wanted() && problem.reached()) break;
     problem.linearise_goals(hessian_, gradient_);
     problem.posture.linearise(q_, hessian_, gradient_);
     const double scale = std::max(hessian_.diagonal().maxCoeff(), 1e-12);
@@ -62,21 +61,23 @@ void Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
       break;
     next_ += about;
     const double change = (next_ - q_).cwiseAbs().maxCoeff();
-    const double there = problem.evaluate_goals(next_) + problem.posture.value(next_);
+    const double goals_there = problem.evaluate_goals(next_),
+                 there = goals_there + problem.posture.value(next_);
     ++result.evaluations;
     if (there < value) {
       const bool stalls = there > kStalled * value;
       q_ = next_;
       value = there;
+      goals = goals_there;
       damping *= kEasier;
-      if (stalls) return;
+      if (stalls) break;
     } else {
       problem.evaluate_goals(q_);
       damping *= kHarder;
     }
-    if (change < kSettled) return;
+    if (change < kSettled) break;
   }
-  problem.evaluate_goals(q_);
+  return goals;
 }
 
 bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
@@ -89,13 +90,11 @@ bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result
   barriers_.come_to_terms(least_, most_);
   q_ = about + barriers_.way_out();
   problem.posture.set(step.pull_to, step.pull);
-  descend(about, kPulled, result);
-  const double left = problem.evaluate_goals(q_), pull = problem.posture.value(q_);
+  const double left = descend(about, kPulled, result), pull = problem.posture.value(q_);
   pulled_ = q_;
   problem.posture.set(nullptr, nullptr);
-  descend(about, kExactly, result);
+  const double exactly = descend(about, kExactly, result);
   // Goals come first: where they are next to reached, or nearly, whatever pulls.
-  const double exactly = problem.evaluate_goals(q_);
   if (problem.reached() || exactly < kMuchNearer * left) return true;
   problem.posture.set(step.pull_to, step.pull);
   if (exactly + problem.posture.value(q_) > left + pull) q_ = pulled_;
@@ -123,7 +122,7 @@ void Step::go_on(const StepRequest& step, Result& result) {
     const double share = gate_.share_in_time(q_);
     const bool taken = gate_.consider(q_, share);
     // What is linear here bends: held off by more, and once more.
-    const bool missed = barriers_.met() && gate_.missed() > kRounding;
+    const bool missed = barriers_.met() && gate_.missed() > 0.0;
     if (missed) stand_off_ = std::min(kMostOff, kWider * (stand_off_ + gate_.missed()));
     if (late()) return;
     if (!missed || round + 1 == kRounds) {

@@ -164,11 +164,9 @@ void Verdicts::leave_idle(Attempt& attempt) {
   q_ = attempt.wanted().cwiseMax(attempt.lower).cwiseMin(attempt.upper);
   for (const Goal& goal : attempt.request.goals) {
     const int link = robot.tips()[static_cast<std::size_t>(goal.tip)];
-    for (int b = robot.body_of_link(link); b > 0;) {
-      const Body& body = robot.bodies()[static_cast<std::size_t>(b)];
-      if (body.dof >= 0) q_[body.dof] = result.q[body.dof];
-      b = body.parent;
-    }
+    workspace_.problem.rollout.for_each_joint(
+        robot.body_of_link(link),
+        [&](int dof, double, bool, const Frame&) { q_[dof] = result.q[dof]; });
   }
   if (q_ == result.q || attempt.deadline.passed()) return;
   saved = result;

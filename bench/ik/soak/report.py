@@ -61,12 +61,13 @@ limits, or a number that is not finite, of any answer. *misreported*: a figure o
 that differs from the judge's by more than 1e-9, or a status that contradicts `success`. *none \
 found*: some goals cannot be met. *missed*: of a random sample, those answered only with twenty \
 times the budget, another seed or L-BFGS, with Wilson's 95 % interval. *beyond tolerance*: the \
-worst of all claims; negative is inside. *passed through*: a step that says `tracking` and on \
-whose straight way, looked at every few millimetres, a hull is 5 mm deeper in an obstacle than \
-at either end and than allowed. *left of clearance*: above what was wanted less its tolerance, \
-while it says `tracking`. Overruns are of the deadline, on the wall's clock and of the thread's \
-processor time; *preempted*: late steps during which the thread did not have the processor for \
-0.1 ms or more.
+worst of all claims; negative is inside. *deeper*: a step, whatever it says, that is deeper in \
+anything than standing still would be, and than contact. *passed through*: a step that says \
+`tracking` and on whose straight way, looked at every few millimetres, a hull is 5 mm deeper in \
+an obstacle than at either end and than allowed. *left of clearance*: above what was wanted less \
+its tolerance, while it says `tracking`. Overruns are of the deadline, on the wall's clock and \
+of the thread's processor time; *preempted*: late steps during which the thread did not have the \
+processor for 0.1 ms or more.
 """
 
 

@@ -40,7 +40,7 @@ class Gate {
   const Result& incumbent() const { return incumbent_; }
   /// Whether it is clear of everything.
   bool clear() const { return room_.least() >= -model_.options.clearance_tolerance; }
-  /// How deep in something the last candidate was [m].
+  /// How deep in something the last candidate was, 0 to rounding [m].
   double missed() const { return missed_; }
   /// By how much it falls short of the goals, as the search weighs them.
   double shortfall() const { return worth_.shortfall; }
@@ -57,8 +57,8 @@ class Gate {
     double least() const { return std::min({obstacles, self, balance}); }
   };
   Room room(const Result& verdict) const;
-  /// How much deeper than is allowed the deepest is; 0 where nothing is [m].
-  double excess(const Room& room) const;
+  /// Whether anything is deeper than standing still, and than contact.
+  bool is_deeper(const Room& room) const;
   /// What a configuration is worth, whatever it touches.
   struct Worth {
     double shortfall, pull;  ///< of the goals, which come first, and of the posture
@@ -82,6 +82,7 @@ class Gate {
   const StepRequest* step_ = nullptr;
   std::vector<GoalTerm> asked_;
   Room held_{}, room_{};  ///< of standing still, of the incumbent
+  Room floor_{};          ///< what no candidate may be below
   Worth worth_{};         ///< of the incumbent
   double finest_, missed_ = 0.0;
   Result incumbent_, candidate_, probe_;

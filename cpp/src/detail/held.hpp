@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +18,11 @@ struct HeldSolid {
   /// sense or is a half-space.
   HeldSolid(const Robot& robot, std::string link_in, Shape shape_in,
             std::vector<std::string> may_touch_in);
+
+  /// Whether it may touch what has this name.
+  bool may_touch_one(const std::string& name) const {
+    return std::find(may_touch.begin(), may_touch.end(), name) != may_touch.end();
+  }
 
   std::string link;
   int body;

@@ -35,14 +35,14 @@ class LeastSquaresProblem {
 
   void count_all_obstacles() { counted_ = Counted::All; }
   void count_no_obstacles() { counted_ = Counted::None; }
-  /// Count those that are within `margin` of a hull where f was last evaluated [m]. If not `exact`,
-  /// points with a radius are then held off by half_sum_constraint, which errs to the safe side.
-  void count_obstacles_within(double margin, bool exact = false) {
+  /// Count those that are within `margin` of a hull where f was last evaluated [m]. Points with a
+  /// radius are then held off by half_sum_constraint, which errs to the safe side.
+  void count_obstacles_within(double margin) {
     counted_ = Counted::All;
     if (!std::isfinite(margin)) return;
     hulls().place(problem_.rollout);
     if (!nearby_.gather(hulls(), problem_.scene->obstacles(), margin)) return;
-    counted_ = exact ? Counted::Near : Counted::NearSafely;
+    counted_ = Counted::Near;
   }
   int obstacle_count() const { return obstacles()->count(); }
 
@@ -153,7 +153,7 @@ class LeastSquaresProblem {
 
   CollisionState& hulls() { return problem_.constraints.hulls; }
 
-  enum class Counted { All, Near, NearSafely, None };
+  enum class Counted { All, Near, None };
   ObstacleView obstacles() const {
     if (counted_ == Counted::All) return problem_.scene->obstacles();
     return counted_ == Counted::None ? ObstacleView(none_) : nearby_.view();
@@ -161,7 +161,7 @@ class LeastSquaresProblem {
 
   /// The sum of squares of what is violated.
   double violation() {
-    problem_.constraints.obstacles.use(obstacles(), counted_ == Counted::NearSafely
+    problem_.constraints.obstacles.use(obstacles(), counted_ == Counted::Near
                                                         ? ObstacleConstraints::Form::HalfSum
                                                         : ObstacleConstraints::Form::Distance);
     if (counted_ == Counted::None)

@@ -39,7 +39,7 @@ struct Model {
   /// What one unit of each joint moves any part of a hull by, at most, within limits: not all
   /// finite where a slide without limits lengthens them.
   Eigen::VectorXd levers;
-  double long_way;  ///< a step whose way is longer than this is looked at along it [m]
+  double narrowest;  ///< half the width of the thinnest hull, in bounds: how fine a way is cut [m]
 };
 
 }  // namespace pdoik::detail

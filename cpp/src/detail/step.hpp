@@ -29,7 +29,8 @@ class Step {
   /// @returns Whether the clock left time for it.
   bool propose(const StepRequest& request, const Eigen::VectorXd& about, Result& result);
   /// Gauss-Newton steps from q_, at most so many, with the pull to a posture or without.
-  void descend(const Eigen::VectorXd& about, int turns, Result& result);
+  /// @returns What the goals cost there, where the problem then is.
+  double descend(const Eigen::VectorXd& about, int turns, Result& result);
   /// No farther than the clock allows.
   bool late() const { return workspace_.problem.deadline->passed(); }
 

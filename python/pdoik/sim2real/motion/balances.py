@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..study.rates import ROWS
 from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from .free_rows import free_rows
@@ -71,7 +72,7 @@ class Balances:
         self.motions = tuple(motions)
         self.thresholds = Thresholds() if thresholds is None else thresholds
         self.n = motions[0].n
-        self._steps = [max(1, int(1.0 / (3.0 * m.cutoff * m.period))) for m in motions]
+        self._steps = [max(1, int(1.0 / (ROWS * m.cutoff * m.period))) for m in motions]
         counts = [len(range(0, len(m.time), s)) for m, s in zip(motions, self._steps, strict=True)]
         self.starts = np.concatenate([[0], np.cumsum(counts)])
         self.count = int(self.starts[-1])

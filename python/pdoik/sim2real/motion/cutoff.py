@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..study.rates import highest_cutoff
 from ..study.recording import FloatArray, Recording
 from ..thresholds.noise import NoiseThresholds
 from .motion_noise import position_noise
@@ -27,7 +28,7 @@ def chosen_cutoff(
     inertia times this is the torque's own noise, a wider filter lets in more noise than signal.
     """
     rate = 1.0 / max(r.period for r in recordings)
-    highest = min(limits.highest_cutoff, limits.cutoff_of_rate * rate)
+    highest = highest_cutoff(limits, rate)
     if body is None:
         return highest
     found = []

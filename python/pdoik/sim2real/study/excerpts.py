@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from .rates import ROWS, highest_cutoff
 from .recording import Recording
 from .split import part
 from .study import Study
 
 _PIECE = 30.0  # about the length of an excerpt [s]
-_ROWS = 3.0  # of a period of the cut-off
 
 
 def excerpted(study: Study) -> Study:
@@ -45,8 +45,7 @@ def _most(study: Study, recordings: Sequence[Recording]) -> float:
     """Time of so many rows as a search bears, which are a few for each period of the cut-off."""
     limits = study.thresholds.noise
     rate = 1.0 / float(np.median([recording.period for recording in recordings]))
-    cutoff = min(limits.highest_cutoff, limits.cutoff_of_rate * rate)
-    rows = _ROWS * cutoff * len(study.joints)  # every second
+    rows = ROWS * highest_cutoff(limits, rate) * len(study.joints)  # every second
     return float(np.clip(limits.most_rows / rows, limits.shortest, limits.longest))
 
 

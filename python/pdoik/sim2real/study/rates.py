@@ -1,0 +1,13 @@
+"""How finely recordings are looked at: the cut-off of balances, and their rows."""
+
+from __future__ import annotations
+
+from ..thresholds.noise import NoiseThresholds
+
+ROWS = 3.0
+"""Of a balance, for each period of its cut-off."""
+
+
+def highest_cutoff(limits: NoiseThresholds, rate: float) -> float:
+    """Of recordings with so many samples a second [Hz]."""
+    return min(limits.highest_cutoff, limits.cutoff_of_rate * rate)
