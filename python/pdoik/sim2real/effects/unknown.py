@@ -48,10 +48,7 @@ class Unknown(Effect):
     on = "joint"
     odds = 0.01
     equation = "tau = f(x), f given by its values at knots"
-    parameters = (
-        *(Parameter(name, "-", chosen=True) for name in ("variable", "lowest", "highest")),
-        Parameter("knots", "-"),
-    )
+    parameters = (Parameter("knots", "-"),)
     decided_by = "motion that varies what it depends on and keeps everything else still"
     source = "penalised regression splines (Eilers and Marx, Statistical Science 11(2), 1996)"
     example = Example(

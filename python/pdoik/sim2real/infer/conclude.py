@@ -227,28 +227,28 @@ def _acts(seen: Evidence) -> bool:
 def _if_sized(finding: Finding, suspected: float) -> Finding:
     """A finding whose size may as well be nothing, by its own interval, is only suspected.
 
+    Its size is its first figure, or all of them. A function's values have been judged together.
     That another day's friction may be nothing, of few that were seen, is no doubt of these days'.
     """
     effect = CATALOGUE[finding.effect]
-    if not finding.parameters:
-        return finding
-    if not effect.size_first:
-        nothing = (effect.example and effect.example.nothing) or {}
-        chosen = {each.name for each in effect.parameters if each.chosen}
-        inside = (
-            each.interval95[0] <= nothing.get(name, 0.0) <= each.interval95[1]
-            for name, each in finding.parameters.items()
-            if name not in chosen
-        )
-        least = min(finding.confidence, suspected - 1e-3)
-        return replace(finding, confidence=least) if all(inside) else finding
-    size = next(iter(finding.parameters.values()))
-    low, high = size.interval95
-    if size.spread is not None:
-        low, high = size.value - 1.96 * size.std, size.value + 1.96 * size.std
-    if not low <= 0.0 <= high:
+    named = [each.name for each in effect.parameters if not each.chosen]
+    sizes = [name for name in named if name in finding.parameters]
+    nothing = (effect.example and effect.example.nothing) or {}
+    if effect.size_first:
+        sizes, nothing = sizes[:1], {}
+    if not sizes or not all(
+        _may_be(finding.parameters[name], nothing.get(name, 0.0)) for name in sizes
+    ):
         return finding
     return replace(finding, confidence=min(finding.confidence, suspected - 1e-3))
+
+
+def _may_be(figure: Estimate, value: float) -> bool:
+    """Whether a value lies within an interval of these days' figure."""
+    low, high = figure.interval95
+    if figure.spread is not None:
+        low, high = figure.value - 1.96 * figure.std, figure.value + 1.96 * figure.std
+    return low <= value <= high
 
 
 def _is_ordinary(state: Identified, terms: Sequence[Term]) -> bool:
