@@ -26,8 +26,8 @@ Gate::Gate(Workspace& workspace)
       finest_(std::sqrt(8.0 * model_.narrowest * kGraze)),
       levers_(model_.levers) {
   asked_.reserve(model_.robot.tips().size());
-  for (Eigen::VectorXd* each :
-       {&incumbent_.q, &candidate_.q, &probe_.q, &trial_, &at_, &held_levers_})
+  for (Eigen::VectorXd* each : {&incumbent_.q, &candidate_.q, &probe_.q, &aim_, &trial_, &next_,
+                                &rest_, &at_, &all_levers_})
     each->setZero(model_.robot.dof());
 }
 
@@ -61,17 +61,18 @@ Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
   return worth;
 }
 
-double Gate::way_to(const Eigen::VectorXd& q) {
+const Eigen::VectorXd& Gate::levers_to(const Eigen::VectorXd& q) {
   const Eigen::VectorXd& from = *step_->from;
   if (!model_.levers.allFinite()) hull_levers(model_.robot, model_.hulls, from, q, levers_);
-  double way = 0.0;
   const Held& held = workspace_.scene().held();
-  if (held.count() > 0) hull_levers(model_.robot, held.balls(), from, q, held_levers_);
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const double lever = held.count() > 0 ? std::max(levers_[i], held_levers_[i]) : levers_[i];
-    way += lever * std::abs(q[i] - from[i]);
-  }
-  return way;
+  if (held.count() == 0) return levers_;
+  hull_levers(model_.robot, held.balls(), from, q, all_levers_);
+  all_levers_ = all_levers_.cwiseMax(levers_);
+  return all_levers_;
+}
+
+double Gate::way_to(const Eigen::VectorXd& q) {
+  return levers_to(q).dot((q - *step_->from).cwiseAbs());
 }
 
 void Gate::open(const StepRequest& step) {
@@ -83,7 +84,21 @@ void Gate::open(const StepRequest& step) {
   held_ = room_ = room(incumbent_);
   floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self),
             std::min(0.0, held_.balance)};
-  worth_ = worth_at(*step.from);
+  aim_ = *step.from;
+  took_ = false;
+  if (step.braking->moves()) {
+    step.braking->gentlest(*step.from, trial_);
+    step.braking->place(*step.from, trial_, next_, rest_);
+    judge(next_, candidate_);
+    const Room there = room(candidate_);
+    const auto straight = [&](double share) { at_ = *step.from + share * (next_ - *step.from); };
+    if (!is_deeper(there) && is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, there)) {
+      std::swap(incumbent_, candidate_);
+      aim_ = trial_;
+      room_ = there;
+    }
+  }
+  worth_ = worth_at(aim_);
 }
 
 bool Gate::is_better(const Worth& worth, const Eigen::VectorXd& q) const {
@@ -104,8 +119,9 @@ double Gate::share_of_box(const Eigen::VectorXd& q) const {
   return most;
 }
 
-bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first, double last,
-                            const Room& one, const Room& other) {
+template <class At>
+bool Gate::is_clear_between(const At& at, double way, double first, double last, const Room& one,
+                            const Room& other) {
   // Distances change no faster than hulls move, of two hulls no faster than both: what they are at
   // both ends may be enough. If not, the middle is looked at, and both halves.
   const double length = (last - first) * way;
@@ -118,11 +134,21 @@ bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first,
     return true;
   if (workspace_.problem.deadline->passed()) return false;
   const double middle = 0.5 * (first + last);
-  at_ = *step_->from + middle * (to - *step_->from);
+  at(middle);
   judge(at_, probe_);
   const Room there = room(probe_);
-  return !is_deeper(there) && is_clear_between(to, way, first, middle, one, there) &&
-         is_clear_between(to, way, middle, last, there, other);
+  return !is_deeper(there) && is_clear_between(at, way, first, middle, one, there) &&
+         is_clear_between(at, way, middle, last, there, other);
+}
+
+bool Gate::is_clear_all_along(const Room& end, const Room& rest) {
+  const Eigen::VectorXd& from = *step_->from;
+  const auto straight = [&](double share) { at_ = from + share * (next_ - from); };
+  if (!is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, end)) return false;
+  if (!step_->braking->limited()) return true;
+  const double way = step_->braking->brake(from, next_, levers_to(rest_));
+  return is_clear_between([&](double share) { step_->braking->between(share, at_); }, way, 0.0, 1.0,
+                          end, rest);
 }
 
 double Gate::share_in_time(const Eigen::VectorXd& q) {
@@ -137,16 +163,25 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
   trial_ = (from + share * (q - from)).cwiseMax(*step_->lower).cwiseMin(*step_->upper);
   const Worth worth = worth_at(trial_);
   if (clear() && !is_better(worth, trial_)) return false;
-  judge(trial_, candidate_);
-  const Room there = room(candidate_);
-  missed_ = there.least() < -kRounding ? -there.least() : 0.0;
-  if (is_deeper(there)) return false;
+  step_->braking->place(from, trial_, next_, rest_);
+  judge(next_, candidate_);
+  const Room end = room(candidate_);
+  Room rest = end;
+  if (step_->braking->limited()) {
+    judge(rest_, probe_);
+    rest = room(probe_);
+  }
+  const double least = std::min(end.least(), rest.least());
+  missed_ = least < -kRounding ? -least : 0.0;
+  if (is_deeper(end) || is_deeper(rest)) return false;
   // First of all out of what it is in, and not back.
-  if (there.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
+  if (rest.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
     return false;
-  if (!is_clear_between(trial_, way_to(trial_), 0.0, 1.0, held_, there)) return false;
+  if (!is_clear_all_along(end, rest)) return false;
   std::swap(incumbent_, candidate_);
-  room_ = there;
+  aim_ = trial_;
+  took_ = true;
+  room_ = rest;
   worth_ = worth;
   return true;
 }

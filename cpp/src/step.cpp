@@ -33,7 +33,9 @@ Step::Step(Workspace& workspace)
       model_(workspace.model()),
       gate_(workspace),
       barriers_(model_),
-      program_(model_.robot.dof()) {
+      program_(model_.robot.dof()),
+      factor_(model_.robot.dof()) {
+  before_.reserve(model_.robot.tips().size());
   const Eigen::Index n = model_.robot.dof();
   hessian_.setZero(n, n);
   for (Eigen::VectorXd* each : {&gradient_, &q_, &pulled_, &next_, &least_, &most_})
@@ -114,7 +116,7 @@ void Step::go_on(const StepRequest& step, Result& result) {
   Eigen::VectorXd& about = workspace_.q;
   about = *step.from;
   for (int round = 0; round < kRounds; ++round) {
-    if (gate_.incumbent().success && gate_.pull() == 0.0) return;
+    if (gate_.done()) return;
     const double before = gate_.shortfall();
     if (!propose(step, about, result)) return;
     if ((q_ - about).cwiseAbs().maxCoeff() < kSettled) return;
@@ -133,7 +135,7 @@ void Step::go_on(const StepRequest& step, Result& result) {
       if (!taken) return take_a_part(about);
       if (gate_.clear() && gate_.shortfall() > kWorthwhile * before) return;
     }
-    about = gate_.incumbent().q;
+    about = gate_.aim();
   }
 }
 
@@ -146,14 +148,45 @@ void Step::bring_near(const StepRequest& step, bool near) {
     brought_near_ |= goal.come_within(step.advance, step.turn);
 }
 
+void Step::follow(std::span<const Goal> goals, const Eigen::VectorXd& from, Braking& braking) {
+  if (!braking.limited()) return;
+  braking.stop_drifting();
+  const bool alike = std::equal(goals.begin(), goals.end(), before_.begin(), before_.end(),
+                                [](const Goal& one, const Goal& other) {
+                                  return one.tip == other.tip && one.type == other.type;
+                                });
+  if (braking.follows() && alike) {
+    // Joints that go on as the goals did: what their errors changed by, by least squares.
+    LeastSquaresProblem& problem = workspace_.least_squares;
+    problem.posture.set(nullptr, nullptr);
+    const auto gradient_of = [&](std::span<const Goal> of) {
+      workspace_.problem.set_goals(of);
+      problem.evaluate_goals(from);
+      problem.linearise_goals(hessian_, gradient_);
+    };
+    gradient_of(before_);
+    next_ = gradient_;
+    gradient_of(goals);
+    next_ = (next_ - gradient_) / braking.period();
+    hessian_.diagonal().array() += kDamping * std::max(hessian_.diagonal().maxCoeff(), 1e-12);
+    factor_.compute(hessian_);
+    factor_.solveInPlace(next_);
+    braking.set_drift(next_);
+  }
+  before_.assign(goals.begin(), goals.end());
+}
+
 void Step::take(const StepRequest& step, Result& result) {
-  const Deadline deadline = workspace_.deadline_in(step.max_time, 2);
+  // Verdicts for which time is kept: of a way's end and of one before; of where it rests, and
+  // brakes.
+  const Deadline deadline = workspace_.deadline_in(step.max_time, step.braking->limited() ? 4 : 2);
   workspace_.watch(deadline);
   begin_result(result);
   stand_off_ *= kForgotten;
   gate_.open(step);
   bring_near(step, true);
   go_on(step, result);
+  step.braking->made(*step.from, gate_.incumbent().q, gate_.meets_goals(), !gate_.took());
   restore(gate_.incumbent(), result);
   result.late_evaluations = gate_.late_evaluations();
   result.status = result.success      ? Status::Solved

@@ -1433,6 +1433,11 @@ class TrackerResult(Result):
         The first joint that its step limit holds back, or None.
         """
     @property
+    def stopped_hard(self) -> bool:
+        """
+        Whether it stops harder than max_acceleration allows: braking only so hard would be deeper in something or leave the limits of a joint, or the input was refused.
+        """
+    @property
     def tracking(self) -> typing.Literal['tracking', 'infeasible', 'deadline_struck', 'invalid_input']:
         """
         What became of the step.
@@ -1442,7 +1447,7 @@ class TrackerResult(Result):
         best so far; `invalid_input`: q is the last answer, and `complaint` says why.
         """
 class Tracker:
-    def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, max_acceleration: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     def attach(self, link: str, shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = ()) -> None:
         """
@@ -1454,15 +1459,17 @@ class Tracker:
         """
         As Solver.detach.
         """
-    def reset(self, q: numpy.typing.ArrayLike) -> None:
+    def reset(self, q: numpy.typing.ArrayLike, velocity: numpy.typing.ArrayLike | None = None) -> None:
         """
         Where the next step starts from: the measured configuration, most often.
         
         Args:
             q: Joint positions, shape (n,) [rad] or [m]; moved inside the limits.
+            velocity: How fast it moves, which counts where acceleration is limited, shape (n,) [rad/s] or [m/s]; None for
+                at rest.
         
         Raises:
-            ValueError: q has another shape or holds NaN or infinity.
+            ValueError: Either has another shape or holds NaN or infinity.
         """
     def set_posture(self, posture: numpy.typing.ArrayLike | None) -> None:
         """
@@ -1504,6 +1511,11 @@ class Tracker:
     @property
     def robot(self) -> Robot:
         ...
+    @property
+    def velocity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Its speed in the last step where acceleration is limited, shape (n,); 0 else.
+        """
 class Lagrangian:
     def __call__(self, x: numpy.typing.ArrayLike, rho: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
         """

@@ -282,6 +282,7 @@ TEST(Allocation, a_tracker_takes_its_memory_at_construction) {
     options.max_obstacles = 50;
     TrackerOptions tracking{.period = 0.01, .max_time = seed % 4 == 0 ? 1e-9 : 10.0};
     tracking.max_speed = Eigen::VectorXd::Constant(robot.dof(), 10.0);
+    if (seed % 2 == 0) tracking.max_acceleration = 5.0 * tracking.max_speed;
     Tracker tracker(robot, options, tracking);
     const Eigen::VectorXd q = random_configuration(robot, random), posture = q.array() + 0.01;
     std::vector<Goal> goals;

@@ -137,19 +137,24 @@ std::vector<Place> places() {
   return result;
 }
 
-TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock_strikes) {
+/// With so much acceleration.
+class EveryStep : public ::testing::TestWithParam<double> {};
+
+TEST_P(EveryStep, is_no_deeper_than_standing_still_at_whatever_look_the_clock_strikes) {
   int moved = 0, struck = 0, near = 0;
   for (const Place& place : places()) {
     Judged judged(place);
-    Tracker tracker(place.robot, place.options, {.period = 0.01, .max_time = 1e6});
+    const Eigen::VectorXd a = Eigen::VectorXd::Constant(place.robot.dof(), GetParam());
+    Tracker tracker(place.robot, place.options,
+                    {.period = 0.01, .max_time = 1e6, .max_acceleration = a});
     dress(place, tracker);
     tracker.reset(place.q);
     for (int k = 0; k < 60; ++k) {
-      const Eigen::VectorXd from = tracker.q();
+      const Eigen::VectorXd from = tracker.q(), velocity = tracker.velocity();
       if (k % 6 == 5) {
         for (int looks = 1; looks < 60; looks += 1 + looks / 8) {
           detail::Deadline::looks_left = looks;
-          tracker.reset(from);
+          tracker.reset(from, velocity);
           const TrackerResult& step = tracker.step(place.goals);
           struck += step.tracking == TrackerStatus::DeadlineStruck ? 1 : 0;
           detail::Deadline::looks_left = 0;
@@ -158,7 +163,7 @@ TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock
               place.name + ", look " + std::to_string(looks) + " of step " + std::to_string(k));
           if (HasFatalFailure()) return;
         }
-        tracker.reset(from);
+        tracker.reset(from, velocity);
       }
       const TrackerResult& step = tracker.step(place.goals);
       moved += step.q == from ? 0 : 1;
@@ -171,6 +176,8 @@ TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock
   EXPECT_GT(struck, 400);
   EXPECT_GT(near, 100);  // or nothing was tried
 }
+INSTANTIATE_TEST_SUITE_P(, EveryStep,
+                         ::testing::Values(std::numeric_limits<double>::infinity(), 20.0));
 
 TEST(SafeSteps, what_comes_at_an_arm_at_half_a_metre_per_second_is_kept_off) {
   for (const std::string& name : arm_names()) {
