@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+import math
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from .motion.place import Gate
@@ -16,6 +17,8 @@ Verdict = Literal[
     "cannot_tell",
 ]
 SCHEMA = "pdoik.diagnosis/1"
+ERRORS = 1.96
+"""Standard errors from a value to an end of its 95 % interval."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +31,24 @@ class Estimate:
     unit: str
     spread: float | None = None  # standard deviation from session to session; None: not told
     spread_p: float | None = None  # probability of such differences if all sessions were alike
+
+    @classmethod
+    def normal(cls, value: float, std: float, unit: str) -> Estimate:
+        """With the interval of a normal error."""
+        interval = (value - ERRORS * std, value + ERRORS * std)
+        return cls(value=value, std=std, interval95=interval, unit=unit)
+
+    def wider(self, by: float) -> Estimate:
+        """With one more standard error beside its own, each end as far as it was."""
+        below, above = (math.hypot(end - self.value, ERRORS * by) for end in self.interval95)
+        interval = (self.value - below, self.value + above)
+        return replace(self, std=math.hypot(self.std, by), interval95=interval)
+
+    def moved(self, value: float) -> Estimate:
+        """Elsewhere, its interval as wide."""
+        low, high = self.interval95
+        by = value - self.value
+        return replace(self, value=value, interval95=(low + by, high + by))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

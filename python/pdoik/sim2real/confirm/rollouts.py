@@ -159,11 +159,8 @@ _NO_EVIDENCE = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
 
 
 def _plain(term: Term, values: Values) -> dict[str, Estimate]:
-    units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
-    return {
-        name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units.get(name, "-"))
-        for name, v in values.items()
-    }
+    unit_of = CATALOGUE[term.effect].unit_of
+    return {name: Estimate.normal(v, 0.0, unit_of(name)) for name, v in values.items()}
 
 
 def _as_logged(simulated: Recording, recorded: Recording) -> Recording:

@@ -136,6 +136,10 @@ class Effect(ABC):
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What the effect adds per unit of its coefficients, at the motion's rate."""
 
+    def unit_of(self, name: str) -> str:
+        """Of one of the figures; "-" where it has none."""
+        return next((each.unit for each in self.parameters if each.name == name), "-")
+
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The parameters by name, from shape and coefficients: these themselves, one by one."""
         return {each.name: float(b) for each, b in zip(self.parameters, beta, strict=True)}

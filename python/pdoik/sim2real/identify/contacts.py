@@ -86,7 +86,7 @@ def stands(fit: Fit, term: Term) -> bool:
     if gain < least.above_usual * usual * rows:
         return False  # no larger than what is left at other times
     large = gain > least.least_gain and gain > least.least_size**2 * rows
-    return large and wald(fit, term)[0] > least.least_t
+    return large and wald(fit, term) > least.least_t
 
 
 def pauses(fit: Fit, term: Term) -> bool:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import linalg
 
 from ..effects import CATALOGUE
-from ..findings import Estimate
+from ..findings import ERRORS, Estimate
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term
 from ..regression.random_effects import spread_between
@@ -38,13 +40,12 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> Figures:
     bounded = fit.bounded()
     result: Figures = {}
     for number, term in enumerate(wanted):
-        at = next(i for i, each in enumerate(fit.terms) if each is term)
-        span = slice(int(fit.offsets[at]), int(fit.offsets[at]) + (0 if term.fixed else term.width))
+        span = fit.span(term)
         beta = np.ones(1) if term.fixed else bounded[span]
         effect = CATALOGUE[term.effect]
         own = [
             (i, int(offset))
-            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) :], strict=False)
+            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) : -1], strict=True)
             if owner is term
         ]
         samples = []
@@ -54,10 +55,9 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> Figures:
                 shape[i] += float(draw[offset]) * _step(term, i)
             sample = beta if term.fixed else beta + draw[span]
             samples.append(effect.values(tuple(shape), sample))
-        units = {p.name: p.unit for p in effect.parameters}
         result[number] = {
             name: _estimate(
-                fit, value, np.array([each[name] for each in samples]), units.get(name, "-")
+                fit, value, np.array([each[name] for each in samples]), effect.unit_of(name)
             )
             for name, value in effect.values(term.shape, beta).items()
         }
@@ -79,9 +79,7 @@ def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimat
     least = fit.balances.thresholds.figures.discretisation * abs(value)
     low, high = np.quantile(samples, (0.025, 0.975))
     std = float(np.hypot((high - low) / 3.92, least))
-    return Estimate(
-        value=value, std=std, interval95=(value - 1.96 * std, value + 1.96 * std), unit=unit
-    )
+    return Estimate.normal(value, std, unit)
 
 
 def _with_spread(
@@ -91,11 +89,7 @@ def _with_spread(
     if fit.balances.told is None:
         return figures
     own = days_of(fit.terms, term)
-    days = [
-        int(offset)
-        for each, offset in zip(fit.terms, fit.offsets, strict=False)
-        if any(each is day for day in own)
-    ]
+    days = [fit.span(day).start for day in own]
     if len(days) < 2:
         return figures
     believed = np.concatenate([term.prior, *(day.prior for day in own)])
@@ -106,15 +100,9 @@ def _with_spread(
     name = next(iter(figures))
     each = figures[name]
     alike = float(np.sum(1.0 / variances)) ** -0.5
-    half = max(1.96 * each.std, found.half_width(alike))
-    widened = Estimate(
-        value=each.value,
-        std=each.std,
-        interval95=(each.value - half, each.value + half),
-        unit=each.unit,
-        spread=found.std,
-        spread_p=found.p,
-    )
+    half = max(ERRORS * each.std, found.half_width(alike))
+    interval = (each.value - half, each.value + half)
+    widened = replace(each, interval95=interval, spread=found.std, spread_p=found.p)
     return {**figures, name: widened}
 
 
@@ -154,15 +142,9 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
     """Parameters of an event in recordings that were held out: the fit's last term."""
     effect = CATALOGUE[term.effect]
     std = np.sqrt(np.sum(_root(fit) ** 2, axis=0))[-term.width :]
-    units = {p.name: p.unit for p in effect.parameters}
     values = effect.values(term.shape, fit.beta[-term.width :])
     return {
-        name: Estimate(
-            value=value,
-            std=float(s),
-            interval95=(value - 1.96 * float(s), value + 1.96 * float(s)),
-            unit=units.get(name, "-"),
-        )
+        name: Estimate.normal(value, float(s), effect.unit_of(name))
         for (name, value), s in zip(values.items(), std, strict=True)
     }
 
@@ -177,10 +159,7 @@ def _sensitivity(fit: Fit, term: Term, i: int) -> Term:
     """Change of a term's contribution per step of a nonlinear parameter."""
     b: Balances = fit.balances
     effect, step = CATALOGUE[term.effect], _step(term, i)
-    at = next(k for k, each in enumerate(fit.terms) if each is term)
-    offset = int(fit.offsets[at])
-    beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
-    sides = []
+    beta, sides = fit.beta_of(term), []
     for sign in (1.0, -1.0):
         shape = list(term.shape)
         shape[i] += sign * step

@@ -1,13 +1,13 @@
 """Rows of a study and their sums: all that models of it are fitted and compared by.
 
-Rows come from balances, or from what a simulator's rollouts leave: a target, columns per unit of
-each coefficient, and the noise that nobody can expect to explain. Sums are kept per balance and not
-weighted, so that another noise costs nothing.
+Rows come from balances: a target, columns per unit of each coefficient, and the noise that nobody
+can expect to explain. Sums are kept per balance and not weighted, so that another noise costs
+nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -120,33 +120,6 @@ class Linearisation:
                 least_repeats=balances.thresholds.identify.least_repeats,
             )
         return cls(series)
-
-    @classmethod
-    def of_rollouts(
-        cls,
-        left: Mapping[Key, FloatArray],
-        floor: Mapping[Key, float],
-        parts: Mapping[Key, Sequence[slice]],
-    ) -> Linearisation:
-        """Of what rollouts leave of recordings; columns are their differences per figure.
-
-        Args:
-            left: recorded less simulated, (N,) of each channel.
-            floor: noise of each channel.
-            parts: rows of one recording each.
-        """
-        return cls(
-            {
-                key: Series(
-                    rows=np.arange(len(values)),
-                    target=values,
-                    floor=floor[key],
-                    parts=tuple(parts[key]),
-                )
-                for key, values in left.items()
-                if len(values)
-            }
-        )
 
     def spans(self, term: Term) -> Mapping[Key, slice]:
         """Where a term's columns are, which are added if they are not there yet."""

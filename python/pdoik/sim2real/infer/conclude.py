@@ -190,10 +190,7 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
     first = effect.parameters[0]
     nothing = np.zeros(part.term.width)
     none = effect.values(part.term.shape, nothing)[first.name] if not effect.is_body else 0.0
-    value, error = none + part.value, 1.96 * part.std
-    estimate = Estimate(
-        value=value, std=part.std, interval95=(value - error, value + error), unit=first.unit
-    )
+    estimate = Estimate.normal(none + part.value, part.std, first.unit)
     torque = with_torque_scale(prepared.study, {first.name: estimate})[first.name]
     return OrdinaryPart(
         effect=effect.id,

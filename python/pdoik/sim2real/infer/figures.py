@@ -120,7 +120,7 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
                 return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
     if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are told by simulations
         return ""
-    beta = fit.bounded()[int(fit.offsets[fit.terms.index(term)])]
+    beta = fit.bounded()[fit.span(term).start]
     for bound in (float(limit[0]) for limit in effect.bounds):
         if bound and np.isfinite(bound) and abs(beta - bound) <= near * abs(bound):
             figures = ", ".join(f"{name} {each.value:.3g}" for name, each in values.items())

@@ -56,7 +56,9 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
             channels = ("tau_cmd" if kind == OF_COMMAND else "q_des",)
             evidence = Evidence(validation_gain=share, interval95=(share, share), channels=channels)
             first = {key: b.residual[key][rest.rows[key]] / b.sigma[key] for key in term.columns}
-            figures = {"level": _estimate(term.shape[1], top, of_level)}
+            level = term.shape[1]
+            std = float(np.hypot(top.std, of_level * level))
+            figures = {"level": Estimate.normal(level, std, "N m")}
             support = event_support(rest, term, first)
             finding = finding_of(prepared, term, figures, (), evidence, support)
             finding = _where(finding, b, top)
@@ -84,12 +86,6 @@ def _rest(b: Balances, left: dict[Key, FloatArray]) -> Fit:
     for key in rest.target:
         rest.target[key] = left[key][rest.rows[key]] / b.sigma[key]
     return rest
-
-
-def _estimate(level: float, top: FlatTop, of_level: float) -> Estimate:
-    std = float(np.hypot(top.std, of_level * level))
-    interval = (level - 1.96 * std, level + 1.96 * std)
-    return Estimate(value=level, std=std, interval95=interval, unit="N m")
 
 
 def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:

@@ -125,12 +125,10 @@ def friction_at(fit: Fit, j: int) -> FloatArray:
     """Joint j's friction along the rows that count, the rotor apart, (N,) [N m]."""
     key: Key = ("torque", j)
     total = np.zeros(len(fit.rows[key]))
-    for term, offset in zip(fit.terms, fit.offsets, strict=False):
+    for term, beta in fit.weighted:
         if term.place.joints == (j,) and (_is(term, Friction) or _is(term, OneWay)):
-            beta = fit.beta[offset : offset + term.width].copy()
-            if _is(term, Friction):
-                beta[-1] = 0.0
-            total += term.columns[key][fit.rows[key]] @ beta
+            kept = beta[:-1] if _is(term, Friction) else beta
+            total += term.columns[key][fit.rows[key], : len(kept)] @ kept
     return total
 
 

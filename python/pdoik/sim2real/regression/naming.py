@@ -214,14 +214,9 @@ def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
     std = float(
         max(np.std(times[near]) / np.sqrt(len(near)), min(f.parameters[name].std for f in inside))
     )
-    estimate = Estimate(
-        value=value,
-        std=std,
-        interval95=(value - 1.96 * std, value + 1.96 * std),
-        unit=inside[0].parameters[name].unit,
-        spread=best[0].parameters[name].spread,
-        spread_p=best[0].parameters[name].spread_p,
-    )
+    own = best[0].parameters[name]
+    joint = Estimate.normal(value, std, own.unit)
+    estimate = replace(joint, spread=own.spread, spread_p=own.spread_p)
     names = tuple(j for j in joints if any(j in f.joints for f in inside))
     effect = CATALOGUE[best[0].effect]
     where = "all joints" if len(names) == len(joints) else ", ".join(names)

@@ -29,9 +29,6 @@ class FigureThresholds(Group):
     spread_p: float = threshold(
         0.01, "probability of differences between sessions, below which they are said"
     )
-    least_spread: float = threshold(
-        0.02, "share of a figure that it must change by between sessions for that to be said"
-    )
     usual_spread: float = threshold(
         0.5,
         "share of friction by which sessions may differ and be of one cause",

@@ -52,7 +52,7 @@ def event_support(others: Fit, term: Term, first: Mapping[Key, FloatArray]) -> S
     return Support(
         weight=float(np.clip(total / max(began, 1e-12), 0.0, 1.0)),
         gain=size / (size + usual) if size > 0.0 else size / usual,
-        t=wald(others.extended(term), term)[0],
+        t=wald(others.extended(term), term),
         size=float(np.sign(size) * np.sqrt(abs(size))),
         agree=sum(gain > 0.0 for gain in halves),
         sessions=2,
