@@ -17,6 +17,7 @@ Verdict = Literal[
     "cannot_tell",
 ]
 SCHEMA = "pdoik.diagnosis/1"
+MOST_EQUIVALENTS = 3  # of a finding
 ERRORS = 1.96
 """Standard errors from a value to an end of its 95 % interval."""
 
@@ -88,6 +89,11 @@ class Evidence:
     interval95: tuple[float, float]
     channels: tuple[str, ...] = ()  # the columns it rests on
     beside_others: float | None = None  # the same of what all else leaves where it acts
+
+    @classmethod
+    def once(cls, share: float, *channels: str) -> Evidence:
+        """Of what was seen once: there is nothing to take an interval from."""
+        return cls(validation_gain=share, interval95=(share, share), channels=channels)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -228,7 +228,7 @@ def _finding(
         statement=said,
         parameters={"std": Estimate.normal(value, error, unit)},
         decided_by=SensorNoise.decided_by,
-        evidence=Evidence(validation_gain=gain, interval95=(gain, gain), channels=(channel,)),
+        evidence=Evidence.once(gain, channel),
         variant={"q": "position", "dq": "speed", "tau": "torque"}[channel],
     )
 

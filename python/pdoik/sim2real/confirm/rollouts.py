@@ -107,7 +107,7 @@ class Arm:
             ValueError: one of the terms is none that can be simulated.
         """
         findings = tuple(
-            finding_of(self.prepared, term, _plain(term, each), (), _NO_EVIDENCE)
+            finding_of(self.prepared, term, _plain(term, each), (), Evidence.once(0.0))
             for term, each in zip(terms, values, strict=True)
         )
         for reason in filter(None, map(not_simulated, findings)):
@@ -153,9 +153,6 @@ def _beginnings(recordings: Sequence[Recording], longest: float) -> tuple[Record
         each if count == len(each.time) else part(each, 0, count)
         for each, count in zip(recordings, counts, strict=True)
     )
-
-
-_NO_EVIDENCE = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
 
 
 def _plain(term: Term, values: Values) -> dict[str, Estimate]:

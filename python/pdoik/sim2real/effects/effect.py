@@ -76,7 +76,6 @@ class Effect(ABC):
     # What else looks like it, and what tells them apart.
     confused_with: ClassVar[tuple[str, ...]] = ()
     decided_by: ClassVar[str] = ""
-    beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
     one_of: ClassVar[str] = ""  # kind of law of which a joint has one
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell

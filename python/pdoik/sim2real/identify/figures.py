@@ -17,7 +17,6 @@ from .ordinary import days_of
 
 DRAWS = 400
 _NOTHING = 1e-6  # of what was believed is left, that sums can be solved
-_SAYS = 10.0  # times the variance before any row: a session of more says nothing
 _SHAPE_PRIOR = 1e-3  # inverse variance of a shape's step
 
 Figures = dict[int, dict[str, Estimate]]
@@ -93,7 +92,8 @@ def _with_spread(
     if len(days) < 2:
         return figures
     believed = np.concatenate([term.prior, *(day.prior for day in own)])
-    values, variances = _of_sessions(fit.beta[[at, *days]], root[:, [at, *days]], believed)
+    most = fit.balances.thresholds.figures.silent
+    values, variances = _of_sessions(fit.beta[[at, *days]], root[:, [at, *days]], believed, most)
     if np.isfinite(variances).sum() < 2:
         return figures
     found = spread_between(values, variances, fit.balances.count)
@@ -107,7 +107,7 @@ def _with_spread(
 
 
 def _of_sessions(
-    beta: FloatArray, root: FloatArray, believed: FloatArray
+    beta: FloatArray, root: FloatArray, believed: FloatArray, most: float
 ) -> tuple[FloatArray, FloatArray]:
     """Each session's own figure and its variance, by its rows alone: what was believed taken off.
 
@@ -115,6 +115,7 @@ def _of_sessions(
         beta: (1 + S,) the figure of all sessions, and what each differs by.
         root: (n, 1 + S) of which R'R is their covariance.
         believed: (1 + S,) inverse variances of both before any row.
+        most: times the variance before any row, from which a session says nothing.
     """
     sums = np.concatenate([np.ones((len(beta) - 1, 1)), np.eye(len(beta) - 1)], axis=1)
     before = linalg.inv((sums / believed) @ sums.T)
@@ -122,7 +123,7 @@ def _of_sessions(
     told = after - (1.0 - _NOTHING) * before
     variances = np.diag(linalg.inv(told)).copy()
     values = linalg.solve(told, after @ (sums @ beta))
-    silent = variances > _SAYS * np.diag(linalg.inv(before))
+    silent = variances > most * np.diag(linalg.inv(before))
     variances[silent] = np.inf
     return values, variances
 

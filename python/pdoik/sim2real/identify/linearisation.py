@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..regression.fit import Term
+from ..regression.repeats import repeats
 from ..study.recording import FloatArray
 
 _ROOM = 64  # columns that are taken at once
@@ -71,27 +72,8 @@ class Series:
         self.columns, self.gram, self.moment = columns, gram, moment
 
     def repeats(self, left: FloatArray) -> float:
-        """Rows that say the same: one and twice the sum of the residual's autocorrelation.
-
-        Sums end where the correlation first is no longer positive (Geyer, Statistical Science
-        7(4), 1992).
-        """
-        total, power = np.zeros(0), 0.0
-        for part in self.parts:
-            each = left[part]
-            if not len(each):
-                continue
-            spectrum = np.abs(np.fft.rfft(each, 2 * len(each))) ** 2
-            own = np.fft.irfft(spectrum)[: len(each)]
-            size = max(len(total), len(own))
-            total = np.pad(total, (0, size - len(total))) + np.pad(own, (0, size - len(own)))
-            power += float(own[0])
-        if power <= 0.0:
-            return self.least_repeats
-        correlation = total / power
-        below = np.flatnonzero(correlation <= 0.0)
-        last = int(below[0]) if len(below) else len(correlation)
-        return float(max(1.0 + 2.0 * np.sum(correlation[1:last]), self.least_repeats))
+        """Rows that say the same, by what is left."""
+        return max(repeats(left[part] for part in self.parts), self.least_repeats)
 
 
 class Linearisation:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +89,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
 
     How far they may be off is in a cause's odds. Without it they would go as far as rows ask.
     """
-    b, kept = copy(fit.balances), []
+    b, kept = fit.balances, []
     left = {key: b.residual[key].copy() for key in fit.design}
     for term, beta in fit.weighted:
         if term.effect not in _TRUSTED or any(term is each for each in peculiar):
@@ -99,8 +98,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
         for key, column in term.columns.items():
             if key in left:
                 left[key] -= column @ beta
-    b.residual = {**b.residual, **left}
-    return Fit(b, kept)
+    return Fit(b.with_residual(left), kept)
 
 
 def _folds_told(fit: Fit, term: Term) -> int:

@@ -54,3 +54,20 @@ class OneMore:
         if key not in self._left:
             self._left[key] = self._fit.residual(key)
         return self._left[key]
+
+
+def gains_alone(
+    moments: FloatArray, grams: FloatArray, ridge: float = 1e-9
+) -> tuple[FloatArray, FloatArray]:
+    """Coefficients (G, k) of columns with all else as it is, and by how much costs fall, (G,).
+
+    Args:
+        moments: (G, k) of the columns with what is left.
+        grams: (G, k, k) of the columns.
+        ridge: share of a gram's trace that is added to its diagonal.
+    """
+    scale = np.trace(grams, axis1=1, axis2=2)
+    size = np.maximum(ridge * scale, 1e-300)[:, None, None]
+    even = grams + size * np.eye(grams.shape[1])
+    betas = np.asarray(np.linalg.solve(even, moments[:, :, None])[:, :, 0])
+    return betas, np.where(scale > 0.0, np.sum(betas * moments, axis=1), 0.0)

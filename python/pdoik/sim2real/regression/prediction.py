@@ -42,6 +42,10 @@ class Prediction:
                 left[key] -= column @ beta
         return left
 
+    def rest(self, fit: Fit) -> Fit:
+        """A fit of nothing yet to what another leaves."""
+        return Fit(self.balances.with_residual(self.residual(fit)), ())
+
     def spread(self, changes: Sequence[tuple[Term, FloatArray]]) -> dict[Key, FloatArray]:
         """How far a session may be from the mean, as a standard deviation, (N,) per key."""
         squares: dict[Key, FloatArray] = {}

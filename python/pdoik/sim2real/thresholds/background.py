@@ -11,14 +11,8 @@ from .threshold import Group, threshold
 class BackgroundThresholds(Group):
     """Standard deviations of what is fitted beside the search for what is peculiar."""
 
-    friction: float = threshold(
-        1.0, "of each part of a joint's friction, as a share of its usual torque"
-    )
     offset: float = threshold(
         0.1, "of a torque's zero beside friction of one way, as a share of the joint's usual torque"
-    )
-    torque: float = threshold(
-        0.05, "of a torque's scale", "", "current sensors and torque constants: 3 to 5 %"
     )
     stands_t: float = threshold(
         3.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
@@ -34,7 +28,4 @@ class BackgroundThresholds(Group):
     )
     imu_gyro: float = threshold(
         0.01, "of a gyro's zero", "rad/s", "data sheets of MEMS sensors: 0.1 to 1 degree/s"
-    )
-    bodies: float = threshold(
-        0.1, "of masses, first moments and inertias", "", "drawings against identified arms"
     )

@@ -35,6 +35,9 @@ class FigureThresholds(Group):
         "",
         "chosen: from day to day it changes by 10 to 30 %",
     )
+    silent: float = threshold(
+        10.0, "times the variance before any row, from which a session says nothing of a figure"
+    )
     least_clusters: int = threshold(
         12, "clusters of rows in which a term acts, from which its error is estimated", "clusters"
     )

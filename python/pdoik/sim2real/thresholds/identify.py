@@ -60,6 +60,7 @@ class IdentifyThresholds(Group):
         "",
         "Kass and Raftery, JASA 90(430), 1995: strong",
     )
+    better: float = threshold(1.0, "log odds by which another set must be better to be taken")
     shape_price: float = threshold(
         1.5, "log odds that a nonlinear parameter costs which was moved to its best"
     )
@@ -77,6 +78,11 @@ class IdentifyThresholds(Group):
         "share of what all else leaves of recordings that only judge, that a peculiar cause must"
         " explain",
     )
+    alike: float = threshold(2.0, "factor within which joints' delays may be one cause's")
+    left: float = threshold(
+        1.35, "noise that a torque must leave for parts, moments and nameless causes", "sigma"
+    )
+    restless: float = threshold(1.5, "the same for causes that are simulated", "sigma")
     scale_off: float = threshold(
         0.08, "share by which a torque's scale must be off to be named, beyond calibration"
     )

@@ -267,8 +267,7 @@ def _bic(fit: Fit, count: float) -> float:
 
 
 def _change(fit: Fit, term: Term) -> Change:
-    at = int(fit.offsets[fit.terms.index(term)])
-    span = slice(at, at + term.width)
+    span = fit.span(term)
     covariance = np.asarray(np.linalg.inv(fit.regular(fit.gram)), dtype=np.float64)[span, span]
     return Change(
         effect=term.effect,
