@@ -92,7 +92,7 @@ def _is_doubtful(state: Identified, term: Term) -> bool:
 
 
 def _with(state: Identified, accepted: Sequence[Term]) -> Identified:
-    """The search as if these had been accepted."""
+    """As if these had been accepted."""
     return state.fitted((*state.nuisance, *accepted))
 
 

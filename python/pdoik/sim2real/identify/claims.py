@@ -61,10 +61,8 @@ class _Claims:
     def of(cls, posterior: Posterior, state: State) -> _Claims:
         """Of a state, before anything is judged."""
         model = state.model
-        noisy = posterior.balances.with_noise(
-            {key: model.weight(key) ** -0.5 for key in model.noise}
-        )
-        active = [h.term for h, span in _placed(model) if model.active[span].any()]
+        noisy = posterior.noisy(model)
+        active = [h.term for h, span in model.placed if model.active[span].any()]
         return cls(
             posterior=posterior,
             state=state,
@@ -106,7 +104,7 @@ class _Claims:
         """Parts that every machine has, each stated and some of them named."""
         model = self.state.model
         deviations = np.sqrt(model.variances)
-        for hypothesis, span in _placed(model):
+        for hypothesis, span in model.placed:
             ordinary = hypothesis.ordinary and hypothesis.term.effect not in _UNNAMED
             if not ordinary or not model.active[span].any():
                 continue
@@ -184,15 +182,11 @@ class _Claims:
         )
 
 
-def _placed(model: Model) -> list[tuple[Hypothesis, slice]]:
-    return list(zip(model.hypotheses, model.spans, strict=True))
-
-
 def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:
     """Whether nothing at all lies within the intervals of a cause's coefficients."""
     if hypothesis.term.fixed:
         return False
-    span = next(at for each, at in _placed(model) if each is hypothesis)
+    span = model.span(hypothesis)
     beta, own = model.beta[span], model.inverse[span, span]
     errors = np.sqrt(beta @ np.linalg.lstsq(own, beta, rcond=None)[0] / len(beta))
     first = abs(beta[0]) / max(float(np.sqrt(own[0, 0])), 1e-300)

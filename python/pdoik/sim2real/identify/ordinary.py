@@ -159,7 +159,7 @@ class Ordinary:
     def fitted_to(self, model: Model, joints: Collection[int]) -> Ordinary:
         """With what days change, and some joints' Coulomb friction as wide, as is likeliest."""
         levels, widths = dict(self.levels), dict(self.widths)
-        own = {(h.term.effect, h.term.place): s for h, s in _ordinary_spans(model)}
+        own = {(h.term.effect, h.term.place): s for h, s in model.placed if h.ordinary}
         for j in self.joints:
             for name in _CHANGES:
                 span = own.get((name, Place(joints=(j,))))
@@ -197,8 +197,8 @@ class Ordinary:
         place, now = Place(joints=(j,)), self.widths.get(j, (0.02,))
         here = [
             h
-            for h, _ in _ordinary_spans(model)
-            if h.term.effect == CoulombFriction.id and h.term.place == place
+            for h in model.hypotheses
+            if h.ordinary and h.term.effect == CoulombFriction.id and h.term.place == place
         ]
         if not here:
             return now
@@ -220,12 +220,6 @@ class Ordinary:
 
 
 _POSITIVE = (ViscousFriction.id, CoulombFriction.id, RotorInertia.id)
-
-
-def _ordinary_spans(model: Model) -> Iterator[tuple[Hypothesis, slice]]:
-    for hypothesis, span in zip(model.hypotheses, model.spans, strict=True):
-        if hypothesis.ordinary:
-            yield hypothesis, span
 
 
 def days_of(terms: Sequence[Term], term: Term) -> list[Term]:

@@ -167,9 +167,11 @@ class Weighing:
 
     def fit_of(self, model: Model) -> Fit:
         """The same by least squares over rows, for what looks at rows."""
-        sigma = {key: model.weight(key) ** -0.5 for key in model.noise}
-        terms = [each.term for each in model.hypotheses]
-        return Fit(self.balances.with_noise(sigma), terms)
+        return Fit(self.noisy(model), [each.term for each in model.hypotheses])
+
+    def noisy(self, model: Model) -> Balances:
+        """The balances with the noise that a model leaves."""
+        return self.balances.with_noise({key: model.weight(key) ** -0.5 for key in model.noise})
 
 
 def serious(scored: Sequence[Scored]) -> list[Scored]:

@@ -1,4 +1,4 @@
-"""From a finished search to the diagnosis: findings with intervals, confidence and evidence.
+"""From what was identified to the diagnosis: findings with intervals, confidence and evidence.
 
 Figures and confidence are of the recordings to learn from. Those held out come last, and judge:
 they say how much of what they show is explained, and change no finding.
@@ -30,7 +30,7 @@ from ..identify.identified import Identified, Part
 from ..motion.prepare import Prepared
 from ..regression.background import background
 from ..regression.fit import Fit, Term
-from ..regression.naming import Found, channel_of, finding_of, link_of, merged
+from ..regression.naming import Found, channel_of, finding_of, link_of
 from ..regression.prediction import Prediction
 from ..regression.trusted_bodies import effect_of
 from .changing_friction import changing, spreads_of, with_changes
@@ -39,6 +39,7 @@ from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
 from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
 from .outstanding import with_outstanding
+from .shared import merged
 from .torque_scale import with_torque_scale
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
@@ -63,11 +64,11 @@ def conclude(
     check: ChannelCheck,
     control: ControllerCheck,
 ) -> Examination:
-    """Findings, joints and verdict of a search.
+    """Findings, joints and verdict.
 
     Args:
         prepared: the study.
-        state: what was selected and confirmed.
+        state: what was identified and confirmed.
         seed: of the bootstrap.
         check: what the channels were found to be.
         control: what the controllers were found to be.

@@ -1,10 +1,9 @@
-"""What every machine has, fitted beside the search for what is peculiar and never named by it.
+"""What every machine has, as smooth curves without names.
 
 Bearings rub, rotors turn with the joints, drawings are a tenth wrong, torque sensors are a little
-off. Where all of that is left to be found one by one, a fault drowns in it: a first search holds
-each hypothesis against a machine that has all of it in every joint, and a second one then names
-what is ordinary too. What even that leaves is the discrepancy of the model: it counts as noise,
-and with as few independent samples as it has.
+off. What is held against a machine that has all of it in every joint is no such thing. What even
+that leaves is the discrepancy of the model: it counts as noise, and with as few independent samples
+as it has.
 """
 
 from __future__ import annotations
@@ -100,7 +99,7 @@ def without_its_like(terms: tuple[Term, ...], term: Term, believed: Thresholds) 
     """
     if term.effect != OneWay.like:
         return terms
-    tighter = (believed.identify.friction / believed.background.offset) ** 2
+    tighter = (believed.identify.friction / believed.search.one_way) ** 2
     found = []
     for each in terms:
         here = each.place.joints == term.place.joints
@@ -188,7 +187,7 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
 
 def imu_parts(balances: Balances) -> Iterator[tuple[Term, FloatArray]]:
     """An IMU's mounting and zeros, which are never quite right, and how large they usually are."""
-    believed = balances.thresholds.background
+    believed = balances.thresholds.identify
     turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
     for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
         for place in effect.places(balances.motions):

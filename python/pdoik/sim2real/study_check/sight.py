@@ -49,7 +49,7 @@ class Stand:
 
     def clarity(self, amount: float, width: int, limits: Thresholds) -> float:
         """By how much more than is asked an amount stands."""
-        believed, t = limits.background, amount / self.error
+        believed, t = limits.search, amount / self.error
         by_errors = t / self.inflated / (believed.stands_t * np.sqrt(width) + _Z)
         asked = believed.large / (1.0 - believed.large) * self.left
         by_size = np.sqrt(_least_gain(amount, self.energy, t) / asked)

@@ -14,7 +14,6 @@ class FigureThresholds(Group):
     least_t: float = threshold(
         2.0, "errors below which the size of what was found may as well be zero", "s.e."
     )
-    mass_t: float = threshold(2.0, "errors that a body's mass must be above zero", "s.e.")
     on_bound: float = threshold(1e-3, "share of a bound within which a figure lies on it")
     discretisation: float = threshold(
         0.0015, "share of a value that differentiation and sampling may take"

@@ -45,6 +45,21 @@ class IdentifyThresholds(Group):
     )
     drive_scale: float = threshold(0.02, "the same of its scale beside its command")
     speed_scale: float = threshold(0.005, "the same of a speed's scale beside its position's")
+    imu_tilt: float = threshold(
+        0.01,
+        "standard deviation of an IMU's mounting about each axis",
+        "rad",
+        "surfaces and boards: half a degree",
+    )
+    imu_acc: float = threshold(
+        0.1,
+        "the same of an accelerometer's zero",
+        "m/s^2",
+        "data sheets of MEMS sensors: 5 to 40 mg",
+    )
+    imu_gyro: float = threshold(
+        0.01, "the same of a gyro's zero", "rad/s", "data sheets of MEMS sensors: 0.1 to 1 degree/s"
+    )
     usual_part: float = threshold(
         0.3, "part of a peculiar cause, as a share of what its balance usually is"
     )
