@@ -9,7 +9,8 @@ namespace pdoik::detail {
 namespace {
 
 /// A way is cut into pieces so short that what a hull can touch inside one, and not at its ends, is
-/// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest [m].
+/// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest. What stands may
+/// be off by as much, and by twice that on its way, since joints that go straight bend it [m].
 constexpr double kGraze = 5e-5;
 constexpr double kLooks = 0.4;    ///< share of the time that a way may take
 constexpr double kBetter = 1e-6;  ///< relative decrease from which something is better
@@ -35,14 +36,30 @@ void Gate::judge(const Eigen::VectorXd& q, Result& result) {
   workspace_.judge(step_->goals, q, result, step_->look);
 }
 
-Gate::Room Gate::room(const Result& verdict) const {
+Gate::Room Gate::room(const Result& verdict) {
   return {verdict.clearance - model_.options.clearance,
-          verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation};
+          verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation,
+          stance_at(verdict.q)};
 }
 
-bool Gate::is_deeper(const Room& room) const {
-  return floor_.obstacles - room.obstacles > kRounding || floor_.self - room.self > kRounding ||
-         floor_.balance - room.balance > kRounding;
+double Gate::stance_at(const Eigen::VectorXd& q) {
+  if (!stands_) return 0.0;
+  workspace_.least_squares.place(q);
+  double off = 0.0;
+  for (GoalTerm& goal : asked_) {
+    if (!goal.stands()) continue;
+    goal.place(workspace_.problem.rollout.frame(goal.body()));
+    off = std::max(
+        {off, goal.position_distance(), model_.options.rotation_weight * goal.rotation_distance()});
+  }
+  return -off;
+}
+
+bool Gate::is_deeper(const Room& room, double stance) {
+  if (floor_.obstacles - room.obstacles > kRounding || floor_.self - room.self > kRounding ||
+      floor_.balance - room.balance > kRounding)
+    return true;
+  return gives_way_ = stance - room.stance > kRounding;
 }
 
 Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
@@ -79,11 +96,16 @@ void Gate::open(const StepRequest& step) {
   step_ = &step;
   probe_.late_evaluations = incumbent_.late_evaluations = candidate_.late_evaluations = 0;
   asked_.clear();
-  for (const Goal& goal : step.goals) asked_.emplace_back(model_.robot, goal);
+  stands_ = false;
+  for (const Goal& goal : step.goals) {
+    asked_.emplace_back(model_.robot, goal);
+    stands_ |= goal.stands;
+  }
   judge(*step.from, incumbent_);
   held_ = room_ = room(incumbent_);
-  floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self),
-            std::min(0.0, held_.balance)};
+  floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self), std::min(0.0, held_.balance),
+            std::min(-kGraze, held_.stance)};
+  stance_between_ = std::min(-2.0 * kGraze, floor_.stance);
   aim_ = *step.from;
   took_ = false;
   if (step.braking->moves()) {
@@ -92,7 +114,8 @@ void Gate::open(const StepRequest& step) {
     judge(next_, candidate_);
     const Room there = room(candidate_);
     const auto straight = [&](double share) { at_ = *step.from + share * (next_ - *step.from); };
-    if (!is_deeper(there) && is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, there)) {
+    if (!is_deeper(there, floor_.stance) &&
+        is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, there)) {
       std::swap(incumbent_, candidate_);
       aim_ = trial_;
       room_ = there;
@@ -137,7 +160,8 @@ bool Gate::is_clear_between(const At& at, double way, double first, double last,
   at(middle);
   judge(at_, probe_);
   const Room there = room(probe_);
-  return !is_deeper(there) && is_clear_between(at, way, first, middle, one, there) &&
+  return !is_deeper(there, stance_between_) &&
+         is_clear_between(at, way, first, middle, one, there) &&
          is_clear_between(at, way, middle, last, there, other);
 }
 
@@ -160,6 +184,7 @@ double Gate::share_in_time(const Eigen::VectorXd& q) {
 bool Gate::consider(const Eigen::VectorXd& q, double share) {
   const Eigen::VectorXd& from = *step_->from;
   missed_ = 0.0;
+  gives_way_ = false;
   trial_ = (from + share * (q - from)).cwiseMax(*step_->lower).cwiseMin(*step_->upper);
   const Worth worth = worth_at(trial_);
   if (clear() && !is_better(worth, trial_)) return false;
@@ -173,7 +198,7 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
   }
   const double least = std::min(end.least(), rest.least());
   missed_ = least < -kRounding ? -least : 0.0;
-  if (is_deeper(end) || is_deeper(rest)) return false;
+  if (is_deeper(end, floor_.stance) || is_deeper(rest, floor_.stance)) return false;
   // First of all out of what it is in, and not back.
   if (rest.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
     return false;

@@ -24,6 +24,12 @@ constexpr double kSettled = 1e-10;                ///< a change of joints that i
 /// tenth in a step.
 constexpr double kWider = 2.0, kForgotten = 0.9, kMostOff = 2e-3;
 constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much less
+/// How much more what stands weighs than what does not: as good as first, and still one sum. What
+/// then bends the valley that goals are in is gone along in many small turns.
+constexpr double kStands = 1e7;
+/// A way bends what stands: all joints go only so much of what they may, less where the gate would
+/// not have it, and more again.
+constexpr double kShorter = 0.5, kLonger = 1.25;
 constexpr double kWorthwhile = 0.98;  ///< share of a shortfall that may be left by a round
 
 }  // namespace
@@ -51,7 +57,8 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
     if (!problem.posture.wanted() && problem.reached()) break;
     problem.linearise_goals(hessian_, gradient_);
     problem.posture.linearise(q_, hessian_, gradient_);
-    const double scale = std::max(hessian_.diagonal().maxCoeff(), 1e-12);
+    const double scale =
+        std::max(hessian_.diagonal().maxCoeff() / (stands_ ? kStands : 1.0), 1e-12);
     if (damping < 0.0) damping = kDamping * scale + value;
     damping = std::max(damping, kLeastDamping * scale);
     hessian_.diagonal().array() += damping;
@@ -72,7 +79,7 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
       value = there;
       goals = goals_there;
       damping *= kEasier;
-      if (stalls) break;
+      if (stalls && !stands_) break;
     } else {
       problem.evaluate_goals(q_);
       damping *= kHarder;
@@ -84,8 +91,9 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
 
 bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
   LeastSquaresProblem& problem = workspace_.least_squares;
-  least_ = *step.lower - about;
-  most_ = *step.upper - about;
+  const double stride = stands_ ? stride_ : 1.0;
+  least_ = *step.from + stride * (*step.lower - *step.from) - about;
+  most_ = *step.from + stride * (*step.upper - *step.from) - about;
   problem.place(about);
   const double reach = std::min(kShare * step.margin + stand_off_, kFar);
   if (late() || !barriers_.find(workspace_.problem, reach, stand_off_)) return false;
@@ -124,6 +132,12 @@ void Step::go_on(const StepRequest& step, Result& result) {
     const double share = gate_.share_in_time(q_);
     const bool taken = gate_.consider(q_, share);
     // What is linear here bends: held off by more, and once more.
+    if (taken) stride_ = std::min(1.0, kLonger * stride_);
+    if (gate_.gives_way()) {
+      stride_ *= kShorter;
+      about = gate_.aim();
+      continue;
+    }
     const bool missed = barriers_.met() && gate_.missed() > 0.0;
     if (missed) stand_off_ = std::min(kMostOff, kWider * (stand_off_ + gate_.missed()));
     if (late()) return;
@@ -141,6 +155,11 @@ void Step::go_on(const StepRequest& step, Result& result) {
 
 void Step::bring_near(const StepRequest& step, bool near) {
   workspace_.problem.set_goals(step.goals);
+  stands_ = false;
+  for (GoalTerm& goal : workspace_.problem.goals) {
+    stands_ |= goal.stands();
+    if (goal.stands()) goal.weigh(kStands);
+  }
   brought_near_ = false;
   if (!near) return;
   workspace_.least_squares.evaluate_goals(*step.from);

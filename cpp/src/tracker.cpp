@@ -281,6 +281,10 @@ const TrackerResult& Tracker::step(std::span<const Goal> goals) {
   const Clock::time_point started = Clock::now();
   if (!detail::accepts_goals(goals, robot(), solver_options(), impl_->complaint))
     impl_->hold(impl_->complaint.text());
+  else if (impl_->braking.limited() && std::ranges::any_of(goals, &Goal::stands))
+    impl_->hold(
+        "a goal that stands is not for a tracker with max_acceleration: joints that brake "
+        "each for itself would move it");
   else if (!impl_->cloud_complaint.empty())
     impl_->hold(impl_->cloud_complaint.text());
   else

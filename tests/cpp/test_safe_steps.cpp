@@ -243,6 +243,49 @@ TEST(SafeSteps, an_arm_whose_goal_cannot_be_reached_comes_to_rest) {
   }
 }
 
+TEST(SafeSteps, a_foot_that_stands_gives_nothing_of_its_place_up_for_a_hand_that_cannot_reach) {
+  const Robot robot = Robot::builtin("h1", "left_ankle_link",
+                                     {"right_ankle_link", "left_elbow_link", "right_elbow_link"});
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(robot.dof());
+  for (int i = 0; i < robot.dof(); ++i) {
+    const std::string& name = robot.joint_names()[static_cast<std::size_t>(i)];
+    if (name.find("knee") != std::string::npos) q[i] = 0.6;
+    if (name.find("hip_pitch") != std::string::npos) q[i] = -0.3;
+    if (name.find("ankle") != std::string::npos) q[i] = -0.3;
+  }
+  Goal foot, hand;
+  foot.tip = 0;
+  foot.T_base_tip = robot.fk(q, robot.tips()[0]);
+  hand.tip = 1;
+  hand.type = GoalType::Position;
+  const Eigen::Vector3d at = robot.fk(q, robot.tips()[1]).translation();
+  for (const Eigen::Vector3d& way :
+       {Eigen::Vector3d(0.8, 0.0, 0.0), Eigen::Vector3d(0.0, 0.6, 0.4),
+        Eigen::Vector3d(0.3, 0.2, -0.9), Eigen::Vector3d(-0.7, 0.0, 0.3)}) {
+    double slipped[2] = {0.0, 0.0}, left[2] = {0.0, 0.0};
+    for (const bool stands : {false, true}) {
+      Options options = timeless();
+      options.self_collision = false;
+      Tracker tracker(robot, options, {.period = 0.004, .max_time = 1e6});
+      tracker.reset(q);
+      foot.stands = stands;
+      hand.T_base_tip.translation() = at + way;
+      const std::vector<Goal> goals = {foot, hand};
+      for (int k = 0; k < 400; ++k) {
+        const Eigen::VectorXd& now = tracker.step(goals).q;
+        const Eigen::Isometry3d T = robot.fk(now, robot.tips()[0]);
+        slipped[stands] =
+            std::max(slipped[stands], (T.translation() - foot.T_base_tip.translation()).norm());
+        left[stands] =
+            (robot.fk(now, robot.tips()[1]).translation() - hand.T_base_tip.translation()).norm();
+      }
+    }
+    EXPECT_LT(slipped[true], 6e-5) << way.transpose();
+    EXPECT_GT(slipped[false], 1e-2) << way.transpose();  // or nothing was asked
+    EXPECT_LT(left[true], way.norm() - 0.1) << way.transpose();
+  }
+}
+
 TEST(SafeSteps, a_robot_without_hulls_follows) {
   for (const std::string& name : arm_names()) {
     Robot robot = Robot::builtin(name);

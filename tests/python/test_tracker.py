@@ -209,6 +209,17 @@ def test_where_it_moves_already_it_begins_at_its_speed(
         tracker.reset(start, np.ones(3))
 
 
+def test_a_goal_that_stands_is_not_for_joints_that_brake_each_for_itself(
+    panda: pdoik.Robot, start: np.ndarray
+) -> None:
+    goal = pdoik.Goal(panda.fk(start), stands=True)
+    assert goal.stands
+    step = tracker_of(panda, start, max_acceleration=np.ones(7)).step(goal)
+    assert step.tracking == "invalid_input"
+    assert "stands" in step.complaint
+    assert tracker_of(panda, start).step(goal).tracking == "tracking"
+
+
 @pytest.mark.parametrize("kind", [pdoik.Solver, pdoik.Tracker])
 def test_what_was_not_made_can_be_shown(kind: type) -> None:
     assert repr(kind.__new__(kind)) == f"<{kind.__name__} that was not made>"

@@ -53,6 +53,8 @@ class Gate {
   bool done() const { return incumbent_.success && worth_.reached && worth_.pull == 0.0; }
   /// Whether it is clear of everything.
   bool clear() const { return room_.least() >= -model_.options.clearance_tolerance; }
+  /// Whether the last candidate was refused because what stands would give way.
+  bool gives_way() const { return gives_way_; }
   /// How deep in something the last candidate was, 0 to rounding [m].
   double missed() const { return missed_; }
   /// By how much what it leads to falls short of the goals, as the search weighs them.
@@ -62,14 +64,17 @@ class Gate {
   }
 
  private:
-  /// Room before contact, by kind; negative in it [m].
+  /// Room before contact, by kind; negative in it [m]. And how far what stands is off, negative.
   struct Room {
-    double obstacles, self, balance;
+    double obstacles, self, balance, stance;
     double least() const { return std::min({obstacles, self, balance}); }
   };
-  Room room(const Result& verdict) const;
-  /// Whether anything is deeper than standing still, and than contact.
-  bool is_deeper(const Room& room) const;
+  /// Of a verdict, the configuration that it is of included.
+  Room room(const Result& verdict);
+  /// Of goals that stand, with the robot somewhere.
+  double stance_at(const Eigen::VectorXd& q);
+  /// Whether anything is deeper than standing still, and than contact, or what stands farther off.
+  bool is_deeper(const Room& room, double stance);
   /// What a configuration is worth, whatever it touches.
   struct Worth {
     double shortfall, pull;  ///< of the goals, which come first, and of the posture
@@ -97,10 +102,12 @@ class Gate {
   const Model& model_;
   const StepRequest* step_ = nullptr;
   std::vector<GoalTerm> asked_;
-  Room held_{}, room_{};  ///< of standing still, of where the incumbent comes to rest
-  Room floor_{};          ///< what no candidate may be below
-  Worth worth_{};         ///< of what the incumbent leads to
-  bool took_ = false;
+  Room held_{}, room_{};         ///< of standing still, of where the incumbent comes to rest
+  Room floor_{};                 ///< what no candidate may be below
+  double stance_between_ = 0.0;  ///< the same of stance on the way
+  Worth worth_{};                ///< of what the incumbent leads to
+  bool took_ = false, gives_way_ = false;
+  bool stands_ = false;  ///< some goal
   double finest_, missed_ = 0.0;
   Result incumbent_, candidate_, probe_;
   Eigen::VectorXd aim_, trial_, next_, rest_, at_, levers_, all_levers_;

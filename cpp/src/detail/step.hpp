@@ -50,6 +50,8 @@ class Step {
   std::vector<Goal> before_;  ///< goals of the last step
   Eigen::VectorXd gradient_, q_, pulled_, next_, least_, most_;
   bool brought_near_ = false;  ///< some goal
+  bool stands_ = false;        ///< some goal
+  double stride_ = 1.0;        ///< share of what joints may go while something stands
   double stand_off_ = 0.0;     ///< what linearised barriers missed lately [m]
 };
 
