@@ -256,7 +256,8 @@ def test_no_obstacles_are_as_good_as_none(robot: pdoik.Robot, empty: np.ndarray 
 
 def test_a_robot_without_hulls_touches_nothing(robot: pdoik.Robot) -> None:
     robot.occupancy = pdoik.Occupancy()
-    solver = pdoik.Solver(robot, pdoik.Options(**PATIENT))
+    options = pdoik.Options(**PATIENT, ignore_obstacles_without_hulls=True)
+    solver = pdoik.Solver(robot, options)
     result = solver.solve(robot.fk(robot.mid_configuration()), obstacles=[[0, 0, 0.1]])
     assert result.success
     assert result.clearance == np.inf

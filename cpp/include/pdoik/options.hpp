@@ -98,6 +98,9 @@ struct Options {
   /// capsules then count as thinner by their overhang, so that a hand may be at an object and a
   /// base on its table by as much as its hull cannot tell; never by more than half their radius.
   bool forgive_overhang = true;
+  /// Whether a robot that has no hulls may be among obstacles, and carry something: but for what it
+  /// carries nothing of it then keeps off anything. Off: it is refused among them.
+  bool ignore_obstacles_without_hulls = false;
   TouchOptions touch = {};  ///< what may be touched at the target
   /// @}
   /// @name Balance and self-collision

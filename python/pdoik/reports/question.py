@@ -31,13 +31,15 @@ def options_entry(options: Options) -> dict[str, Any]:
 
 
 def read_options(entry: Entry) -> Options:
-    """The same options; those that an older version did not have are at their defaults.
+    """The same options; those that an older version did not have are as it behaved.
 
     Raises:
         LoadError: One is unknown, or not what it should be.
     """
+    # Before it was an option, a robot without hulls ignored obstacles.
+    default = Options(ignore_obstacles_without_hulls=True)
     try:
-        options = _fields(Options(), entry)
+        options = _fields(default, entry)
     except (TypeError, ValueError) as error:
         if type(error) not in (TypeError, ValueError):  # it names its entry already
             raise
@@ -52,7 +54,7 @@ def _fields(default: Any, entry: Entry) -> Any:
         if name not in known:
             raise entry[name].wrong("no option of this version of pdoik")
     values = {name: _option(getattr(default, name), entry[name]) for name in entry.names()}
-    return type(default)(**values)
+    return dataclasses.replace(default, **values)
 
 
 def _option(default: Any, entry: Entry) -> Any:
