@@ -33,7 +33,7 @@ struct NamedStep : NamedResult {
 NamedStep named(const Tracker& tracker, const TrackerResult& result) {
   NamedStep step;
   static_cast<Result&>(step) = result;
-  step.worst_constraint = tracker.describe(result.worst);
+  name_constraints(tracker, step);
   step.tracking = result.tracking;
   if (result.step_limited >= 0) {
     step.step_limited =

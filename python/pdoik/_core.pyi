@@ -1089,6 +1089,16 @@ class Result:
         Forward kinematics computed, in all.
         """
     @property
+    def forgiven_contact(self) -> str:
+        """
+        What Options.forgive_overhang passes over: the deepest contact of the capsules that it counts as thinner, if these are taken whole. '' if none touches anything, and wherever nothing is forgiven.
+        """
+    @property
+    def forgiven_depth(self) -> float:
+        """
+        How deep that is, beyond its tolerance, 0 if there is none: a success may be wrong by as much [m].
+        """
+    @property
     def intake(self) -> float:
         """
         Of that, what taking the obstacles in took: it is not in max_time [s].
@@ -1193,6 +1203,16 @@ class BatchResult:
     def evaluations(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         Shape (B,).
+        """
+    @property
+    def forgiven_contact(self) -> numpy.typing.NDArray[numpy.str_]:
+        """
+        Shape (B,).
+        """
+    @property
+    def forgiven_depth(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
         """
     @property
     def iterations(self) -> numpy.typing.NDArray[numpy.int32]:

@@ -185,7 +185,8 @@ class Options:
             whose place the target decides (a tip's and what comes after it) and of those that no
             joint moves. Their capsules then count as thinner by their overhang, so that a hand
             may be at an object and a base on its table by as much as its hull cannot tell; never
-            by more than half their radius.
+            by more than half their radius. A success may then touch by as much:
+            Result.forgiven_contact says what does, and forgiven_depth how deep.
         ignore_obstacles_without_hulls: Whether a robot that has no hulls may be among obstacles,
             and carry something: but for what it carries nothing of it then keeps off anything.
             Else what takes obstacles raises ValueError for such a robot, and steps of a Tracker
