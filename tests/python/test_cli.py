@@ -70,7 +70,9 @@ def test_contact_within_an_overhang_is_forgiven_to_who_asks_and_said(tmp_path: P
     asked = solve("--scene", scene, "--forgive-overhang", target=REACHABLE)
     assert asked.exit_code == 0
     said = " ".join(asked.stdout.split())
-    assert re.search(r"forgiven \S+ mm at most, clearance of panda_link0 \(capsule .* to table", said)
+    assert re.search(
+        r"forgiven \S+ mm at most, clearance of panda_link0 \(capsule .* to table", said
+    )
     facts = json.loads(
         solve("--scene", scene, "--forgive-overhang", "--json", target=REACHABLE).stdout
     )
