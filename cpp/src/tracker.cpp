@@ -145,7 +145,11 @@ struct Tracker::Implementation {
                  options.smoothness * last.array()) /
                 pull.array().max(1e-300);
     }
-    const auto reading = scene.read();
+    const auto reading = scene.read(complaint);
+    if (!complaint.empty()) {
+      hold(complaint.text());
+      return;
+    }
     if (scene.has_changed()) workspace.use(scene);
     way.follow(goals, last, braking);
     braking.box(last, lower, upper);
@@ -193,7 +197,7 @@ struct Tracker::Implementation {
   bool has_posture = false;
   double margin = 0.0, tip_travel = 0.0;
   detail::Complaint cloud_complaint;  ///< of the last cloud, empty if it was taken
-  detail::Complaint complaint;        ///< of the last goals
+  detail::Complaint complaint;        ///< of the last goals, or of a robot without hulls
   TrackerResult result;
   LatencyHistogram latency;
 };

@@ -34,7 +34,7 @@ struct NamedStep : NamedResult {
 NamedStep named(const Tracker& tracker, const TrackerResult& result) {
   NamedStep step;
   static_cast<Result&>(step) = result;
-  step.worst_constraint = tracker.describe(result.worst);
+  name_constraints(tracker, step);
   step.tracking = result.tracking;
   if (result.step_limited >= 0) {
     step.step_limited =
@@ -199,7 +199,8 @@ Args:
     T_base_tip: Goals as in Solver.solve.
     obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None or empty: there are
         none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
-        sense is refused: steps then hold the last answer until a good one comes.
+        sense is refused: steps then hold the last answer until a good one comes. So do steps of a robot without
+        hulls among obstacles, see Options.ignore_obstacles_without_hulls.
 
 Returns:
     Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in

@@ -903,6 +903,7 @@ class Options:
     base_collision: bool
     forgive_overhang: bool
     goal: str
+    ignore_obstacles_without_hulls: bool
     inner: str
     lbfgs: LbfgsOptions
     levenberg_marquardt: LevenbergMarquardtOptions
@@ -1088,6 +1089,16 @@ class Result:
         Forward kinematics computed, in all.
         """
     @property
+    def forgiven_contact(self) -> str:
+        """
+        What Options.forgive_overhang passes over: the deepest contact of the capsules that it counts as thinner, if these are taken whole. '' if none touches anything, and wherever nothing is forgiven.
+        """
+    @property
+    def forgiven_depth(self) -> float:
+        """
+        How deep that is, beyond its tolerance, 0 if there is none: a success may be wrong by as much [m].
+        """
+    @property
     def intake(self) -> float:
         """
         Of that, what taking the obstacles in took: it is not in max_time [s].
@@ -1192,6 +1203,16 @@ class BatchResult:
     def evaluations(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         Shape (B,).
+        """
+    @property
+    def forgiven_contact(self) -> numpy.typing.NDArray[numpy.str_]:
+        """
+        Shape (B,).
+        """
+    @property
+    def forgiven_depth(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
         """
     @property
     def iterations(self) -> numpy.typing.NDArray[numpy.int32]:
@@ -1361,7 +1382,8 @@ class Solver:
         
         Raises:
             ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative,
-                something is NaN or infinite, or there are more than 33,554,432 points.
+                something is NaN or infinite, or there are more than 33,554,432 points. There are obstacles, or the robot
+                carries something, and it has no hulls: see Options.ignore_obstacles_without_hulls.
             RuntimeError: A signal's handler asks the very solver that it has interrupted.
         
         Warns:
@@ -1486,7 +1508,8 @@ class Tracker:
             T_base_tip: Goals as in Solver.solve.
             obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None or empty: there are
                 none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
-                sense is refused: steps then hold the last answer until a good one comes.
+                sense is refused: steps then hold the last answer until a good one comes. So do steps of a robot without
+                hulls among obstacles, see Options.ignore_obstacles_without_hulls.
         
         Returns:
             Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in

@@ -33,7 +33,6 @@ Goal pose_of(const Robot& robot, const Eigen::VectorXd& q, int tip = 0) {
 Options timeless_with(bool self_collision) {
   Options options = timeless();
   options.self_collision = self_collision;
-  options.forgive_overhang = false;
   return options;
 }
 

@@ -35,8 +35,8 @@ enum class TrackerStatus {
                    ///< step that comes nearest, and result.worst names what gives
   DeadlineStruck,  ///< max_time struck before they were met; q is the best so far, which is at
                    ///< worst the last answer
-  InvalidInput,  ///< the goals or the last obstacles make no sense: `complaint` says why; q is the
-                 ///< last answer
+  InvalidInput,  ///< the goals or the last obstacles make no sense, or there are obstacles and the
+                 ///< robot has no hulls: `complaint` says why; q is the last answer
 };
 
 /// A status in lower case with underscores, as the Python module gives it.
