@@ -6,7 +6,10 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kMost = 256;           ///< constraints of a step
+constexpr int kMost = 256;           ///< constraints of a step where it begins
+constexpr int kCuts = 64;            ///< and where it was found to be in something
+constexpr double kAbout = 1e-3;      ///< what is so near there is cut off as well [m]
+constexpr double kBeyond = 0.5;      ///< share of a depth by which it is held off
 constexpr std::size_t kSeen = 4096;  ///< depths that are kept to find the worst
 constexpr double kApproach = 0.5;    ///< share of a distance that a step may take
 constexpr double kRegular = 1e-8;    ///< of the rows' squares, so that the way out is the shortest
@@ -17,14 +20,14 @@ constexpr double kNoWorse = 1e-11;   ///< by which the way out may be missed [m]
 
 Barriers::Barriers(const Model& model) : program_(model.robot.dof()) {
   const Eigen::Index n = model.robot.dof();
-  rows_.setZero(n, kMost);
+  rows_.setZero(n, kMost + kCuts);
   hessian_.setZero(n, n);
   for (Eigen::VectorXd* v : {&gradient_, &out_}) v->setZero(n);
-  for (Eigen::VectorXd* v : {&most_, &soft_}) v->setZero(kMost);
+  for (Eigen::VectorXd* v : {&most_, &soft_}) v->setZero(kMost + kCuts);
   found_.reserve(kSeen);
 }
 
-bool Barriers::find(Problem& problem, double reach, double stand_off) {
+bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
   Constraints& all = problem.constraints;
   all.obstacles.use(problem.scene->obstacles(), ObstacleConstraints::Form::Distance);
   all.shapes.use(problem.scene->shapes(), problem.model.options.clearance);
@@ -39,33 +42,55 @@ bool Barriers::find(Problem& problem, double reach, double stand_off) {
       const double c = family.at(k).c;
       if (c <= least) continue;
       if (found_.size() == kSeen) {
-        keep_worst();
+        keep_worst(most);
         least = found_.back().c;
       }
       found_.push_back({c, static_cast<int>(number), k});
     }
   });
   if (late || problem.deadline->struck()) return false;
-  keep_worst();
-  count_ = violated_ = 0;
-  all.for_each([&](auto& family, std::size_t number) {
+  keep_worst(most);
+  return true;
+}
+
+template <class Most>
+void Barriers::add_rows(Problem& problem, Most&& most) {
+  problem.constraints.for_each([&](auto& family, std::size_t number) {
     for (const Found& each : found_) {
       if (each.family != static_cast<int>(number)) continue;
       rows_.col(count_).setZero();
       family.add_row(family.at(each.k), problem.rollout, rows_.col(count_).data());
-      const double c = each.c + stand_off;
-      if (c > 0.0) ++violated_;
-      most_[count_++] = c > 0.0 ? -c : -kApproach * c;
+      most_[count_] = most(each.c, rows_.col(count_));
+      ++count_;
     }
+  });
+}
+
+bool Barriers::find(Problem& problem, double reach) {
+  if (!gather(problem, reach, kMost)) return false;
+  count_ = violated_ = 0;
+  add_rows(problem, [&](double c, const auto&) {
+    if (c > 0.0) ++violated_;
+    return c > 0.0 ? -c : -kApproach * c;
   });
   return !problem.deadline->passed();
 }
 
-void Barriers::keep_worst() {
-  if (found_.size() <= kMost) return;
-  std::nth_element(found_.begin(), found_.begin() + (kMost - 1), found_.end(),
+bool Barriers::cut(Problem& problem, const Eigen::VectorXd& moved) {
+  const auto left = static_cast<std::size_t>(rows_.cols() - count_);
+  if (left == 0 || !gather(problem, kAbout, std::min<std::size_t>(left, kCuts / 4))) return false;
+  add_rows(problem, [&](double c, const auto& row) {
+    return std::max(0.0, row.dot(moved) - (c > 0.0 ? (1.0 + kBeyond) * c : c));
+  });
+  return !problem.deadline->passed();
+}
+
+void Barriers::keep_worst(std::size_t most) {
+  if (found_.size() <= most) return;
+  std::nth_element(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(most) - 1,
+                   found_.end(),
                    [](const Found& one, const Found& other) { return one.c > other.c; });
-  found_.resize(kMost);
+  found_.resize(most);
 }
 
 void Barriers::come_to_terms(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {

@@ -8,7 +8,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kRounds = 4;    ///< linearisations of the barriers in a step
+constexpr int kRounds = 6;    ///< candidates in a step
 constexpr int kPulled = 2;    ///< Gauss-Newton steps with the posture
 constexpr int kExactly = 25;  ///< and without it, until the goals are reached
 /// Barriers are looked for at twice what a step can reach, since it may take half of it, and no
@@ -20,9 +20,6 @@ constexpr double kStalled = 0.98;                 ///< share of a cost that a tu
 constexpr double kEasier = 0.3, kHarder = 4.0;    ///< after a turn that went downhill, or did not
 constexpr double kShares[] = {0.5, 0.25, 0.125};  ///< of a way that is not to be gone whole
 constexpr double kSettled = 1e-10;                ///< a change of joints that is none [rad], [m]
-/// Barriers are linear and hulls turn: what was missed is held off twice over, and forgotten by a
-/// tenth in a step.
-constexpr double kWider = 2.0, kForgotten = 0.9, kMostOff = 2e-3;
 constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much less
 /// How much more what stands weighs than what does not: as good as first, and still one sum. What
 /// then bends the valley that goals are in is gone along in many small turns.
@@ -89,15 +86,25 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
   return goals;
 }
 
-bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
-  LeastSquaresProblem& problem = workspace_.least_squares;
+bool Step::look(const StepRequest& step, const Eigen::VectorXd& about) {
   const double stride = stands_ ? stride_ : 1.0;
   least_ = *step.from + stride * (*step.lower - *step.from) - about;
   most_ = *step.from + stride * (*step.upper - *step.from) - about;
-  problem.place(about);
-  const double reach = std::min(kShare * step.margin + stand_off_, kFar);
-  if (late() || !barriers_.find(workspace_.problem, reach, stand_off_)) return false;
+  workspace_.least_squares.place(about);
+  if (late() || !barriers_.find(workspace_.problem, std::min(kShare * step.margin, kFar)))
+    return false;
   barriers_.come_to_terms(least_, most_);
+  return true;
+}
+
+bool Step::look_there(const Eigen::VectorXd& about) {
+  workspace_.least_squares.place(gate_.tried());
+  next_ = gate_.tried() - about;
+  return !late() && barriers_.cut(workspace_.problem, next_);
+}
+
+void Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
+  LeastSquaresProblem& problem = workspace_.least_squares;
   q_ = about + barriers_.way_out();
   problem.posture.set(step.pull_to, step.pull);
   const double left = descend(about, kPulled, result), pull = problem.posture.value(q_);
@@ -105,10 +112,9 @@ bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result
   problem.posture.set(nullptr, nullptr);
   const double exactly = descend(about, kExactly, result);
   // Goals come first: where they are next to reached, or nearly, whatever pulls.
-  if (problem.reached() || exactly < kMuchNearer * left) return true;
+  if (problem.reached() || exactly < kMuchNearer * left) return;
   problem.posture.set(step.pull_to, step.pull);
   if (exactly + problem.posture.value(q_) > left + pull) q_ = pulled_;
-  return true;
 }
 
 void Step::take_a_part(const Eigen::VectorXd& about) {
@@ -123,31 +129,31 @@ void Step::take_a_part(const Eigen::VectorXd& about) {
 void Step::go_on(const StepRequest& step, Result& result) {
   Eigen::VectorXd& about = workspace_.q;
   about = *step.from;
+  bool looks = true;
   for (int round = 0; round < kRounds; ++round) {
     if (gate_.done()) return;
     const double before = gate_.shortfall();
-    if (!propose(step, about, result)) return;
+    if (looks && !look(step, about)) return;
+    propose(step, about, result);
     if ((q_ - about).cwiseAbs().maxCoeff() < kSettled) return;
     // Time is kept for it, though the clock has struck.
     const double share = gate_.share_in_time(q_);
     const bool taken = gate_.consider(q_, share);
-    // What is linear here bends: held off by more, and once more.
-    if (taken) stride_ = std::min(1.0, kLonger * stride_);
-    if (gate_.gives_way()) {
-      stride_ *= kShorter;
-      about = gate_.aim();
-      continue;
-    }
-    const bool missed = barriers_.met() && gate_.missed() > 0.0;
-    if (missed) stand_off_ = std::min(kMostOff, kWider * (stand_off_ + gate_.missed()));
     if (late()) return;
-    if (!missed || round + 1 == kRounds) {
-      if (!taken && brought_near_) {
-        bring_near(step, false);
-        continue;
-      }
-      if (!taken) return take_a_part(about);
+    looks = true;
+    if (taken) {
+      stride_ = std::min(1.0, kLonger * stride_);
       if (gate_.clear() && gate_.shortfall() > kWorthwhile * before) return;
+    } else if (gate_.gives_way()) {
+      stride_ *= kShorter;
+    } else if (gate_.missed() > 0.0 && round + 1 < kRounds) {
+      if (!look_there(about)) return;
+      looks = false;
+      continue;
+    } else if (brought_near_) {
+      bring_near(step, false);
+    } else {
+      return take_a_part(about);
     }
     about = gate_.aim();
   }
@@ -201,7 +207,6 @@ void Step::take(const StepRequest& step, Result& result) {
   const Deadline deadline = workspace_.deadline_in(step.max_time, step.braking->limited() ? 4 : 2);
   workspace_.watch(deadline);
   begin_result(result);
-  stand_off_ *= kForgotten;
   gate_.open(step);
   bring_near(step, true);
   go_on(step, result);

@@ -1017,7 +1017,7 @@ class Goal:
     
     A target given as a bare array is a goal of the options' type, with no slack and weight 1.
     """
-    def __init__(self, T_base_tip: numpy.typing.ArrayLike, *, type: str | None = None, axis: typing.Any | None = None, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, position_slack: numpy.typing.ArrayLike | None = None, rotation_slack: numpy.typing.ArrayLike | None = None) -> None:
+    def __init__(self, T_base_tip: numpy.typing.ArrayLike, *, type: str | None = None, axis: typing.Any | None = None, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, position_slack: numpy.typing.ArrayLike | None = None, rotation_slack: numpy.typing.ArrayLike | None = None, stands: bool = False) -> None:
         """
         A target and what of it counts.
         
@@ -1032,6 +1032,9 @@ class Goal:
             rotation_slack: How far it may be turned about each axis of the target frame, as components of the
                 rotation vector from target to tip, shape (3,) [rad]; pi frees an axis. Of an "axis" goal the
                 largest is half the angle of a cone.
+            stands: Whether a Tracker gives nothing of it up for goals that do not stand: a foot on the ground
+                whatever the hands are asked. Where it is met it stays so, to 0.05 mm, else it is left no farther.
+                A Solver weighs all goals alike. Not for trackers with `max_acceleration`.
         
         Raises:
             ValueError: A shape is wrong, a str is not one of its choices, or something is NaN.
@@ -1049,6 +1052,9 @@ class Goal:
         ...
     @property
     def rotation_slack(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @property
+    def stands(self) -> bool:
         ...
     @property
     def type(self) -> str | None:

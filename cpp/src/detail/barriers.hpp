@@ -16,9 +16,13 @@ class Barriers {
   explicit Barriers(const Model& model);
 
   /// Those of a problem's scene where its rollout is placed, c > -reach; of many, the worst.
-  /// @param stand_off  What counts as contact begins this far before it [m].
   /// @returns Whether the clock left time for it.
-  bool find(Problem& problem, double reach, double stand_off);
+  bool find(Problem& problem, double reach);
+  /// Besides, those where the rollout is placed now and something was found to be in something: of
+  /// a link the capsule that is nearest there is often another than where the step begins, and what
+  /// is linear bends.
+  /// @param moved  How far that is from where they were found first, shape (n,).
+  bool cut(Problem& problem, const Eigen::VectorXd& moved);
   /// Ask of what is violated no more than can be had within the box, about 0.
   void come_to_terms(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
@@ -36,8 +40,13 @@ class Barriers {
     double c;
     int family, k;
   };
+  /// What there is of a problem's scene, c > -reach; of many, the worst.
+  bool gather(Problem& problem, double reach, std::size_t most);
+  /// As rows, each with what most(c, row) says that it may be.
+  template <class Most>
+  void add_rows(Problem& problem, Most&& most);
   /// Leave only the worst of what was found.
-  void keep_worst();
+  void keep_worst(std::size_t most);
 
   Eigen::MatrixXd rows_, hessian_;
   Eigen::VectorXd most_, gradient_, out_, soft_;

@@ -57,6 +57,8 @@ class Gate {
   bool gives_way() const { return gives_way_; }
   /// How deep in something the last candidate was, 0 to rounding [m].
   double missed() const { return missed_; }
+  /// Where that was judged: where it comes to rest.
+  const Eigen::VectorXd& tried() const { return rest_; }
   /// By how much what it leads to falls short of the goals, as the search weighs them.
   double shortfall() const { return worth_.shortfall; }
   int late_evaluations() const {

@@ -31,9 +31,12 @@ class Step {
   void go_on(const StepRequest& request, Result& result);
   /// Half the way to q_, a quarter, an eighth, or only out of what it is in, from a configuration.
   void take_a_part(const Eigen::VectorXd& about);
-  /// What comes nearest to goals inside the barriers about a configuration, into q_.
-  /// @returns Whether the clock left time for it.
-  bool propose(const StepRequest& request, const Eigen::VectorXd& about, Result& result);
+  /// The barriers about a configuration. @returns Whether the clock left time for it.
+  bool look(const StepRequest& request, const Eigen::VectorXd& about);
+  /// And about where the last candidate was in something.
+  bool look_there(const Eigen::VectorXd& about);
+  /// What comes nearest to goals inside them, into q_.
+  void propose(const StepRequest& request, const Eigen::VectorXd& about, Result& result);
   /// Gauss-Newton steps from q_, at most so many, with the pull to a posture or without.
   /// @returns What the goals cost there, where the problem then is.
   double descend(const Eigen::VectorXd& about, int turns, Result& result);
@@ -52,7 +55,6 @@ class Step {
   bool brought_near_ = false;  ///< some goal
   bool stands_ = false;        ///< some goal
   double stride_ = 1.0;        ///< share of what joints may go while something stands
-  double stand_off_ = 0.0;     ///< what linearised barriers missed lately [m]
 };
 
 }  // namespace pdoik::detail
