@@ -1,0 +1,56 @@
+"""The table: what is asked, what was measured, of how many cases, and how many of them fail."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bench.common.markdown import markdown_table
+
+Jobs = dict[str, dict[str, Any]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """A row of the table."""
+
+    what: str
+    asked: str
+    measured: str
+    cases: str
+    failures: int | str
+
+
+def report(lines: Mapping[str, Iterable[Line]], seed: int) -> str:
+    """Markdown, by experiment."""
+    rows = [
+        [name, line.what, line.asked, line.measured, line.cases, line.failures]
+        for name, some in lines.items()
+        for line in some
+    ]
+    header = ("row", "what", "asked", "measured", "cases", "failures")
+    return f"Seed {seed}.\n\n**Promises**\n\n{markdown_table(header, rows)}\n{LEGEND}"
+
+
+LEGEND = """\
+*carried*, *steps*: of anything, whatever a step says. *ball*: clearance is that of the robot's \
+capsules; the loop is simulated, its deadline is real. *cost*: a step is in contact where the \
+capsules are within half a millimetre of the clearance asked for. *rest*: no joint is faster than \
+1 mrad/s. *left*: the goal's error, position and rotation weighted 0.3 m a radian as one length; \
+beside it the least of several descents by SciPy, which keep the limits and, to a tenth of a \
+millimetre, off obstacles and themselves. *move or cannot*: what a Gauss-Newton model with all \
+limits, contacts and the balance says that one step could gain, by SciPy, is less than a \
+thousandth of what is left.
+"""
+
+
+def millimetres(metres: float) -> str:
+    """With as many figures as are worth it."""
+    value = 1e3 * metres
+    return f"{value:.3f}" if abs(value) < 100 else f"{value:.0f}"
+
+
+def share(hits: object, total: int) -> str:
+    """As a decimal with three figures."""
+    return f"{np.sum(hits) / total:.3f}" if total else "none"

@@ -1,0 +1,56 @@
+"""Steps of all robots, with every kind of speed limits and budgets: the soak's, judged by it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from bench.ik.safety.report import Jobs, Line
+from bench.ik.soak import tracking
+from bench.ik.soak.__main__ import jobs_of
+
+SIZES = (7_000, 200_000)
+A_JOB = 5_000
+
+run_job = tracking.run_job
+
+
+def jobs(size: int, seed: int) -> Jobs:
+    """The families by turns."""
+    return jobs_of("tracking", size, min(A_JOB, -(-size // 7)), seed)
+
+
+def lines(trials: pd.DataFrame) -> list[Line]:
+    """Of steps that are deeper, and of any that break another promise."""
+    steps, struck = int(trials.n.sum()), int(trials.deadline_struck.sum())
+    deeper = int(trials["fault deeper"].sum())
+    others = {
+        name: int(trials[f"fault {name}"].sum()) for name in tracking.FAULTS if name != "deeper"
+    }
+    found = ", ".join(f"{count} {name}" for name, count in others.items() if count)
+    cases = f"{steps:,} steps, {struck:,} struck"
+    deepest = f"{deeper} of {steps:,}, at most {max(0.0, trials.deeper.max()):.1g} m"
+    return [
+        Line(
+            what="deeper than standing still, and than contact",
+            asked="0",
+            measured=deepest,
+            cases=cases,
+            failures=deeper,
+        ),
+        Line(
+            what="beyond limits or step bounds, through something, or said otherwise",
+            asked="0",
+            measured=found or "0",
+            cases=cases,
+            failures=sum(others.values()),
+        ),
+    ]
+
+
+def failures(trials: pd.DataFrame) -> Mapping[str, Any]:
+    """Cases to replay, by name."""
+    import json
+
+    texts = [text for text in trials.get("cases", ()) if text]
+    return {name: case for text in texts for name, case in json.loads(text).items()}
