@@ -4,7 +4,8 @@
     python -m bench.ik.safety --only ball --only cost
 
 Every case is kept when it is known, and the same command goes on where it was stopped. One process
-by default: deadlines are the machine's own. --quick is a two-minute version.
+by default: deadlines are the machine's own. Steps that
+fail are written to failures/, for bench.ik.soak --replay. --quick is a two-minute version.
 """
 
 from collections.abc import Mapping
@@ -27,7 +28,7 @@ from bench.ik.safety import (
     unreached,
 )
 from bench.ik.safety.report import report
-from bench.ik.soak.__main__ import core_digest
+from bench.ik.soak.__main__ import core_digest, write_failures
 
 ROWS: Mapping[str, ModuleType] = {
     "steps": steps,
@@ -71,6 +72,7 @@ def main(
             campaign = Campaign(out / name, settings)
             commands.console.print(name)
             trials = campaign.run(row.run_job, row.jobs(size, seed), client, commands.console)
+            write_failures(out / "failures", {name: trials})
             found[name] = row.lines(trials)
             tell(out, report(found, seed), shown="\n".join(map(str, found[name])))
 

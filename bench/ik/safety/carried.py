@@ -69,9 +69,10 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 def deeper(judge: Judge, box: Box, Q: FloatArray, balls: FloatArray) -> FloatArray:
     """By how much each step is deeper in balls (T, N, 4), or itself, than Q[k] and contact [m]."""
     now, held = (_gaps(judge, box, some, balls) for some in (Q[1:], Q[:-1]))
-    return np.max(
+    beyond: FloatArray = np.max(
         [np.minimum(still, 0.0) - there for there, still in zip(now, held, strict=True)], axis=0
     )
+    return beyond
 
 
 def _gaps(

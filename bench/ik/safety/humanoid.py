@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 import pdoik
-from bench.common.arrays import FloatArray
+from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.safety.least import ROTATION_WEIGHT
 from bench.ik.safety.report import Jobs, Line, share
 from bench.ik.safety.world import PERIOD, SOLE, h1_stance
@@ -49,7 +49,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
     hand[:3, 3] = elbow + rng.uniform(-FAR, FAR, 3)
     tracker = pdoik.Tracker(solver, PERIOD, max_time=BUDGET)
     tracker.reset(stand)
-    goals = {FOOT: foot, HAND: pdoik.Goal(hand[:3, 3], type="position")}
+    goals: dict[str, Any] = {FOOT: foot, HAND: pdoik.Goal(hand[:3, 3], type="position")}
     Q, struck = [stand], []
     for _ in range(STEPS):
         step = tracker.step(goals)
@@ -59,7 +59,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def verdict(
-    judge: Judge, Q: FloatArray, struck: FloatArray, foot: FloatArray, hand: FloatArray, index: int
+    judge: Judge, Q: FloatArray, struck: BoolArray, foot: FloatArray, hand: FloatArray, index: int
 ) -> Row:
     """Of steps from Q[k] to Q[k + 1]: those that stay short of the goals, and what they gain."""
     _, options, _ = h1_stance()
@@ -110,12 +110,13 @@ def gain(
     low = np.maximum(judge.kinematics.lower - q, -bound)
     high = np.minimum(judge.kinematics.upper - q, bound)
     scale = 1.0 / (errors @ errors)
-    found = minimize(
-        lambda d: scale * np.sum((J @ d + errors) ** 2),
+    kept: Any = {"type": "ineq", "fun": lambda d: G @ d + room, "jac": lambda _: G}
+    found: Any = minimize(
+        lambda d: float(scale * np.sum((J @ d + errors) ** 2)),
         np.zeros(n),
         jac=lambda d: 2 * scale * J.T @ (J @ d + errors),
         bounds=list(zip(low, high, strict=True)),
-        constraints={"type": "ineq", "fun": lambda d: G @ d + room, "jac": lambda _: G},
+        constraints=kept,
         method="SLSQP",
         options={"maxiter": 300, "ftol": 1e-9},
     )
@@ -128,6 +129,7 @@ def _model(
 ) -> tuple[FloatArray, FloatArray]:
     """Errors of the goals, (B, 9), and what must not become negative, (B, C)."""
     placed = judge.kinematics.place(Q, com=True)
+    assert placed.com is not None
     R, p = judge.kinematics.link(placed, FOOT)
     turn = Rotation.from_matrix(foot[:3, :3].T @ R).as_rotvec()
     reached = judge.kinematics.link(placed, HAND)[1]

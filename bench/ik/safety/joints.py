@@ -89,7 +89,7 @@ def turns(index: int, rng: np.random.Generator) -> Row:
     start = rng.uniform(-np.pi, np.pi, 6)
     tip = spec.tip_links[0] if spec.tip_links else robot.tip_links[0]
     goal = pose_of(judge, rng.uniform(-np.pi, np.pi, 6), tip)
-    limits = {"max_speed": np.full(6, np.pi)} if endless else {}
+    limits: dict[str, Any] = {"max_speed": np.full(6, np.pi)} if endless else {}
     tracker = pdoik.Tracker(pdoik.Solver(robot), PERIOD, max_time=UNHURRIED, **limits)
     tracker.reset(start)
     for _ in range(STEPS):
@@ -153,7 +153,9 @@ def wrist(index: int, rng: np.random.Generator) -> Row:
     R, p = judge.kinematics.link(judge.kinematics.place(path), spec.tip_links[0])
     T = np.tile(np.eye(4), (PASS, 1, 1))
     T[:, :3, :3], T[:, :3, 3] = R, p
-    limits = {"max_speed": np.full(n, np.inf)} if name == "six axes" else {"speed_share": HURRY}
+    limits: dict[str, Any] = (
+        {"max_speed": np.full(n, np.inf)} if name == "six axes" else {"speed_share": HURRY}
+    )
     tracker = pdoik.Tracker(pdoik.Solver(robot), PERIOD, max_time=UNHURRIED, **limits)
     tracker.reset(path[0])
     Q = np.array([path[0], *(tracker.step(target).q for target in T)])

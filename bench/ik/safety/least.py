@@ -12,12 +12,13 @@ from scipy.optimize import least_squares, lsq_linear
 
 from bench.common.arrays import BoolArray, FloatArray
 from bench.ik.safety.world import Box, World, distances, to_box
-from bench.ik.soak.hulls import capsules, segment_distance
+from bench.ik.soak.hulls import capsules
 from bench.ik.soak.judge import Asked, Goals, Judge
 
 ROTATION_WEIGHT = 0.3  # what a radian counts [m]
 STIFF = 100.0  # of the penalty, metres per metre
 SOFT = 10.0  # the same for a first descent
+LOOSE, TIGHT = 1e-5, 1e-8  # relative changes that end a first descent, and the second
 GRAZE = 1e-4  # how deep an answer may be [m]
 ROWS = 64  # contacts that count at once, the deepest
 INSET = 1e-9  # of starts off the limits [rad]
@@ -100,36 +101,48 @@ class Errand:
     def contacts(self, q: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
         """Gaps of all that are nearer than `reach` [m], (C,), and their gradients, (C, n)."""
         R, t = self._place(q)
-        seats, judge = self._seats, self._judge
+        seats = self._seats
         p, q = (np.einsum("kij,kj->ki", R[seats], end) + t[seats] for end in (self._p, self._q))
+        middle, half = 0.5 * (p + q), 0.5 * np.linalg.norm(q - p, axis=1)
         found: list[tuple[FloatArray, FloatArray]] = []
         if len(balls := self._world.balls):
-            near = _nearest(balls[None, :, :3], p[:, None], q[:, None])
-            off = near - balls[None, :, :3]
-            distance = np.linalg.norm(off, axis=-1)
-            gaps = distance - balls[:, 3] - self._outer[:, None]
-            k, n = np.nonzero(gaps < reach)
-            normal = off[k, n] / np.maximum(distance[k, n], 1e-12)[:, None]
-            rates = np.einsum("ci,cij->cj", normal, self._rates(seats[k], near[k, n]))
-            found.append((gaps[k, n], rates))
+            apart = np.linalg.norm(middle[:, None] - balls[:, :3], axis=-1) - balls[:, 3]
+            k, n = np.nonzero(apart < (half + self._outer)[:, None] + reach)
+            near = _nearest(balls[n, :3], p[k], q[k])
+            found.append(self._met(seats[k], near, balls[n, :3], self._outer[k] + balls[n, 3]))
         for box in self._world.boxes:
             close = np.flatnonzero(_may_touch(p, q, self._outer + reach, box))
             gaps, points, normals = to_box(p[close], q[close], self._outer[close], box)
             some = gaps < reach
             rates = self._rates(seats[close[some]], points[some])
             found.append((gaps[some], -np.einsum("ci,cij->cj", normals[some], rates)))
-        i, j = judge.pairs.T
-        own = segment_distance(p[i], q[i], p[j], q[j]) - self._radii[i] - self._radii[j]
-        some = np.flatnonzero(own < reach)
-        for c in some:
-            one, other = i[c], j[c]
-            x, y = _nearest_two(p[one], q[one], p[other], q[other])
-            normal = (x - y) / max(np.linalg.norm(x - y), 1e-12)
-            rates = self._rates(seats[[one, other]], np.array([x, y]))
-            found.append((own[[c]], (normal @ (rates[0] - rates[1]))[None]))
-        if not found:
-            return np.zeros(0), np.zeros((0, len(self.lower)))
-        return np.concatenate([gap for gap, _ in found]), np.concatenate([r for _, r in found])
+        i, j = self._judge.pairs.T
+        whole = half + self._radii
+        apart = np.linalg.norm(middle[i] - middle[j], axis=-1)
+        near = apart < whole[i] + whole[j] + reach
+        i, j = i[near], j[near]
+        x, y = _nearest_two(p[i], q[i], p[j], q[j])
+        found.append(self._met(seats[i], x, y, self._radii[i] + self._radii[j], seats[j]))
+        gaps = np.concatenate([gap for gap, _ in found])
+        rates = np.concatenate([rate for _, rate in found])
+        return gaps[gaps < reach], rates[gaps < reach]
+
+    def _met(
+        self,
+        seats: FloatArray,
+        x: FloatArray,
+        y: FloatArray,
+        radii: FloatArray,
+        others: FloatArray | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Gaps between points x of the robot and y, less radii, and their gradients."""
+        off = x - y
+        distance = np.linalg.norm(off, axis=-1)
+        rates = self._rates(seats, x)
+        if others is not None:
+            rates = rates - self._rates(others, y)
+        normal = off / np.maximum(distance, 1e-12)[:, None]
+        return distance - radii, np.einsum("ci,cij->cj", normal, rates)
 
     def errors(self, Q: FloatArray) -> FloatArray:
         """Of configurations, (B,), infinite for what is deeper in anything than a graze [m]."""
@@ -158,13 +171,21 @@ class Errand:
                 kept[x.tobytes()] = self.rows(x, stiffness)
             return kept[x.tobytes()]
 
+        def residuals(x: FloatArray) -> FloatArray:
+            return both(x)[0]
+
+        def jacobian(x: FloatArray) -> FloatArray:
+            return both(x)[1]
+
         inside = np.clip(q, self.lower + INSET, self.upper - INSET)
         found = least_squares(
-            lambda x: both(x)[0],
+            residuals,
             inside,
-            lambda x: both(x)[1],
+            jacobian,
             bounds=(self.lower, self.upper),
             max_nfev=looks,
+            ftol=LOOSE if stiffness == SOFT else TIGHT,
+            xtol=LOOSE if stiffness == SOFT else TIGHT,
         )
         return float(found.cost), np.asarray(found.x)
 
@@ -231,12 +252,16 @@ def _nearest(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
 def _nearest_two(
     p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Of the segments pq and rs, (3,) each: either at an end, or at the common perpendicular."""
-    pairs = [(x, _nearest(x, r, s)) for x in (p, q)] + [(_nearest(x, p, q), x) for x in (r, s)]
+    """Of the segments pq and rs, (C, 3): either at an end, or at the common perpendicular."""
     u, v, w = q - p, s - r, r - p
-    normal = np.cross(u, v)
-    if (square := normal @ normal) > 1e-18:
-        k, m = np.cross(w, v) @ normal / square, np.cross(w, u) @ normal / square
-        if 0.0 < k < 1.0 and 0.0 < m < 1.0:
-            pairs.append((p + k * u, r + m * v))
-    return min(pairs, key=lambda pair: float(np.linalg.norm(pair[0] - pair[1])))
+    uu, uv, vv = (np.einsum("ci,ci->c", *pair) for pair in ((u, u), (u, v), (v, v)))
+    uw, vw = (np.einsum("ci,ci->c", each, w) for each in (u, v))
+    square = uu * vv - uv * uv
+    divisor = np.where(square > 1e-12 * uu * vv, square, np.inf)
+    k, m = (uw * vv - uv * vw) / divisor, (uw * uv - vw * uu) / divisor
+    x = np.stack([p, q, _nearest(r, p, q), _nearest(s, p, q), p + k[:, None] * u])
+    y = np.stack([_nearest(p, r, s), _nearest(q, r, s), r, s, r + m[:, None] * v])
+    distance = np.linalg.norm(x - y, axis=-1)
+    distance[4, (k <= 0.0) | (k >= 1.0) | (m <= 0.0) | (m >= 1.0)] = np.inf
+    best, row = distance.argmin(axis=0), np.arange(len(p))
+    return x[best, row], y[best, row]

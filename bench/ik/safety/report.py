@@ -21,6 +21,9 @@ class Line:
     cases: str
     failures: int | str
 
+    def __str__(self) -> str:
+        return f"  {self.what}: {self.measured} ({self.cases}); asked {self.asked}"
+
 
 def report(lines: Mapping[str, Iterable[Line]], seed: int) -> str:
     """Markdown, by experiment."""
@@ -30,19 +33,7 @@ def report(lines: Mapping[str, Iterable[Line]], seed: int) -> str:
         for line in some
     ]
     header = ("row", "what", "asked", "measured", "cases", "failures")
-    return f"Seed {seed}.\n\n**Promises**\n\n{markdown_table(header, rows)}\n{LEGEND}"
-
-
-LEGEND = """\
-*carried*, *steps*: of anything, whatever a step says. *ball*: clearance is that of the robot's \
-capsules; the loop is simulated, its deadline is real. *cost*: a step is in contact where the \
-capsules are within half a millimetre of the clearance asked for. *rest*: no joint is faster than \
-1 mrad/s. *left*: the goal's error, position and rotation weighted 0.3 m a radian as one length; \
-beside it the least of several descents by SciPy, which keep the limits and, to a tenth of a \
-millimetre, off obstacles and themselves. *move or cannot*: what a Gauss-Newton model with all \
-limits, contacts and the balance says that one step could gain, by SciPy, is less than a \
-thousandth of what is left.
-"""
+    return f"Seed {seed}.\n\n**Promises**\n\n{markdown_table(header, rows)}"
 
 
 def millimetres(metres: float) -> str:
@@ -51,6 +42,6 @@ def millimetres(metres: float) -> str:
     return f"{value:.3f}" if abs(value) < 100 else f"{value:.0f}"
 
 
-def share(hits: object, total: int) -> str:
+def share(hits: Any, total: int) -> str:
     """As a decimal with three figures."""
     return f"{np.sum(hits) / total:.3f}" if total else "none"

@@ -1,8 +1,5 @@
 """Steps of all robots, with every kind of speed limits and budgets: the soak's, judged by it."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import pandas as pd
 
 from bench.ik.safety.report import Jobs, Line
@@ -46,11 +43,3 @@ def lines(trials: pd.DataFrame) -> list[Line]:
             failures=sum(others.values()),
         ),
     ]
-
-
-def failures(trials: pd.DataFrame) -> Mapping[str, Any]:
-    """Cases to replay, by name."""
-    import json
-
-    texts = [text for text in trials.get("cases", ()) if text]
-    return {name: case for text in texts for name, case in json.loads(text).items()}

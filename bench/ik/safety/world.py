@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
+from typing import Any
 
 import coal
 import numpy as np
@@ -117,14 +118,14 @@ def to_box(
     return gaps, points, normals
 
 
-def h1_stance() -> tuple[RobotSpec, dict[str, object], FloatArray]:
+def h1_stance() -> tuple[RobotSpec, dict[str, Any], FloatArray]:
     """An H1 on both feet whose base is the left one, its options, and a posture to start from."""
     spec = replace(
         builtin_spec("h1"),
         base_link="left_ankle_link",
         tip_links=["right_ankle_link", "left_elbow_link"],
     )
-    options: dict[str, object] = {
+    options: dict[str, Any] = {
         "balance": {
             "contacts": {"left_ankle_link": SOLE, "right_ankle_link": SOLE},
             "support_margin": 0.02,
