@@ -41,6 +41,8 @@ ROWS: Mapping[str, ModuleType] = {
     "joints": joints,
 }
 
+LONG = ("carried", "unreached")
+
 
 def main(
     out: commands.OutFolder = commands.BUILD / "safety",
@@ -50,6 +52,9 @@ def main(
     ] = None,
     number: Annotated[
         int | None, typer.Option("--steps", min=1, help="Of the row `steps`.")
+    ] = None,
+    cases: Annotated[
+        int | None, typer.Option(min=1, help="Of `carried` and `unreached`, which take longest.")
     ] = None,
     seed: commands.Seed = 0,
     scheduler: commands.Scheduler = None,
@@ -66,8 +71,10 @@ def main(
         for name in (name for name in ROWS if name in chosen):
             row = ROWS[name]
             size = row.SIZES[0 if quick else 1]
-            if name == "steps" and number is not None:
-                size = number
+            if name == "steps":
+                size = number or size
+            elif name in LONG:
+                size = cases or size
             settings = {"experiment": f"safety {name}", "seed": seed, "core": core_digest()}
             campaign = Campaign(out / name, settings)
             commands.console.print(name)
