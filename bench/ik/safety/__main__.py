@@ -41,8 +41,6 @@ ROWS: Mapping[str, ModuleType] = {
     "joints": joints,
 }
 
-LONG = ("carried", "unreached")
-
 
 def main(
     out: commands.OutFolder = commands.BUILD / "safety",
@@ -54,7 +52,7 @@ def main(
         int | None, typer.Option("--steps", min=1, help="Of the row `steps`.")
     ] = None,
     cases: Annotated[
-        int | None, typer.Option(min=1, help="Of `carried` and `unreached`, which take longest.")
+        int | None, typer.Option(min=1, help="Of the row `unreached`, which takes longest.")
     ] = None,
     seed: commands.Seed = 0,
     scheduler: commands.Scheduler = None,
@@ -73,7 +71,7 @@ def main(
             size = row.SIZES[0 if quick else 1]
             if name == "steps":
                 size = number or size
-            elif name in LONG:
+            elif name == "unreached":
                 size = cases or size
             settings = {"experiment": f"safety {name}", "seed": seed, "core": core_digest()}
             campaign = Campaign(out / name, settings)

@@ -14,7 +14,7 @@ from bench.ik.soak.hulls import capsules
 from bench.ik.soak.judge import Judge, random_configurations
 from bench.ik.soak.solves import Row
 
-SIZES = (3, 45)  # runs
+SIZES = (3, 12)  # runs
 STEPS = 250  # of a run
 BUDGETS = (2e-5, 1e-3)  # drawn between; one in four has none [s]
 
