@@ -40,7 +40,6 @@ from pdoik.picture import draw_solution
 
 ROBOTS = ("panda", "ur10", "iiwa14")
 LEAST_SOLVED = 0.99
-FORGIVE = False  # overhangs: the second check takes hulls as they are
 PICTURE = Path(__file__).resolve().parents[2] / "build" / "bench" / "demo.png"
 _SHOWN_CLEARANCE = 0.005  # of the posture drawn, where there is one [m]
 _SHOWN_HEIGHT = 0.2  # of its target: the scenes have no floor, but readers expect one [m]
@@ -107,9 +106,7 @@ def main(
         ycb = ycb or (shared if shared.is_dir() else None)
         models = ycb_models(ycb) if ycb else primitive_models()
         made = "YCB scans" if ycb else "shapes made from primitives (--ycb DIR takes real scans)"
-        options = pdoik.Options(
-            goal=goal, clearance=clearance, max_time=max_time, forgive_overhang=FORGIVE
-        )
+        options = pdoik.Options(goal=goal, clearance=clearance, max_time=max_time)
         given = "the whole scan" if leaf is None else f"balls that hold the scan, leaf {leaf:g} m,"
         console.print(
             f"objects: {len(models)} {made}\n"

@@ -9,7 +9,8 @@ namespace pdoik::detail {
 namespace {
 
 /// A way is cut into pieces so short that what a hull can touch inside one, and not at its ends, is
-/// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest [m].
+/// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest. What stands may
+/// be off by as much, and by twice that on its way, since joints that go straight bend it [m].
 constexpr double kGraze = 5e-5;
 constexpr double kLooks = 0.4;    ///< share of the time that a way may take
 constexpr double kBetter = 1e-6;  ///< relative decrease from which something is better
@@ -26,8 +27,8 @@ Gate::Gate(Workspace& workspace)
       finest_(std::sqrt(8.0 * model_.narrowest * kGraze)),
       levers_(model_.levers) {
   asked_.reserve(model_.robot.tips().size());
-  for (Eigen::VectorXd* each :
-       {&incumbent_.q, &candidate_.q, &probe_.q, &trial_, &at_, &held_levers_})
+  for (Eigen::VectorXd* each : {&incumbent_.q, &candidate_.q, &probe_.q, &aim_, &trial_, &next_,
+                                &rest_, &at_, &all_levers_})
     each->setZero(model_.robot.dof());
 }
 
@@ -35,14 +36,30 @@ void Gate::judge(const Eigen::VectorXd& q, Result& result) {
   workspace_.judge(step_->goals, q, result, step_->look);
 }
 
-Gate::Room Gate::room(const Result& verdict) const {
+Gate::Room Gate::room(const Result& verdict) {
   return {verdict.clearance - model_.options.clearance,
-          verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation};
+          verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation,
+          stance_at(verdict.q)};
 }
 
-bool Gate::is_deeper(const Room& room) const {
-  return floor_.obstacles - room.obstacles > kRounding || floor_.self - room.self > kRounding ||
-         floor_.balance - room.balance > kRounding;
+double Gate::stance_at(const Eigen::VectorXd& q) {
+  if (!stands_) return 0.0;
+  workspace_.least_squares.place(q);
+  double off = 0.0;
+  for (GoalTerm& goal : asked_) {
+    if (!goal.stands()) continue;
+    goal.place(workspace_.problem.rollout.frame(goal.body()));
+    off = std::max(
+        {off, goal.position_distance(), model_.options.rotation_weight * goal.rotation_distance()});
+  }
+  return -off;
+}
+
+bool Gate::is_deeper(const Room& room, double stance) {
+  if (floor_.obstacles - room.obstacles > kRounding || floor_.self - room.self > kRounding ||
+      floor_.balance - room.balance > kRounding)
+    return true;
+  return gives_way_ = stance - room.stance > kRounding;
 }
 
 Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
@@ -61,29 +78,50 @@ Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
   return worth;
 }
 
-double Gate::way_to(const Eigen::VectorXd& q) {
+const Eigen::VectorXd& Gate::levers_to(const Eigen::VectorXd& q) {
   const Eigen::VectorXd& from = *step_->from;
   if (!model_.levers.allFinite()) hull_levers(model_.robot, model_.hulls, from, q, levers_);
-  double way = 0.0;
   const Held& held = workspace_.scene().held();
-  if (held.count() > 0) hull_levers(model_.robot, held.balls(), from, q, held_levers_);
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const double lever = held.count() > 0 ? std::max(levers_[i], held_levers_[i]) : levers_[i];
-    way += lever * std::abs(q[i] - from[i]);
-  }
-  return way;
+  if (held.count() == 0) return levers_;
+  hull_levers(model_.robot, held.balls(), from, q, all_levers_);
+  all_levers_ = all_levers_.cwiseMax(levers_);
+  return all_levers_;
+}
+
+double Gate::way_to(const Eigen::VectorXd& q) {
+  return levers_to(q).dot((q - *step_->from).cwiseAbs());
 }
 
 void Gate::open(const StepRequest& step) {
   step_ = &step;
   probe_.late_evaluations = incumbent_.late_evaluations = candidate_.late_evaluations = 0;
   asked_.clear();
-  for (const Goal& goal : step.goals) asked_.emplace_back(model_.robot, goal);
+  stands_ = false;
+  for (const Goal& goal : step.goals) {
+    asked_.emplace_back(model_.robot, goal);
+    stands_ |= goal.stands;
+  }
   judge(*step.from, incumbent_);
   held_ = room_ = room(incumbent_);
-  floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self),
-            std::min(0.0, held_.balance)};
-  worth_ = worth_at(*step.from);
+  floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self), std::min(0.0, held_.balance),
+            std::min(-kGraze, held_.stance)};
+  stance_between_ = std::min(-2.0 * kGraze, floor_.stance);
+  aim_ = *step.from;
+  took_ = false;
+  if (step.braking->moves()) {
+    step.braking->gentlest(*step.from, trial_);
+    step.braking->place(*step.from, trial_, next_, rest_);
+    judge(next_, candidate_);
+    const Room there = room(candidate_);
+    const auto straight = [&](double share) { at_ = *step.from + share * (next_ - *step.from); };
+    if (!is_deeper(there, floor_.stance) &&
+        is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, there)) {
+      std::swap(incumbent_, candidate_);
+      aim_ = trial_;
+      room_ = there;
+    }
+  }
+  worth_ = worth_at(aim_);
 }
 
 bool Gate::is_better(const Worth& worth, const Eigen::VectorXd& q) const {
@@ -104,8 +142,9 @@ double Gate::share_of_box(const Eigen::VectorXd& q) const {
   return most;
 }
 
-bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first, double last,
-                            const Room& one, const Room& other) {
+template <class At>
+bool Gate::is_clear_between(const At& at, double way, double first, double last, const Room& one,
+                            const Room& other) {
   // Distances change no faster than hulls move, of two hulls no faster than both: what they are at
   // both ends may be enough. If not, the middle is looked at, and both halves.
   const double length = (last - first) * way;
@@ -118,11 +157,22 @@ bool Gate::is_clear_between(const Eigen::VectorXd& to, double way, double first,
     return true;
   if (workspace_.problem.deadline->passed()) return false;
   const double middle = 0.5 * (first + last);
-  at_ = *step_->from + middle * (to - *step_->from);
+  at(middle);
   judge(at_, probe_);
   const Room there = room(probe_);
-  return !is_deeper(there) && is_clear_between(to, way, first, middle, one, there) &&
-         is_clear_between(to, way, middle, last, there, other);
+  return !is_deeper(there, stance_between_) &&
+         is_clear_between(at, way, first, middle, one, there) &&
+         is_clear_between(at, way, middle, last, there, other);
+}
+
+bool Gate::is_clear_all_along(const Room& end, const Room& rest) {
+  const Eigen::VectorXd& from = *step_->from;
+  const auto straight = [&](double share) { at_ = from + share * (next_ - from); };
+  if (!is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, end)) return false;
+  if (!step_->braking->limited()) return true;
+  const double way = step_->braking->brake(from, next_, levers_to(rest_));
+  return is_clear_between([&](double share) { step_->braking->between(share, at_); }, way, 0.0, 1.0,
+                          end, rest);
 }
 
 double Gate::share_in_time(const Eigen::VectorXd& q) {
@@ -134,19 +184,29 @@ double Gate::share_in_time(const Eigen::VectorXd& q) {
 bool Gate::consider(const Eigen::VectorXd& q, double share) {
   const Eigen::VectorXd& from = *step_->from;
   missed_ = 0.0;
+  gives_way_ = false;
   trial_ = (from + share * (q - from)).cwiseMax(*step_->lower).cwiseMin(*step_->upper);
   const Worth worth = worth_at(trial_);
   if (clear() && !is_better(worth, trial_)) return false;
-  judge(trial_, candidate_);
-  const Room there = room(candidate_);
-  missed_ = there.least() < -kRounding ? -there.least() : 0.0;
-  if (is_deeper(there)) return false;
+  step_->braking->place(from, trial_, next_, rest_);
+  judge(next_, candidate_);
+  const Room end = room(candidate_);
+  Room rest = end;
+  if (step_->braking->limited()) {
+    judge(rest_, probe_);
+    rest = room(probe_);
+  }
+  const double least = std::min(end.least(), rest.least());
+  missed_ = least < -kRounding ? -least : 0.0;
+  if (is_deeper(end, floor_.stance) || is_deeper(rest, floor_.stance)) return false;
   // First of all out of what it is in, and not back.
-  if (there.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
+  if (rest.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
     return false;
-  if (!is_clear_between(trial_, way_to(trial_), 0.0, 1.0, held_, there)) return false;
+  if (!is_clear_all_along(end, rest)) return false;
   std::swap(incumbent_, candidate_);
-  room_ = there;
+  aim_ = trial_;
+  took_ = true;
+  room_ = rest;
   worth_ = worth;
   return true;
 }

@@ -44,15 +44,6 @@ bool is_from(const Robot& robot, int body, int first) {
   return body == first;
 }
 
-/// Whether no answer moves a body: no joint does, or it belongs to a tip, which is where its target
-/// is, or to what comes after that, as fingers do.
-bool is_placed_by_goal(const Robot& robot, int body) {
-  const auto& tips = robot.tips();
-  return body == 0 || std::any_of(tips.begin(), tips.end(), [&](int tip) {
-           return ends_with(robot, body, robot.body_of_link(tip));
-         });
-}
-
 /// The capsules of one link and the hulls that say where to look for them.
 class LinkCapsules {
  public:
@@ -128,6 +119,13 @@ bool ends_with(const Robot& robot, int body, int first) {
          std::none_of(tips.begin(), tips.end(), [&](int tip) {
            const int last = robot.body_of_link(tip);
            return last != first && is_from(robot, last, first);
+         });
+}
+
+bool is_placed_by_goal(const Robot& robot, int body) {
+  const auto& tips = robot.tips();
+  return body == 0 || std::any_of(tips.begin(), tips.end(), [&](int tip) {
+           return ends_with(robot, body, robot.body_of_link(tip));
          });
 }
 

@@ -72,6 +72,7 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   if (options.keeps_off_itself(robot))
     self_.emplace(robot, HullModel(robot), options.self_clearance);
+  if (options.forgive_overhang) forgiven_.emplace(robot, options);
 }
 
 void Judge::judge_goal(const Goal& goal, Verdict& verdict, Result& result) const {
@@ -145,6 +146,7 @@ void Judge::judge_shapes(const Scene& scene, double look, Verdict& verdict, Resu
 void Judge::hold(const Scene& scene) {
   held_.reset();
   if (scene.held().count() > 0) held_.emplace(robot_, hulls_, options_, scene.held());
+  if (forgiven_) forgiven_->hold(scene);
 }
 
 void Judge::judge_held(const Scene& scene, double look, Verdict& verdict, Result& result) {
@@ -195,7 +197,8 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   collision_.place(T_base_body_);
   judge_limits(q, result);
   Verdict verdict(result, options_.rotation_weight);
-  if (!are_somewhere(T_base_body_)) result.success = false;
+  const bool somewhere = are_somewhere(T_base_body_);
+  result.success = result.success && somewhere;
   const Clearance least = scene.clearance(collision_, fixed_hulls_, look);
   const bool empty = scene.obstacles()->count() == 0;
   result.clearance = empty ? std::numeric_limits<double>::infinity()
@@ -211,6 +214,8 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   result.self_distance = std::numeric_limits<double>::infinity();
   judge_hulls(verdict, result);
   judge_held(scene, look, verdict, result);
+  result.forgiven =
+      forgiven_ && somewhere ? forgiven_->deepest(T_base_body_, scene) : WorstConstraint{};
 }
 
 }  // namespace pdoik::detail

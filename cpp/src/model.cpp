@@ -91,12 +91,13 @@ void Model::wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const {
   }
 }
 
-void Model::unwind(const Eigen::VectorXd& wanted, Eigen::VectorXd& q) const {
+void Model::unwind(const Eigen::VectorXd& wanted, const Eigen::VectorXd& lower,
+                   const Eigen::VectorXd& upper, Eigen::VectorXd& q) const {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     if (turns[static_cast<std::size_t>(i)] != Turn::Whole) continue;
     const double near = wanted[i] + std::remainder(q[i] - wanted[i], 2.0 * M_PI);
     for (const double other : {near, near - 2.0 * M_PI, near + 2.0 * M_PI}) {
-      if (other < robot.lower()[i] || other > robot.upper()[i]) continue;
+      if (other < lower[i] || other > upper[i]) continue;
       if (std::abs(other - wanted[i]) < std::abs(q[i] - wanted[i])) q[i] = other;
     }
   }

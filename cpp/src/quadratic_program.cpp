@@ -9,18 +9,16 @@ namespace {
 /// What is violated by less holds [units of the inequality].
 constexpr double kHolds = 1e-12;
 /// Of a normal's square, what must be left of it outside the others' span.
-constexpr double kIndependent = 1e-12;
+constexpr double kIndependent = 1e-16;
 constexpr int kTurns = 20;  ///< at most, for each variable
 
 }  // namespace
 
 QuadraticProgram::QuadraticProgram(Eigen::Index n)
     : factor_(n), which_(static_cast<std::size_t>(n) + 1) {
-  normals_.setZero(n, n + 1);
-  gram_.setZero(n + 1, n + 1);
-  factored_.setZero(n + 1, n + 1);
-  for (Eigen::VectorXd* v : {&x_, &y_, &normal_, &direction_}) v->setZero(n);
-  for (Eigen::VectorXd* v : {&change_, &pull_}) v->setZero(n + 1);
+  for (Eigen::MatrixXd* m : {&normals_, &basis_, &factor_of_normals_}) m->setZero(n, n + 1);
+  for (Eigen::VectorXd* v : {&x_, &y_, &normal_, &kept_, &direction_}) v->setZero(n);
+  for (Eigen::VectorXd* v : {&change_, &along_, &pull_}) v->setZero(n + 1);
 }
 
 bool QuadraticProgram::factorise(const Eigen::MatrixXd& H) {
@@ -55,28 +53,56 @@ void QuadraticProgram::set_normal(const Inequalities& within, int which) {
   factor_.matrixL().solveInPlace(normal_);
 }
 
+void QuadraticProgram::split(int count) {
+  direction_ = normal_;
+  auto along = along_.head(count);
+  along.setZero();
+  // Twice: what is left is then square to the basis to rounding, however little it is.
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int k = 0; k < count; ++k) {
+      const double part = basis_.col(k).dot(direction_);
+      along[k] += part;
+      direction_ -= part * basis_.col(k);
+    }
+  }
+}
+
+void QuadraticProgram::add() {
+  const double length = direction_.norm();
+  normals_.col(active_) = normal_;
+  basis_.col(active_) = direction_ / length;
+  factor_of_normals_.col(active_).head(active_) = along_.head(active_);
+  factor_of_normals_(active_, active_) = length;
+}
+
 void QuadraticProgram::drop(int at) {
-  for (int k = at; k + 1 < active_; ++k) {
-    normals_.col(k) = normals_.col(k + 1);
+  const int count = active_ - 1;
+  for (int k = at; k < count; ++k) {
     pull_[k] = pull_[k + 1];
     which_[static_cast<std::size_t>(k)] = which_[static_cast<std::size_t>(k) + 1];
-    for (int i = 0; i <= k; ++i) gram_(k, i) = gram_(k + 1, i < at ? i : i + 1);
   }
-  --active_;
+  direction_ = normal_;  // kept
+  for (active_ = at; active_ < count; ++active_) {
+    kept_ = direction_;
+    normal_ = normals_.col(active_ + 1);
+    split(active_);
+    add();
+    direction_ = kept_;
+  }
+  normal_ = direction_;
 }
 
 bool QuadraticProgram::take_in(int which, double violation) {
   double pull = 0.0;
   while (true) {
     // By how much the active ones' pulls fall, and where y goes, as the new one pulls.
+    split(active_);
     auto change = change_.head(active_);
-    direction_ = normal_;
+    change = along_.head(active_);
     if (active_ > 0) {
-      auto factor = factored_.topLeftCorner(active_, active_);
-      factor = gram_.topLeftCorner(active_, active_);
-      for (int k = 0; k < active_; ++k) change[k] = normals_.col(k).dot(normal_);
-      Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(factor).solveInPlace(change);
-      for (int k = 0; k < active_; ++k) direction_ -= change[k] * normals_.col(k);
+      factor_of_normals_.topLeftCorner(active_, active_)
+          .triangularView<Eigen::Upper>()
+          .solveInPlace(change);
     }
     const double left = direction_.squaredNorm();
     const bool free = active_ < x_.size() && left > kIndependent * normal_.squaredNorm();
@@ -97,9 +123,7 @@ bool QuadraticProgram::take_in(int which, double violation) {
       violation -= go * left;
     }
     if (reached <= released) {
-      normals_.col(active_) = normal_;
-      for (int k = 0; k < active_; ++k) gram_(active_, k) = normals_.col(k).dot(normal_);
-      gram_(active_, active_) = normal_.squaredNorm();
+      add();
       pull_[active_] = pull;
       which_[static_cast<std::size_t>(active_++)] = which;
       return true;

@@ -104,11 +104,27 @@ void Scene::hold(Held::Solids solids) {
 }
 
 CloudState::Reading Scene::read() {
+  Complaint complaint;
+  CloudState::Reading reading = read(complaint);
+  complaint.raise();
+  return reading;
+}
+
+CloudState::Reading Scene::read(Complaint& complaint) {
   CloudState::Reading reading = cloud_->read();
   points_ = &reading.points();
   if (version_ != reading.version()) {
     version_ = reading.version();
     refresh();
+  }
+  const int things = points_->count() + shapes_.count() + held_.count();
+  if (things > 0 && model_.robot.occupancy().empty() &&
+      !model_.options.ignore_obstacles_without_hulls) {
+    complaint.say(
+        "robot '%s' has no hulls to keep off obstacles (%d points, %d shapes, %d things it holds): "
+        "fit some with `pdoik occupancy` or Robot.from_urdf(..., hulls=True), and set its "
+        "occupancy; Options with ignore_obstacles_without_hulls leave obstacles out of account",
+        model_.robot.name().c_str(), points_->count(), shapes_.count(), held_.count());
   }
   return reading;
 }

@@ -24,6 +24,12 @@ constexpr double kSettled = 1e-10;                ///< a change of joints that i
 /// tenth in a step.
 constexpr double kWider = 2.0, kForgotten = 0.9, kMostOff = 2e-3;
 constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much less
+/// How much more what stands weighs than what does not: as good as first, and still one sum. What
+/// then bends the valley that goals are in is gone along in many small turns.
+constexpr double kStands = 1e7;
+/// A way bends what stands: all joints go only so much of what they may, less where the gate would
+/// not have it, and more again.
+constexpr double kShorter = 0.5, kLonger = 1.25;
 constexpr double kWorthwhile = 0.98;  ///< share of a shortfall that may be left by a round
 
 }  // namespace
@@ -33,7 +39,9 @@ Step::Step(Workspace& workspace)
       model_(workspace.model()),
       gate_(workspace),
       barriers_(model_),
-      program_(model_.robot.dof()) {
+      program_(model_.robot.dof()),
+      factor_(model_.robot.dof()) {
+  before_.reserve(model_.robot.tips().size());
   const Eigen::Index n = model_.robot.dof();
   hessian_.setZero(n, n);
   for (Eigen::VectorXd* each : {&gradient_, &q_, &pulled_, &next_, &least_, &most_})
@@ -49,7 +57,8 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
     if (!problem.posture.wanted() && problem.reached()) break;
     problem.linearise_goals(hessian_, gradient_);
     problem.posture.linearise(q_, hessian_, gradient_);
-    const double scale = std::max(hessian_.diagonal().maxCoeff(), 1e-12);
+    const double scale =
+        std::max(hessian_.diagonal().maxCoeff() / (stands_ ? kStands : 1.0), 1e-12);
     if (damping < 0.0) damping = kDamping * scale + value;
     damping = std::max(damping, kLeastDamping * scale);
     hessian_.diagonal().array() += damping;
@@ -70,7 +79,7 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
       value = there;
       goals = goals_there;
       damping *= kEasier;
-      if (stalls) break;
+      if (stalls && !stands_) break;
     } else {
       problem.evaluate_goals(q_);
       damping *= kHarder;
@@ -82,8 +91,9 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
 
 bool Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
   LeastSquaresProblem& problem = workspace_.least_squares;
-  least_ = *step.lower - about;
-  most_ = *step.upper - about;
+  const double stride = stands_ ? stride_ : 1.0;
+  least_ = *step.from + stride * (*step.lower - *step.from) - about;
+  most_ = *step.from + stride * (*step.upper - *step.from) - about;
   problem.place(about);
   const double reach = std::min(kShare * step.margin + stand_off_, kFar);
   if (late() || !barriers_.find(workspace_.problem, reach, stand_off_)) return false;
@@ -114,7 +124,7 @@ void Step::go_on(const StepRequest& step, Result& result) {
   Eigen::VectorXd& about = workspace_.q;
   about = *step.from;
   for (int round = 0; round < kRounds; ++round) {
-    if (gate_.incumbent().success && gate_.pull() == 0.0) return;
+    if (gate_.done()) return;
     const double before = gate_.shortfall();
     if (!propose(step, about, result)) return;
     if ((q_ - about).cwiseAbs().maxCoeff() < kSettled) return;
@@ -122,6 +132,12 @@ void Step::go_on(const StepRequest& step, Result& result) {
     const double share = gate_.share_in_time(q_);
     const bool taken = gate_.consider(q_, share);
     // What is linear here bends: held off by more, and once more.
+    if (taken) stride_ = std::min(1.0, kLonger * stride_);
+    if (gate_.gives_way()) {
+      stride_ *= kShorter;
+      about = gate_.aim();
+      continue;
+    }
     const bool missed = barriers_.met() && gate_.missed() > 0.0;
     if (missed) stand_off_ = std::min(kMostOff, kWider * (stand_off_ + gate_.missed()));
     if (late()) return;
@@ -133,12 +149,17 @@ void Step::go_on(const StepRequest& step, Result& result) {
       if (!taken) return take_a_part(about);
       if (gate_.clear() && gate_.shortfall() > kWorthwhile * before) return;
     }
-    about = gate_.incumbent().q;
+    about = gate_.aim();
   }
 }
 
 void Step::bring_near(const StepRequest& step, bool near) {
   workspace_.problem.set_goals(step.goals);
+  stands_ = false;
+  for (GoalTerm& goal : workspace_.problem.goals) {
+    stands_ |= goal.stands();
+    if (goal.stands()) goal.weigh(kStands);
+  }
   brought_near_ = false;
   if (!near) return;
   workspace_.least_squares.evaluate_goals(*step.from);
@@ -146,14 +167,45 @@ void Step::bring_near(const StepRequest& step, bool near) {
     brought_near_ |= goal.come_within(step.advance, step.turn);
 }
 
+void Step::follow(std::span<const Goal> goals, const Eigen::VectorXd& from, Braking& braking) {
+  if (!braking.limited()) return;
+  braking.stop_drifting();
+  const bool alike = std::equal(goals.begin(), goals.end(), before_.begin(), before_.end(),
+                                [](const Goal& one, const Goal& other) {
+                                  return one.tip == other.tip && one.type == other.type;
+                                });
+  if (braking.follows() && alike) {
+    // Joints that go on as the goals did: what their errors changed by, by least squares.
+    LeastSquaresProblem& problem = workspace_.least_squares;
+    problem.posture.set(nullptr, nullptr);
+    const auto gradient_of = [&](std::span<const Goal> of) {
+      workspace_.problem.set_goals(of);
+      problem.evaluate_goals(from);
+      problem.linearise_goals(hessian_, gradient_);
+    };
+    gradient_of(before_);
+    next_ = gradient_;
+    gradient_of(goals);
+    next_ = (next_ - gradient_) / braking.period();
+    hessian_.diagonal().array() += kDamping * std::max(hessian_.diagonal().maxCoeff(), 1e-12);
+    factor_.compute(hessian_);
+    factor_.solveInPlace(next_);
+    braking.set_drift(next_);
+  }
+  before_.assign(goals.begin(), goals.end());
+}
+
 void Step::take(const StepRequest& step, Result& result) {
-  const Deadline deadline = workspace_.deadline_in(step.max_time, 2);
+  // Verdicts for which time is kept: of a way's end and of one before; of where it rests, and
+  // brakes.
+  const Deadline deadline = workspace_.deadline_in(step.max_time, step.braking->limited() ? 4 : 2);
   workspace_.watch(deadline);
   begin_result(result);
   stand_off_ *= kForgotten;
   gate_.open(step);
   bring_near(step, true);
   go_on(step, result);
+  step.braking->made(*step.from, gate_.incumbent().q, gate_.meets_goals(), !gate_.took());
   restore(gate_.incumbent(), result);
   result.late_evaluations = gate_.late_evaluations();
   result.status = result.success      ? Status::Solved

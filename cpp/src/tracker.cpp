@@ -49,7 +49,14 @@ TrackerOptions checked(TrackerOptions o, const Robot& robot) {
   }
   if (o.max_speed.size() == 0)
     o.max_speed.setConstant(robot.dof(), std::numeric_limits<double>::infinity());
+  if (o.max_acceleration.size() == 0)
+    o.max_acceleration.setConstant(robot.dof(), std::numeric_limits<double>::infinity());
   detail::check_step(o.max_speed, robot.dof(), "max_speed");
+  detail::check_step(o.max_acceleration, robot.dof(), "max_acceleration");
+  for (Eigen::Index i = 0; i < o.max_acceleration.size(); ++i) {
+    if (o.max_acceleration[i] == 0.0)
+      refuse("max_acceleration[" + std::to_string(i) + "]", 0.0, "a positive number");
+  }
   if (o.max_time == 0.0) o.max_time = 0.8 * o.period;
   return o;
 }
@@ -57,16 +64,15 @@ TrackerOptions checked(TrackerOptions o, const Robot& robot) {
 /// Clearance beyond this is not measured [m].
 constexpr double kLook = 0.5;
 
-/// How far each joint may go in a step: no farther than half a turn, since a longer way round ends
+/// How fast each joint may go: no farther than half a turn in a step, since a longer way round ends
 /// nowhere else.
-Eigen::VectorXd step_of(const Robot& robot, const TrackerOptions& options) {
-  Eigen::VectorXd step =
-      options.period * (options.speed_share * robot.velocity()).cwiseMin(options.max_speed);
-  for (Eigen::Index i = 0; i < step.size(); ++i) {
+Eigen::VectorXd speed_of(const Robot& robot, const TrackerOptions& options) {
+  Eigen::VectorXd speed = (options.speed_share * robot.velocity()).cwiseMin(options.max_speed);
+  for (Eigen::Index i = 0; i < speed.size(); ++i) {
     const bool slides = robot.joint_types()[static_cast<std::size_t>(i)] == JointType::Prismatic;
-    if (!slides) step[i] = std::min(step[i], M_PI);
+    if (!slides) speed[i] = std::min(speed[i], M_PI / options.period);
   }
-  return step;
+  return speed;
 }
 
 /// A goal is never brought so near that it counts as reached before it is, in its tolerances.
@@ -84,11 +90,13 @@ struct Tracker::Implementation {
         options(checked(options_in, robot)),
         scene(*model),
         workspace(model, scene),
-        way(workspace) {
-    step = step_of(robot, options);
-    margin = detail::farthest_travel(robot, model->hulls, step);
-    tip_travel = detail::farthest_tip_travel(robot, step);
+        way(workspace),
+        braking(options.period, robot.lower(), robot.upper(), speed_of(robot, options),
+                options.max_acceleration) {
+    margin = detail::farthest_travel(robot, model->hulls, braking.farthest());
+    tip_travel = detail::farthest_tip_travel(robot, braking.farthest());
     last = robot.mid_configuration();
+    braking.begin(last, Eigen::VectorXd());
     posture = last;
     lower.setZero(robot.dof());
     upper.setZero(robot.dof());
@@ -113,44 +121,65 @@ struct Tracker::Implementation {
     result.q = last;
     result.tracking = TrackerStatus::InvalidInput;
     result.step_limited = -1;
+    result.stopped_hard = braking.moves();
+    braking.begin(last, Eigen::VectorXd());
     result.complaint = why;
   }
 
+  /// How much of what is farthest a step may lead to now.
+  double share_of_farthest() const {
+    const Eigen::VectorXd& farthest = braking.farthest();
+    if (!braking.limited() || !farthest.allFinite()) return 1.0;
+    double share = 0.0;
+    for (Eigen::Index i = 0; i < last.size(); ++i) {
+      const double far = std::max(upper[i] - last[i], last[i] - lower[i]);
+      if (farthest[i] > 0.0) share = std::max(share, far / farthest[i]);
+    }
+    return std::min(share, 1.0);
+  }
+
   void advance(std::span<const Goal> goals) {
-    lower = (last - step).cwiseMax(robot.lower());
-    upper = (last + step).cwiseMin(robot.upper());
     pull_to = last;
     if (has_posture) {
       pull_to = (options.posture_weight * weights.array() * posture.array() +
                  options.smoothness * last.array()) /
                 pull.array().max(1e-300);
     }
-    const auto reading = scene.read();
+    const auto reading = scene.read(complaint);
+    if (!complaint.empty()) {
+      hold(complaint.text());
+      return;
+    }
     if (scene.has_changed()) workspace.use(scene);
-    way.take(
-        {.goals = goals,
-         .from = &last,
-         .lower = &lower,
-         .upper = &upper,
-         .pull_to = &pull_to,
-         .pull = &pull,
-         .posture = has_posture ? &posture : nullptr,
-         .weights = has_posture ? &posture_pull : nullptr,
-         .max_time = options.max_time,
-         .margin = margin,
-         .advance =
-             std::max(0.5 * tip_travel, kBeyondTolerance * solver_options.position_tolerance),
-         .turn = std::max(0.5 * step.sum(), kBeyondTolerance * solver_options.rotation_tolerance),
-         .look = kLook},
-        result);
+    way.follow(goals, last, braking);
+    braking.box(last, lower, upper);
+    const double share = share_of_farthest();
+    way.take({.goals = goals,
+              .from = &last,
+              .lower = &lower,
+              .upper = &upper,
+              .pull_to = &pull_to,
+              .pull = &pull,
+              .posture = has_posture ? &posture : nullptr,
+              .weights = has_posture ? &posture_pull : nullptr,
+              .max_time = options.max_time,
+              .margin = share * margin,
+              .advance = std::max(0.5 * share * tip_travel,
+                                  kBeyondTolerance * solver_options.position_tolerance),
+              .turn = std::max(0.5 * share * braking.farthest().sum(),
+                               kBeyondTolerance * solver_options.rotation_tolerance),
+              .look = kLook,
+              .braking = &braking},
+             result);
     result.complaint = "";
     result.tracking = result.status == Status::TimeLimit ? TrackerStatus::DeadlineStruck
                       : result.success                   ? TrackerStatus::Tracking
                                                          : TrackerStatus::Infeasible;
+    result.stopped_hard = braking.was_hard();
     result.step_limited = -1;
     for (Eigen::Index i = 0; i < last.size() && result.step_limited < 0; ++i) {
-      const bool down = result.q[i] <= lower[i] && lower[i] > robot.lower()[i];
-      const bool up = result.q[i] >= upper[i] && upper[i] < robot.upper()[i];
+      const bool down = way.aim()[i] <= lower[i] && lower[i] > robot.lower()[i];
+      const bool up = way.aim()[i] >= upper[i] && upper[i] < robot.upper()[i];
       if (down || up) result.step_limited = static_cast<int>(i);
     }
     last = result.q;
@@ -163,11 +192,12 @@ struct Tracker::Implementation {
   detail::Scene scene;
   detail::Workspace workspace;
   detail::Step way;
-  Eigen::VectorXd step, last, lower, upper, posture, weights, pull_to, pull, posture_pull;
+  detail::Braking braking;
+  Eigen::VectorXd last, lower, upper, posture, weights, pull_to, pull, posture_pull;
   bool has_posture = false;
   double margin = 0.0, tip_travel = 0.0;
   detail::Complaint cloud_complaint;  ///< of the last cloud, empty if it was taken
-  detail::Complaint complaint;        ///< of the last goals
+  detail::Complaint complaint;        ///< of the last goals, or of a robot without hulls
   TrackerResult result;
   LatencyHistogram latency;
 };
@@ -192,9 +222,13 @@ std::string Tracker::describe(const WorstConstraint& worst) const {
   return detail::describe(worst, robot(), impl_->scene);
 }
 
-void Tracker::reset(VectorIn q) {
+const Eigen::VectorXd& Tracker::velocity() const { return impl_->braking.velocity(); }
+
+void Tracker::reset(VectorIn q, VectorIn velocity) {
   detail::check_configuration(q, robot().dof(), "q");
+  if (velocity.size() > 0) detail::check_configuration(velocity, robot().dof(), "velocity");
   impl_->last = q.cwiseMax(robot().lower()).cwiseMin(robot().upper());
+  impl_->braking.begin(impl_->last, velocity);
 }
 
 void Tracker::set_posture(VectorIn posture) {
@@ -251,6 +285,10 @@ const TrackerResult& Tracker::step(std::span<const Goal> goals) {
   const Clock::time_point started = Clock::now();
   if (!detail::accepts_goals(goals, robot(), solver_options(), impl_->complaint))
     impl_->hold(impl_->complaint.text());
+  else if (impl_->braking.limited() && std::ranges::any_of(goals, &Goal::stands))
+    impl_->hold(
+        "a goal that stands is not for a tracker with max_acceleration: joints that brake "
+        "each for itself would move it");
   else if (!impl_->cloud_complaint.empty())
     impl_->hold(impl_->cloud_complaint.text());
   else

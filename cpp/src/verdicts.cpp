@@ -44,7 +44,7 @@ bool Verdicts::take(Attempt& attempt, int k) {
   result.restarts = k;
   attempt.search_cost += trial.evaluations;
   model_.wrap(attempt.start, trial.q);
-  model_.unwind(attempt.wanted(), trial.q);
+  model_.unwind(attempt.wanted(), attempt.lower, attempt.upper, trial.q);
   if (trial.reached && is_clear(attempt, trial, attempt.stays_near(k))) {
     workspace_.judge(attempt.request.goals, trial.q, result);
     if (result.success) {
@@ -187,7 +187,7 @@ void Verdicts::settle(Attempt& attempt) {
   problem.posture.set(nullptr, nullptr);
   workspace_.minimise(workspace_.patient, q_, attempt.lower, attempt.upper, result);
   model_.wrap(attempt.start, q_);
-  model_.unwind(posture, q_);
+  model_.unwind(posture, attempt.lower, attempt.upper, q_);
   workspace_.judge(attempt.request.goals, q_, result);
   if (result.success && attempt.distance_to_wanted(q_) < before) return;
   restore(saved, result);

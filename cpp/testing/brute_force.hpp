@@ -103,10 +103,12 @@ inline bool is_placed_by_goal(const Robot& robot, const std::string& link) {
 }
 
 /// The least distance of any obstacle (rows x y z or x y z radius) to any hull, by Robot::fk.
-/// Capsules are thinner by their overhang where no answer moves them, by half at most.
+/// @param forgiving  Whether capsules are thinner by their overhang where no answer moves them, by
+/// half at most.
 template <class Obstacles>
 double brute_force_clearance(const Robot& robot, const Eigen::VectorXd& q,
-                             const Obstacles& obstacles, int samples = 400) {
+                             const Obstacles& obstacles, int samples = 400,
+                             bool forgiving = false) {
   double least = std::numeric_limits<double>::infinity();
   const auto for_obstacles = [&](auto&& distance) {
     for (Eigen::Index j = 0; j < obstacles.rows(); ++j) {
@@ -116,9 +118,10 @@ double brute_force_clearance(const Robot& robot, const Eigen::VectorXd& q,
   };
   for (const Capsule& capsule : robot.occupancy().capsules) {
     const Eigen::Isometry3d T = robot.fk(q, capsule.link);
-    const double forgiven = capsule.overhang > 0.0 && is_placed_by_goal(robot, capsule.link)
-                                ? std::min(capsule.overhang, 0.5 * capsule.radius)
-                                : 0.0;
+    const double forgiven =
+        forgiving && capsule.overhang > 0.0 && is_placed_by_goal(robot, capsule.link)
+            ? std::min(capsule.overhang, 0.5 * capsule.radius)
+            : 0.0;
     for_obstacles([&](const Eigen::Vector3d& o, double radius) {
       return brute_force_segment_distance(o, T * capsule.a, T * capsule.b) - capsule.radius +
              forgiven - radius;

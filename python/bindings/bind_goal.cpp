@@ -44,6 +44,7 @@ Goal to_goal(const py::handle& value, const std::string& name, int tip, const Op
   goal.type = given.type.value_or(goal.type);
   goal.axis = given.axis.value_or(goal.axis);
   goal.weight = given.weight;
+  goal.stands = given.stands;
   goal.position_slack = given.position_slack;
   goal.rotation_slack = given.rotation_slack;
   return goal;
@@ -138,7 +139,7 @@ A target given as a bare array is a goal of the options' type, with no slack and
       .def(py::init([](const ArrayLike& T_base_tip, const std::optional<std::string>& type,
                        const std::optional<py::object>& axis, double weight,
                        const std::optional<ArrayLike>& position_slack,
-                       const std::optional<ArrayLike>& rotation_slack) {
+                       const std::optional<ArrayLike>& rotation_slack, bool stands) {
              const auto slack = [](const std::optional<ArrayLike>& values, const char* name) {
                return values ? to_vector3(*values, name) : Eigen::Vector3d(0.0, 0.0, 0.0);
              };
@@ -148,6 +149,7 @@ A target given as a bare array is a goal of the options' type, with no slack and
              goal.T_base_tip =
                  to_target(T_base_tip.value, "T_base_tip", goal.type == GoalType::Position);
              goal.weight = weight;
+             goal.stands = stands;
              goal.position_slack = slack(position_slack, "position_slack");
              goal.rotation_slack = slack(rotation_slack, "rotation_slack");
              return goal;
@@ -155,6 +157,7 @@ A target given as a bare array is a goal of the options' type, with no slack and
            py::arg("T_base_tip"), py::kw_only(), py::arg("type") = py::none(),
            py::arg("axis") = py::none(), py::arg("weight") = 1.0,
            py::arg("position_slack") = py::none(), py::arg("rotation_slack") = py::none(),
+           py::arg("stands") = false,
            R"(A target and what of it counts.
 
 Args:
@@ -168,6 +171,9 @@ Args:
     rotation_slack: How far it may be turned about each axis of the target frame, as components of the
         rotation vector from target to tip, shape (3,) [rad]; pi frees an axis. Of an "axis" goal the
         largest is half the angle of a cone.
+    stands: Whether a Tracker gives nothing of it up for goals that do not stand: a foot on the ground
+        whatever the hands are asked. Where it is met it stays so, to 0.05 mm, else it is left no farther.
+        A Solver weighs all goals alike. Not for trackers with `max_acceleration`.
 
 Raises:
     ValueError: A shape is wrong, a str is not one of its choices, or something is NaN.)")
@@ -180,6 +186,7 @@ Raises:
                              })
       .def_property_readonly("axis", [](const PythonGoal& g) { return g.axis; })
       .def_readonly("weight", &PythonGoal::weight)
+      .def_readonly("stands", &PythonGoal::stands)
       .def_property_readonly("position_slack", [](const PythonGoal& g) { return g.position_slack; })
       .def_property_readonly("rotation_slack", [](const PythonGoal& g) { return g.rotation_slack; })
       .def("__repr__", [](const PythonGoal& g) {

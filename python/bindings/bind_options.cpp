@@ -114,6 +114,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("seed", &Options::seed)
       .def_readwrite("base_collision", &Options::base_collision)
       .def_readwrite("forgive_overhang", &Options::forgive_overhang)
+      .def_readwrite("ignore_obstacles_without_hulls", &Options::ignore_obstacles_without_hulls)
       .def_readwrite("touch", &Options::touch)
       .def_readwrite("balance", &Options::balance)
       .def_readwrite("self_collision", &Options::self_collision)

@@ -319,7 +319,8 @@ Returns:
 
 Raises:
     ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative,
-        something is NaN or infinite, or there are more than 33,554,432 points.
+        something is NaN or infinite, or there are more than 33,554,432 points. There are obstacles, or the robot
+        carries something, and it has no hulls: see Options.ignore_obstacles_without_hulls.
     RuntimeError: A signal's handler asks the very solver that it has interrupted.
 
 Warns:

@@ -27,18 +27,20 @@ struct PythonTracker : Tracker {
 struct NamedStep : NamedResult {
   TrackerStatus tracking;
   std::optional<std::string> step_limited;
+  bool stopped_hard = false;
   std::string complaint;
 };
 
 NamedStep named(const Tracker& tracker, const TrackerResult& result) {
   NamedStep step;
   static_cast<Result&>(step) = result;
-  step.worst_constraint = tracker.describe(result.worst);
+  name_constraints(tracker, step);
   step.tracking = result.tracking;
   if (result.step_limited >= 0) {
     step.step_limited =
         tracker.robot().joint_names()[static_cast<std::size_t>(result.step_limited)];
   }
+  step.stopped_hard = result.stopped_hard;
   step.complaint = result.complaint;
   return step;
 }
@@ -113,6 +115,10 @@ void bind_step(py::module_& module) {
 best so far; `invalid_input`: q is the last answer, and `complaint` says why.)")
       .def_readonly("step_limited", &NamedStep::step_limited,
                     "The first joint that its step limit holds back, or None.")
+      .def_readonly("stopped_hard", &NamedStep::stopped_hard,
+                    "Whether it stops harder than max_acceleration allows: braking only so hard "
+                    "would be deeper "
+                    "in something or leave the limits of a joint, or the input was refused.")
       .def_readonly("complaint", &NamedStep::complaint, "Why the input was refused, or ''.");
 }
 
@@ -124,30 +130,45 @@ void bind_tracker(py::module_& module) {
   py::class_<PythonTracker>(module, "Tracker")
       .def(py::init([](const Robot& robot, const Options& options, double period, double max_time,
                        double speed_share, const std::optional<ArrayLike>& max_speed,
-                       double posture_weight, double smoothness) {
-             TrackerOptions t{period, max_time, speed_share, {}, posture_weight, smoothness};
+                       const std::optional<ArrayLike>& max_acceleration, double posture_weight,
+                       double smoothness) {
+             TrackerOptions t{.period = period,
+                              .max_time = max_time,
+                              .speed_share = speed_share,
+                              .posture_weight = posture_weight,
+                              .smoothness = smoothness};
              if (max_speed) t.max_speed = to_vector(*max_speed, "max_speed", robot.dof());
+             if (max_acceleration) {
+               t.max_acceleration = to_vector(*max_acceleration, "max_acceleration", robot.dof());
+             }
              return PythonTracker(robot, options, t);
            }),
            py::arg("robot"), py::arg("options"), py::kw_only(), py::arg("period"),
            py::arg("max_time"), py::arg("speed_share"), py::arg("max_speed"),
-           py::arg("posture_weight"), py::arg("smoothness"))
+           py::arg("max_acceleration"), py::arg("posture_weight"), py::arg("smoothness"))
       .def_property_readonly("robot", [](const PythonTracker& self) { return self.robot(); })
       .def_property_readonly(
           "q", [](const PythonTracker& self) { return self.q(); }, "The last answer, shape (n,).")
+      .def_property_readonly(
+          "velocity", [](const PythonTracker& self) { return self.velocity(); },
+          "Its speed in the last step where acceleration is limited, shape (n,); 0 else.")
       .def(
           "reset",
-          [](PythonTracker& self, const ArrayLike& q) {
-            self.reset(to_vector(q, "q", self.robot().dof()));
+          [](PythonTracker& self, const ArrayLike& q, const std::optional<ArrayLike>& velocity) {
+            const int n = self.robot().dof();
+            self.reset(to_vector(q, "q", n),
+                       velocity ? to_vector(*velocity, "velocity", n) : Eigen::VectorXd());
           },
-          py::arg("q"),
+          py::arg("q"), py::arg("velocity") = py::none(),
           R"(Where the next step starts from: the measured configuration, most often.
 
 Args:
     q: Joint positions, shape (n,) [rad] or [m]; moved inside the limits.
+    velocity: How fast it moves, which counts where acceleration is limited, shape (n,) [rad/s] or [m/s]; None for
+        at rest.
 
 Raises:
-    ValueError: q has another shape or holds NaN or infinity.)")
+    ValueError: Either has another shape or holds NaN or infinity.)")
       .def(
           "set_posture",
           [](PythonTracker& self, const std::optional<ArrayLike>& posture) {
@@ -178,7 +199,8 @@ Args:
     T_base_tip: Goals as in Solver.solve.
     obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None or empty: there are
         none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
-        sense is refused: steps then hold the last answer until a good one comes.
+        sense is refused: steps then hold the last answer until a good one comes. So do steps of a robot without
+        hulls among obstacles, see Options.ignore_obstacles_without_hulls.
 
 Returns:
     Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in

@@ -17,6 +17,7 @@ struct PythonGoal {
   std::optional<GoalType> type;
   std::optional<Eigen::Vector3d> axis;
   double weight;
+  bool stands;
   Eigen::Vector3d position_slack, rotation_slack;
 };
 

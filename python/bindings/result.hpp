@@ -8,14 +8,25 @@
 
 namespace pdoik::python {
 
-/// A result and its worst constraint's name, which takes a solver to tell.
+/// A result and the names of its constraints, which take a solver or a tracker to tell.
 struct NamedResult : Result {
   std::string worst_constraint;
+  std::string forgiven_contact;  ///< empty if there is none
 };
 
+/// @param by  Whose result it is.
+template <class Solves>
+void name_constraints(const Solves& by, NamedResult& result) {
+  result.worst_constraint = by.describe(result.worst);
+  result.forgiven_contact = result.forgiven.kind == WorstConstraint::Kind::None
+                                ? std::string()
+                                : by.describe(result.forgiven);
+}
+
 inline NamedResult named(const Solver& solver, Result result) {
-  std::string worst = solver.describe(result.worst);
-  return {std::move(result), std::move(worst)};
+  NamedResult named{std::move(result), {}, {}};
+  name_constraints(solver, named);
+  return named;
 }
 
 struct BatchResult {

@@ -53,9 +53,6 @@ def page(effect: Effect, caption: str) -> str:
         lines += [f"Similar effects: {others}.", ""]
     if effect.decided_by:
         lines += [f"What decides between them: {effect.decided_by}.", ""]
-    if effect.beside:
-        names = ", ".join(CATALOGUE[name].words for name in effect.beside if name in CATALOGUE)
-        lines += [f"It is only tried at a place where one of these was found: {names}.", ""]
     if effect.source:
         lines += ["## Source", "", f"{effect.source}.", ""]
     lines.append(f"`pdoik effects show {effect.id}` prints the same in a terminal.")

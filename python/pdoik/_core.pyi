@@ -903,6 +903,7 @@ class Options:
     base_collision: bool
     forgive_overhang: bool
     goal: str
+    ignore_obstacles_without_hulls: bool
     inner: str
     lbfgs: LbfgsOptions
     levenberg_marquardt: LevenbergMarquardtOptions
@@ -1088,6 +1089,16 @@ class Result:
         Forward kinematics computed, in all.
         """
     @property
+    def forgiven_contact(self) -> str:
+        """
+        What Options.forgive_overhang passes over: the deepest contact of the capsules that it counts as thinner, if these are taken whole. '' if none touches anything, and wherever nothing is forgiven.
+        """
+    @property
+    def forgiven_depth(self) -> float:
+        """
+        How deep that is, beyond its tolerance, 0 if there is none: a success may be wrong by as much [m].
+        """
+    @property
     def intake(self) -> float:
         """
         Of that, what taking the obstacles in took: it is not in max_time [s].
@@ -1192,6 +1203,16 @@ class BatchResult:
     def evaluations(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         Shape (B,).
+        """
+    @property
+    def forgiven_contact(self) -> numpy.typing.NDArray[numpy.str_]:
+        """
+        Shape (B,).
+        """
+    @property
+    def forgiven_depth(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Shape (B,) [m].
         """
     @property
     def iterations(self) -> numpy.typing.NDArray[numpy.int32]:
@@ -1361,7 +1382,8 @@ class Solver:
         
         Raises:
             ValueError: A shape is wrong, a target is not rigid, a link is no tip, a radius or step is negative,
-                something is NaN or infinite, or there are more than 33,554,432 points.
+                something is NaN or infinite, or there are more than 33,554,432 points. There are obstacles, or the robot
+                carries something, and it has no hulls: see Options.ignore_obstacles_without_hulls.
             RuntimeError: A signal's handler asks the very solver that it has interrupted.
         
         Warns:
@@ -1433,6 +1455,11 @@ class TrackerResult(Result):
         The first joint that its step limit holds back, or None.
         """
     @property
+    def stopped_hard(self) -> bool:
+        """
+        Whether it stops harder than max_acceleration allows: braking only so hard would be deeper in something or leave the limits of a joint, or the input was refused.
+        """
+    @property
     def tracking(self) -> typing.Literal['tracking', 'infeasible', 'deadline_struck', 'invalid_input']:
         """
         What became of the step.
@@ -1442,7 +1469,7 @@ class TrackerResult(Result):
         best so far; `invalid_input`: q is the last answer, and `complaint` says why.
         """
 class Tracker:
-    def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, max_acceleration: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     def attach(self, link: str, shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = ()) -> None:
         """
@@ -1454,15 +1481,17 @@ class Tracker:
         """
         As Solver.detach.
         """
-    def reset(self, q: numpy.typing.ArrayLike) -> None:
+    def reset(self, q: numpy.typing.ArrayLike, velocity: numpy.typing.ArrayLike | None = None) -> None:
         """
         Where the next step starts from: the measured configuration, most often.
         
         Args:
             q: Joint positions, shape (n,) [rad] or [m]; moved inside the limits.
+            velocity: How fast it moves, which counts where acceleration is limited, shape (n,) [rad/s] or [m/s]; None for
+                at rest.
         
         Raises:
-            ValueError: q has another shape or holds NaN or infinity.
+            ValueError: Either has another shape or holds NaN or infinity.
         """
     def set_posture(self, posture: numpy.typing.ArrayLike | None) -> None:
         """
@@ -1479,7 +1508,8 @@ class Tracker:
             T_base_tip: Goals as in Solver.solve.
             obstacles: As in Solver.solve, an array with at most Options.max_obstacles rows. None or empty: there are
                 none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
-                sense is refused: steps then hold the last answer until a good one comes.
+                sense is refused: steps then hold the last answer until a good one comes. So do steps of a robot without
+                hulls among obstacles, see Options.ignore_obstacles_without_hulls.
         
         Returns:
             Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in
@@ -1504,6 +1534,11 @@ class Tracker:
     @property
     def robot(self) -> Robot:
         ...
+    @property
+    def velocity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Its speed in the last step where acceleration is limited, shape (n,); 0 else.
+        """
 class Lagrangian:
     def __call__(self, x: numpy.typing.ArrayLike, rho: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
         """

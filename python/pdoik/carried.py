@@ -23,6 +23,15 @@ class Carries:
         super().__init__(*arguments, **keywords)
         self._carried: list[Carried] = []
 
+    def __repr__(self) -> str:
+        # A debugger shows what refused its arguments too: nothing is there yet.
+        made = "_carried" in self.__dict__
+        return self._told() if made else f"<{type(self).__name__} that was not made>"
+
+    def _told(self) -> str:
+        """It in a line."""
+        raise NotImplementedError
+
     @property
     def carried(self) -> tuple[Carried, ...]:
         """What links carry, in the order it was attached."""

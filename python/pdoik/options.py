@@ -185,7 +185,12 @@ class Options:
             whose place the target decides (a tip's and what comes after it) and of those that no
             joint moves. Their capsules then count as thinner by their overhang, so that a hand
             may be at an object and a base on its table by as much as its hull cannot tell; never
-            by more than half their radius.
+            by more than half their radius. A success may then touch by as much:
+            Result.forgiven_contact says what does, and forgiven_depth how deep.
+        ignore_obstacles_without_hulls: Whether a robot that has no hulls may be among obstacles,
+            and carry something: but for what it carries nothing of it then keeps off anything.
+            Else what takes obstacles raises ValueError for such a robot, and steps of a Tracker
+            hold the last answer.
         touch: What may be touched at the target, and by which links.
         balance: Where the centre of mass has to be.
         self_collision: Keep hulls of links that are not adjacent off one another, but for
@@ -234,6 +239,7 @@ class Options:
 
     base_collision: bool = _DEFAULT.base_collision
     forgive_overhang: bool = _DEFAULT.forgive_overhang
+    ignore_obstacles_without_hulls: bool = _DEFAULT.ignore_obstacles_without_hulls
 
     touch: Touch = Touch()
     balance: Balance = Balance()

@@ -27,5 +27,5 @@ class Solver(Carries, _core.Solver):
         self.options = options if options is not None else Options()
         super().__init__(robot, to_core(self.options))
 
-    def __repr__(self) -> str:
+    def _told(self) -> str:
         return f"<Solver of {self.robot!r}, goal={self.options.goal!r}>"

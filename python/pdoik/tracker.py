@@ -36,6 +36,9 @@ class Tracker(Carries, _core.Tracker):
         max_time: Hard deadline of a step [s]; None for 0.8 of the period.
         speed_share: Of the robot's speed limits, how much may be used.
         max_speed: Speed limits to hold besides those of the robot, shape (n,) [rad/s] or [m/s].
+        max_acceleration: How much joint speeds may change in a second, shape (n,) [rad/s^2] or
+            [m/s^2]; None for as much as they like. Joints then speed up and brake before goals,
+            limits and obstacles, and goals that move are followed at their speed.
         posture_weight: Of the squared distance to the posture, where one is set [m^2/rad^2].
         smoothness: Of the squared distance to the last answer, in what the search is pulled to
             [m^2/rad^2].
@@ -55,21 +58,23 @@ class Tracker(Carries, _core.Tracker):
         max_time: float | None = None,
         speed_share: float = 1.0,
         max_speed: ArrayLike | None = None,
+        max_acceleration: ArrayLike | None = None,
         posture_weight: float = 1e-3,
         smoothness: float = 1e-4,
     ) -> None:
-        self.solver = solver
         if max_time is not None and not max_time > 0:
             raise ValueError(f"max_time is {max_time}, expected a positive time [s]")
-        self.settings = {
+        settings = {
             "period": period,
             "max_time": max_time or 0.0,
             "speed_share": speed_share,
             "max_speed": max_speed,
+            "max_acceleration": max_acceleration,
             "posture_weight": posture_weight,
             "smoothness": smoothness,
         }
-        super().__init__(solver.robot, to_core(solver.options), **self.settings)
+        super().__init__(solver.robot, to_core(solver.options), **settings)
+        self.solver, self.settings = solver, settings
 
-    def __repr__(self) -> str:
+    def _told(self) -> str:
         return f"<Tracker of {self.robot!r}, {self.latency!r}>"

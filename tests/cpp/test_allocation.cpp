@@ -150,6 +150,16 @@ TEST(Allocation, a_solve_after_set_up_allocates_nothing_whatever_the_method_goal
   }
 }
 
+TEST(Allocation, naming_what_is_forgiven_allocates_nothing) {
+  for (const std::string& arm : arm_names()) {
+    SCOPED_TRACE(arm);
+    Options options = timeless();
+    options.forgive_overhang = true;
+    options.max_restarts = 5;
+    EXPECT_EQ(allocations_of_solves(Robot::builtin(arm), options, 30, 0.05), 0);
+  }
+}
+
 TEST(Allocation, a_solve_of_a_robot_with_followers_slides_and_turns_allocates_nothing) {
   Random random(4);
   Robot robot =
@@ -282,6 +292,7 @@ TEST(Allocation, a_tracker_takes_its_memory_at_construction) {
     options.max_obstacles = 50;
     TrackerOptions tracking{.period = 0.01, .max_time = seed % 4 == 0 ? 1e-9 : 10.0};
     tracking.max_speed = Eigen::VectorXd::Constant(robot.dof(), 10.0);
+    if (seed % 2 == 0) tracking.max_acceleration = 5.0 * tracking.max_speed;
     Tracker tracker(robot, options, tracking);
     const Eigen::VectorXd q = random_configuration(robot, random), posture = q.array() + 0.01;
     std::vector<Goal> goals;

@@ -174,10 +174,7 @@ TEST(Cloud, a_solver_sees_updates_of_the_cloud_that_it_was_given_and_names_point
 }
 
 TEST(Cloud, the_robots_own_surface_goes_and_nothing_else) {
-  Robot robot = Robot::builtin("ur10");
-  Occupancy whole = robot.occupancy();  // brute force forgives an overhang, a cloud does not
-  for (Capsule& capsule : whole.capsules) capsule.overhang = 0.0;
-  robot.set_occupancy(whole);
+  const Robot robot = Robot::builtin("ur10");
   Random random(5);
   for (const double padding : {0.0, 0.03}) {
     const Eigen::VectorXd q = random_configuration(robot, random);

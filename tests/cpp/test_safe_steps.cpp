@@ -33,7 +33,6 @@ Goal pose_of(const Robot& robot, const Eigen::VectorXd& q, int tip = 0) {
 Options timeless_with(bool self_collision) {
   Options options = timeless();
   options.self_collision = self_collision;
-  options.forgive_overhang = false;
   return options;
 }
 
@@ -137,19 +136,24 @@ std::vector<Place> places() {
   return result;
 }
 
-TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock_strikes) {
+/// With so much acceleration.
+class EveryStep : public ::testing::TestWithParam<double> {};
+
+TEST_P(EveryStep, is_no_deeper_than_standing_still_at_whatever_look_the_clock_strikes) {
   int moved = 0, struck = 0, near = 0;
   for (const Place& place : places()) {
     Judged judged(place);
-    Tracker tracker(place.robot, place.options, {.period = 0.01, .max_time = 1e6});
+    const Eigen::VectorXd a = Eigen::VectorXd::Constant(place.robot.dof(), GetParam());
+    Tracker tracker(place.robot, place.options,
+                    {.period = 0.01, .max_time = 1e6, .max_acceleration = a});
     dress(place, tracker);
     tracker.reset(place.q);
     for (int k = 0; k < 60; ++k) {
-      const Eigen::VectorXd from = tracker.q();
+      const Eigen::VectorXd from = tracker.q(), velocity = tracker.velocity();
       if (k % 6 == 5) {
         for (int looks = 1; looks < 60; looks += 1 + looks / 8) {
           detail::Deadline::looks_left = looks;
-          tracker.reset(from);
+          tracker.reset(from, velocity);
           const TrackerResult& step = tracker.step(place.goals);
           struck += step.tracking == TrackerStatus::DeadlineStruck ? 1 : 0;
           detail::Deadline::looks_left = 0;
@@ -158,7 +162,7 @@ TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock
               place.name + ", look " + std::to_string(looks) + " of step " + std::to_string(k));
           if (HasFatalFailure()) return;
         }
-        tracker.reset(from);
+        tracker.reset(from, velocity);
       }
       const TrackerResult& step = tracker.step(place.goals);
       moved += step.q == from ? 0 : 1;
@@ -171,6 +175,8 @@ TEST(SafeSteps, no_step_is_deeper_than_standing_still_at_whatever_look_the_clock
   EXPECT_GT(struck, 400);
   EXPECT_GT(near, 100);  // or nothing was tried
 }
+INSTANTIATE_TEST_SUITE_P(, EveryStep,
+                         ::testing::Values(std::numeric_limits<double>::infinity(), 20.0));
 
 TEST(SafeSteps, what_comes_at_an_arm_at_half_a_metre_per_second_is_kept_off) {
   for (const std::string& name : arm_names()) {
@@ -233,6 +239,49 @@ TEST(SafeSteps, an_arm_whose_goal_cannot_be_reached_comes_to_rest) {
       }
       EXPECT_EQ(back, 0) << place.name;
     }
+  }
+}
+
+TEST(SafeSteps, a_foot_that_stands_gives_nothing_of_its_place_up_for_a_hand_that_cannot_reach) {
+  const Robot robot = Robot::builtin("h1", "left_ankle_link",
+                                     {"right_ankle_link", "left_elbow_link", "right_elbow_link"});
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(robot.dof());
+  for (int i = 0; i < robot.dof(); ++i) {
+    const std::string& name = robot.joint_names()[static_cast<std::size_t>(i)];
+    if (name.find("knee") != std::string::npos) q[i] = 0.6;
+    if (name.find("hip_pitch") != std::string::npos) q[i] = -0.3;
+    if (name.find("ankle") != std::string::npos) q[i] = -0.3;
+  }
+  Goal foot, hand;
+  foot.tip = 0;
+  foot.T_base_tip = robot.fk(q, robot.tips()[0]);
+  hand.tip = 1;
+  hand.type = GoalType::Position;
+  const Eigen::Vector3d at = robot.fk(q, robot.tips()[1]).translation();
+  for (const Eigen::Vector3d& way :
+       {Eigen::Vector3d(0.8, 0.0, 0.0), Eigen::Vector3d(0.0, 0.6, 0.4),
+        Eigen::Vector3d(0.3, 0.2, -0.9), Eigen::Vector3d(-0.7, 0.0, 0.3)}) {
+    double slipped[2] = {0.0, 0.0}, left[2] = {0.0, 0.0};
+    for (const bool stands : {false, true}) {
+      Options options = timeless();
+      options.self_collision = false;
+      Tracker tracker(robot, options, {.period = 0.004, .max_time = 1e6});
+      tracker.reset(q);
+      foot.stands = stands;
+      hand.T_base_tip.translation() = at + way;
+      const std::vector<Goal> goals = {foot, hand};
+      for (int k = 0; k < 400; ++k) {
+        const Eigen::VectorXd& now = tracker.step(goals).q;
+        const Eigen::Isometry3d T = robot.fk(now, robot.tips()[0]);
+        slipped[stands] =
+            std::max(slipped[stands], (T.translation() - foot.T_base_tip.translation()).norm());
+        left[stands] =
+            (robot.fk(now, robot.tips()[1]).translation() - hand.T_base_tip.translation()).norm();
+      }
+    }
+    EXPECT_LT(slipped[true], 6e-5) << way.transpose();
+    EXPECT_GT(slipped[false], 1e-2) << way.transpose();  // or nothing was asked
+    EXPECT_LT(left[true], way.norm() - 0.1) << way.transpose();
   }
 }
 

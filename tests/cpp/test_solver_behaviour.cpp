@@ -307,6 +307,26 @@ TEST(SolverBehaviour, answers_are_no_whole_turn_farther_than_they_must_be) {
   EXPECT_GT(solved, 60);
 }
 
+TEST(SolverBehaviour, a_step_is_kept_though_the_posture_is_a_whole_turn_away) {
+  const Robot robot = Robot::builtin("ur10");  // limits of two turns
+  Options options = timeless();
+  options.max_restarts = 5;
+  Solver solver(robot, options);
+  Random random(12);
+  const Eigen::VectorXd step = Eigen::VectorXd::Constant(robot.dof(), 0.05);
+  for (int k = 0; k < 40; ++k) {
+    Eigen::VectorXd q0 = random_configuration(robot, random), aim = q0, posture = q0;
+    for (Eigen::Index i = 0; i < q0.size(); ++i) {
+      aim[i] += random.uniform(-0.1, 0.1);  // with and without an answer
+      posture[i] += q0[i] < 0.0 ? 2.0 * M_PI : -2.0 * M_PI;
+    }
+    const Goal goal = solver.goal(robot.fk(aim));
+    Result result;
+    solver.solve({.goals = {&goal, 1}, .q0 = &q0, .posture = &posture, .max_step = &step}, result);
+    EXPECT_LE((result.q - q0).cwiseAbs().maxCoeff(), 0.05 + 1e-12) << k;
+  }
+}
+
 TEST(SolverBehaviour, an_arm_that_no_goal_concerns_stays_where_it_can) {
   const Robot robot = Robot::builtin("h1", "", {"left_elbow_link", "right_elbow_link"});
   const int left =

@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "arms.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/lagrangian.hpp"
+#include "pdoik/tracker.hpp"
 
 namespace pdoik {
 namespace {
@@ -190,6 +195,115 @@ TEST(SolverMisuse,
       expect_invalid([&] { solver.set_obstacles(points); }, {"row 3"});
     }
   }
+}
+
+/// What nobody keeps off must not be taken for what is kept off.
+TEST(SolverMisuse, a_robot_without_hulls_is_refused_among_obstacles_of_every_kind) {
+  Robot robot = Robot::builtin("panda");
+  robot.set_occupancy({});
+  const std::string hand = robot.link_names().back();
+  const Eigen::VectorXd q = robot.mid_configuration();
+  const Eigen::Isometry3d T = robot.fk(q);
+  const std::vector<Eigen::Isometry3d> targets(3, T);
+  ObstacleMatrix point(1, 3);
+  point << 0.4, 0.0, 0.5;
+  const Eigen::AlignedBox3d there(Eigen::Vector3d(0.3, -0.1, 0.4), Eigen::Vector3d(0.5, 0.1, 0.6));
+  const Shapes shapes({Shape::sphere("ball", {0.4, 0.0, 0.5}, 0.1)});
+  const std::vector<Shape> box = {
+      Shape::box("box", Eigen::Isometry3d::Identity(), {0.1, 0.1, 0.1})};
+  Cloud cloud;
+
+  using Fill = std::function<void(Solver&)>;
+  const std::vector<std::pair<std::string, Fill>> scenes = {
+      {"1 points", [&](Solver& s) { s.set_obstacles(point); }},
+      {"1 points", [&](Solver& s) { s.set_obstacles(cloud); }},
+      {"1 shapes", [&](Solver& s) { s.set_shapes(shapes); }},
+      {"1 things it holds", [&](Solver& s) { s.attach(hand, box); }},
+  };
+  const std::vector<std::string> words = {"panda", "no hulls", "pdoik occupancy",
+                                          "ignore_obstacles_without_hulls"};
+  for (const Method method : {Method::Default, Method::Paper}) {
+    for (const auto& [what, fill] : scenes) {
+      SCOPED_TRACE(what);
+      cloud = Cloud();
+      Options options = timeless(GoalType::Pose, method);
+      Solver solver(robot, options);
+      EXPECT_TRUE(solver.solve(T, q).success);  // among nothing
+      fill(solver);
+      cloud.update(Obstacles(point), there);  // a cloud may be filled later
+      std::vector<std::string> all = words;
+      all.push_back(what);
+      Result result;
+      expect_invalid([&] { solver.solve(T, q); }, all);
+      expect_invalid([&] { solver.solve_batch(targets); }, all);
+      expect_invalid([&] { Solver(solver).solve(T, q); }, all);
+      expect_invalid([&] { solver.judge(T, q, result); }, all);
+      expect_invalid([&] { solver.clearances(q); }, all);
+      solver.clear_obstacles();
+      solver.detach();
+      EXPECT_TRUE(solver.solve(T, q).success);
+      EXPECT_EQ(solver.solve_batch(targets).size(), 3U);
+
+      options.ignore_obstacles_without_hulls = true;
+      Solver told(robot, options);
+      fill(told);
+      EXPECT_TRUE(told.solve(T, q).success);
+    }
+  }
+  expect_invalid(
+      [&] {
+        Lagrangian lagrangian(robot);
+        lagrangian.set_obstacles(point);
+      },
+      words);
+}
+
+TEST(SolverMisuse, a_tracker_of_a_robot_without_hulls_holds_its_answer_among_obstacles) {
+  Robot robot = Robot::builtin("panda");
+  robot.set_occupancy({});
+  const Eigen::VectorXd q = robot.mid_configuration();
+  const Eigen::Isometry3d T = robot.fk(q + Eigen::VectorXd::Constant(q.size(), 1e-3));
+  ObstacleMatrix point(1, 3);
+  point << 0.4, 0.0, 0.5;
+  Tracker tracker(robot, timeless());
+  tracker.reset(q);
+  EXPECT_EQ(tracker.step(T).tracking, TrackerStatus::Tracking);
+  tracker.reset(q);
+  const Eigen::AlignedBox3d there(Eigen::Vector3d(0.3, -0.1, 0.4), Eigen::Vector3d(0.5, 0.1, 0.6));
+  Cloud cloud;
+  tracker.set_obstacles(cloud);
+  EXPECT_EQ(tracker.step(robot.fk(q)).tracking, TrackerStatus::Tracking);
+  cloud.update(Obstacles(point), there);
+  const TrackerResult& held = tracker.step(T);
+  EXPECT_EQ(held.tracking, TrackerStatus::InvalidInput);
+  EXPECT_FALSE(held.success);
+  EXPECT_NE(std::string(held.complaint).find("no hulls"), std::string::npos) << held.complaint;
+  EXPECT_TRUE(held.q.isApprox(q, 1e-9));
+  cloud.remove(there);
+  EXPECT_EQ(tracker.step(T).tracking, TrackerStatus::Tracking);
+  EXPECT_STREQ(tracker.step(T).complaint, "");
+  tracker.set_shapes(Shapes({Shape::sphere("ball", {0.4, 0.0, 0.5}, 0.1)}));
+  EXPECT_EQ(tracker.step(T).tracking, TrackerStatus::InvalidInput);
+
+  Options told = timeless();
+  told.ignore_obstacles_without_hulls = true;
+  Tracker ignoring(robot, told);
+  ignoring.reset(q);
+  EXPECT_TRUE(ignoring.set_obstacles(point));
+  EXPECT_EQ(ignoring.step(T).tracking, TrackerStatus::Tracking);
+}
+
+/// A hull on any link is what the robot has been given to keep off obstacles with.
+TEST(SolverMisuse, a_robot_with_hulls_on_some_links_is_taken_among_obstacles) {
+  Robot robot = Robot::builtin("panda");
+  Occupancy one;
+  one.spheres.push_back({robot.link_names()[4], Eigen::Vector3d::Zero(), 0.05});
+  robot.set_occupancy(one);
+  Solver solver(robot, timeless());
+  ObstacleMatrix point(1, 3);
+  point << 2.0, 0.0, 0.5;
+  solver.set_obstacles(point);
+  EXPECT_TRUE(solver.solve(robot.fk(robot.mid_configuration())).success);
 }
 
 }  // namespace

@@ -190,6 +190,7 @@ inline Options options(Bytes& bytes, const Robot& robot) {
   }
   if (bytes.one_in(2)) o.clearance = bytes.number(-0.2, 0.2);
   o.base_collision = !bytes.one_in(4);
+  o.ignore_obstacles_without_hulls = true;  // some robots have none
   if (bytes.one_in(4)) o.balance = balance(bytes, robot);
   o.self_collision = bytes.one_in(4);
   if (o.self_collision) o.self_clearance = bytes.number(-0.1, 0.1);

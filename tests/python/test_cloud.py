@@ -217,9 +217,10 @@ def test_points_that_are_far_in_metres_are_not_warned_of() -> None:
     balls = np.c_[MILLIMETRES, np.full(len(MILLIMETRES), 1e4)]  # that reach as far as the robot
     pdoik.Solver(ROBOT).solve(T, obstacles=balls)
     crane = pdoik.Robot.from_dh([row, row])
-    pdoik.Solver(crane).solve(crane.fk([0.1, 0.1]), obstacles=MILLIMETRES)
+    ignoring = pdoik.Options(goal="position", ignore_obstacles_without_hulls=True)
+    pdoik.Solver(crane, ignoring).solve(crane.fk([0.1, 0.1]), obstacles=MILLIMETRES)
     endless = pdoik.Robot.from_dh([pdoik.DhRow(prismatic=True), row])
-    pdoik.Solver(endless, pdoik.Options(goal="position")).solve(np.eye(4), obstacles=MILLIMETRES)
+    pdoik.Solver(endless, ignoring).solve(np.eye(4), obstacles=MILLIMETRES)
 
 
 def test_threads_solve_among_a_cloud_while_another_updates_it() -> None:

@@ -39,7 +39,7 @@ def test_its_kinematics_and_limits_are_pinocchios(
 def test_its_verdict_is_the_judges(
     robot: pdoik.Robot, chain: object, rng: np.random.Generator, goal: str
 ) -> None:
-    options = pdoik.Options(goal=goal, goal_axis="x", forgive_overhang=demo.FORGIVE)
+    options = pdoik.Options(goal=goal, goal_axis="x")
     solver = pdoik.Solver(robot, options)
     for _ in range(50):
         q, q_target = rng.uniform(robot.lower, robot.upper, (2, robot.dof))
@@ -54,7 +54,7 @@ def test_its_verdict_is_the_judges(
 
 
 def test_it_confirms_solutions_and_nothing_near_them(robot: pdoik.Robot, chain: object) -> None:
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0, forgive_overhang=demo.FORGIVE))
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
     q_target = robot.mid_configuration() + 0.2
     T_base_tip = robot.fk(q_target)
     result = solver.solve(T_base_tip)
@@ -106,7 +106,7 @@ def touches(robot: pdoik.Robot, q: np.ndarray, scan: np.ndarray) -> bool:
 def test_nothing_it_calls_solved_touches_the_scan(
     robot: pdoik.Robot, chain: object, rng: np.random.Generator, leaf: float | None
 ) -> None:
-    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0, forgive_overhang=demo.FORGIVE))
+    solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
     models = demo.primitive_models()
     rows = [demo.solve_one(solver, chain, models, 9, leaf, rng) for _ in range(20)]
     solved = [row for row in rows if row.solved]

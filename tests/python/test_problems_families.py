@@ -103,9 +103,10 @@ def test_shapes_are_the_solids_and_what_may_touch_is_told() -> None:
 
 
 def test_a_wrong_answer_and_a_missed_one_are_counted(judge: Judge) -> None:
-    """A robot without hulls runs into what it cannot feel."""
+    """A robot whose only hull holds next to nothing runs into what it cannot feel."""
     files = robot_files("panda")
     robot = pdoik.Robot.from_urdf(files.xml(), files.base, list(files.tips))
+    robot.occupancy = pdoik.Occupancy(spheres=[(robot.base_link, (0, 0, 0), 1e-3)])
     q = np.array(READY)
     targets = {"panda_hand_tcp": judge.fk(q, "panda_hand_tcp")}
     wall = box("wall", (0.02, 2, 2), pose((0.2, 0, 0.5)))

@@ -51,7 +51,7 @@ def beside(rng: np.random.Generator) -> tuple[Model, list[Hypothesis]]:
 def worth(model: Model, candidate: Hypothesis) -> float:
     """Log odds at the model's noise, what rests on its bound left there."""
     own = []
-    for each, span in zip(model.hypotheses, model.spans, strict=True):
+    for each, span in model.placed:
         at = model.active[span]
         columns = {key: column[:, at] for key, column in each.term.columns.items()}
         kept = replace(each.term, columns=columns, prior=each.term.prior[at])

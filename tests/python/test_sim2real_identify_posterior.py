@@ -29,8 +29,7 @@ def keys(state: State) -> set[TermKey]:
 
 def size(state: State, hypothesis: Hypothesis) -> float:
     """Its first coefficient."""
-    at = next(i for i, each in enumerate(state.model.hypotheses) if each is hypothesis)
-    return float(state.model.beta[state.model.spans[at]][0])
+    return float(state.model.beta[state.model.span(hypothesis)][0])
 
 
 def assert_worth_it(posterior: Posterior, state: State) -> None:

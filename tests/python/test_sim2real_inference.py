@@ -15,14 +15,13 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.sim2real import Diagnosis, Estimate, Study, diagnose, load_study
-from pdoik.sim2real.confirm.event_support import event_support
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
 from pdoik.sim2real.effects.torque_channel import OF_BOTH, OF_DRIVE, OF_REPORT
 from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.identify.ordinary import DAYS
 from pdoik.sim2real.identify.support import held_out_support
 from pdoik.sim2real.infer.changing_friction import spreads_of
+from pdoik.sim2real.infer.event_support import event_support
 from pdoik.sim2real.infer.torque_scale import with_torque_scale
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.motion import Motion, motion_of
@@ -31,6 +30,7 @@ from pdoik.sim2real.motion.rigid_body import RigidBody
 from pdoik.sim2real.regression.background import background
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
+from pdoik.sim2real.regression.trusted_bodies import DAYS
 from pdoik.sim2real.study.recording import FloatArray, Recording
 from pdoik.sim2real.study.study import Trust
 from pdoik.sim2real.thresholds import Thresholds
@@ -399,8 +399,7 @@ def test_an_event_is_scored_where_it_was_not_learnt(
         motions.append(replace(m, torque=torque, cache={}))
     b = Balances(motions)
     fit = Fit(b, [])
-    began = {key: fit.residual(key) for key in push.columns}
-    support = event_support(fit, push, began)
+    support = event_support(fit, push, fit)
     assert support.event
     assert least <= support.weight <= most
     assert (support.gain > 0.9) == (force > 0.0)

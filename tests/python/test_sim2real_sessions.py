@@ -82,7 +82,6 @@ def test_one_session_that_tells_something_has_no_spread() -> None:
     found = spread_between(np.array([2.0, -9.0]), np.array([0.1, np.inf]), 9)
     assert (found.std, found.p, found.sessions, found.mean) == (0.0, 1.0, 1, 2.0)
     assert found.half_width(0.5) == pytest.approx(0.98)
-    assert found.of_another == 0.0
     nothing = spread_between(np.zeros(3), np.full(3, np.inf), 9)
     assert (nothing.std, nothing.p, nothing.sessions) == (0.0, 1.0, 0)
 
@@ -91,9 +90,6 @@ def test_intervals_of_few_sessions_are_wide() -> None:
     three = Spread(mean=1.0, std=0.3, p=0.0, error=0.3 / np.sqrt(3), sessions=3)
     width = stats.t.ppf(0.975, 2) * np.hypot(0.01, 0.3 / np.sqrt(3))
     assert three.half_width(0.01) == pytest.approx(width)
-    assert three.of_another == pytest.approx(
-        stats.t.ppf(0.975, 2) / stats.norm.ppf(0.975) * 0.3 * np.sqrt(4 / 3), rel=1e-3
-    )
 
 
 # Balances of several days

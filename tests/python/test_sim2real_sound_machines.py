@@ -92,7 +92,7 @@ def test_friction_that_differs_between_directions_is_named_only_where_it_is_stro
 
 def test_the_background_without_a_kind_is_without_it_at_one_joint(machine: Prepared) -> None:
     _, terms = background(machine.fit)
-    believed = machine.fit.thresholds.background
+    believed = machine.fit.thresholds
     fewer = without_its_like(terms, term(machine.fit, ONE_WAY.id, 1), believed)
     assert len(fewer) == len(terms) - 1
     (rest,) = (t for t in fewer if t not in terms)

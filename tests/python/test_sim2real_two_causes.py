@@ -88,8 +88,7 @@ def test_an_imus_zeros_are_plain_beside_friction(tmp_path: Path) -> None:
     frictions = {("coulomb_friction", (j,)) for j in range(9)}
     assert named(state) == frictions | {("imu_offset", ())}
     (offset,) = (term for term in state.accepted if term.effect == "imu_offset")
-    at = int(state.fit.offsets[state.fit.terms.index(offset)])
-    assert state.fit.beta[at + 3 : at + 6] == pytest.approx(zeros, abs=0.002)
+    assert state.fit.beta_of(offset)[3:6] == pytest.approx(zeros, abs=0.002)
 
 
 def test_beside_a_pose_an_accelerometer_says_its_zero_by_itself(tmp_path: Path) -> None:

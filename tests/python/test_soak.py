@@ -284,6 +284,7 @@ def record_of(judge: Any, motion: Any, path: np.ndarray, status: list[str]) -> A
         q=path[1:],
         last=path[:-1],
         status=np.array(status),
+        stopped_hard=np.zeros(len(status), bool),
         said={name: getattr(truth, name) for name in solves.FIELDS},
         time=zeros,
         wall=zeros,

@@ -45,9 +45,8 @@ def confirm(
         is_, wanted = T[:3, :3] @ axis, T_base_tip[:3, :3] @ axis
         rotation_error = np.arctan2(np.linalg.norm(np.cross(is_, wanted)), is_ @ wanted)
     assert result.rotation_error == pytest.approx(rotation_error, abs=1e-9)
-    gap = clearance(
-        judged_occupancy(robot), poses, np.zeros((0, 3)) if obstacles is None else obstacles
-    )
+    hulls = judged_occupancy(robot) if options.forgive_overhang else robot.occupancy
+    gap = clearance(hulls, poses, np.zeros((0, 3)) if obstacles is None else obstacles)
     assert result.clearance == pytest.approx(gap, abs=1e-8)
 
     holds = (
@@ -256,7 +255,8 @@ def test_no_obstacles_are_as_good_as_none(robot: pdoik.Robot, empty: np.ndarray 
 
 def test_a_robot_without_hulls_touches_nothing(robot: pdoik.Robot) -> None:
     robot.occupancy = pdoik.Occupancy()
-    solver = pdoik.Solver(robot, pdoik.Options(**PATIENT))
+    options = pdoik.Options(**PATIENT, ignore_obstacles_without_hulls=True)
+    solver = pdoik.Solver(robot, options)
     result = solver.solve(robot.fk(robot.mid_configuration()), obstacles=[[0, 0, 0.1]])
     assert result.success
     assert result.clearance == np.inf

@@ -176,6 +176,55 @@ def test_a_target_that_jumps_is_approached_at_the_speed_allowed(
     assert (speed <= arguments.get("max_speed", np.inf) + 1e-9).all()
 
 
+def test_a_goal_is_reached_by_speeding_up_and_braking_no_harder_than_allowed(
+    panda: pdoik.Robot, start: np.ndarray
+) -> None:
+    most = np.full(7, 3.0)
+    tracker = tracker_of(panda, start, max_acceleration=most)
+    T = panda.fk(panda.mid_configuration() - 0.3)
+    before, steps = np.zeros(7), 0
+    while not (step := tracker.step(T)).success or np.abs(tracker.velocity).max() > 1e-3:
+        assert not step.stopped_hard
+        assert (np.abs(tracker.velocity - before) <= PERIOD * most + 1e-9).all()
+        before, steps = tracker.velocity, steps + 1
+        assert steps < 5000
+    assert steps > 100
+
+
+def test_where_it_moves_already_it_begins_at_its_speed(
+    panda: pdoik.Robot, start: np.ndarray
+) -> None:
+    tracker = tracker_of(panda, start, max_acceleration=np.full(7, 3.0))
+    velocity = np.array([0.3, 0.0, -0.2, 0.0, 0.0, 0.0, 0.1])
+    tracker.reset(start, velocity)
+    step = tracker.step(panda.fk(start))
+    assert np.abs((step.q - start) / PERIOD - velocity).max() <= 3.0 * PERIOD + 1e-9
+    assert np.abs(step.q - start).max() > 0.0
+    tracker.reset(start, velocity)
+    refused = tracker.step(np.full((4, 4), np.nan))
+    assert refused.tracking == "invalid_input"
+    assert refused.stopped_hard
+    assert not tracker.velocity.any()
+    with pytest.raises(ValueError, match="velocity"):
+        tracker.reset(start, np.ones(3))
+
+
+def test_a_goal_that_stands_is_not_for_joints_that_brake_each_for_itself(
+    panda: pdoik.Robot, start: np.ndarray
+) -> None:
+    goal = pdoik.Goal(panda.fk(start), stands=True)
+    assert goal.stands
+    step = tracker_of(panda, start, max_acceleration=np.ones(7)).step(goal)
+    assert step.tracking == "invalid_input"
+    assert "stands" in step.complaint
+    assert tracker_of(panda, start).step(goal).tracking == "tracking"
+
+
+@pytest.mark.parametrize("kind", [pdoik.Solver, pdoik.Tracker])
+def test_what_was_not_made_can_be_shown(kind: type) -> None:
+    assert repr(kind.__new__(kind)) == f"<{kind.__name__} that was not made>"
+
+
 def test_no_speed_at_all_is_no_motion(panda: pdoik.Robot, start: np.ndarray) -> None:
     tracker = tracker_of(panda, start, max_speed=np.zeros(7))
     step = tracker.step(panda.fk(panda.mid_configuration()))
@@ -424,6 +473,7 @@ def test_resets_move_inside_the_limits_and_refuse_nonsense(panda: pdoik.Robot) -
         ({"speed_share": 0.0}, "speed_share is 0"),
         ({"max_speed": np.ones(3)}, r"max_speed has shape \(3,\), expected \(7,\)"),
         ({"max_speed": -np.ones(7)}, r"max_speed\[0\] is -1"),
+        ({"max_acceleration": np.zeros(7)}, r"max_acceleration\[0\] is 0"),
         ({"posture_weight": -1.0}, "posture_weight is -1"),
         ({"smoothness": np.nan}, "smoothness is nan"),
     ],

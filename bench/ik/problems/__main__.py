@@ -70,6 +70,9 @@ def run(
     spacing: Annotated[
         float, typer.Option(min=0.05, help="Of the points that clouds are made of, in mm.")
     ] = 1e3 * SPACING,
+    forgive_overhang: Annotated[
+        bool, typer.Option(help="Forgive contact within what hulls stand out; see pdoik.Options.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = OUT,
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
@@ -110,7 +113,14 @@ def run(
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
                 for way in method or [usual_way(problems)]:
-                    answering = Method(way, solver_robot, budgets, problems[0], spacing / 1e3)
+                    answering = Method(
+                        way,
+                        solver_robot,
+                        budgets,
+                        problems[0],
+                        spacing / 1e3,
+                        forgive=forgive_overhang,
+                    )
                     task = progress.add_task(f"{name} {way}", total=len(problems))
                     done = run_trials(
                         problems, answering, judge, lambda task=task: progress.advance(task)
@@ -123,7 +133,7 @@ def run(
         out.mkdir(parents=True, exist_ok=True)
         stem = f"{files.name}-{'-'.join(sets)}"[:80]
         facts = {"provenance": provenance(BUILD.parent), "meshes": meshes}
-        text = {**facts, "hull_meshes": hull_meshes, "rows": rows}
+        text = {**facts, "hull_meshes": hull_meshes, "forgive": forgive_overhang, "rows": rows}
         write_text(out / f"{stem}.json", json.dumps(text, indent=1) + "\n")
         write_report(out / f"{stem}.md", table)
         print(table)

@@ -47,6 +47,7 @@ class Asked:
     clearance: float = 0.0
     clearance_tolerance: float = 1e-6
     base_collision: bool = True
+    forgive_overhang: bool = False
     self_collision: bool = False
     self_clearance: float = 0.0
     balance: Mapping[str, Any] | None = None  # arguments of pdoik.Balance
@@ -171,9 +172,9 @@ class Judge:
     def clearance(
         self, a: FloatArray, b: FloatArray, points: FloatArray, asked: Asked
     ) -> FloatArray:
-        """Of the hulls that count, with what may be forgiven taken off them, (B,) [m]."""
+        """Of the hulls that count, with what is to be forgiven taken off them, (B,) [m]."""
         counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
-        radii = (self.A - self.forgiven)[counted]
+        radii = (self.A - self.forgiven * asked.forgive_overhang)[counted]
         return clearance(a[:, counted], b[:, counted], radii, points, self.swept[counted])
 
     def travel(self, moved: FloatArray) -> FloatArray:

@@ -106,6 +106,8 @@ def _tracker(velocity: FloatArray, speeds: str, rng: np.random.Generator) -> dic
         tracker["max_speed"][rng.random(len(velocity)) < 0.1] = 0.0
     elif speeds == "usual" and rng.random() < 0.3:
         tracker["max_speed"] = rng.uniform(0.1, 5.0, len(velocity))
+    if rng.random() < 0.25:
+        tracker["max_acceleration"] = 10 ** rng.uniform(0.0, 2.0, len(velocity))
     if rng.random() < 0.4:
         tracker["max_time"] = float(10 ** rng.uniform(-5, -3))
     return tracker

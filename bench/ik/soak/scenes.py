@@ -54,6 +54,7 @@ class Scene:
 def make_options(values: dict[str, Any]) -> pdoik.Options:
     """The library's options from what a scene holds."""
     changed = {name: value for name, value in values.items() if name != "balance"}
+    changed["ignore_obstacles_without_hulls"] = True  # some robots have none
     if values.get("balance") is not None:
         changed["balance"] = pdoik.Balance(**values["balance"])
     return pdoik.Options(**changed)
@@ -150,6 +151,7 @@ def draw_options(
     if not judge.kinematics.spec.rows and rng.random() < 0.2:
         q = random_configurations(judge.kinematics, 1, rng)[0] if about is None else about
         options["balance"] = draw_balance(judge, q, rng)
+    options["forgive_overhang"] = bool(rng.random() < 0.3)
     return options
 
 

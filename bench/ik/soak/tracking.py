@@ -31,7 +31,7 @@ RUNS = 4  # of one robot before the next one is drawn
 PREEMPTED = 1e-4  # wall time that the thread did not have [s]
 WINDOWS = (1, 5, 25, STEPS)  # steps that a case is tried with, the fewest first
 FAULTS = (
-    *("false claim", "deeper", "passed through", "limits", "step"),
+    *("false claim", "deeper", "passed through", "limits", "step", "too hard"),
     *("not finite", "not held", "refused", "misreported"),
 )
 KEPT_OF_MOTION = ("speeds", "options", "tracker", "start", "posture", "goals")
@@ -45,6 +45,7 @@ class Record:
     q: FloatArray
     last: FloatArray  # (T, n)
     status: npt.NDArray[np.str_]
+    stopped_hard: BoolArray
     said: dict[str, FloatArray]  # by FIELDS
     time: FloatArray  # as the tracker says [s]
     wall: FloatArray  # of the call [s]
@@ -80,6 +81,7 @@ def run(motion: Motion, robot: pdoik.Robot) -> Record:
         q=of("q"),
         last=np.array(last),
         status=of("tracking"),
+        stopped_hard=of("stopped_hard"),
         said={name: of(name) for name in FIELDS},
         time=of("time"),
         wall=wall_times,
@@ -160,6 +162,18 @@ def deeper(verdicts: Verdicts, held: Verdicts, asked: Asked) -> FloatArray:
     return np.max([np.minimum(still, wanted) - now for now, still, wanted in pairs], axis=0)
 
 
+def too_hard(tracker: Mapping[str, Any], record: Record) -> BoolArray:
+    """Which steps change a joint's speed by more than is allowed and do not say so, (T,)."""
+    most = tracker.get("max_acceleration")
+    if most is None:
+        return np.zeros(len(record.q), bool)
+    period = tracker["period"]
+    speed = (record.q - record.last) / period
+    change = np.abs(np.diff(speed, axis=0, prepend=0.0 * speed[:1]))
+    beyond = (change > period * most + BOUND_ROUNDING / period).any(axis=1)
+    return np.asarray(beyond & ~record.stopped_hard)
+
+
 def speed_class(speeds: FloatArray) -> str:
     """Of the limits that hold, in the words of SPEEDS."""
     if np.isinf(speeds).any():
@@ -184,6 +198,7 @@ def examine(motion: Motion, judge: Judge, record: Record) -> tuple[Row, dict[str
         "deeper": beyond > ROUNDING,
         "limits": ~verdicts.limits_hold,
         "step": over > BOUND_ROUNDING,
+        "too hard": too_hard(motion.tracker, record),
         "not finite": ~np.isfinite(record.q).all(axis=1),
         "not held": ~sound & ~(refused & (record.q == record.last).all(axis=1)),
         "refused": sound & refused,

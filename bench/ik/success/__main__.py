@@ -30,6 +30,10 @@ def main(
         int, typer.Option(min=0, help="The same for R-TR and R-CG, which take long.")
     ] = 200,
     most_objects: Annotated[int, typer.Option(min=1, max=9)] = 9,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="These only, with the tip's z; repeatable, any of bench.ik.methods."),
+    ] = None,
     seed: commands.Seed = 0,
     scheduler: commands.Scheduler = None,
     workers: commands.Workers = None,
@@ -48,10 +52,12 @@ def main(
         "tolerance": 0.01,  # [m] and [rad]
         "max_time": 60.0,  # [s]
     }
+    if method:
+        settings["only"] = sorted(method)
     methods = [
         (name, "z", min(scenarios, slow_scenarios) if name in SLOW else scenarios)
-        for name in PAPER_METHODS
-    ] + [(name, "x", scenarios) for name in WITH_TIP_X]
+        for name in method or PAPER_METHODS
+    ] + [(name, "x", scenarios) for name in ([] if method else WITH_TIP_X)]
     common = {**settings, "methods": methods}
     jobs = blocks(scenarios, BLOCK, common, n_objects=counts, robot=ARMS)
     with commands.plain_errors():
@@ -68,8 +74,9 @@ def main(
             f"## Time of the others over that of {ours}, same scenario\n\n"
             + report.speed_ratios(tip_z, ours, slow)
             for ours in ("PDO-IK", "pdoik")
+            if slow
         ),
-        "## Goals with the tip's x\n\n" + report.summary_table(tip_x),
+        *(["## Goals with the tip's x\n\n" + report.summary_table(tip_x)] if len(tip_x) else []),
         "## By number of obstacles\n\n" + report.full_table(tip_z),
     ]
     report.draw(tip_z, out / "success.png", f"Sec. exp1, {source}, goals with the tip's z")

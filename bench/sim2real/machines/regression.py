@@ -26,9 +26,9 @@ from pdoik.sim2real.identify.candidates import candidates
 from pdoik.sim2real.identify.figures import estimates
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.regression.background import repeats
 from pdoik.sim2real.regression.fit import Fit
 from pdoik.sim2real.regression.one_more import OneMore
+from pdoik.sim2real.regression.repeats import repeats_of
 
 STEP = 0.02  # between rows [s]
 BLOCK = 1.0  # rows within which count as one for errors [s]
@@ -175,6 +175,6 @@ def _as_noisy(balances: Balances, fit: Fit) -> Balances:
     for key in fit.design:
         rows, left = fit.rows[key], fit.residual(key) * balances.sigma[key]
         if len(rows):
-            alike = repeats(balances, key, rows, left)
+            alike = repeats_of(balances, rows, left)
             noise[key] = float(np.sqrt(np.mean(left**2) * alike)) or balances.sigma[key]
     return balances.with_noise(noise)

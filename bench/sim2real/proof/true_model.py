@@ -85,8 +85,7 @@ class TrueModel:
     def residual(self, b: Balances) -> dict[Key, Array]:
         """What is left of other balances, (N,) per key."""
         left = {key: b.residual[key].copy() for key in b.keys}
-        for term, offset in zip(self.fit.terms, self.fit.offsets, strict=False):
-            beta = np.ones(1) if term.fixed else self.fit.beta[offset : offset + term.width]
+        for term, beta in self.fit.weighted:
             name = "link_inertial_error" if term.effect == TRUST else term.effect
             columns = gated(b, CATALOGUE[name], term, self.gates.get(id(term), {}))
             for key, column in columns.items():

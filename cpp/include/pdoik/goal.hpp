@@ -22,6 +22,12 @@ struct Goal {
   double weight = 1.0;  ///< of its squared errors, against the other goals': counts where not all
                         ///< can be met
 
+  /// Whether a Tracker gives nothing of it up for goals that do not stand: a foot on the ground
+  /// whatever the hands are asked. Where it is met it stays so, to 0.05 mm and what that is of a
+  /// turn, else it is left no farther. A Solver weighs all goals alike. Not for trackers whose
+  /// acceleration is limited.
+  bool stands = false;
+
   /// How far the tip may be off along each axis of the target frame without it being an error [m].
   Eigen::Vector3d position_slack = Eigen::Vector3d::Zero();
   /// How far it may be turned about each axis of the target frame, as the components of the

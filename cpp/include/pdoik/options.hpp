@@ -97,7 +97,12 @@ struct Options {
   /// target decides (a tip's and what comes after it) and of those that no joint moves. Their
   /// capsules then count as thinner by their overhang, so that a hand may be at an object and a
   /// base on its table by as much as its hull cannot tell; never by more than half their radius.
-  bool forgive_overhang = true;
+  /// Off, since a success then promises less: it may touch by as much, and Result::forgiven says
+  /// what does.
+  bool forgive_overhang = false;
+  /// Whether a robot that has no hulls may be among obstacles, and carry something: but for what it
+  /// carries nothing of it then keeps off anything. Off: it is refused among them.
+  bool ignore_obstacles_without_hulls = false;
   TouchOptions touch = {};  ///< what may be touched at the target
   /// @}
   /// @name Balance and self-collision

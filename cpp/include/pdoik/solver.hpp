@@ -117,7 +117,9 @@ class Solver {
   /// obstacles, balanced and off itself where the options say so. The real-time form: result.q is
   /// resized at the first use only.
   /// @throws std::invalid_argument on NaN, infinity, a target that is not rigid to 1e-6, a wrong
-  /// length, a tip that there is not or that has two goals, a negative slack or weight, no goal.
+  /// length, a tip that there is not or that has two goals, a negative slack or weight, no goal;
+  /// and, as everything here that looks at obstacles, where there are any, or the robot carries
+  /// something, and it has no hulls: see Options::ignore_obstacles_without_hulls.
   void solve(const Request& request, Result& result);
 
   /// The same for a robot with one tip, whose goal is of the options' type.

@@ -19,6 +19,9 @@ struct TrackerOptions {
   double speed_share = 1.0;  ///< of the robot's speed limits that may be used
   /// Speed limits to hold besides those of the robot, shape (n,) [rad/s] or [m/s]; empty for none.
   Eigen::VectorXd max_speed = {};
+  /// How much joint speeds may change in a second, shape (n,) [rad/s^2] or [m/s^2]; empty for as
+  /// much as they like. Joints then speed up and brake before goals, limits and obstacles.
+  Eigen::VectorXd max_acceleration = {};
   /// Of the squared distance to the posture, where one is set [m^2/rad^2].
   double posture_weight = 1e-3;
   /// Of the squared distance to the last answer, in what the search is pulled to [m^2/rad^2].
@@ -32,8 +35,8 @@ enum class TrackerStatus {
                    ///< step that comes nearest, and result.worst names what gives
   DeadlineStruck,  ///< max_time struck before they were met; q is the best so far, which is at
                    ///< worst the last answer
-  InvalidInput,  ///< the goals or the last obstacles make no sense: `complaint` says why; q is the
-                 ///< last answer
+  InvalidInput,  ///< the goals or the last obstacles make no sense, or there are obstacles and the
+                 ///< robot has no hulls: `complaint` says why; q is the last answer
 };
 
 /// A status in lower case with underscores, as the Python module gives it.
@@ -47,6 +50,9 @@ const char* to_string(TrackerStatus status);
 struct TrackerResult : Result {
   TrackerStatus tracking = TrackerStatus::InvalidInput;  ///< what became of the step
   int step_limited = -1;  ///< the first joint that its step limit holds back, -1 for none
+  /// Whether it stops harder than `max_acceleration` allows: braking only so hard would be deeper
+  /// in something or leave the limits of a joint, or the input was refused.
+  bool stopped_hard = false;
   /// Why the input was refused; empty otherwise. It points to text that lives until the next step.
   const char* complaint = "";
 };
@@ -65,11 +71,13 @@ struct TrackerResult : Result {
 /// limits times period, the joint limits and barriers takes its place: of what is clear a step
 /// takes half the room at most, and what is touched is left first. It is taken only if it is judged
 /// to be no deeper in anything than standing still, nor than contact, all along the straight way,
-/// and nearer to the goals, or clearer. On the way what could be grazed unseen is less than a tenth
-/// of a millimetre. A goal that cannot be reached is come near to, and the robot rests. There are
-/// no restarts, so it cannot jump, and a minimum that is only local may hold it. Input that makes
-/// no sense does not throw: the last answer stands, and the step says so. A tracker belongs to one
-/// thread; after construction nothing allocates, locks or prints.
+/// and nearer to the goals, or clearer. Where acceleration is limited the same is asked of where it
+/// would come to rest, so that it can brake before what stands still; if something comes too near
+/// for that it stops at once, and the step says so. On the way what could be grazed unseen is less
+/// than a tenth of a millimetre. A goal that cannot be reached is come near to, and the robot
+/// rests. There are no restarts, so it cannot jump, and a minimum that is only local may hold it.
+/// Input that makes no sense does not throw: the last answer stands, and the step says so. A
+/// tracker belongs to one thread; after construction nothing allocates, locks or prints.
 class Tracker {
  public:
   /// @name Making one
@@ -98,10 +106,14 @@ class Tracker {
 
   /// Where the next step starts from, shape (n,): the measured configuration, most often. Moved
   /// inside the limits.
+  /// @param velocity  How fast it moves, which counts where acceleration is limited; empty for at
+  /// rest. Shape (n,) [rad/s] or [m/s].
   /// @throws std::invalid_argument on a wrong length, NaN or infinity.
-  void reset(VectorIn q);
+  void reset(VectorIn q, VectorIn velocity = Eigen::VectorXd());
   /// The last answer, shape (n,); mid-range before the first reset.
   const Eigen::VectorXd& q() const;
+  /// Its speed in the last step where acceleration is limited, shape (n,); 0 else.
+  const Eigen::VectorXd& velocity() const;
 
   /// A posture to stay near from now on, shape (n,); empty for none.
   /// @throws std::invalid_argument on a wrong length, NaN or infinity.

@@ -80,6 +80,7 @@ class GoalTerm {
                  goal.axis) {
     set_target(goal.T_base_tip);
     weight_ = goal.weight;
+    stands_ = goal.stands;
     position_slack_ = goal.position_slack;
     rotation_slack_ = goal.rotation_slack;
     has_slack_ = !position_slack_.isZero(0.0) || !rotation_slack_.isZero(0.0);
@@ -93,6 +94,8 @@ class GoalTerm {
     target_ = to_frame(Eigen::Isometry3d::Identity());
   }
 
+  /// Let its errors weigh so many times as much.
+  void weigh(double times) { weight_ *= times; }
   void set_target(const Eigen::Isometry3d& T) { target_ = to_frame(T); }
   /// Bring the target towards the tip, as placed, until the errors are within bounds [m], [rad]:
   /// both by the same share, so that what comes nearer to it comes nearer to where it was.
@@ -128,6 +131,7 @@ class GoalTerm {
   int body() const { return body_; }
   GoalType type() const { return type_; }
   double weight() const { return weight_; }
+  bool stands() const { return stands_; }
   bool has_slack() const { return has_slack_; }
   const Frame& tip() const { return tip_; }
   /// What of the errors the goal's slack does not forgive, in the base frame [m], [rad].
@@ -198,7 +202,7 @@ class GoalTerm {
   Frame target_, tip_{};
   Vec4 position_error_{}, kept_rotation_error_{};
   double weight_ = 1.0;
-  bool has_slack_ = false;
+  bool stands_ = false, has_slack_ = false;
   Eigen::Vector3d position_slack_ = Eigen::Vector3d::Zero(),
                   rotation_slack_ = Eigen::Vector3d::Zero();
 };

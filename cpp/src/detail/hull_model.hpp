@@ -45,6 +45,10 @@ bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body);
 /// fingers.
 bool ends_with(const Robot& robot, int body, int first);
 
+/// Whether no answer moves a body: no joint does, or it belongs to a tip, which is where its target
+/// is, or to what comes after that, as fingers do.
+bool is_placed_by_goal(const Robot& robot, int body);
+
 struct HullModel;
 /// Whether all of a hull moves with a body.
 bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body);

@@ -7,6 +7,7 @@
 
 #include "detail/balance.hpp"
 #include "detail/collision_state.hpp"
+#include "detail/forgiven.hpp"
 #include "detail/held_clearance.hpp"
 #include "detail/scene.hpp"
 #include "detail/self_collision.hpp"
@@ -26,12 +27,13 @@ class Judge {
   void let_touch(const Touching* touching) {
     collision_.let_touch(touching);
     capsules_.let_touch(touching);
+    if (forgiven_) forgiven_->let_touch(touching);
   }
   /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
   void hold(const Scene& scene);
 
-  /// Fills q, errors, clearance, limit violation, worst constraint and success. Allocates nothing
-  /// when result.q has its size.
+  /// Fills q, errors, clearance, limit violation, worst constraint, what was forgiven and success.
+  /// Allocates nothing when result.q has its size.
   /// @param look  Clearance beyond this is told as this: to find how far the far is takes time [m].
   void operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
                   Result& result, double look = std::numeric_limits<double>::infinity());
@@ -55,6 +57,7 @@ class Judge {
   Balance balance_;
   std::optional<SelfCollision> self_;
   std::optional<HeldClearance> held_;
+  std::optional<ForgivenContact> forgiven_;  ///< where any contact is
 };
 
 }  // namespace pdoik::detail

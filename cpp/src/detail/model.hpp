@@ -22,8 +22,9 @@ struct Model {
   /// mimic joint follows at a rate that a whole turn would not leave unchanged.
   void wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const;
   /// Those with limits a turn apart or more come as near to what is wanted as whole turns bring
-  /// them.
-  void unwind(const Eigen::VectorXd& wanted, Eigen::VectorXd& q) const;
+  /// them between a solve's bounds, which are the limits or closer.
+  void unwind(const Eigen::VectorXd& wanted, const Eigen::VectorXd& lower,
+              const Eigen::VectorXd& upper, Eigen::VectorXd& q) const;
   /// Whether more joints move tips or hulls than goals fix.
   bool is_redundant(std::span<const Goal> goals) const;
 

@@ -37,14 +37,18 @@ class QuadraticProgram {
   double worst(const Inequalities& within, int& which) const;
   /// Its gradient in y, where the Hessian is the identity, into normal_.
   void set_normal(const Inequalities& within, int which);
+  /// What of normal_ lies along each of the first columns of the basis, and what is left of it.
+  void split(int count);
+  /// Make what was split an active normal.
+  void add();
   /// Take the worst one in, and out what then pulls the wrong way.
   bool take_in(int which, double violation);
   void drop(int at);
 
   Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor_;
-  Eigen::MatrixXd normals_;          ///< of the active ones, by columns
-  Eigen::MatrixXd gram_, factored_;  ///< lower triangles of their products, and its factor
-  Eigen::VectorXd x_, y_, normal_, direction_, change_, pull_;
+  /// Of the active ones, by columns; an orthonormal basis of them, and each of them by it.
+  Eigen::MatrixXd normals_, basis_, factor_of_normals_;
+  Eigen::VectorXd x_, y_, normal_, kept_, direction_, along_, change_, pull_;
   std::vector<int> which_;
   int active_ = 0;
 };

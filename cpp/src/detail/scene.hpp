@@ -9,6 +9,7 @@
 
 #include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
+#include "detail/complaint.hpp"
 #include "detail/held.hpp"
 #include "detail/model.hpp"
 #include "detail/own_rows.hpp"
@@ -54,8 +55,11 @@ class Scene {
   void hold(Held::Solids solids);
 
   /// Held while a solve reads the obstacles, which stay as they are: brings up to date what follows
-  /// from them.
+  /// from them. Everything that uses a scene begins with this.
+  /// @throws std::invalid_argument  There is something to keep off, and the robot has no hulls.
   CloudState::Reading read();
+  /// The same for who may not throw: it says so in a complaint, which is left alone else.
+  CloudState::Reading read(Complaint& complaint);
   /// Whether `read` has found them changed since this was last asked.
   bool has_changed() { return std::exchange(changed_, false); }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "detail/barriers.hpp"
 #include "detail/gate.hpp"
 #include "detail/quadratic_program.hpp"
@@ -14,8 +16,12 @@ class Step {
   /// The workspace outlives it.
   explicit Step(Workspace& workspace);
 
+  /// Tell how goals move that are followed, by those of the last call and where the robot is.
+  void follow(std::span<const Goal> goals, const Eigen::VectorXd& from, Braking& braking);
   /// result.status is Solved, TimeLimit or Exhausted. Allocates nothing if result.q has its size.
   void take(const StepRequest& request, Result& result);
+  /// Where the last step leads: to its end, or where the robot comes to rest.
+  const Eigen::VectorXd& aim() const { return gate_.aim(); }
 
  private:
   /// Take in the goals: those that are farther than a step can bring a tip by what a step can, if
@@ -40,8 +46,12 @@ class Step {
   Barriers barriers_;
   QuadraticProgram program_;
   Eigen::MatrixXd hessian_;
+  Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor_;
+  std::vector<Goal> before_;  ///< goals of the last step
   Eigen::VectorXd gradient_, q_, pulled_, next_, least_, most_;
   bool brought_near_ = false;  ///< some goal
+  bool stands_ = false;        ///< some goal
+  double stride_ = 1.0;        ///< share of what joints may go while something stands
   double stand_off_ = 0.0;     ///< what linearised barriers missed lately [m]
 };
 

@@ -107,7 +107,6 @@ def _facts(effect: Effect) -> list[str]:
         "acts in a part of time or positions": "maybe" if effect.gated else "no",
         "confused with": ", ".join(effect.confused_with),
         "decided by": effect.decided_by,
-        "only beside": ", ".join(effect.beside),
         "source": effect.source,
     }
     return [*lines, "", *(f"{name}: {value}" for name, value in said.items() if value)]

@@ -80,6 +80,8 @@ def facts(solution: Solution) -> dict[str, object]:
         "limit_violation": result.limit_violation,
         "worst_constraint": result.worst_constraint,
         "worst_violation": result.worst_violation,
+        "forgiven_contact": result.forgiven_contact,
+        "forgiven_depth": result.forgiven_depth,
         "iterations": result.iterations,
         "evaluations": result.evaluations,
         "restarts": result.restarts,
@@ -166,6 +168,8 @@ def _errors(solution: Solution) -> Table:
     if math.isfinite(result.self_distance):
         add("between links", length_text(result.self_distance), "least distance of their hulls")
     add("tightest" if result.success else "worst", escape(result.worst_constraint))
+    if result.forgiven_contact:
+        add("forgiven", length_text(result.forgiven_depth), f"at most, {result.forgiven_contact}")
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, "
     add("time", time_text(result.time), effort + f"{result.restarts} restarts")
     return table
@@ -216,6 +220,10 @@ def advice(solution: Solution) -> list[str]:
             )
         if options.goal in looser:
             tips.append(looser[options.goal])
+    if result.status in {"base_collision", "blocked"} and not options.forgive_overhang:
+        tips.append(
+            "--forgive-overhang, if it touches by no more than its hulls stand beyond its links"
+        )
     if solution.obstacles is not None and result.status not in {"out_of_reach", "base_collision"}:
         given = "--cloud" if solution.obstacles.scene is None else "--scene"
         tips.append(f"the same without {given}, which tells whether obstacles are in the way")

@@ -63,6 +63,7 @@ class Judge:
         only_look = wide_hulls(robot)  # those around capsules
         hulls = [(*hull, 0.0, False) for k, hull in enumerate(wide) if k not in only_look]
         hulls += [(link, a, link, b, r, over, True) for link, a, b, r, over in occupancy.capsules]
+        self._forgiven: list[tuple[Any, ...]] = []  # those of them that count as thinner, whole
         self._hulls = self._counted(hulls)
         self._self_distance: SelfDistance | None = None
         self._keeps_off_itself = options.keeps_off_itself(robot)
@@ -112,7 +113,8 @@ class Judge:
             if fixed and not self.options.base_collision:
                 continue
             placed = fixed or any(still(hull, tip) for tip in self.robot.tip_links)
-            if placed and self.options.forgive_overhang:
+            if placed and self.options.forgive_overhang and over > 0.0:
+                self._forgiven.append((*hull, size, swept))
                 size -= min(over, 0.5 * size)
             counted.append((*hull, size, swept))
         return counted
@@ -139,10 +141,11 @@ class Judge:
             "position_error": max(error[0] for error in errors),
             "rotation_error": max(error[1] for error in errors),
             "limit_violation": self.kinematics.limit_violation(q),
-            "clearance": self._clearance(poses, obstacles),
+            "clearance": self._clearance(self._hulls, poses, obstacles),
             "self_distance": None if self._self_distance is None else self._self_distance(poses),
         }
-        return Judged(**figures, faults=tuple(self._faults(answer, figures)))
+        faults = self._faults(answer, figures) + self._unnamed(answer, poses, obstacles)
+        return Judged(**figures, faults=tuple(faults))
 
     def _faults(self, answer: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
         options, faults = self.options, []
@@ -177,6 +180,22 @@ class Judge:
                 faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g}")
         return faults
 
+    def _unnamed(
+        self, answer: Mapping[str, Any], poses: Mapping[str, FloatArray], obstacles: Obstacles
+    ) -> list[str]:
+        """Contact of whole capsules that a success passes over otherwise than it says."""
+        said, whole = answer.get("forgiven_depth"), None
+        if said is not None and answer["success"]:
+            whole = self._clearance(self._forgiven, poses, obstacles)
+        if said is None or whole is None:
+            return []
+        options = self.options
+        depth = max(options.clearance - options.clearance_tolerance - whole, 0.0)
+        if abs(depth - said) <= ROUNDING and bool(answer["forgiven_contact"]) == (said > 0.0):
+            return []
+        named = answer["forgiven_contact"] or "nothing"
+        return [f"says that {named} is forgiven, by {said:.9g} m; it is {depth:.9g} m"]
+
     def _goal_errors(self, goal: Any, T: FloatArray) -> tuple[float, float]:
         """Beyond slack, position [m] and rotation [rad]."""
         bare = not isinstance(goal, Goal)
@@ -206,12 +225,17 @@ class Judge:
         turn = np.maximum(np.abs(_rotation_vector(R.T @ T[:3, :3])) - rotation_slack, 0.0)
         return position, float(np.linalg.norm(turn))
 
-    def _clearance(self, poses: Mapping[str, FloatArray], obstacles: Obstacles) -> float | None:
+    def _clearance(
+        self,
+        hulls: list[tuple[Any, ...]],
+        poses: Mapping[str, FloatArray],
+        obstacles: Obstacles,
+    ) -> float | None:
         """Least over hulls and obstacles [m]; None where it is none of this judge's."""
         if any(what.startswith(("clearance", "what links")) for what in self.unjudged):
             return None
         least = np.inf
-        for link_a, a, link_b, b, size, swept in self._hulls:
+        for link_a, a, link_b, b, size, swept in hulls:
             A, B = (poses[link] @ [*p, 1.0] for link, p in ((link_a, a), (link_b, b)))
             least = min(least, _to_points(obstacles.points, A[:3], B[:3], size, swept, least))
             for shape in obstacles.shapes:

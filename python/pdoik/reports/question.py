@@ -19,6 +19,7 @@ ANSWER = (  # what a replay has to give again
     *("limit_violation", "center_of_mass", "balance_violation", "self_distance"),
     *("worst_constraint", "worst_violation"),
 )
+FORGIVEN = ("forgiven_contact", "forgiven_depth")  # which older reports do not have
 EFFORT = ("iterations", "evaluations", "restarts")
 OF_STEPS = ("tracking", "step_limited", "complaint")
 CLOCK = ("time", "intake", "late_evaluations")  # what is another one each time
@@ -31,13 +32,15 @@ def options_entry(options: Options) -> dict[str, Any]:
 
 
 def read_options(entry: Entry) -> Options:
-    """The same options; those that an older version did not have are at their defaults.
+    """The same options; those that an older version did not have are as it behaved.
 
     Raises:
         LoadError: One is unknown, or not what it should be.
     """
+    # Before it was an option, a robot without hulls ignored obstacles.
+    default = Options(ignore_obstacles_without_hulls=True)
     try:
-        options = _fields(Options(), entry)
+        options = _fields(default, entry)
     except (TypeError, ValueError) as error:
         if type(error) not in (TypeError, ValueError):  # it names its entry already
             raise
@@ -52,7 +55,7 @@ def _fields(default: Any, entry: Entry) -> Any:
         if name not in known:
             raise entry[name].wrong("no option of this version of pdoik")
     values = {name: _option(getattr(default, name), entry[name]) for name in entry.names()}
-    return type(default)(**values)
+    return dataclasses.replace(default, **values)
 
 
 def _option(default: Any, entry: Entry) -> Any:
@@ -145,7 +148,13 @@ def read_goals(entry: Entry, *, batch: bool = False, nan: bool = False) -> Any:
 
 def answer_entry(result: Any) -> dict[str, Any]:
     """Of a Result or a TrackerResult."""
-    names = [*ANSWER, *EFFORT, *(name for name in OF_STEPS if hasattr(result, name)), *CLOCK]
+    names = [
+        *ANSWER,
+        *FORGIVEN,
+        *EFFORT,
+        *(name for name in OF_STEPS if hasattr(result, name)),
+        *CLOCK,
+    ]
     return {name: plain(getattr(result, name)) for name in names}
 
 
@@ -164,7 +173,7 @@ def read_answer(entry: Entry, dof: int) -> dict[str, Any]:
             answer[name] = value.array(3)
         elif name == "success":
             answer[name] = value.boolean()
-        elif name in ("status", "worst_constraint", "tracking", "complaint"):
+        elif name in ("status", "worst_constraint", "forgiven_contact", "tracking", "complaint"):
             answer[name] = value.text()
         elif name in ("iterations", "evaluations", "restarts", "late_evaluations"):
             answer[name] = value.whole()

@@ -24,6 +24,7 @@ from .obstacles import read_obstacles
 from .question import (
     ANSWER,
     EFFORT,
+    FORGIVEN,
     OF_STEPS,
     answer_entry,
     read_answer,
@@ -255,7 +256,8 @@ def _differences(was: Mapping[str, Any], now: Mapping[str, Any], *, counts: bool
         counts: Compare effort, too; in a batch it depends on which thread solved what before.
     """
     found = []
-    for name in (*ANSWER, *(EFFORT if counts else ()), *OF_STEPS):
+    forgiven = [name for name in FORGIVEN if name in was]
+    for name in (*ANSWER, *forgiven, *(EFFORT if counts else ()), *OF_STEPS):
         a, b = was.get(name), now.get(name)
         if name == "q":
             a, b = np.asarray(a), np.asarray(b)

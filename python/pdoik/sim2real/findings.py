@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+import math
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from .motion.place import Gate
@@ -16,6 +17,9 @@ Verdict = Literal[
     "cannot_tell",
 ]
 SCHEMA = "pdoik.diagnosis/1"
+MOST_EQUIVALENTS = 3  # of a finding
+ERRORS = 1.96
+"""Standard errors from a value to an end of its 95 % interval."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +32,24 @@ class Estimate:
     unit: str
     spread: float | None = None  # standard deviation from session to session; None: not told
     spread_p: float | None = None  # probability of such differences if all sessions were alike
+
+    @classmethod
+    def normal(cls, value: float, std: float, unit: str) -> Estimate:
+        """With the interval of a normal error."""
+        interval = (value - ERRORS * std, value + ERRORS * std)
+        return cls(value=value, std=std, interval95=interval, unit=unit)
+
+    def wider(self, by: float) -> Estimate:
+        """With one more standard error beside its own, each end as far as it was."""
+        below, above = (math.hypot(end - self.value, ERRORS * by) for end in self.interval95)
+        interval = (self.value - below, self.value + above)
+        return replace(self, std=math.hypot(self.std, by), interval95=interval)
+
+    def moved(self, value: float) -> Estimate:
+        """Elsewhere, its interval as wide."""
+        low, high = self.interval95
+        by = value - self.value
+        return replace(self, value=value, interval95=(low + by, high + by))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +89,11 @@ class Evidence:
     interval95: tuple[float, float]
     channels: tuple[str, ...] = ()  # the columns it rests on
     beside_others: float | None = None  # the same of what all else leaves where it acts
+
+    @classmethod
+    def once(cls, share: float, *channels: str) -> Evidence:
+        """Of what was seen once: there is nothing to take an interval from."""
+        return cls(validation_gain=share, interval95=(share, share), channels=channels)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -329,6 +329,8 @@ class _Follower:
 
     def __init__(self, robot: pdoik.Robot, options: pdoik.Options) -> None:
         self.options = options
+        # The page says so where a robot without hulls cannot keep off what it shows.
+        options = replace(options, ignore_obstacles_without_hulls=True)
         self._near = pdoik.Solver(robot, replace(options, max_restarts=0))
         self._several = len(robot.tip_links) > 1  # limbs that no goal moves would drift
         far = replace(options, prefer="nearest") if self._several else options

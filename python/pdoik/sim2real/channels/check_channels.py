@@ -231,14 +231,7 @@ def _lie(prepared: Prepared, j: int, factor: float, error: float) -> Finding:
         recordings=tuple(r.name for r in prepared.study.fit),
         regime=f"in proportion to the torque of {name}",
         statement=f"The torque of Joint {name} reads {factor:.4g} times the model's: it {what}.",
-        parameters={
-            "gain": Estimate(
-                value=factor,
-                std=error,
-                interval95=(factor - 1.96 * error, factor + 1.96 * error),
-                unit="-",
-            )
-        },
+        parameters={"gain": Estimate.normal(factor, error, "-")},
         weight=_mended(prepared.fit, j, factor),
         decided_by="the channel beside a second instrument, or the drive's manual",
         evidence=Evidence(

@@ -226,16 +226,9 @@ def _finding(
         recordings=tuple(r.name for r in study.fit),
         regime=f"always, in {channel}.{name}",
         statement=said,
-        parameters={
-            "std": Estimate(
-                value=value,
-                std=error,
-                interval95=(value - 1.96 * error, value + 1.96 * error),
-                unit=unit,
-            )
-        },
+        parameters={"std": Estimate.normal(value, error, unit)},
         decided_by=SensorNoise.decided_by,
-        evidence=Evidence(validation_gain=gain, interval95=(gain, gain), channels=(channel,)),
+        evidence=Evidence.once(gain, channel),
         variant={"q": "position", "dq": "speed", "tau": "torque"}[channel],
     )
 

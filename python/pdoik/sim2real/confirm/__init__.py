@@ -1,6 +1,5 @@
-"""What was selected, confirmed: by simulations of the whole arm, and by sessions left out in turn.
+"""What was identified, held against simulations of the whole arm.
 
-Comes in: `Search`. Goes out: another, in which names that a regression confuses are distinguished
-by simulation, and what does not hold where it was not learnt is no more accepted; and the terms
-that are only suspected. Next: infer.
+Comes in: `Identified`. Goes out: another, in which names that a regression confuses are told apart
+by rollouts, and figures are moved to where rollouts leave least. Next: infer.
 """

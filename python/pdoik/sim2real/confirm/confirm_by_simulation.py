@@ -12,7 +12,7 @@ from pdoik.errors import PdoikError
 from ..effects import CATALOGUE
 from ..identify.candidates import candidates
 from ..identify.figures import estimates, values_and_errors
-from ..identify.identified import Identified, Rival
+from ..identify.identified import Identified, Weighed
 from ..motion.place import Key
 from ..motion.prepare import Prepared
 from ..regression.fit import Term, TermKey
@@ -57,10 +57,8 @@ def confirmed_by_simulation(
             if by >= clearly:
                 say(f"{described(prepared, rival)} in the place of {described(prepared, term)}")
                 term, own, bare = rival, tried, other
-            elif by > -clearly:
-                bare = _listed(bare, term, rival)
             else:
-                bare = _forgotten(bare, term, rival)
+                bare = _told(bare, term, rival, listed=by > -clearly)
         if own is None:
             continue
         for each in beside:
@@ -94,16 +92,15 @@ def _is_doubtful(state: Identified, term: Term) -> bool:
 
 
 def _with(state: Identified, accepted: Sequence[Term]) -> Identified:
-    """The search as if these had been accepted."""
+    """As if these had been accepted."""
     return state.fitted((*state.nuisance, *accepted))
 
 
 def _confirmed(arm: Arm, state: Identified) -> frozenset[TermKey]:
     """What only a simulation shows well, and is nearer to the recordings with than without."""
-    terms = state.accepted
-    values = [state.simulated[t.key] for t in terms if t.key in state.simulated]
+    terms, values = state.accepted, state.figures_simulated
     doubtful = [t for t in terms if CATALOGUE[t.effect].shown_poorly]
-    if len(values) < len(terms):
+    if values is None:
         return frozenset()
     try:
         whole = arm.run(terms, values)
@@ -193,21 +190,9 @@ def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
     return float(blocks.sum()) / max(error, 1e-12)
 
 
-def _listed(state: Identified, term: Term, rival: Term) -> Identified:
-    """With the rival among the names that data cannot tell from the term's."""
+def _told(state: Identified, term: Term, rival: Term, *, listed: bool) -> Identified:
+    """With the rival among the names that data cannot tell from the term's, or without it."""
+    rest = [r for r in state.rivals.get(term.key, ()) if r.term.effect != rival.effect]
     own = state.support[term.key].log_odds if term.key in state.support else 0.0
-    listed = Rival(term=rival, log_odds=own)
-    return _with_rivals(state, term, (listed, *_rivals_but(state, term, rival)))
-
-
-def _forgotten(state: Identified, term: Term, rival: Term) -> Identified:
-    """Without the rival among the names that data cannot tell from the term's."""
-    return _with_rivals(state, term, _rivals_but(state, term, rival))
-
-
-def _rivals_but(state: Identified, term: Term, rival: Term) -> tuple[Rival, ...]:
-    return tuple(r for r in state.rivals.get(term.key, ()) if r.term.effect != rival.effect)
-
-
-def _with_rivals(state: Identified, term: Term, rivals: tuple[Rival, ...]) -> Identified:
-    return replace(state, rivals={**state.rivals, term.key: rivals})
+    first = [Weighed(term=rival, log_odds=own)] if listed else []
+    return replace(state, rivals={**state.rivals, term.key: (*first, *rest)})

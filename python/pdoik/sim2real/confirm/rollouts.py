@@ -107,7 +107,7 @@ class Arm:
             ValueError: one of the terms is none that can be simulated.
         """
         findings = tuple(
-            finding_of(self.prepared, term, _plain(term, each), (), _NO_EVIDENCE)
+            finding_of(self.prepared, term, _plain(term, each), (), Evidence.once(0.0))
             for term, each in zip(terms, values, strict=True)
         )
         for reason in filter(None, map(not_simulated, findings)):
@@ -155,15 +155,9 @@ def _beginnings(recordings: Sequence[Recording], longest: float) -> tuple[Record
     )
 
 
-_NO_EVIDENCE = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
-
-
 def _plain(term: Term, values: Values) -> dict[str, Estimate]:
-    units = {p.name: p.unit for p in CATALOGUE[term.effect].parameters}
-    return {
-        name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units.get(name, "-"))
-        for name, v in values.items()
-    }
+    unit_of = CATALOGUE[term.effect].unit_of
+    return {name: Estimate.normal(v, 0.0, unit_of(name)) for name, v in values.items()}
 
 
 def _as_logged(simulated: Recording, recorded: Recording) -> Recording:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from pdoik.errors import PdoikError
@@ -73,14 +71,11 @@ def _regression_loss(fit: Fit, rollout: Rollout) -> float:
 def _moved(
     before: dict[str, Estimate], values: Values, effect: Effect, own_error: float
 ) -> dict[str, Estimate]:
-    return {name: _estimate(each, values[name], effect, own_error) for name, each in before.items()}
-
-
-def _estimate(before: Estimate, simulated: float, effect: Effect, own_error: float) -> Estimate:
-    away = simulated - before.value
-    value = before.value + effect.corrected * away
-    more = np.hypot(max(own_error, 1.0 - effect.corrected) * away, effect.simplified * value)
-    std = float(np.hypot(before.std, more))
-    half = (before.interval95[1] - before.interval95[0]) / 2
-    half = float(np.hypot(half, 1.96 * more))
-    return replace(before, value=value, std=std, interval95=(value - half, value + half))
+    taken, left = effect.corrected, max(own_error, 1.0 - effect.corrected)
+    moved = {}
+    for name, each in before.items():
+        away = values[name] - each.value
+        value = each.value + taken * away
+        error = float(np.hypot(left * away, effect.simplified * value))
+        moved[name] = each.moved(value).wider(error)
+    return moved

@@ -188,5 +188,4 @@ def _table(pieces: Sequence[Piece], law: Fitted) -> tuple[tuple[float, float], .
 
 
 def _estimate(value: float | np.floating, std: float, unit: str) -> Estimate:
-    x = float(value)
-    return Estimate(value=x, std=std, interval95=(x - 1.96 * std, x + 1.96 * std), unit=unit)
+    return Estimate.normal(float(value), std, unit)

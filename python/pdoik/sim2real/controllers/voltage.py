@@ -46,8 +46,7 @@ class Figure:
 
     def estimate(self, unit: str) -> Estimate:
         """With its interval."""
-        low, high = self.value - 1.96 * self.std, self.value + 1.96 * self.std
-        return Estimate(value=self.value, std=self.std, interval95=(low, high), unit=unit)
+        return Estimate.normal(self.value, self.std, unit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -78,7 +78,6 @@ class Trial:
         assert place is not None
         body = self.motion.body
         assert body is not None
-        units = {each.name: each.unit for each in effect.parameters}
         link = place.link
         if effect.on == "link" and place.joints:
             link = place.joints[0]
@@ -96,8 +95,7 @@ class Trial:
             positions=(gate.low, gate.high) if gate is not None and at else None,
             edge=gate.edge if gate is not None else 0.0,
             parameters={
-                name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units.get(name, "-"))
-                for name, v in values.items()
+                name: Estimate.normal(v, 0.0, effect.unit_of(name)) for name, v in values.items()
             },
             variant=effect.variant(shape) if place.held is None else place.held.label,
             shape=shape,

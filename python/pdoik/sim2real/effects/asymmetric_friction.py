@@ -33,10 +33,6 @@ class AsymmetricFriction(Effect):
         values={"level_difference": 0.8, "viscous_difference": 0.5},
         beside={"coulomb_friction": {"level": 1.5}},
     )
-    beside = (
-        *("coulomb_friction", "presliding_hysteresis", "load_dependent_friction"),
-        "viscous_friction",
-    )
     complexity = 3
     ordinary = True
     one_of = "one way"

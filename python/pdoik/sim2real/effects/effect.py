@@ -76,7 +76,6 @@ class Effect(ABC):
     # What else looks like it, and what tells them apart.
     confused_with: ClassVar[tuple[str, ...]] = ()
     decided_by: ClassVar[str] = ""
-    beside: ClassVar[tuple[str, ...]] = ()  # only where one of these was found at the joint
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
     one_of: ClassVar[str] = ""  # kind of law of which a joint has one
     complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
@@ -135,6 +134,10 @@ class Effect(ABC):
     @abstractmethod
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What the effect adds per unit of its coefficients, at the motion's rate."""
+
+    def unit_of(self, name: str) -> str:
+        """Of one of the figures; "-" where it has none."""
+        return next((each.unit for each in self.parameters if each.name == name), "-")
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """The parameters by name, from shape and coefficients: these themselves, one by one."""

@@ -34,7 +34,6 @@ class FrictionDrift(Effect):
         values={"extra": 1.5, "time_constant": 4.0},
         beside={"coulomb_friction": {"level": 1.0}},
     )
-    beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
     ordinary = True
     size_first = True

@@ -29,7 +29,6 @@ class StribeckFriction(Effect):
     decided_by = "constant slow speeds, in steps from a hundredth to a third of the rated speed"
     source = "Bo and Pavelescu, Wear 82(3), 1982"
     example = Example(values={"extra": 1.5, "speed": 0.3})
-    beside = ("coulomb_friction", "presliding_hysteresis", "load_dependent_friction")
     complexity = 3
     ordinary = True
     size_first = True

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..identify.identified import Tried
+from ..identify.identified import Weighed
 from ..identify.support import held_out_support
 from ..motion.place import Place
 from ..regression.fit import TermKey
@@ -35,7 +35,7 @@ def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
         for rival in state.rivals.get(term.key, ())
     }
     listed = [
-        (key, Tried(term=t, log_odds=state.support[key].log_odds))
+        (key, Weighed(term=t, log_odds=state.support[key].log_odds))
         for key, t in inside.items()
         if key in state.support
     ]
@@ -96,7 +96,7 @@ def place_words(examination: Examination, place: Place) -> str:
     return words
 
 
-def _reason(each: Tried, score: float, tiny: bool, rival: str | None) -> str:
+def _reason(each: Weighed, score: float, tiny: bool, rival: str | None) -> str:
     """Why it is not claimed."""
     if tiny:
         return "less than the recordings' sampling and the controller's ticks can tell"

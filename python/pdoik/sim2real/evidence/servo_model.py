@@ -228,11 +228,8 @@ def _findings(
     """Effects as findings that a model carries."""
     result = []
     for (j, effect), values in friction.items():
-        units = {each.name: each.unit for each in CATALOGUE[effect].parameters}
-        figures = {
-            name: Estimate(value=v, std=0.0, interval95=(v, v), unit=units[name])
-            for name, v in values.items()
-        }
+        unit_of = CATALOGUE[effect].unit_of
+        figures = {name: Estimate.normal(v, 0.0, unit_of(name)) for name, v in values.items()}
         result.append(
             Finding(
                 effect=effect,

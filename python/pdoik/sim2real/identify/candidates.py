@@ -39,7 +39,8 @@ def _candidates(balances: Balances) -> list[Term]:
 def _restless(balances: Balances, j: int) -> bool:
     """Whether something is left in joint j's torque, or in the tip's pose."""
     keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
-    return any(balances.rms(k) > 1.5 * balances.sigma[k] for k in keys if k in balances.residual)
+    least = balances.thresholds.identify.restless
+    return any(balances.rms(k) > least * balances.sigma[k] for k in keys if k in balances.residual)
 
 
 def same_kind(one: str, other: str) -> bool:

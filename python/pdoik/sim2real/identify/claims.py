@@ -19,19 +19,19 @@ from ..findings import Support
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term, TermKey, term_of
 from ..regression.tolerances import Tolerance
+from ..regression.trusted_bodies import DAYS, TRUST
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
-from .identified import Identified, Part, Rival, Tried
+from .identified import Identified, Part, Weighed
 from .model import Model
-from .ordinary import DAYS, TRUST
+from .pool import Scored
 from .posterior import Posterior
 from .rivals import in_place_of, judged
 from .support import as_trusted, held_out_support
-from .weighing import Candidate, State
+from .weighing import State
 
 _UNNAMED = (DAYS, Tolerance.id)
 _WITHIN = 1.96  # errors of a 95 % interval
-_ALIKE = 2.0  # factor within which joints' delays may be one cause's
 
 
 def identified(posterior: Posterior, state: State) -> Identified:
@@ -54,17 +54,15 @@ class _Claims:
     claimed: list[Term] = field(default_factory=list)
     doubtful: list[Term] = field(default_factory=list)
     support: dict[TermKey, Support] = field(default_factory=dict)
-    rivals: dict[TermKey, tuple[Rival, ...]] = field(default_factory=dict)
+    rivals: dict[TermKey, tuple[Weighed, ...]] = field(default_factory=dict)
     parts: list[Part] = field(default_factory=list)
 
     @classmethod
     def of(cls, posterior: Posterior, state: State) -> _Claims:
         """Of a state, before anything is judged."""
         model = state.model
-        noisy = posterior.balances.with_noise(
-            {key: model.weight(key) ** -0.5 for key in model.noise}
-        )
-        active = [h.term for h, span in _placed(model) if model.active[span].any()]
+        noisy = posterior.noisy(model)
+        active = [h.term for h, span in model.placed if model.active[span].any()]
         return cls(
             posterior=posterior,
             state=state,
@@ -76,9 +74,10 @@ class _Claims:
     def judge_peculiar(self) -> None:
         """Causes that were chosen."""
         weighed = judged(self.posterior, self.state)
-        everything = [hypothesis.term for hypothesis, _, _ in weighed]
+        everything = [own.hypothesis.term for own, _ in weighed]
         believed, fit = self.noisy.thresholds.identify, as_trusted(self.fit, everything)
-        for hypothesis, odds, others in weighed:
+        for own, others in weighed:
+            hypothesis, odds = own.hypothesis, own.log_odds
             term = hypothesis.term
             seen = held_out_support(fit, self.start, term, odds, len(others), everything)
             common = CATALOGUE[term.effect].odds >= believed.common and term.place.gate is None
@@ -90,12 +89,13 @@ class _Claims:
 
     def _claim_shared(self, worth: float) -> None:
         """What most joints have is all joints', where it is likely and about as large."""
+        alike_by = self.noisy.thresholds.identify.alike
         for term in tuple(self.doubtful):
             if not CATALOGUE[term.effect].shared or self.support[term.key].log_odds < worth:
                 continue
             alike = [each for each in self.claimed if each.effect == term.effect]
             usual = float(np.median([sum(each.shape[1:]) for each in alike])) if alike else 0.0
-            near = usual / _ALIKE < sum(term.shape[1:]) < usual * _ALIKE
+            near = usual / alike_by < sum(term.shape[1:]) < usual * alike_by
             if near and len(alike) > sum(t.effect == term.effect for t in self.doubtful):
                 self.doubtful = [each for each in self.doubtful if each is not term]
                 self.claimed.append(term)
@@ -104,7 +104,7 @@ class _Claims:
         """Parts that every machine has, each stated and some of them named."""
         model = self.state.model
         deviations = np.sqrt(model.variances)
-        for hypothesis, span in _placed(model):
+        for hypothesis, span in model.placed:
             ordinary = hypothesis.ordinary and hypothesis.term.effect not in _UNNAMED
             if not ordinary or not model.active[span].any():
                 continue
@@ -125,7 +125,7 @@ class _Claims:
         believed = self.noisy.thresholds.identify
         if errors < believed.sure or hypothesis.key in self.support:
             return False
-        term, others = hypothesis.term, list[Candidate]()
+        term, others = hypothesis.term, list[Scored]()
         if term.effect == TRUST:
             far = float(np.sqrt(np.sum(hypothesis.precision * beta**2)))
             if far <= believed.beyond or (LinkInertials.id, term.place) in self.support:
@@ -154,13 +154,11 @@ class _Claims:
         self.fit = Fit(self.noisy, [body if each is term else each for each in self.fit.terms])
         return body
 
-    def _take(self, term: Term, seen: Support, others: Sequence[Candidate], *, sure: bool) -> bool:
+    def _take(self, term: Term, seen: Support, others: Sequence[Scored], *, sure: bool) -> bool:
         """Keep what was judged; whether it is claimed."""
         thresholds = self.noisy.thresholds
         self.support[term.key] = seen
-        self.rivals[term.key] = tuple(
-            Rival(term=each.hypothesis.term, log_odds=each.log_odds) for each in others
-        )
+        self.rivals[term.key] = tuple(each.weighed for each in others)
         sure = sure and confidence_of(thresholds, seen) >= thresholds.confidence.suspected
         (self.claimed if sure else self.doubtful).append(term)
         return sure
@@ -178,21 +176,17 @@ class _Claims:
             bodies=self.state.ordinary.bodies,
             support=self.support,
             rivals=self.rivals,
-            tried=tuple(Tried(term=each.term, log_odds=odds) for each, odds in tried),
+            tried=tuple(each.weighed for each in tried),
             ordinary=tuple(self.parts),
             doubtful=tuple(self.doubtful),
         )
-
-
-def _placed(model: Model) -> list[tuple[Hypothesis, slice]]:
-    return list(zip(model.hypotheses, model.spans, strict=True))
 
 
 def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:
     """Whether nothing at all lies within the intervals of a cause's coefficients."""
     if hypothesis.term.fixed:
         return False
-    span = next(at for each, at in _placed(model) if each is hypothesis)
+    span = model.span(hypothesis)
     beta, own = model.beta[span], model.inverse[span, span]
     errors = np.sqrt(beta @ np.linalg.lstsq(own, beta, rcond=None)[0] / len(beta))
     first = abs(beta[0]) / max(float(np.sqrt(own[0, 0])), 1e-300)

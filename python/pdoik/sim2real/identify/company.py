@@ -7,29 +7,20 @@ from collections.abc import Iterable, Sequence
 from ..effects import CATALOGUE
 from ..effects.torque_gain import TorqueGain
 from ..regression.fit import Term
+from ..regression.trusted_bodies import DAYS
 from .hypothesis import Hypothesis
 from .model import Model
-from .ordinary import DAYS, OF_DAYS, OF_JOINTS, Ordinary
+from .ordinary import OF_DAYS, OF_JOINTS, Ordinary
 
 
 def _takes_place(law: Hypothesis, part: Hypothesis) -> bool:
     """Whether a law is a finer one of an ordinary friction's kind, which is then not there."""
-    if not part.ordinary or law.term.place.gate is not None:
-        return False
-    kind = CATALOGUE[law.term.effect].one_of
-    own = CATALOGUE.get(OF_DAYS if part.term.effect == DAYS else part.term.effect)
     return (
-        bool(kind)
-        and own is not None
-        and own.family == "friction"
-        and own.one_of == kind
+        part.ordinary
+        and part.term.effect in (DAYS, OF_DAYS)
         and part.term.place == law.term.place
-        and _is_dry(part)
+        and CATALOGUE[law.term.effect].one_of == CATALOGUE[OF_DAYS].one_of
     )
-
-
-def _is_dry(part: Hypothesis) -> bool:
-    return part.term.effect in (DAYS, OF_DAYS)
 
 
 def beside(ordinary: Ordinary, chosen: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:

@@ -12,6 +12,7 @@ from ..effects import CATALOGUE
 from ..effects.external_contact import ORIGIN, ExternalContact
 from ..motion.place import Place, Shape
 from ..regression.fit import Fit, Term, term_of
+from ..regression.one_more import gains_alone
 from ..regression.wald import wald
 from ..study.recording import FloatArray
 from ..thresholds.contacts import ContactThresholds
@@ -86,7 +87,7 @@ def stands(fit: Fit, term: Term) -> bool:
     if gain < least.above_usual * usual * rows:
         return False  # no larger than what is left at other times
     large = gain > least.least_gain and gain > least.least_size**2 * rows
-    return large and wald(fit, term)[0] > least.least_t
+    return large and wald(fit, term) > least.least_t
 
 
 def pauses(fit: Fit, term: Term) -> bool:
@@ -199,9 +200,7 @@ def _gain(sums: list[FloatArray], first: int, last: int) -> float:
 def _gains(sums: list[FloatArray], firsts: NDArray[np.intp], lasts: NDArray[np.intp]) -> FloatArray:
     """The same of many windows, (F,)."""
     moment, gram = (s[lasts] - s[firsts] for s in sums[:2])
-    ridge = 1e-6 * (np.trace(gram, axis1=1, axis2=2) + 1e-12)
-    beta = np.linalg.solve(gram + ridge[:, None, None] * np.eye(3), moment[:, :, None])[:, :, 0]
-    return np.asarray(np.sum(beta * moment, axis=1))
+    return gains_alone(moment, gram, 1e-6)[1]
 
 
 def _explains(least: ContactThresholds, sums: list[FloatArray], first: int, last: int) -> bool:

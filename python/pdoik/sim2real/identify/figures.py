@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import linalg
 
 from ..effects import CATALOGUE
-from ..findings import Estimate
+from ..findings import ERRORS, Estimate
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term
 from ..regression.random_effects import spread_between
@@ -15,7 +17,6 @@ from .ordinary import days_of
 
 DRAWS = 400
 _NOTHING = 1e-6  # of what was believed is left, that sums can be solved
-_SAYS = 10.0  # times the variance before any row: a session of more says nothing
 _SHAPE_PRIOR = 1e-3  # inverse variance of a shape's step
 
 Figures = dict[int, dict[str, Estimate]]
@@ -38,13 +39,12 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> Figures:
     bounded = fit.bounded()
     result: Figures = {}
     for number, term in enumerate(wanted):
-        at = next(i for i, each in enumerate(fit.terms) if each is term)
-        span = slice(int(fit.offsets[at]), int(fit.offsets[at]) + (0 if term.fixed else term.width))
+        span = fit.span(term)
         beta = np.ones(1) if term.fixed else bounded[span]
         effect = CATALOGUE[term.effect]
         own = [
             (i, int(offset))
-            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) :], strict=False)
+            for (owner, i), offset in zip(moving, wider.offsets[len(fit.terms) : -1], strict=True)
             if owner is term
         ]
         samples = []
@@ -54,10 +54,9 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> Figures:
                 shape[i] += float(draw[offset]) * _step(term, i)
             sample = beta if term.fixed else beta + draw[span]
             samples.append(effect.values(tuple(shape), sample))
-        units = {p.name: p.unit for p in effect.parameters}
         result[number] = {
             name: _estimate(
-                fit, value, np.array([each[name] for each in samples]), units.get(name, "-")
+                fit, value, np.array([each[name] for each in samples]), effect.unit_of(name)
             )
             for name, value in effect.values(term.shape, beta).items()
         }
@@ -79,9 +78,7 @@ def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimat
     least = fit.balances.thresholds.figures.discretisation * abs(value)
     low, high = np.quantile(samples, (0.025, 0.975))
     std = float(np.hypot((high - low) / 3.92, least))
-    return Estimate(
-        value=value, std=std, interval95=(value - 1.96 * std, value + 1.96 * std), unit=unit
-    )
+    return Estimate.normal(value, std, unit)
 
 
 def _with_spread(
@@ -91,35 +88,26 @@ def _with_spread(
     if fit.balances.told is None:
         return figures
     own = days_of(fit.terms, term)
-    days = [
-        int(offset)
-        for each, offset in zip(fit.terms, fit.offsets, strict=False)
-        if any(each is day for day in own)
-    ]
+    days = [fit.span(day).start for day in own]
     if len(days) < 2:
         return figures
     believed = np.concatenate([term.prior, *(day.prior for day in own)])
-    values, variances = _of_sessions(fit.beta[[at, *days]], root[:, [at, *days]], believed)
+    most = fit.balances.thresholds.figures.silent
+    values, variances = _of_sessions(fit.beta[[at, *days]], root[:, [at, *days]], believed, most)
     if np.isfinite(variances).sum() < 2:
         return figures
     found = spread_between(values, variances, fit.balances.count)
     name = next(iter(figures))
     each = figures[name]
     alike = float(np.sum(1.0 / variances)) ** -0.5
-    half = max(1.96 * each.std, found.half_width(alike))
-    widened = Estimate(
-        value=each.value,
-        std=each.std,
-        interval95=(each.value - half, each.value + half),
-        unit=each.unit,
-        spread=found.std,
-        spread_p=found.p,
-    )
+    half = max(ERRORS * each.std, found.half_width(alike))
+    interval = (each.value - half, each.value + half)
+    widened = replace(each, interval95=interval, spread=found.std, spread_p=found.p)
     return {**figures, name: widened}
 
 
 def _of_sessions(
-    beta: FloatArray, root: FloatArray, believed: FloatArray
+    beta: FloatArray, root: FloatArray, believed: FloatArray, most: float
 ) -> tuple[FloatArray, FloatArray]:
     """Each session's own figure and its variance, by its rows alone: what was believed taken off.
 
@@ -127,6 +115,7 @@ def _of_sessions(
         beta: (1 + S,) the figure of all sessions, and what each differs by.
         root: (n, 1 + S) of which R'R is their covariance.
         believed: (1 + S,) inverse variances of both before any row.
+        most: times the variance before any row, from which a session says nothing.
     """
     sums = np.concatenate([np.ones((len(beta) - 1, 1)), np.eye(len(beta) - 1)], axis=1)
     before = linalg.inv((sums / believed) @ sums.T)
@@ -134,7 +123,7 @@ def _of_sessions(
     told = after - (1.0 - _NOTHING) * before
     variances = np.diag(linalg.inv(told)).copy()
     values = linalg.solve(told, after @ (sums @ beta))
-    silent = variances > _SAYS * np.diag(linalg.inv(before))
+    silent = variances > most * np.diag(linalg.inv(before))
     variances[silent] = np.inf
     return values, variances
 
@@ -154,15 +143,9 @@ def event_estimates(fit: Fit, term: Term) -> dict[str, Estimate]:
     """Parameters of an event in recordings that were held out: the fit's last term."""
     effect = CATALOGUE[term.effect]
     std = np.sqrt(np.sum(_root(fit) ** 2, axis=0))[-term.width :]
-    units = {p.name: p.unit for p in effect.parameters}
     values = effect.values(term.shape, fit.beta[-term.width :])
     return {
-        name: Estimate(
-            value=value,
-            std=float(s),
-            interval95=(value - 1.96 * float(s), value + 1.96 * float(s)),
-            unit=units.get(name, "-"),
-        )
+        name: Estimate.normal(value, float(s), effect.unit_of(name))
         for (name, value), s in zip(values.items(), std, strict=True)
     }
 
@@ -177,10 +160,7 @@ def _sensitivity(fit: Fit, term: Term, i: int) -> Term:
     """Change of a term's contribution per step of a nonlinear parameter."""
     b: Balances = fit.balances
     effect, step = CATALOGUE[term.effect], _step(term, i)
-    at = next(k for k, each in enumerate(fit.terms) if each is term)
-    offset = int(fit.offsets[at])
-    beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
-    sides = []
+    beta, sides = fit.beta_of(term), []
     for sign in (1.0, -1.0):
         shape = list(term.shape)
         shape[i] += sign * step

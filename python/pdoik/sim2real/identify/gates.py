@@ -11,7 +11,7 @@ from ..effects import CATALOGUE
 from ..motion.balances import axis_of
 from ..motion.place import Gate, Place
 from ..regression.fit import Fit, Term, term_of
-from ..regression.one_more import OneMore
+from ..regression.one_more import OneMore, gains_alone
 from ..regression.refine import refined
 from ..study.recording import FloatArray
 from .candidates import candidates
@@ -21,6 +21,7 @@ _SLOW = (4.0, 5.0, 6.0, 7.0, 8.0)
 """Harmonics of the joint's angle that a part of the positions shows no whole wave of."""
 
 _GRID = 25  # quantiles between which a gate's ends are looked for first
+PARTS = _GRID * (_GRID - 1) / 2  # pairs of ends
 _EDGES = (0.0, 0.02, 0.05, 0.1, 0.2)  # tried [s], [rad], [m]
 
 
@@ -70,11 +71,7 @@ def _best_span(term: Term, moment: FloatArray, gram: FloatArray) -> tuple[float,
     first, last = np.triu_indices(_GRID, 1)
     part = (first > 0) | (last < _GRID - 1)
     first, last = first[part], last[part]
-    moments, grams = moment[last] - moment[first], gram[last] - gram[first]
-    scale = np.trace(grams, axis1=1, axis2=2)
-    ridge = np.maximum(1e-9 * scale, 1e-300)[:, None, None] * np.eye(term.width)
-    betas = np.linalg.solve(grams + ridge, moments[:, :, None])[:, :, 0]
-    gains = np.where(scale > 0.0, np.sum(betas * moments, axis=1), 0.0)
+    betas, gains = gains_alone(moment[last] - moment[first], gram[last] - gram[first])
     effect = CATALOGUE[term.effect]
     for k in np.argsort(-gains):
         if gains[k] <= 0.0:
@@ -87,7 +84,7 @@ def _best_span(term: Term, moment: FloatArray, gram: FloatArray) -> tuple[float,
 def with_gate(base: Fit, plain: Term, gate: Gate) -> Term:
     """The term behind the gate."""
     b, effect = base.balances, CATALOGUE[plain.effect]
-    place = Place(joints=plain.place.joints, gate=gate)
+    place = replace(plain.place, gate=gate)
     columns = b.compute(effect, place, plain.shape)
     return replace(plain, place=place, columns=columns)
 

@@ -11,19 +11,11 @@ from ..regression.fit import Fit, Term, TermKey
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Rival:
-    """Another name in the place of a cause."""
+class Weighed:
+    """A cause that was weighed, by itself or in the place of another."""
 
     term: Term
-    log_odds: float  # over nothing in the cause's place
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Tried:
-    """A cause that was weighed, and how it did when it was at its best."""
-
-    term: Term
-    log_odds: float
+    log_odds: float  # over nothing there, at its best
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,8 +38,8 @@ class Identified:
     start: Fit  # of nothing
     bodies: float = 0.0  # share within which the model's inertial figures were adjusted
     support: Mapping[TermKey, Support] = field(default_factory=dict)
-    rivals: Mapping[TermKey, tuple[Rival, ...]] = field(default_factory=dict)
-    tried: tuple[Tried, ...] = ()
+    rivals: Mapping[TermKey, tuple[Weighed, ...]] = field(default_factory=dict)
+    tried: tuple[Weighed, ...] = ()
     ordinary: tuple[Part, ...] = ()
     doubtful: tuple[Term, ...] = ()  # likely, but too little to be claimed
     simulated: Mapping[TermKey, dict[str, float]] = field(default_factory=dict)  # figures
@@ -57,6 +49,12 @@ class Identified:
     def accepted(self) -> tuple[Term, ...]:
         """Terms that are claimed."""
         return self.fit.terms[len(self.nuisance) :]
+
+    @property
+    def figures_simulated(self) -> list[dict[str, float]] | None:
+        """Figures of all that is claimed as simulations have them; None where some have none."""
+        known = [self.simulated[t.key] for t in self.accepted if t.key in self.simulated]
+        return known if len(known) == len(self.accepted) else None
 
     @property
     def contacts(self) -> tuple[Term, ...]:

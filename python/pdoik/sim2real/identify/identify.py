@@ -16,7 +16,6 @@ from .relinearised import relinearised
 from .weighing import State
 
 _ROUNDS = 4  # of linearisation
-_WITHIN = 1.96  # errors of a 95 % interval
 _BEGIN, _END, _STEP = 0.18, 0.76, 0.06  # of the work told as done
 _FEW = 6  # causes after which one beginning is left
 

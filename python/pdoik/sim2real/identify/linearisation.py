@@ -1,13 +1,13 @@
 """Rows of a study and their sums: all that models of it are fitted and compared by.
 
-Rows come from balances, or from what a simulator's rollouts leave: a target, columns per unit of
-each coefficient, and the noise that nobody can expect to explain. Sums are kept per balance and not
-weighted, so that another noise costs nothing.
+Rows come from balances: a target, columns per unit of each coefficient, and the noise that nobody
+can expect to explain. Sums are kept per balance and not weighted, so that another noise costs
+nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..regression.fit import Term
+from ..regression.repeats import repeats
 from ..study.recording import FloatArray
 
 _ROOM = 64  # columns that are taken at once
@@ -71,27 +72,8 @@ class Series:
         self.columns, self.gram, self.moment = columns, gram, moment
 
     def repeats(self, left: FloatArray) -> float:
-        """Rows that say the same: one and twice the sum of the residual's autocorrelation.
-
-        Sums end where the correlation first is no longer positive (Geyer, Statistical Science
-        7(4), 1992).
-        """
-        total, power = np.zeros(0), 0.0
-        for part in self.parts:
-            each = left[part]
-            if not len(each):
-                continue
-            spectrum = np.abs(np.fft.rfft(each, 2 * len(each))) ** 2
-            own = np.fft.irfft(spectrum)[: len(each)]
-            size = max(len(total), len(own))
-            total = np.pad(total, (0, size - len(total))) + np.pad(own, (0, size - len(own)))
-            power += float(own[0])
-        if power <= 0.0:
-            return self.least_repeats
-        correlation = total / power
-        below = np.flatnonzero(correlation <= 0.0)
-        last = int(below[0]) if len(below) else len(correlation)
-        return float(max(1.0 + 2.0 * np.sum(correlation[1:last]), self.least_repeats))
+        """Rows that say the same, by what is left."""
+        return max(repeats(left[part] for part in self.parts), self.least_repeats)
 
 
 class Linearisation:
@@ -120,33 +102,6 @@ class Linearisation:
                 least_repeats=balances.thresholds.identify.least_repeats,
             )
         return cls(series)
-
-    @classmethod
-    def of_rollouts(
-        cls,
-        left: Mapping[Key, FloatArray],
-        floor: Mapping[Key, float],
-        parts: Mapping[Key, Sequence[slice]],
-    ) -> Linearisation:
-        """Of what rollouts leave of recordings; columns are their differences per figure.
-
-        Args:
-            left: recorded less simulated, (N,) of each channel.
-            floor: noise of each channel.
-            parts: rows of one recording each.
-        """
-        return cls(
-            {
-                key: Series(
-                    rows=np.arange(len(values)),
-                    target=values,
-                    floor=floor[key],
-                    parts=tuple(parts[key]),
-                )
-                for key, values in left.items()
-                if len(values)
-            }
-        )
 
     def spans(self, term: Term) -> Mapping[Key, slice]:
         """Where a term's columns are, which are added if they are not there yet."""

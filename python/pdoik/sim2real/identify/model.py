@@ -57,7 +57,8 @@ class Model:
         self.data = data
         self.hypotheses = tuple(hypotheses)
         ends = np.cumsum([0, *(each.width for each in self.hypotheses)])
-        self.spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self.placed = list(zip(self.hypotheses, spans, strict=True))
         self.size = int(ends[-1])
         nothing = np.zeros(0)
         self.precision = np.concatenate([nothing, *(h.precision for h in self.hypotheses)])
@@ -72,16 +73,20 @@ class Model:
         self.active = self._begun_active(like)
         self._settle({} if like is None else like.noise, rounds)
 
+    def span(self, hypothesis: Hypothesis) -> slice:
+        """Where a hypothesis' coefficients are."""
+        return next(span for each, span in self.placed if each is hypothesis)
+
     def _begun_active(self, like: Model | None) -> NDArray[np.bool_]:
         """Coefficients that rested on their bound in a model like this one rest at first."""
         active = np.ones(self.size, dtype=bool)
         if like is not None:
             resting = {
                 id(each.term.columns)
-                for each, span in zip(like.hypotheses, like.spans, strict=True)
+                for each, span in like.placed
                 if each.positive and each.width == 1 and not like.active[span].any()
             }
-            for each, span in zip(self.hypotheses, self.spans, strict=True):
+            for each, span in self.placed:
                 if each.positive and id(each.term.columns) in resting:
                     active[span] = False
         return active
@@ -90,7 +95,7 @@ class Model:
         """Which coefficients act in each balance, and which of its columns are theirs."""
         own: dict[Key, list[NDArray[np.intp]]] = {}
         there: dict[Key, list[NDArray[np.intp]]] = {}
-        for hypothesis, span in zip(self.hypotheses, self.spans, strict=True):
+        for hypothesis, span in self.placed:
             for key, local in self.data.spans(hypothesis.term).items():
                 own.setdefault(key, []).append(np.arange(span.start, span.stop))
                 there.setdefault(key, []).append(np.arange(local.start, local.stop))
@@ -226,7 +231,7 @@ class Model:
         """Causes whose coefficients make no physical sense."""
         return [
             each
-            for each, span in zip(self.hypotheses, self.spans, strict=True)
+            for each, span in self.placed
             if not (each.admissible(self.beta[span]) and self._is_within(each, span))
         ]
 
@@ -240,7 +245,7 @@ class Model:
         joints, kind = hypothesis.term.place.joints, CATALOGUE[of].one_of
         whole = sum(
             float(self.beta[at][0])
-            for each, at in zip(self.hypotheses, self.spans, strict=True)
+            for each, at in self.placed
             if each.term.place.joints == joints
             and each.term.effect in CATALOGUE
             and CATALOGUE[each.term.effect].one_of == kind
@@ -280,8 +285,7 @@ class Model:
 
     def part(self, hypothesis: Hypothesis) -> dict[Key, FloatArray]:
         """What a hypothesis adds to the balances where it acts, (N,) each."""
-        at = next(i for i, each in enumerate(self.hypotheses) if each is hypothesis)
-        beta = self.beta[self.spans[at]]
+        beta = self.beta[self.span(hypothesis)]
         return {
             key: self.data.series[key].columns[:, local] @ beta
             for key, local in self.data.spans(hypothesis.term).items()

@@ -14,9 +14,10 @@ from ..effects import CATALOGUE
 from ..motion.balances import Balances, axis_of
 from ..motion.place import Key
 from ..regression.fit import Fit, Term
+from ..regression.one_more import gains_alone
 from ..study.recording import FloatArray
 
-_GRID = 60  # moments of the study at which an onset is looked for first
+MOMENTS = 60  # moments of the study at which an onset is looked for first
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
 def _moments(balances: Balances, clock: FloatArray, borders: FloatArray) -> FloatArray:
     """Moments of the study away from the recordings' borders."""
     away = balances.thresholds.identify.moment_away
-    moments = np.quantile(clock, np.linspace(0.02, 0.98, _GRID))
+    moments = np.quantile(clock, np.linspace(0.02, 0.98, MOMENTS))
     ends = [m.clock + float(m.time[-1]) for m in balances.motions]
     near = np.min(np.abs(moments[:, None] - np.concatenate([borders, ends])[None, :]), axis=1)
     return np.asarray(moments[near > away])
@@ -69,10 +70,5 @@ def _gain(term: Term, column: FloatArray, residual: FloatArray, since: FloatArra
     part = column[since]
     if len(part) < 2 * part.shape[1] + 10:
         return 0.0
-    gram = part.T @ part
-    scale = float(np.trace(gram))
-    if scale <= 0.0:
-        return 0.0
-    moment = part.T @ residual[since]
-    beta = np.asarray(np.linalg.solve(gram + 1e-9 * scale * np.eye(len(gram)), moment))
-    return float(beta @ moment) if CATALOGUE[term.effect].admissible(beta) else 0.0
+    betas, gains = gains_alone((part.T @ residual[since])[None], (part.T @ part)[None])
+    return float(gains[0]) if CATALOGUE[term.effect].admissible(betas[0]) else 0.0

@@ -14,25 +14,20 @@ from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
 from ..effects.coulomb_friction import CoulombFriction
-from ..effects.imu import ImuOffset, ImuTilt
 from ..effects.rotor_inertia import RotorInertia
 from ..effects.torque_gain import TorqueGain
 from ..effects.torque_offset import TorqueOffset
 from ..effects.viscous_friction import ViscousFriction
 from ..motion.balances import Balances
 from ..motion.place import Place, Shape
-from ..regression.background import usual_torque
+from ..regression.background import imu_parts, usual_torque
 from ..regression.fit import Fit, Term, term_of
 from ..regression.tolerances import SCALE, SPEED, ZERO, Tolerance
-from ..regression.trusted_bodies import TRUST as TRUST
-from ..regression.trusted_bodies import trusted
+from ..regression.trusted_bodies import DAYS, trusted
 from ..study.recording import FloatArray
 from .hypothesis import Hypothesis, ordinary
 from .model import Model
 from .pool import Pool
-
-DAYS = "days"
-"""Effect id of what friction differs by in a session; none of the catalogue."""
 
 OF_JOINTS = (
     ViscousFriction.id,
@@ -63,7 +58,6 @@ class Ordinary:
     widths: dict[int, Shape] = field(default_factory=dict)  # of each joint's Coulomb friction
     levels: dict[tuple[str, int], float] = field(default_factory=dict)  # that days change
     days: float = 0.0  # by which share; 0: as is usual
-    _terms: dict[tuple[str, int, Shape], Term | None] = field(default_factory=dict)
     _days: dict[tuple[str, int, int, Shape], Term] = field(default_factory=dict)
 
     @property
@@ -86,7 +80,9 @@ class Ordinary:
         found = [h for j in self.joints for h in self._of_joint(j)]
         found += [h for j in self.joints for h in self._of_days(j)]
         found += [h for j in self._reported for h in self._of_calibration(j)]
-        return (*found, *self._of_imu(), *self._of_bodies())
+        found += [ordinary(term, sizes) for term, sizes in imu_parts(self.balances)]
+        bodies = trusted(self.balances, self.bodies)
+        return (*found, *(ordinary(term, 1.0 / np.sqrt(term.prior)) for term in bodies))
 
     def _of_joint(self, j: int) -> Iterator[Hypothesis]:
         b, believed = self.balances, self.balances.thresholds.identify
@@ -114,9 +110,7 @@ class Ordinary:
             shape = effect.shapes(self.balances.motions, place)[0]
             if name == CoulombFriction.id:
                 shape = self.widths.get(j, (0.02,))
-        if (name, j, shape) not in self._terms:
-            self._terms[name, j, shape] = term_of(self.balances, effect, place, shape)
-        return self._terms[name, j, shape]
+        return term_of(self.balances, effect, place, shape)
 
     def _of_days(self, j: int) -> Iterator[Hypothesis]:
         """Friction of each session less the mean's."""
@@ -149,10 +143,7 @@ class Ordinary:
             SPEED: believed.speed_scale,
         }
         for kind, size in sizes.items():
-            at = Tolerance.id, j, (kind,)
-            if at not in self._terms:
-                self._terms[at] = term_of(b, Tolerance(), Place(joints=(j,)), (kind,))
-            term = self._terms[at]
+            term = term_of(b, Tolerance(), Place(joints=(j,)), (kind,))
             if term is not None:
                 yield ordinary(term, size)
 
@@ -165,24 +156,10 @@ class Ordinary:
         files = [m.recording.file or m.recording.name for m in b.motions]
         return np.array([files.index(each) for each in files], dtype=np.intp)[b.recording]
 
-    def _of_imu(self) -> Iterator[Hypothesis]:
-        """Of an IMU, which is never mounted or zeroed quite right."""
-        b, believed = self.balances, self.balances.thresholds.background
-        turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
-        for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
-            for place in effect.places(b.motions):
-                term = term_of(b, effect, place, ())
-                if term is not None:
-                    yield ordinary(term, np.array(sizes))
-
-    def _of_bodies(self) -> Iterator[Hypothesis]:
-        for term in trusted(self.balances, self.bodies):
-            yield ordinary(term, 1.0 / np.sqrt(term.prior))
-
     def fitted_to(self, model: Model, joints: Collection[int]) -> Ordinary:
         """With what days change, and some joints' Coulomb friction as wide, as is likeliest."""
         levels, widths = dict(self.levels), dict(self.widths)
-        own = {(h.term.effect, h.term.place): s for h, s in _ordinary_spans(model)}
+        own = {(h.term.effect, h.term.place): s for h, s in model.placed if h.ordinary}
         for j in self.joints:
             for name in _CHANGES:
                 span = own.get((name, Place(joints=(j,))))
@@ -220,8 +197,8 @@ class Ordinary:
         place, now = Place(joints=(j,)), self.widths.get(j, (0.02,))
         here = [
             h
-            for h, _ in _ordinary_spans(model)
-            if h.term.effect == CoulombFriction.id and h.term.place == place
+            for h in model.hypotheses
+            if h.ordinary and h.term.effect == CoulombFriction.id and h.term.place == place
         ]
         if not here:
             return now
@@ -243,12 +220,6 @@ class Ordinary:
 
 
 _POSITIVE = (ViscousFriction.id, CoulombFriction.id, RotorInertia.id)
-
-
-def _ordinary_spans(model: Model) -> Iterator[tuple[Hypothesis, slice]]:
-    for hypothesis, span in zip(model.hypotheses, model.spans, strict=True):
-        if hypothesis.ordinary:
-            yield hypothesis, span
 
 
 def days_of(terms: Sequence[Term], term: Term) -> list[Term]:

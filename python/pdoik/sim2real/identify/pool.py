@@ -17,6 +17,7 @@ from scipy import linalg
 from ..motion.place import Key
 from ..study.recording import FloatArray
 from .hypothesis import Hypothesis
+from .identified import Weighed
 from .linearisation import Linearisation
 from .model import Model
 
@@ -25,10 +26,15 @@ _AT_ONCE = 64  # columns that are taken together
 
 @dataclass(frozen=True, slots=True)
 class Scored:
-    """A hypothesis and its log odds beside a model, at the model's noise."""
+    """A hypothesis and its log odds: beside a model, or in the place of a cause."""
 
     hypothesis: Hypothesis
     log_odds: float
+
+    @property
+    def weighed(self) -> Weighed:
+        """For the next stages."""
+        return Weighed(term=self.hypothesis.term, log_odds=self.log_odds)
 
 
 @dataclass(kw_only=True, eq=False)

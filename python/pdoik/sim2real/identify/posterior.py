@@ -16,7 +16,6 @@ from .pool import Pool, Scored
 from .proposals import begun, gated, harmonics, nameless, pushes
 from .weighing import SERIOUS, State, Weighing
 
-_BETTER = 1.0  # log odds by which a swap must be better
 _LOOKS = 3  # at every cause, where nothing more is worth adding
 
 
@@ -67,11 +66,11 @@ class Posterior(Weighing):
             for each in scored
             if each.hypothesis.key not in gone and fits_beside(each.hypothesis, state.chosen)
         ]
-        best = self.best(state, state.model, serious)
-        if best is None or best[1] < self.balances.thresholds.identify.worth:
+        best = self.best(state.model, serious)
+        if best is None or best.log_odds < self.balances.thresholds.identify.worth:
             return None
-        self.tell(f"{_words(best[0])}: log odds {best[1]:.0f}")
-        return best[0]
+        self.tell(f"{_words(best.hypothesis)}: log odds {best.log_odds:.0f}")
+        return best.hypothesis
 
     def _another(self, state: State, gone: set[TermKey]) -> State | None:
         """Another set, by a last look at every cause and its shape; None where it is as it was."""
@@ -80,7 +79,11 @@ class Posterior(Weighing):
         if [each.key for each in looked.chosen] != before:
             return looked
         simpler = self._instead(looked)
-        if simpler is None and looked.log_posterior > state.log_posterior + _BETTER:
+        if (
+            simpler is None
+            and looked.log_posterior
+            > state.log_posterior + self.balances.thresholds.identify.better
+        ):
             return looked
         return simpler
 
@@ -90,7 +93,7 @@ class Posterior(Weighing):
         Of those that share a balance with a new one, or of all where there is none. What came and
         went is not tried, and noted.
         """
-        worth = self.balances.thresholds.identify.worth
+        believed = self.balances.thresholds.identify
         for each in state.chosen:
             if added is not None and (
                 each is added or each.term.columns.keys().isdisjoint(added.term.columns)
@@ -101,13 +104,14 @@ class Posterior(Weighing):
             rest = [other for other in state.chosen if other is not each]
             without = self.possible(self.with_causes(state, rest))
             own = state.log_posterior - without.log_posterior
-            best = self.best(without, without.model, self.rivals_of(without, each, gone))
-            if best is not None and best[1] > max(own + _BETTER, worth):
-                self.tell(f"{_words(best[0])} in the place of {_words(each)}")
-                state = self.tuned(self.with_causes(state, [*rest, best[0]]), best[0])
-                if all(other.key != best[0].key for other in state.chosen):
-                    gone.add(best[0].key)
-            elif own < worth:
+            best = self.best(without.model, self.rivals_of(without, each, gone))
+            if best is not None and best.log_odds > max(own + believed.better, believed.worth):
+                new = best.hypothesis
+                self.tell(f"{_words(new)} in the place of {_words(each)}")
+                state = self.tuned(self.with_causes(state, [*rest, new]), new)
+                if all(other.key != new.key for other in state.chosen):
+                    gone.add(new.key)
+            elif own < believed.worth:
                 self.tell(f"without {_words(each)}: log odds {own:.0f}")
                 state = self.tuned(without, each)
         return state
@@ -158,11 +162,18 @@ class Posterior(Weighing):
                 and fits_beside(each.hypothesis, rest)
             ]
             scored.sort(key=lambda each: -each.log_odds)
-            best = self.best(bare, bare.model, scored[: 2 * SERIOUS])
-            if best is None or best[1] < state.log_posterior - bare.log_posterior + _BETTER:
+            best = self.best(bare.model, scored[: 2 * SERIOUS])
+            if (
+                best is None
+                or best.log_odds
+                < state.log_posterior
+                - bare.log_posterior
+                + self.balances.thresholds.identify.better
+            ):
                 continue
-            self.tell(f"{_words(best[0])} in the place of {', '.join(map(_words, here))}")
-            return self.tuned(self.with_causes(bare, [*bare.chosen, best[0]]), best[0])
+            new = best.hypothesis
+            self.tell(f"{_words(new)} in the place of {', '.join(map(_words, here))}")
+            return self.tuned(self.with_causes(bare, [*bare.chosen, new]), new)
         return None
 
     def _of_pool(self, state: State) -> list[Scored]:
@@ -174,10 +185,7 @@ class Posterior(Weighing):
 
     def _of_parts(self, state: State) -> list[Scored]:
         fit = self.fit_of(state.model)
-        found = [
-            *gated(self.balances, fit),
-            *begun(self.balances, fit),
-        ]
+        found = [*gated(self.balances, fit), *begun(self.balances, fit)]
         return Pool(self.data, found).scored(state.model)
 
     def _of_nameless(self, state: State) -> list[Scored]:

@@ -7,7 +7,6 @@ like all others; how many of their kind were looked at is in their odds.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -18,17 +17,14 @@ from ..motion.place import Gate, Key, Place, Shape
 from ..regression.fit import Fit, Term, term_of
 from .candidates import candidates
 from .contacts import contact_term
-from .gates import likely_gates, plain_terms, with_gate
+from .gates import PARTS, likely_gates, plain_terms, with_gate
 from .harmonics import harmonic_terms
 from .hypothesis import Hypothesis, peculiar
-from .onsets import likely_onset, may_begin
+from .onsets import MOMENTS, likely_onset, may_begin
 
 _HARMONICS = 300.0  # of a joint that are looked at
-_PARTS = 300.0  # pairs of ends of a gate
-_MOMENTS = 60.0
 _WINDOWS = 1000.0
 _FREQUENCIES = 100.0
-_LEFT = 1.35  # sigmas of a balance, from which something is left to explain
 
 
 def harmonics(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
@@ -52,7 +48,7 @@ def gated(
         for _, plain, gate in best:
             term = with_gate(fit, plain, gate)
             if term.columns:
-                yield peculiar(balances, term, among=_PARTS)
+                yield peculiar(balances, term, among=PARTS)
 
 
 def begun(
@@ -63,11 +59,9 @@ def begun(
         pool = [t for t in candidates(balances) if t.place.joints == (j,) and may_begin(t)]
         likely = [each for t in pool if (each := likely_onset(fit, t, j)) is not None]
         for each in sorted(likely, key=lambda each: -each.gain)[:2]:
-            place = replace(each.term.place, gate=Gate(of="clock", low=each.since))
-            columns = balances.compute(CATALOGUE[each.term.effect], place, each.term.shape)
-            if columns:
-                term = replace(each.term, place=place, columns=columns)
-                yield peculiar(balances, term, among=_MOMENTS)
+            term = with_gate(fit, each.term, Gate(of="clock", low=each.since))
+            if term.columns:
+                yield peculiar(balances, term, among=MOMENTS)
 
 
 def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
@@ -124,5 +118,5 @@ def _unexplained(balances: Balances, fit: Fit, joints: Sequence[int] | None) -> 
         if key not in fit.design or not balances.excited[j] or not len(fit.rows[key]):
             continue
         left = fit.residual(key) * fit.balances.sigma[key]
-        if np.sqrt(np.mean(left**2)) > _LEFT * balances.floor[key]:
+        if np.sqrt(np.mean(left**2)) > balances.thresholds.identify.left * balances.floor[key]:
             yield j

@@ -2,72 +2,69 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .company import fits_beside, wider
 from .hypothesis import Hypothesis
 from .model import Model
 from .ordinary import days_of
-from .pool import Pool
+from .pool import Pool, Scored
 from .posterior import Posterior
-from .weighing import Candidate, State, serious
+from .weighing import State, serious
 
 _WEIGHED = 4  # rivals of a cause
 
 
-def judged(posterior: Posterior, state: State) -> list[tuple[Hypothesis, float, list[Candidate]]]:
+def judged(posterior: Posterior, state: State) -> list[tuple[Scored, list[Scored]]]:
     """Every cause with its log odds beside all others, and the names that come near it."""
-    level = posterior.balances.thresholds.identify.level
     found = []
     for each in state.chosen:
         rest = [other for other in state.chosen if other is not each]
         without = posterior.possible(posterior.with_causes(state, rest))
-        own = state.log_posterior - without.log_posterior
-        rivals = []
-        least = _at_noise_of(posterior, without.model, each) - level
-        for scored in serious(posterior.rivals_of(without, each))[:_WEIGHED]:
-            apart = scored.hypothesis.log_odds - each.log_odds  # what was believed before
-            if max(scored.log_odds, scored.log_odds - apart) < least:
-                continue
-            if not posterior.may_be(scored.hypothesis):
-                continue
-            odds = wider(without.model, scored.hypothesis).log_posterior
-            odds -= without.log_posterior
-            if max(odds, odds - apart) > own - level:
-                rivals.append(Candidate(hypothesis=scored.hypothesis, log_odds=odds))
-        found.append((each, own, sorted(rivals, key=lambda each: -each.log_odds)))
+        own = Scored(each, state.log_posterior - without.log_posterior)
+        pool = posterior.rivals_of(without, each)
+        found.append((own, _near(posterior, without.model, own, pool)))
     return found
 
 
-def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Candidate]:
+def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Scored]:
     """Causes that would explain what an ordinary part does, nearly as well; prior odds apart.
 
     What every machine has is the name; that rows do not tell it from another is said.
     """
-    level = posterior.balances.thresholds.identify.level
     without = state.model.without(part, *_days(state, part))
-    own = state.model.log_evidence - without.log_evidence
-    least = _at_noise_of(posterior, without, part) - level
+    own = Scored(part, state.model.log_evidence - without.log_evidence)
+    pool = [
+        each
+        for each in posterior.pool.scored(without)
+        if each.hypothesis.term.place == part.term.place
+        and each.hypothesis.term.effect != part.term.effect
+        and each.hypothesis.term.columns.keys() == part.term.columns.keys()
+        and fits_beside(each.hypothesis, state.chosen)
+    ]
+    return _near(posterior, without, own, pool)
+
+
+def _near(
+    posterior: Posterior, without: Model, own: Scored, pool: Sequence[Scored]
+) -> list[Scored]:
+    """What comes near a cause in its place, whatever was believed before of either."""
+    level, cause = posterior.balances.thresholds.identify.level, own.hypothesis
+    least = _at_noise_of(posterior, without, cause) - level
     found = []
-    for scored in serious(
-        [
-            each
-            for each in posterior.pool.scored(without)
-            if each.hypothesis.term.place == part.term.place
-            and each.hypothesis.term.effect != part.term.effect
-            and each.hypothesis.term.columns.keys() == part.term.columns.keys()
-            and fits_beside(each.hypothesis, state.chosen)
-        ]
-    )[:_WEIGHED]:
+    for scored in serious(pool)[:_WEIGHED]:
         hypothesis = scored.hypothesis
-        if scored.log_odds - hypothesis.log_odds < least:
+        apart = hypothesis.log_odds - cause.log_odds  # what was believed before
+        if max(scored.log_odds, scored.log_odds - apart) < least:
             continue
         if not posterior.may_be(hypothesis):
             continue
-        whole = without.with_(hypothesis)
-        gain = whole.log_evidence - without.log_evidence
-        if whole.admissible and gain > own - level:
-            found.append(Candidate(hypothesis=hypothesis, log_odds=gain))
+        whole = without.with_(hypothesis) if cause.ordinary else wider(without, hypothesis)
+        odds = whole.log_posterior - without.log_posterior
+        if max(odds, odds - apart) > own.log_odds - level:
+            found.append(Scored(hypothesis, odds - apart if cause.ordinary else odds))
     return sorted(found, key=lambda each: -each.log_odds)
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..effects.torque_gain import TorqueGain
 from ..findings import Support
-from ..motion.place import Key
 from ..regression.fit import Fit, Term
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import TRUST
@@ -48,14 +46,14 @@ def held_out_support(
         before = {key: others.residual(key) for key in others.design}
         after = {key: fit.residual(key) for key in fit.design}
     count = int(b.block.max()) + 1
-    gained, began, acting, left = np.zeros(count), 0.0, 0, 0.0
+    gained, began, rows_acting, left = np.zeros(count), 0.0, 0, 0.0
     by_fold = np.zeros(fit.folds)
     seen = np.zeros(fit.folds, dtype=bool)
     first = own = 0.0
     for key, column in term.columns.items():
         if key not in fit.design or not len(fit.rows[key]):
             continue
-        at = _acting(column[fit.rows[key]])
+        at = acting(column[fit.rows[key]])
         rows = fit.rows[key][at]
         gain = before[key][at] ** 2 - after[key][at] ** 2
         gained += np.bincount(b.block[rows], gain, minlength=count)
@@ -65,9 +63,9 @@ def held_out_support(
         noise = len(rows) * (b.floor[key] / b.sigma[key]) ** 2
         began += max(each - noise, LEAST_OWN * each)
         first += float(np.sum(start.target[key] ** 2))
-        own += float(np.sum(_part(fit, term, key) ** 2)) / b.sigma[key] ** 2
+        own += float(np.sum(fit.part(term, key) ** 2)) / b.sigma[key] ** 2
         left += float(np.sum(after[key][at] ** 2))
-        acting += len(rows)
+        rows_acting += len(rows)
     used = gained[gained != 0.0]
     error = float(np.std(used) * np.sqrt(len(used))) if len(used) > 1 else np.inf
     total = float(gained.sum())
@@ -80,7 +78,7 @@ def held_out_support(
         agree=int(np.count_nonzero(by_fold[seen] > 0.0)),
         sessions=int(np.count_nonzero(seen)),
         blocks=len(used),
-        left=float(np.sqrt(left / max(acting, 1))),
+        left=float(np.sqrt(left / max(rows_acting, 1))),
         rivals=rivals,
         event=term.place.window is not None,
     )
@@ -91,7 +89,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
 
     How far they may be off is in a cause's odds. Without it they would go as far as rows ask.
     """
-    b, kept = copy(fit.balances), []
+    b, kept = fit.balances, []
     left = {key: b.residual[key].copy() for key in fit.design}
     for term, beta in fit.weighted:
         if term.effect not in _TRUSTED or any(term is each for each in peculiar):
@@ -100,8 +98,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
         for key, column in term.columns.items():
             if key in left:
                 left[key] -= column @ beta
-    b.residual = {**b.residual, **left}
-    return Fit(b, kept)
+    return Fit(b.with_residual(left), kept)
 
 
 def _folds_told(fit: Fit, term: Term) -> int:
@@ -125,7 +122,7 @@ def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
     for key in term.columns:
         if key not in fit.design or not len(fit.rows[key]):
             continue
-        part = _part(fit, term, key)
+        part = fit.part(term, key)
         rows = np.ones(len(part), dtype=np.bool_)
         if term.place.window is not None:
             rows = np.abs(part) > _ACTS * np.abs(part).max(initial=0.0)
@@ -135,7 +132,7 @@ def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
         left = float(np.mean(fit.residual(key) ** 2)) * b.sigma[key] ** 2
         rest = unexplained(left, b.floor[key] ** 2)
         others = [
-            float(np.mean(_part(fit, each, key)[rows] ** 2))
+            float(np.mean(fit.part(each, key)[rows] ** 2))
             for each in peculiar
             if each is not term and key in each.columns
         ]
@@ -144,31 +141,10 @@ def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
     return largest
 
 
-def _part(fit: Fit, term: Term, key: Key) -> FloatArray:
-    """What a term adds to a balance, on its rows that count."""
-    at = next(i for i, each in enumerate(fit.terms) if each is term)
-    offset = int(fit.offsets[at])
-    beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
-    return np.asarray(term.columns[key][fit.rows[key]] @ beta)
-
-
-def _acting(column: FloatArray) -> FloatArray:
+def acting(column: FloatArray) -> NDArray[np.bool_]:
+    """Rows in which columns (N, k) act."""
+    if not len(column):  # a joint at rest throughout
+        return np.zeros(0, dtype=np.bool_)
     scale = np.sqrt(np.mean(column**2, axis=0)) + 1e-300
     energy = np.sum((column / scale) ** 2, axis=1)
     return np.asarray(energy > _ACTS * energy.mean())
-
-
-def activity(fit: Fit, term: Term) -> tuple[int, dict[Key, NDArray[np.bool_]]]:
-    """On how many rows a term acts, and which."""
-    count = 0
-    acting: dict[Key, NDArray[np.bool_]] = {}
-    for key, column in term.columns.items():
-        part = column[fit.rows[key]]
-        if not len(part):  # a joint at rest throughout
-            acting[key] = np.zeros(0, dtype=np.bool_)
-            continue
-        scale = np.sqrt(np.mean(part**2, axis=0)) + 1e-300
-        energy = np.sum((part / scale) ** 2, axis=1)
-        acting[key] = energy > 0.05 * energy.mean()
-        count += int(acting[key].sum())
-    return count, acting

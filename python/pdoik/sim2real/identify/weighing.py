@@ -43,14 +43,6 @@ class State:
         return self.model.log_posterior
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Candidate:
-    """A hypothesis weighed in the place of a cause."""
-
-    hypothesis: Hypothesis
-    log_odds: float  # over nothing in the cause's place
-
-
 @dataclass(kw_only=True, eq=False)
 class Weighing:
     """A study's rows, candidates, and all that was weighed of them."""
@@ -59,7 +51,7 @@ class Weighing:
     data: Linearisation
     pool: Pool
     tell: Tell = lambda text: None
-    tried: dict[TermKey, tuple[Hypothesis, float]] = field(default_factory=dict)
+    tried: dict[TermKey, Scored] = field(default_factory=dict)
 
     @classmethod
     def of(cls, balances: Balances, tell: Tell = lambda text: None) -> Self:
@@ -120,11 +112,9 @@ class Weighing:
         model = Model(self.data, beside(ordinary, state.chosen), state.model)
         return self.tuned(replace(state, ordinary=ordinary, model=model))
 
-    def best(
-        self, state: State, beside: Model, scored: Sequence[Scored]
-    ) -> tuple[Hypothesis, float] | None:
-        """The likeliest at the noise that it leaves, and its log odds."""
-        found: list[tuple[Hypothesis, float]] = []
+    def best(self, beside: Model, scored: Sequence[Scored]) -> Scored | None:
+        """The likeliest at the noise that it leaves."""
+        found: list[Scored] = []
         fit: Fit | None = None
         for number, each in enumerate(serious(scored)):
             hypothesis = each.hypothesis
@@ -136,14 +126,13 @@ class Weighing:
             whole = wider(beside, hypothesis)
             while (gone := whole.impossible) and all(each is not hypothesis for each in gone):
                 whole = whole.without(*gone)
-            odds = whole.log_posterior - beside.log_posterior
             if whole.size_of(hypothesis) < self.balances.thresholds.identify.matters:
                 continue
+            found.append(Scored(hypothesis, whole.log_posterior - beside.log_posterior))
             old = self.tried.get(hypothesis.key)
-            if old is None or odds > old[1]:
-                self.tried[hypothesis.key] = hypothesis, odds
-            found.append((hypothesis, odds))
-        return max(found, key=lambda each: each[1]) if found else None
+            if old is None or found[-1].log_odds > old.log_odds:
+                self.tried[hypothesis.key] = found[-1]
+        return max(found, key=lambda each: each.log_odds, default=None)
 
     def may_be(self, hypothesis: Hypothesis) -> bool:
         """Whether nothing in the recordings contradicts it, and it acts where rows count."""
@@ -173,19 +162,16 @@ class Weighing:
         free = len(effect.free(moved.shape))
         price = 0.0 if again else free * self.balances.thresholds.identify.shape_price
         price += effect.log_prior(term.shape) - effect.log_prior(moved.shape)
-        precision = hypothesis.precision
-        return replace(
-            hypothesis,
-            term=replace(moved, prior=term.prior),
-            precision=precision,
-            log_odds=hypothesis.log_odds - price,
-        )
+        moved = replace(moved, prior=term.prior)
+        return replace(hypothesis, term=moved, log_odds=hypothesis.log_odds - price)
 
     def fit_of(self, model: Model) -> Fit:
         """The same by least squares over rows, for what looks at rows."""
-        sigma = {key: model.weight(key) ** -0.5 for key in model.noise}
-        terms = [each.term for each in model.hypotheses]
-        return Fit(self.balances.with_noise(sigma), terms)
+        return Fit(self.noisy(model), [each.term for each in model.hypotheses])
+
+    def noisy(self, model: Model) -> Balances:
+        """The balances with the noise that a model leaves."""
+        return self.balances.with_noise({key: model.weight(key) ** -0.5 for key in model.noise})
 
 
 def serious(scored: Sequence[Scored]) -> list[Scored]:

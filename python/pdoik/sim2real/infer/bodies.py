@@ -22,9 +22,9 @@ def by_moments(
     A centre of mass is a moment over a mass: where the mass may be nothing, it may be anywhere.
 
     Returns:
-        The search with them, the terms, their estimates, and where a payload was put so.
+        What was identified with them, the terms, their estimates, and where a payload was put so.
     """
-    least = state.balances.thresholds.figures.mass_t
+    least = state.balances.thresholds.figures.least_t
     loads = [i for i, t in enumerate(terms) if t.effect == Payload.id]
     shapeless = [i for i in loads if not has_shape(values[i], least)]
     if not shapeless:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..effects import CATALOGUE
 from ..effects.friction_drift import FrictionDrift
-from ..findings import Equivalent, Finding
+from ..findings import MOST_EQUIVALENTS, Equivalent, Finding
 from ..motion.place import Key
 from ..regression.background import friction_at
 from ..regression.clusters import clustered
@@ -22,10 +22,6 @@ from ..regression.fit import Fit
 from ..regression.random_effects import spread_between
 from ..study.recording import FloatArray
 from ..thresholds.verdict import VerdictThresholds
-
-_MOST = 3  # equivalents of a finding
-_LEAST_BLOCKS = 4  # in which a recording must show a joint's friction
-_LEAST_CHANGE = 0.1  # of friction's power, that must be about its mean: a joint must turn back
 
 
 def spreads_of(fit: Fit) -> dict[int, float]:
@@ -43,7 +39,7 @@ def spreads_of(fit: Fit) -> dict[int, float]:
         rows = fit.rows[key]
         left, friction = fit.residual(key) * b.sigma[key], friction_at(fit, j)
         each = [
-            _scale(left[at], friction[at], b.block[rows[at]])
+            _scale(left[at], friction[at], b.block[rows[at]], b.thresholds.verdict)
             for at in (b.recording[rows] == k for k in range(len(b.motions)))
         ]
         known = np.array([pair for pair in each if pair is not None])
@@ -79,12 +75,12 @@ def with_changes(
     return replace(
         finding,
         statement=finding.statement + said,
-        equivalents=(drift, *others)[:_MOST],
+        equivalents=(drift, *others)[:MOST_EQUIVALENTS],
     )
 
 
 def _scale(
-    left: FloatArray, friction: FloatArray, block: NDArray[np.intp]
+    left: FloatArray, friction: FloatArray, block: NDArray[np.intp], limits: VerdictThresholds
 ) -> tuple[float, float] | None:
     """By which share friction is larger in one recording, and its error; None where unseen.
 
@@ -92,7 +88,8 @@ def _scale(
     """
     varying = friction - friction.mean() if len(friction) else friction
     power, blocks = float(varying @ varying), np.unique(block)
-    if len(blocks) < _LEAST_BLOCKS or power <= _LEAST_CHANGE * float(friction @ friction):
+    least = limits.change_shown * float(friction @ friction)
+    if len(blocks) < limits.change_blocks or power <= least:
         return None
     share = float(varying @ left) / power
     rest = left - left.mean() - share * varying

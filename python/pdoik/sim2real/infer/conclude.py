@@ -1,4 +1,4 @@
-"""From a finished search to the diagnosis: findings with intervals, confidence and evidence.
+"""From what was identified to the diagnosis: findings with intervals, confidence and evidence.
 
 Figures and confidence are of the recordings to learn from. Those held out come last, and judge:
 they say how much of what they show is explained, and change no finding.
@@ -15,26 +15,34 @@ from ..channels.check_channels import ChannelCheck
 from ..controllers.check_controllers import ControllerCheck
 from ..effects import CATALOGUE
 from ..effects.inertial import Payload
-from ..findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, OrdinaryPart
+from ..findings import (
+    MOST_EQUIVALENTS,
+    Diagnosis,
+    Equivalent,
+    Estimate,
+    Evidence,
+    Finding,
+    OrdinaryPart,
+)
 from ..identify.confidence import confidence_of
 from ..identify.figures import estimates
 from ..identify.identified import Identified, Part
 from ..motion.prepare import Prepared
 from ..regression.background import background
 from ..regression.fit import Fit, Term
-from ..regression.naming import Found, channel_of, finding_of, link_of, merged
+from ..regression.naming import Found, channel_of, finding_of, link_of
 from ..regression.prediction import Prediction
 from ..regression.trusted_bodies import effect_of
-from .changing_friction import changing, with_changes
+from .changing_friction import changing, spreads_of, with_changes
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of
 from .held_out_limits import held_out_limits
 from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
 from .outstanding import with_outstanding
+from .shared import merged
 from .torque_scale import with_torque_scale
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
-_MOST = 3  # equivalents of a finding
 _NEVER = 1e-9  # share of the held-out residual that is none
 
 
@@ -53,52 +61,46 @@ def conclude(
     prepared: Prepared,
     state: Identified,
     seed: int,
-    check: ChannelCheck | None = None,
-    control: ControllerCheck | None = None,
+    check: ChannelCheck,
+    control: ControllerCheck,
 ) -> Examination:
-    """Findings, joints and verdict of a search.
+    """Findings, joints and verdict.
 
     Args:
         prepared: the study.
-        state: what was selected and confirmed.
+        state: what was identified and confirmed.
         seed: of the bootstrap.
         check: what the channels were found to be.
         control: what the controllers were found to be.
     """
     study = prepared.study
     suspected = _suspected(prepared, state, seed)
-    noisy, terms = background(prepared.fit)
-    ordinary = Fit(noisy, terms) if terms else None
+    ordinary = Fit(*background(prepared.fit))
     prediction = Prediction(prepared.validate or prepared.fit)
-    figures = figures_of(prepared, state, seed, ordinary)
+    figures = figures_of(prepared, state, seed)
     simulated = judged_by_simulation(prepared, figures.state)
-    found = [
-        _found(prepared, figures, at, prediction, simulated, seed)
-        for at in range(len(figures.terms))
-    ]
-    against = [
-        (each, terms)
-        for each, terms in found
-        if _is_contradicted(prepared, each, ordinary=_is_ordinary(state, terms))
-    ]
+    found: list[Found] = []
+    against: list[Term] = []
+    for term, values in figures.terms:
+        each = _found(prepared, figures, term, values, prediction, simulated, seed)
+        if _is_contradicted(prepared, each, ordinary=_is_ordinary(state, term)):
+            against.append(term)
+            suspected += (_suspect(prepared, each),)
+        else:
+            found.append((each, (term,)))
     # The rest was learnt beside them, and stays as it is; nothing is predicted with them.
-    prediction.apart |= {term.key for _, terms in against for term in terms}
-    suspected += tuple(_suspect(prepared, each) for each, _ in against)
-    wrong = [each for each, _ in against]
-    found = [each for each in found if all(each[0] is not other for other in wrong)]
+    prediction.apart |= {term.key for term in against}
     state = figures.state
     if prepared.validate is not None:
         found += held_out_limits(prepared, state.fit, prediction)
         maybe = [each for each in state.doubtful if state.support[each.key].gain > 0.0]
         found += held_out_contacts(prepared, state.fit, prediction, maybe)
-    if check is not None:
-        unsure = study.thresholds.confidence.unsupported
-        found += [(replace(finding, confidence=unsure), ()) for finding in check.findings]
-    if control is not None:
-        found += [
-            (replace(each, confidence=confidence_of(study.thresholds, each.support)), ())
-            for each in control.findings
-        ]
+    unsure = study.thresholds.confidence.unsupported
+    found += [(replace(finding, confidence=unsure), ()) for finding in check.findings]
+    found += [
+        (replace(each, confidence=confidence_of(study.thresholds, each.support)), ())
+        for each in control.findings
+    ]
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].weight)
     least = study.thresholds.confidence.suspected
@@ -107,7 +109,7 @@ def conclude(
     found = [each for each in found if each[0].confidence >= least]
     joints = joint_fits(prepared, state, prediction, simulated.left)
     joints = with_outstanding(prepared, state, joints, ordinary)
-    changes = changing(figures.spreads, study.thresholds.verdict)
+    changes = changing(spreads_of(ordinary), study.thresholds.verdict)
     findings = tuple(with_changes(finding, study.joints, changes) for finding, _ in found)
     diagnosis = Diagnosis(
         verdict=verdict_of(
@@ -119,15 +121,15 @@ def conclude(
         findings=findings,
         joints=joints,
         notes=(
-            *(control.notes if control else ()),
+            *control.notes,
             *notes_of(prepared, state, joints),
-            *(check.notes if check else ()),
+            *check.notes,
             *figures.notes,
             *_as_judged(findings),
         ),
         suspected=suspected,
         thresholds=study.thresholds.values(),
-        controllers=control.estimates if control else (),
+        controllers=control.estimates,
         ordinary=tuple(_ordinary_part(prepared, part) for part in state.ordinary),
     )
     return Examination(
@@ -142,13 +144,14 @@ def conclude(
 def _found(
     prepared: Prepared,
     figures: Figures,
-    at: int,
+    term: Term,
+    values: dict[str, Estimate],
     prediction: Prediction,
     simulated: SimulatedEvidence,
     seed: int,
-) -> Found:
+) -> Finding:
     """The finding of one of the terms that stand."""
-    state, (term, values) = figures.state, figures.terms[at]
+    state = figures.state
     channels = tuple(sorted({channel_of(prepared, key) for key in term.columns}))
     if term in state.contacts:
         evidence = within(state, term, channels)
@@ -158,7 +161,9 @@ def _found(
         evidence = prediction.evidence(state.fit, term, channels, seed)
     rivals = _equivalents(state, term, prepared)
     if term.place in figures.loads and CATALOGUE[term.effect].is_body:
-        rivals = (Equivalent(effect=Payload.id, links=link_of(prepared, term)), *rivals)[:3]
+        rivals = (Equivalent(effect=Payload.id, links=link_of(prepared, term)), *rivals)[
+            :MOST_EQUIVALENTS
+        ]
     support = state.support.get(term.key)
     finding = finding_of(prepared, term, values, rivals, evidence, support)
     weight = evidence.validation_gain if support is None else support.weight
@@ -168,7 +173,7 @@ def _found(
         confidence=confidence_of(
             prepared.study.thresholds, None if term.key in state.confirmed else support
         ),
-    ), (term,)
+    )
 
 
 def _equivalents(state: Identified, term: Term, prepared: Prepared) -> tuple[Equivalent, ...]:
@@ -181,7 +186,7 @@ def _equivalents(state: Identified, term: Term, prepared: Prepared) -> tuple[Equ
         )
         for rival in state.rivals.get(term.key, ())
     ]
-    return tuple(dict.fromkeys(found))[:_MOST]
+    return tuple(dict.fromkeys(found))[:MOST_EQUIVALENTS]
 
 
 def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
@@ -190,10 +195,7 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
     first = effect.parameters[0]
     nothing = np.zeros(part.term.width)
     none = effect.values(part.term.shape, nothing)[first.name] if not effect.is_body else 0.0
-    value, error = none + part.value, 1.96 * part.std
-    estimate = Estimate(
-        value=value, std=part.std, interval95=(value - error, value + error), unit=first.unit
-    )
+    estimate = Estimate.normal(none + part.value, part.std, first.unit)
     torque = with_torque_scale(prepared.study, {first.name: estimate})[first.name]
     return OrdinaryPart(
         effect=effect.id,
@@ -251,10 +253,10 @@ def _may_be(figure: Estimate, value: float) -> bool:
     return low <= value <= high
 
 
-def _is_ordinary(state: Identified, terms: Sequence[Term]) -> bool:
+def _is_ordinary(state: Identified, term: Term) -> bool:
     """Whether it is a part of what every machine has, which is sized and not selected."""
     parts = {part.term.key for part in state.ordinary}
-    return all(term.key in parts and CATALOGUE[term.effect].ordinary for term in terms)
+    return term.key in parts and CATALOGUE[term.effect].ordinary
 
 
 def _suspect(prepared: Prepared, finding: Finding) -> Finding:
@@ -286,8 +288,7 @@ def _suspected(prepared: Prepared, state: Identified, seed: int) -> tuple[Findin
     for term in state.doubtful:
         support = state.support[term.key]
         values = estimates(state.fit, (term,), seed)[0]
-        none = Evidence(validation_gain=0.0, interval95=(0.0, 0.0))
-        finding = finding_of(prepared, term, values, (), none, support)
+        finding = finding_of(prepared, term, values, (), Evidence.once(0.0), support)
         most = prepared.study.thresholds.confidence.suspected
         confidence = min(confidence_of(prepared.study.thresholds, support), most)
         found.append(replace(finding, weight=support.weight, confidence=confidence))

@@ -5,26 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..confirm.event_support import event_support
 from ..findings import Evidence, Finding
 from ..identify.confidence import confidence_of
 from ..identify.contacts import contact_term, pauses, stands
 from ..identify.figures import event_estimates
 from ..identify.identified import Identified
-from ..motion.balances import Balances
 from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term
 from ..regression.naming import Found, channel_of, finding_of
 from ..regression.prediction import Prediction
 from ..regression.trusted_bodies import effect_of
 from ..thresholds import Thresholds
+from .event_support import event_support
 
 
 def within(state: Identified, term: Term, channels: tuple[str, ...]) -> Evidence:
     """Evidence of an event in recordings to fit, held against its own window."""
-    first = {key: state.start.residual(key) for key in term.columns}
-    share = event_support(state.without(term).fit, term, first).weight
-    return Evidence(validation_gain=share, interval95=(share, share), channels=channels)
+    return Evidence.once(
+        event_support(state.without(term).fit, term, state.start).weight, *channels
+    )
 
 
 def held_out_contacts(
@@ -46,8 +45,8 @@ def held_out_contacts(
     b = prepared.validate
     if b is None or any(effect_of(term).sought == "last" for term in fit.terms):
         return found
-    least, rest = b.thresholds.contacts, _left(b, prediction, fit)
-    beside = _left(b, prediction, fit.extended(*suspected))
+    least, start, rest = b.thresholds.contacts, Fit(b, ()), prediction.rest(fit)
+    beside = prediction.rest(fit.extended(*suspected))
     for _ in range(least.most_held_out):
         term = contact_term(beside)
         if term is None:
@@ -57,29 +56,17 @@ def held_out_contacts(
             break
         if not stands(with_it, term):
             continue
-        first = {key: b.residual[key][rest.rows[key]] / b.sigma[key] for key in term.columns}
-        support = event_support(rest, term, first)
+        support = event_support(rest, term, start)
         rest = with_it
         if support.weight < least.least_weight:
             break
-        evidence = Evidence(
-            validation_gain=support.weight,
-            interval95=(support.weight, support.weight),
-            channels=tuple(sorted({channel_of(prepared, key) for key in term.columns})),
-        )
+        channels = sorted({channel_of(prepared, key) for key in term.columns})
+        evidence = Evidence.once(support.weight, *channels)
         finding = finding_of(prepared, term, event_estimates(rest, term), (), evidence, support)
         finding = only_held_out(finding, b.thresholds)
         found.append((finding, (term,)))
         if finding.confidence >= b.thresholds.confidence.suspected:
             prediction.events.append((term, rest.beta[-term.width :].copy()))
-    return found
-
-
-def _left(balances: Balances, prediction: Prediction, fit: Fit) -> Fit:
-    """A fit of nothing yet to what another leaves of other recordings."""
-    found, left = Fit(balances, ()), prediction.residual(fit)
-    for key in found.target:
-        found.target[key] = left[key][found.rows[key]] / balances.sigma[key]
     return found
 
 

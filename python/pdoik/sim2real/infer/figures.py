@@ -20,7 +20,6 @@ from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..regression.second_order import to_second_order
 from .bodies import by_moments
-from .changing_friction import spreads_of
 from .sampling import widened, without_sampling
 from .torque_scale import with_torque_scale
 
@@ -33,17 +32,10 @@ class Figures:
     terms: tuple[tuple[Term, dict[str, Estimate]], ...]
     loads: frozenset[Place]  # payloads that are told by their moments
     notes: tuple[str, ...]  # what was done, and what came to nothing
-    spreads: dict[int, float]  # of each joint's friction between recordings, as a share
 
 
-def figures_of(
-    prepared: Prepared, state: Identified, seed: int, ordinary: Fit | None = None
-) -> Figures:
-    """Estimates of all accepted terms, refined by simulation, widened by what data hide.
-
-    `ordinary` is the fit of all that every machine has.
-    """
-    spreads = {} if ordinary is None else spreads_of(ordinary)
+def figures_of(prepared: Prepared, state: Identified, seed: int) -> Figures:
+    """Estimates of all accepted terms, refined by simulation, widened by what data hide."""
     motions, least_t = prepared.fit.motions, prepared.fit.thresholds.figures.least_t
     accepted = tuple(
         term
@@ -78,7 +70,7 @@ def figures_of(
     if lost:
         state = state.without(*lost)
     state = replace(state, fit=state.fit.constrained())
-    return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes), spreads=spreads)
+    return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes))
 
 
 def within_bounds(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Estimate]:
@@ -120,7 +112,7 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
                 return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
     if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are told by simulations
         return ""
-    beta = fit.bounded()[int(fit.offsets[fit.terms.index(term)])]
+    beta = fit.bounded()[fit.span(term).start]
     for bound in (float(limit[0]) for limit in effect.bounds):
         if bound and np.isfinite(bound) and abs(beta - bound) <= near * abs(bound):
             figures = ", ".join(f"{name} {each.value:.3g}" for name, each in values.items())

@@ -6,19 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..confirm.event_support import event_support
 from ..effects import CATALOGUE
 from ..effects.torque_saturation import OF_COMMAND, TorqueSaturation, kinds, top_of
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.flat_top import FlatTop
-from ..motion.place import Key, Place
+from ..motion.place import Place
 from ..motion.prepare import Prepared
 from ..regression.fit import Fit, Term, term_of
 from ..regression.naming import Found, finding_of
 from ..regression.prediction import Prediction
 from ..regression.refine import refined
-from ..study.recording import FloatArray
+from .event_support import event_support
 from .events import only_held_out
 
 _LIMIT = TorqueSaturation.id
@@ -47,17 +46,16 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
             term = term_of(b, CATALOGUE[_LIMIT], place, (kind, top.level))
             if term is None:
                 continue
-            left = prediction.residual(fit)
-            rest = _rest(b, left)
+            rest = prediction.rest(fit)
             term = refined(rest, term)
-            share = _share(b, left, term)
+            share = _share(rest, term)
             if share < CATALOGUE[_LIMIT].least_of_rest:
                 continue
-            channels = ("tau_cmd" if kind == OF_COMMAND else "q_des",)
-            evidence = Evidence(validation_gain=share, interval95=(share, share), channels=channels)
-            first = {key: b.residual[key][rest.rows[key]] / b.sigma[key] for key in term.columns}
-            figures = {"level": _estimate(term.shape[1], top, of_level)}
-            support = event_support(rest, term, first)
+            evidence = Evidence.once(share, "tau_cmd" if kind == OF_COMMAND else "q_des")
+            level = term.shape[1]
+            std = float(np.hypot(top.std, of_level * level))
+            figures = {"level": Estimate.normal(level, std, "N m")}
+            support = event_support(rest, term, Fit(b, ()))
             finding = finding_of(prepared, term, figures, (), evidence, support)
             finding = _where(finding, b, top)
             found.append((finding, (term,)))
@@ -67,29 +65,16 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
     return found
 
 
-def _share(b: Balances, left: dict[Key, FloatArray], term: Term) -> float:
+def _share(rest: Fit, term: Term) -> float:
     """Of the mean square that was left on the rows in which the term acts."""
     gained = began = 0.0
     for key, column in term.columns.items():
-        at = b.mask[key] & (column[:, 0] != 0.0)
-        before, part = left[key][at] / b.sigma[key], column[at, 0] / b.sigma[key]
-        gained += float(np.sum(before**2 - (before - part) ** 2))
+        part = column[rest.rows[key], 0] / rest.balances.sigma[key]
+        at = part != 0.0
+        before = rest.target[key][at]
+        gained += float(np.sum(before**2 - (before - part[at]) ** 2))
         began += float(np.sum(before**2))
     return float(np.clip(gained / max(began, 1e-12), 0.0, 1.0))
-
-
-def _rest(b: Balances, left: dict[Key, FloatArray]) -> Fit:
-    """A fit of nothing yet to what is left."""
-    rest = Fit(b, ())
-    for key in rest.target:
-        rest.target[key] = left[key][rest.rows[key]] / b.sigma[key]
-    return rest
-
-
-def _estimate(level: float, top: FlatTop, of_level: float) -> Estimate:
-    std = float(np.hypot(top.std, of_level * level))
-    interval = (level - 1.96 * std, level + 1.96 * std)
-    return Estimate(value=level, std=std, interval95=interval, unit="N m")
 
 
 def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:

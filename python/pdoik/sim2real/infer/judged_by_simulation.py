@@ -31,9 +31,8 @@ def judged_by_simulation(prepared: Prepared, state: Identified) -> SimulatedEvid
     doubtful = [t for t in state.accepted if t.key in state.confirmed]
     if prepared.validate is None or not doubtful:
         return SimulatedEvidence()
-    terms = state.accepted
-    values = [state.simulated[t.key] for t in terms if t.key in state.simulated]
-    if len(values) < len(terms):
+    terms, values = state.accepted, state.figures_simulated
+    if values is None:
         return SimulatedEvidence()
     try:
         arm = Arm(prepared, state.fit, held_out=True)

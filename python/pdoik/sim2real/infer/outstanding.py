@@ -21,7 +21,7 @@ from ..regression.fit import Fit
 
 
 def with_outstanding(
-    prepared: Prepared, state: Identified, joints: Mapping[str, JointFit], ordinary: Fit | None
+    prepared: Prepared, state: Identified, joints: Mapping[str, JointFit], ordinary: Fit
 ) -> dict[str, JointFit]:
     """The joints with what stands out marked, by the recordings to fit alone.
 
@@ -35,10 +35,10 @@ def with_outstanding(
     return result
 
 
-def _outstanding(prepared: Prepared, state: Identified, ordinary: Fit | None) -> dict[int, float]:
+def _outstanding(prepared: Prepared, state: Identified, ordinary: Fit) -> dict[int, float]:
     """What a joint leaves over what its friction makes likely, by the same of the others."""
     least = prepared.study.thresholds.verdict
-    shares = {} if ordinary is None else _shares(prepared, state, ordinary)
+    shares = _shares(prepared, state, ordinary)
     found = {}
     for j, share in shares.items():
         others = [each for i, each in shares.items() if i != j]

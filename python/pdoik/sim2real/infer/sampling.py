@@ -9,8 +9,6 @@ tick before it acts, or its torque a tick after: then all joints seem late by up
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -43,14 +41,7 @@ def widened(b: Balances, term: Term, values: dict[str, Estimate]) -> dict[str, E
     if not effect.blurred_by_sampling or b.motions[0].source == "":
         return values
     by = blur(b, term.shape if effect.is_delay else (OF_TORQUE,))
-    return {name: _wider(each, by) for name, each in values.items()}
-
-
-def _wider(each: Estimate, by: float) -> Estimate:
-    std = float(np.hypot(each.std, by))
-    low, high = each.interval95
-    half = max(float(np.hypot((high - low) / 2, 1.96 * by)), 1.96 * std)
-    return replace(each, std=std, interval95=(each.value - half, each.value + half))
+    return {name: each.wider(by) for name, each in values.items()}
 
 
 def without_sampling(

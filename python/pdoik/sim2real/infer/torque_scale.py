@@ -7,9 +7,6 @@ newtons or kilograms grows with them.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
-
-import numpy as np
 
 from ..findings import Estimate
 from ..study.study import Study
@@ -22,14 +19,6 @@ def with_torque_scale(study: Study, values: dict[str, Estimate]) -> dict[str, Es
     told = study.trust.torque
     share = study.thresholds.figures.torque_scale if told is None else told
     return {
-        name: wider(each, share * abs(each.value)) if OF_TORQUE.search(each.unit) else each
+        name: each.wider(share * abs(each.value)) if OF_TORQUE.search(each.unit) else each
         for name, each in values.items()
     }
-
-
-def wider(each: Estimate, by: float) -> Estimate:
-    """An estimate with one more standard error beside its own, each end as far as it was."""
-    below, above = (abs(end - each.value) for end in each.interval95)
-    wide = [float(np.hypot(half, 1.96 * by)) for half in (below, above)]
-    interval = (each.value - wide[0], each.value + wide[1])
-    return replace(each, std=float(np.hypot(each.std, by)), interval95=interval)

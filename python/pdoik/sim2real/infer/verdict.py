@@ -32,26 +32,19 @@ def joint_fits(
     b = prediction.balances
     left = prediction.residual(state.fit)
     spread = prediction.spread(changes_of(state.fit))
-    names = ", ".join(m.recording.name for m in b.motions)
     result = {}
     for j, name in enumerate(prepared.study.joints):
         key = next((k for k in preferred(j) if k in b.residual), None)
         if key is None:
-            result[name] = JointFit(
-                before=0.0, after=0.0, noise_floor=0.0, unit="N m", data=names, excited=False
-            )
+            result[name] = _judged(b, None)
             continue
         rows = b.mask[key]
         excited = bool(prepared.fit.excited[j])
         if not rows.any():
             rows, excited = np.ones_like(rows), False
-        fit = JointFit(
-            before=_rms(b.residual[key][rows]),
-            after=min(_rms(left[key][rows]), simulated_left.get(key, np.inf)),
-            noise_floor=_floor(b, key),
-            unit="rad" if key[0] == "servo" else "N m",
-            data=names,
-            excited=excited,
+        after = min(_rms(left[key][rows]), simulated_left.get(key, np.inf))
+        fit = replace(
+            _judged(b, key, _rms(b.residual[key][rows]), after, excited=excited),
             spread=_rms(spread[key][rows]) if key in spread else 0.0,
         )
         if excited and not _is_quiet(fit, prepared.study.thresholds.verdict):
@@ -64,23 +57,29 @@ def fitted_joints(
     prepared: Prepared, state: Identified, simulated_left: dict[Key, float]
 ) -> dict[str, JointFit]:
     """The same on the recordings to fit: what happened in these alone is not to be passed over."""
-    b = prepared.fit
-    names = ", ".join(m.recording.name for m in b.motions)
-    result = {}
+    b, result = prepared.fit, {}
     for j, name in enumerate(prepared.study.joints):
         key = next((k for k in preferred(j) if k in state.fit.design), None)
         if key is None or not len(state.fit.rows[key]):
             continue
         left = state.balances.sigma[key] * _rms(state.fit.residual(key))
-        result[name] = JointFit(
-            before=b.rms(key),
-            after=min(left, simulated_left.get(key, np.inf)),
-            noise_floor=_floor(b, key),
-            unit="rad" if key[0] == "servo" else "N m",
-            data=names,
-            excited=bool(b.excited[j]),
-        )
+        after = min(left, simulated_left.get(key, np.inf))
+        result[name] = _judged(b, key, b.rms(key), after, excited=bool(b.excited[j]))
     return result
+
+
+def _judged(
+    b: Balances, key: Key | None, before: float = 0.0, after: float = 0.0, *, excited: bool = False
+) -> JointFit:
+    """By one of its balances; None where it has none."""
+    return JointFit(
+        before=before,
+        after=after,
+        noise_floor=0.0 if key is None else _floor(b, key),
+        unit="rad" if key is not None and key[0] == "servo" else "N m",
+        data=", ".join(m.recording.name for m in b.motions),
+        excited=excited,
+    )
 
 
 def _floor(b: Balances, key: Key) -> float:

@@ -86,7 +86,6 @@ class Balances:
         self.mask: dict[Key, NDArray[np.bool_]] = {}
         self.floor: dict[Key, float] = {}
         self.sigma: dict[Key, float] = {}
-        self.repeats = 1.0  # rows that say the same as one, by their noise
         self._columns: dict[_Name, dict[Key, FloatArray]] = {}
         self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
         self._last: tuple[_Name | None, list[Columns]] = None, []
@@ -191,11 +190,16 @@ class Balances:
         other._columns, other._recent, other._last = kept, {}, (None, [])
         return other
 
-    def with_noise(self, sigma: Mapping[Key, float], repeats: float = 1.0) -> Balances:
-        """The same with other standard deviations of some balances, of rows that say the same."""
+    def with_noise(self, sigma: Mapping[Key, float]) -> Balances:
+        """The same with other standard deviations of some balances."""
         other = copy(self)
-        other.repeats = repeats
         other.sigma = {**self.sigma, **sigma}
+        return other
+
+    def with_residual(self, residual: Mapping[Key, FloatArray]) -> Balances:
+        """The same with something else to explain in some balances."""
+        other = copy(self)
+        other.residual = {**self.residual, **residual}
         return other
 
     def rms(self, key: Key, values: FloatArray | None = None) -> float:

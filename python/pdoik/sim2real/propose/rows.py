@@ -11,8 +11,9 @@ from scipy import linalg
 
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
-from ..regression.background import background, repeats
+from ..regression.background import background
 from ..regression.fit import Fit, term_of
+from ..regression.repeats import repeats_of
 from ..study.recording import FloatArray
 from .questions import Cause
 
@@ -50,7 +51,7 @@ def noise_of(balances: Balances, causes: Sequence[Cause]) -> Noise:
             left = fit.residual(key)
             rms = float(np.sqrt(np.mean(left**2))) * balances.sigma[key]
             sigma[key] = max(sigma[key], rms)
-            same[key] = max(repeats(balances, key, rows, left), 1.0)
+            same[key] = repeats_of(balances, rows, left)
     usual = float(np.median(list(same.values())))
     return Noise(sigma=sigma, repeats={key: max(each, usual) for key, each in same.items()})
 

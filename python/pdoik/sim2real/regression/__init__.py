@@ -1,5 +1,5 @@
-"""Effects fitted to balances: least squares of many terms, cross-validated and bootstrapped.
+"""Effects fitted to balances: least squares of many terms, cross-validated.
 
-Comes in: `Balances` and effects at places. Goes out: `Fit`s, `Trial`s of hypotheses, estimates with
-intervals, and the findings that terms stand for.
+Comes in: `Balances` and effects at places. Goes out: `Fit`s, what they say of other recordings, and
+the findings that terms stand for.
 """

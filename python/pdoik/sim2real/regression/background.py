@@ -1,18 +1,17 @@
-"""What every machine has, fitted beside the search for what is peculiar and never named by it.
+"""What every machine has, as smooth curves without names.
 
 Bearings rub, rotors turn with the joints, drawings are a tenth wrong, torque sensors are a little
-off. Where all of that is left to be found one by one, a fault drowns in it: a first search holds
-each hypothesis against a machine that has all of it in every joint, and a second one then names
-what is ordinary too. What even that leaves is the discrepancy of the model: it counts as noise,
-and with as few independent samples as it has.
+off. What is held against a machine that has all of it in every joint is no such thing. What even
+that leaves is the discrepancy of the model: it counts as noise, and with as few independent samples
+as it has.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..effects import Effect
 from ..effects.asymmetric_friction import AsymmetricFriction
@@ -21,8 +20,9 @@ from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
 from ..study.recording import FloatArray
-from ..thresholds.background import BackgroundThresholds
-from .fit import Fit, Term
+from ..thresholds import Thresholds
+from .fit import Fit, Term, term_of
+from .repeats import repeats_of
 from .trusted_bodies import trusted
 
 BACKGROUND = "background"
@@ -92,16 +92,14 @@ def has_its_like(effect: Effect) -> bool:
     return ordinary and effect.id != OneWay.like
 
 
-def without_its_like(
-    terms: tuple[Term, ...], term: Term, believed: BackgroundThresholds
-) -> tuple[Term, ...]:
+def without_its_like(terms: tuple[Term, ...], term: Term, believed: Thresholds) -> tuple[Term, ...]:
     """A background's terms without those of a term's own kind at its place.
 
     Beside friction of one way, rest is what sensors' zeros may be: it is hardly another thing.
     """
     if term.effect != OneWay.like:
         return terms
-    tighter = (believed.friction / believed.offset) ** 2
+    tighter = (believed.identify.friction / believed.search.one_way) ** 2
     found = []
     for each in terms:
         here = each.place.joints == term.place.joints
@@ -125,12 +123,10 @@ def friction_at(fit: Fit, j: int) -> FloatArray:
     """Joint j's friction along the rows that count, the rotor apart, (N,) [N m]."""
     key: Key = ("torque", j)
     total = np.zeros(len(fit.rows[key]))
-    for term, offset in zip(fit.terms, fit.offsets, strict=False):
+    for term, beta in fit.weighted:
         if term.place.joints == (j,) and (_is(term, Friction) or _is(term, OneWay)):
-            beta = fit.beta[offset : offset + term.width].copy()
-            if _is(term, Friction):
-                beta[-1] = 0.0
-            total += term.columns[key][fit.rows[key]] @ beta
+            kept = beta[:-1] if _is(term, Friction) else beta
+            total += term.columns[key][fit.rows[key], : len(kept)] @ kept
     return total
 
 
@@ -148,9 +144,9 @@ def background(balances: Balances) -> tuple[Balances, tuple[Term, ...]]:
             for key, each in left.items()
             if len(each)
         }
-        same = {key: repeats(balances, key, fit.rows[key], each) for key, each in left.items()}
+        same = {key: repeats_of(balances, fit.rows[key], each) for key, each in left.items()}
         usual = float(np.median(list(same.values())))
-        balances = balances.with_noise(sigma, usual)
+        balances = balances.with_noise(sigma)
         terms = tuple(replace(t, prior=t.prior * same.get(_own(t), usual)) for t in plain)
     return balances, terms
 
@@ -160,28 +156,9 @@ def _own(term: Term) -> Key:
     return ("torque", term.place.joints[0] if term.place.joints else -1)
 
 
-def repeats(balances: Balances, key: Key, rows: NDArray[np.intp], left: FloatArray) -> float:
-    """Rows that say the same: one and twice the sum of the residual's autocorrelation."""
-    series = np.zeros(balances.count)
-    series[rows] = left
-    total, power = np.zeros(0), 0.0
-    for i in range(len(balances.motions)):
-        part = series[balances.starts[i] : balances.starts[i + 1]]
-        spectrum = np.abs(np.fft.rfft(part, 2 * len(part))) ** 2
-        own = np.fft.irfft(spectrum)[: len(part)]
-        total = own if not len(total) else total[: len(own)] + own[: len(total)]
-        power += float(own[0])
-    if power <= 0.0:
-        return 1.0
-    correlation = total / power
-    below = np.flatnonzero(correlation < 0.0)
-    last = int(below[0]) if len(below) else len(correlation)
-    return float(1.0 + 2.0 * np.sum(correlation[1:last]))
-
-
 def _terms(balances: Balances) -> tuple[Term, ...]:
     """Of every joint that can be judged, and of the bodies."""
-    believed = balances.thresholds.background
+    believed = balances.thresholds.identify
     terms: list[Term] = []
     for j in range(balances.n):
         if ("torque", j) not in balances.residual or not balances.excited[j]:
@@ -203,23 +180,20 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
                         prior=prior,
                     )
                 )
-    return (*terms, *_of_imu(balances), *trusted(balances, believed.bodies))
+    for term, sizes in imu_parts(balances):
+        terms.append(replace(term, effect=BACKGROUND, prior=1.0 / sizes**2))
+    return (*terms, *trusted(balances, believed.bodies))
 
 
-def _of_imu(balances: Balances) -> list[Term]:
-    """Of an IMU, which is never mounted or zeroed quite right."""
-    believed = balances.thresholds.background
+def imu_parts(balances: Balances) -> Iterator[tuple[Term, FloatArray]]:
+    """An IMU's mounting and zeros, which are never quite right, and how large they usually are."""
+    believed = balances.thresholds.identify
     turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
-    found = []
     for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
         for place in effect.places(balances.motions):
-            columns = balances.columns(effect, place, ())
-            if columns:
-                prior = 1.0 / np.square(sizes)
-                found.append(
-                    Term(effect=BACKGROUND, place=place, shape=(), columns=columns, prior=prior)
-                )
-    return found
+            term = term_of(balances, effect, place, ())
+            if term is not None:
+                yield term, np.array(sizes)
 
 
 def usual_torque(balances: Balances, j: int) -> float:

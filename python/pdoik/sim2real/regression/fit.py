@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,7 +15,6 @@ from ..effects import CATALOGUE, Effect
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
 from ..study.recording import FloatArray
-from .design import Design
 from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry
@@ -89,119 +88,139 @@ class Fit:
     coefficient is fixed are subtracted before.
     """
 
-    def __init__(self, balances: Balances, terms: Sequence[Term], base: Fit | None = None) -> None:
-        """Fits at once. With a base, `terms` are added to the base's and its sums are used."""
+    def __init__(self, balances: Balances, terms: Sequence[Term]) -> None:
+        """Fits at once."""
         self.balances = balances
-        self.terms: tuple[Term, ...] = (*(base.terms if base else ()), *terms)
+        self.terms: tuple[Term, ...] = ()
+        self.folds = int(balances.fold.max()) + 1
+        self.fold_gram = np.zeros((self.folds, 0, 0))
+        self.fold_moment = np.zeros((self.folds, 0))
+        # By key, on the rows that count and by sigma.
+        self.rows: dict[Key, Index] = {k: np.flatnonzero(balances.mask[k]) for k in balances.keys}
+        self.spans = {key: _spans(balances.fold[rows]) for key, rows in self.rows.items()}
+        self.target: dict[Key, FloatArray] = {
+            key: balances.residual[key][rows] / balances.sigma[key]
+            for key, rows in self.rows.items()
+        }
+        self.design: dict[Key, FloatArray] = {
+            k: np.zeros((len(r), 0)) for k, r in self.rows.items()
+        }
+        self.index: dict[Key, Index] = {
+            key: np.zeros(0, np.intp) for key in self.rows
+        }  # of columns
+        self._add(terms)
+
+    def extended(self, *terms: Term) -> Fit:
+        """The fit with more terms, by the same sums."""
+        other = self._copy()
+        other._add(terms)
+        return other
+
+    def without(self, *terms: Term) -> Fit:
+        """The fit without some of its terms, by the same sums."""
+        other = self._copy()
+        gone = np.array([any(t is each for each in terms) for t in self.terms], dtype=np.bool_)
+        kept = ~np.repeat(gone, np.diff(self.offsets))
+        place = np.cumsum(kept) - 1
+        for key, index in self.index.items():
+            stays = kept[index]
+            other.index[key] = place[index[stays]]
+            if not stays.all():
+                other.design[key] = self.design[key][:, stays]
+        other.fold_gram = self.fold_gram[:, kept][:, :, kept]
+        other.fold_moment = self.fold_moment[:, kept]
+        for term, out in zip(self.terms, gone, strict=True):
+            if out and term.fixed:
+                for key, column in other._columns(term):
+                    other._shift(key, column[:, 0])
+        other._of(t for t, out in zip(self.terms, gone, strict=True) if not out)
+        return other
+
+    def _copy(self) -> Fit:
+        other = copy(self)
+        other.target, other.design = dict(self.target), dict(self.design)
+        other.index, other.fold_moment = dict(self.index), self.fold_moment.copy()
+        return other
+
+    def _add(self, terms: Sequence[Term]) -> None:
+        """Put terms beside those that are there."""
+        first = len(self.terms)
+        before, moment = self.fold_gram, self.fold_moment
+        size = moment.shape[1] + sum(0 if t.fixed else t.width for t in terms)
+        self.fold_gram = np.zeros((self.folds, size, size))
+        self.fold_moment = np.zeros((self.folds, size))
+        self.fold_gram[:, : before.shape[1], : before.shape[1]] = before
+        self.fold_moment[:, : moment.shape[1]] = moment
+        parts: dict[Key, list[FloatArray]] = {}
+        index: dict[Key, list[Index]] = {}
+        at = moment.shape[1]
+        for term in terms:
+            for key, column in self._columns(term):
+                if term.fixed:
+                    self._shift(key, -column[:, 0])
+                else:
+                    parts.setdefault(key, []).append(column)
+                    index.setdefault(key, []).append(np.arange(at, at + term.width))
+            at += 0 if term.fixed else term.width
+        for key, columns in parts.items():
+            self._beside(key, np.hstack(columns), np.concatenate(index[key]))
+        self._of((*self.terms[:first], *terms))
+
+    def _beside(self, key: Key, new: FloatArray, at: Index) -> None:
+        """Columns of a balance, and their sums."""
+        old, there = self.design[key], self.index[key]
+        for f, span in self.spans[key]:
+            part = new[span]
+            if len(there):
+                cross = old[span].T @ part
+                self.fold_gram[f][np.ix_(there, at)] += cross
+                self.fold_gram[f][np.ix_(at, there)] += cross.T
+            self.fold_gram[f][np.ix_(at, at)] += part.T @ part
+            self.fold_moment[f, at] += part.T @ self.target[key][span]
+        self.design[key] = np.hstack([old, new]) if len(there) else new
+        self.index[key] = np.concatenate([there, at])
+
+    def _columns(self, term: Term) -> Iterator[tuple[Key, FloatArray]]:
+        """A term's columns on the rows that count, in sigmas."""
+        for key, column in term.columns.items():
+            if key in self.rows:
+                yield key, column[self.rows[key]] * (1.0 / self.balances.sigma[key])
+
+    def _shift(self, key: Key, by: FloatArray) -> None:
+        """Add to a balance's target."""
+        self.target[key] = self.target[key] + by
+        for f, span in self.spans[key]:
+            self.fold_moment[f, self.index[key]] += self.design[key][span].T @ by[span]
+
+    def _of(self, terms: Iterable[Term]) -> None:
+        """The sums are of these terms: their coefficients."""
+        self.terms = tuple(terms)
         widths = [0 if t.fixed else t.width for t in self.terms]
         self.offsets = np.concatenate([[0], np.cumsum(widths)]).astype(np.intp)
         self.size = int(self.offsets[-1])
         self.prior = np.concatenate([np.zeros(0)] + [t.prior for t in self.terms if not t.fixed])
-        self.folds = int(balances.fold.max()) + 1
-        # By key, on the rows that count and by sigma; what a base has of other keys is its own.
-        self.rows: dict[Key, Index] = dict(base.rows) if base else {}
-        self.target: dict[Key, FloatArray] = dict(base.target) if base else {}
-        self.design: dict[Key, Design] = dict(base.design) if base else {}
-        self.index: dict[Key, Index] = dict(base.index) if base else {}  # of the columns
-        self.spans: dict[Key, Spans] = base.spans if base else {}
-        self.fold_gram = np.zeros((self.folds, self.size, self.size))
-        self.fold_moment = np.zeros((self.folds, self.size))
-        if base is not None:
-            self.fold_gram[:, : base.size, : base.size] = base.fold_gram
-            self.fold_moment[:, : base.size] = base.fold_moment
-        else:
-            for key in balances.keys:
-                self._begin(key)
-        for key in balances.keys:
-            if any(key in term.columns for term in terms):
-                self._assemble(key, terms)
-        self._finish()
-
-    def _finish(self) -> None:
-        """The sums of all folds, and their coefficients."""
         self.gram = self.fold_gram.sum(axis=0)
         self.moment = self.fold_moment.sum(axis=0)
         self.beta = self.solve(self.gram, self.moment)
         self._bounded: FloatArray | None = None
 
-    def _begin(self, key: Key) -> None:
-        b = self.balances
-        rows = np.flatnonzero(b.mask[key])
-        self.rows[key], self.spans[key] = rows, _spans(b.fold[rows])
-        self.target[key] = b.residual[key][rows] / b.sigma[key]
-        self.index[key], self.design[key] = np.zeros(0, dtype=np.intp), Design(len(rows))
+    def span(self, term: Term) -> slice:
+        """Where a term's coefficients are; nowhere if it is fixed."""
+        at = next(i for i, each in enumerate(self.terms) if each is term)
+        return slice(int(self.offsets[at]), int(self.offsets[at + 1]))
 
-    def _assemble(self, key: Key, added: Sequence[Term]) -> None:
-        rows, scale = self.rows[key], 1.0 / self.balances.sigma[key]
-        old, old_index, before = self.design[key], self.index[key], self.target[key]
-        first = len(self.terms) - len(added)
-        target = before
-        parts: list[FloatArray] = []
-        index: list[int] = []
-        for term, offset in zip(added, self.offsets[first:], strict=False):
-            if key not in term.columns:
-                continue
-            column = term.columns[key][rows] * scale
-            if term.fixed:
-                target = target - column[:, 0]
-            else:
-                parts.append(column)
-                index.extend(range(offset, offset + term.width))
-        self.target[key] = target
-        if target is not before and len(old_index):
-            for f, span in self.spans[key]:
-                self.fold_moment[f, old_index] += old.at(span).against(target[span] - before[span])
-        if not parts:
-            return
-        new, new_index = np.hstack(parts), np.array(index, dtype=np.intp)
-        self.index[key] = np.concatenate([old_index, new_index])
-        self.design[key] = old.beside(new)
-        for f, span in self.spans[key]:
-            part = new[span]
-            if len(old_index):
-                cross = old.at(span).against(part)
-                self.fold_gram[f][np.ix_(old_index, new_index)] += cross
-                self.fold_gram[f][np.ix_(new_index, old_index)] += cross.T
-            self.fold_gram[f][np.ix_(new_index, new_index)] += part.T @ part
-            self.fold_moment[f, new_index] += part.T @ target[span]
+    def beta_of(self, term: Term) -> FloatArray:
+        """Coefficients of one of its terms, 1 of a fixed one."""
+        return np.ones(1) if term.fixed else self.beta[self.span(term)]
 
-    def extended(self, *terms: Term) -> Fit:
-        """The fit with more terms."""
-        return Fit(self.balances, terms, self)
+    def part(self, term: Term, key: Key) -> FloatArray:
+        """What a term adds to a balance, on its rows that count."""
+        return np.asarray(term.columns[key][self.rows[key]] @ self.beta_of(term))
 
-    def without(self, *terms: Term) -> Fit:
-        """The fit without some of its terms, by the same sums."""
-        other = copy(self)
-        gone = np.array([any(t is each for each in terms) for t in self.terms], dtype=np.bool_)
-        widths = np.array([0 if t.fixed else t.width for t in self.terms], dtype=np.intp)
-        kept = ~np.repeat(gone, widths)
-        other.terms = tuple(t for t, out in zip(self.terms, gone, strict=True) if not out)
-        other.offsets = np.concatenate([[0], np.cumsum(widths[~gone])]).astype(np.intp)
-        other.size = int(other.offsets[-1])
-        other.prior = self.prior[kept]
-        place = np.cumsum(kept) - 1
-        other.design, other.target, other.index = {}, dict(self.target), {}
-        for key, index in self.index.items():
-            stays = kept[index]
-            whole = bool(stays.all())
-            other.index[key] = place[index if whole else index[stays]]
-            other.design[key] = self.design[key] if whole else self.design[key].kept(stays)
-        other.fold_gram = self.fold_gram[:, kept][:, :, kept]
-        other.fold_moment = self.fold_moment[:, kept]
-        for term, out in zip(self.terms, gone, strict=True):
-            if out and term.fixed:
-                other._put_back(term)
-        other._finish()
-        return other
-
-    def _put_back(self, term: Term) -> None:
-        """A fixed term's column into the targets again."""
-        for key in term.columns.keys() & self.design.keys():
-            column = term.columns[key][self.rows[key], 0] / self.balances.sigma[key]
-            self.target[key] = self.target[key] + column
-            for f, span in self.spans[key]:
-                part = self.design[key].at(span)
-                self.fold_moment[f, self.index[key]] += part.against(column[span])
+    @property
+    def weighted(self) -> Weighted:
+        """Its terms with their coefficients."""
+        return [(term, self.beta_of(term)) for term in self.terms]
 
     def solve(self, gram: FloatArray, moment: FloatArray) -> FloatArray:
         """Coefficients from normal equations; nothing is bounded here."""
@@ -238,21 +257,16 @@ class Fit:
         if not self.size:
             return np.zeros(0)
         lower, upper = np.full(self.size, -np.inf), np.full(self.size, np.inf)
-        for term, offset in zip(self.terms, self.offsets, strict=False):
+        for term in self.terms:
             if not term.fixed and term.effect in CATALOGUE:
-                span = slice(offset, offset + term.width)
-                low, high = CATALOGUE[term.effect].bounds
+                span, (low, high) = self.span(term), CATALOGUE[term.effect].bounds
                 lower[span], upper[span] = low[: term.width], high[: term.width]
         regular, beta = self.regular(self.gram), self.beta
         if (beta < lower).any() or (beta > upper).any():
             factor = linalg.cholesky(regular)
             right = linalg.solve_triangular(factor, self.moment, trans="T")
             beta = np.asarray(optimize.lsq_linear(factor, right, (lower, upper)).x)
-        bodies = [
-            (slice(int(offset), int(offset) + term.width), term.beneath)
-            for term, offset in zip(self.terms, self.offsets, strict=False)
-            if term.beneath is not None
-        ]
+        bodies = [(self.span(t), t.beneath) for t in self.terms if t.beneath is not None]
         return with_real_bodies(beta, regular, bodies) if bodies else beta
 
     def constrained(self) -> Fit:
@@ -261,18 +275,9 @@ class Fit:
         other.beta = self.bounded()
         return other
 
-    @property
-    def weighted(self) -> Weighted:
-        """Its terms with their coefficients."""
-        return [
-            (term, np.ones(1) if term.fixed else self.beta[offset : offset + term.width])
-            for term, offset in zip(self.terms, self.offsets, strict=False)
-        ]
-
-    def residual(self, key: Key, beta: FloatArray | None = None) -> FloatArray:
+    def residual(self, key: Key) -> FloatArray:
         """What is left on the rows that count, in sigmas."""
-        beta = self.beta if beta is None else beta
-        return np.asarray(self.target[key] - self.design[key] @ beta[self.index[key]])
+        return np.asarray(self.target[key] - self.design[key] @ self.beta[self.index[key]])
 
     def cost(self) -> float:
         """Sum of squares and penalty."""
@@ -281,17 +286,11 @@ class Fit:
 
     def held_out(self) -> dict[Key, FloatArray]:
         """Residuals in sigmas of rows that their fit did not see."""
-        betas = self.fold_betas()
+        sums = zip(self.fold_gram, self.fold_moment, strict=True)
+        betas = [self.solve(self.gram - gram, self.moment - moment) for gram, moment in sums]
         result = {}
         for key, design in self.design.items():
-            left, index = self.target[key].copy(), self.index[key]
-            if len(index):
-                for f, span in self.spans[key]:
-                    left[span] -= design.at(span) @ betas[f][index]
-            result[key] = left
+            result[key] = self.target[key].copy()
+            for f, span in self.spans[key]:
+                result[key][span] -= design[span] @ betas[f][self.index[key]]
         return result
-
-    def fold_betas(self) -> list[FloatArray]:
-        """Coefficients fitted without each fold."""
-        pairs = zip(self.fold_gram, self.fold_moment, strict=True)
-        return [self.solve(self.gram - g, self.moment - m) for g, m in pairs]

@@ -18,8 +18,8 @@ def improved_model(prepared: Prepared, findings: tuple[Finding, ...], fit: Fit) 
     """
     model = Model.of_study(prepared.study, findings, cutoff=prepared.cutoff)
     changes = {
-        term.place.link: fit.beta[offset : offset + term.width]
-        for term, offset in zip(fit.terms, fit.offsets, strict=False)
+        term.place.link: beta
+        for term, beta in fit.weighted
         if term.effect == TRUST and term.place.link is not None
     }
     if not changes or model.robot is None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -111,14 +110,10 @@ def described(prepared: Prepared, term: Term) -> str:
         where = place.held.label
     if place.window is not None:
         where += f", {place.window[0]:.2f} to {place.window[1]:.2f} s of {place.recording}"
-    where += gate_in_words(place.gate, ", only ", _begins(prepared, place.gate))
+    since = place.gate is not None and place.gate.of == "clock"
+    begins = begin_of(place.gate, prepared.fit.motions) if place.gate and since else None
+    where += gate_in_words(place.gate, ", only ", begins)
     return f"{CATALOGUE[term.effect].words} at {where}"
-
-
-def _begins(prepared: Prepared, gate: Gate | None) -> tuple[str, float] | None:
-    if gate is None or gate.of != "clock":
-        return None
-    return begin_of(gate, prepared.fit.motions)
 
 
 def begin_of(gate: Gate, motions: Sequence[Motion]) -> tuple[str, float]:
@@ -132,14 +127,15 @@ def gate_in_words(gate: Gate | None, start: str, begins: tuple[str, float] | Non
     """When or where something acts, after `start`; "" where it always does."""
     if gate is None:
         return ""
+    unit, before, after = (
+        ("s", "until", "after") if gate.of == "time" else ("rad", "below", "above")
+    )
     if begins is not None:
         words = f"since {begins[1]:.3g} s of {begins[0]}"
-        return f"{start}{words}{'.' if start.startswith(' ') else ''}"
-    unit = "s" if gate.of == "time" else "rad"
-    if np.isinf(gate.low):
-        words = f"until {gate.high:.3g} s" if unit == "s" else f"below {gate.high:.3g} rad"
+    elif np.isinf(gate.low):
+        words = f"{before} {gate.high:.3g} {unit}"
     elif np.isinf(gate.high):
-        words = f"after {gate.low:.3g} s" if unit == "s" else f"above {gate.low:.3g} rad"
+        words = f"{after} {gate.low:.3g} {unit}"
     else:
         words = f"from {gate.low:.3g} to {gate.high:.3g} {unit}"
     return f"{start}{words}{'.' if start.startswith(' ') else ''}"
@@ -178,61 +174,3 @@ def where_in_words(on: str, joints: tuple[str, ...], links: tuple[str, ...]) -> 
         said = " and ".join(joints)
         return said if "joint" in said.lower() else f"Joint{'s' * (len(joints) > 1)} {said}"
     return {"base": "The base", "foot": "Every foot"}.get(on, "The robot")
-
-
-def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:
-    """One finding where several joints show the same delay, lag or skew."""
-    result: list[Found] = []
-    groups: dict[str, list[Found]] = {}
-    for finding, terms in found:
-        if CATALOGUE[finding.effect].shared:
-            groups.setdefault(finding.effect, []).append((finding, terms))
-        else:
-            result.append((finding, terms))
-    for group in groups.values():
-        result += _joined(group, joints)
-    return result
-
-
-def near_the_median(times: FloatArray) -> list[int]:
-    """Which of several joints' times are one cause's."""
-    middle = float(np.median(times))
-    return [i for i, t in enumerate(times) if abs(t - middle) < max(0.3 * abs(middle), 2e-3)]
-
-
-def _joined(group: list[Found], joints: tuple[str, ...]) -> list[Found]:
-    name = next(iter(group[0][0].parameters))
-    times = np.array([finding.parameters[name].value for finding, _ in group])
-    near = near_the_median(times)
-    if len(near) < 2:
-        return group
-    best = max((group[i] for i in near), key=lambda each: each[0].weight)
-    inside = [group[i][0] for i in near]
-    weight = np.array([1.0 / max(f.parameters[name].std, 1e-6) ** 2 for f in inside])
-    value = float(np.sum(weight * times[near]) / weight.sum())
-    # What sampling leaves open is common to the joints: their number does not make it less.
-    std = float(
-        max(np.std(times[near]) / np.sqrt(len(near)), min(f.parameters[name].std for f in inside))
-    )
-    estimate = Estimate(
-        value=value,
-        std=std,
-        interval95=(value - 1.96 * std, value + 1.96 * std),
-        unit=inside[0].parameters[name].unit,
-        spread=best[0].parameters[name].spread,
-        spread_p=best[0].parameters[name].spread_p,
-    )
-    names = tuple(j for j in joints if any(j in f.joints for f in inside))
-    effect = CATALOGUE[best[0].effect]
-    where = "all joints" if len(names) == len(joints) else ", ".join(names)
-    others = {k: e for k, e in best[0].parameters.items() if k != name}
-    one = replace(
-        best[0],
-        joints=names,
-        parameters={name: estimate} | others,
-        statement=effect.statement(where, {name: value} | {k: e.value for k, e in others.items()}),
-        regime=effect.regime(where),
-        confidence=max(finding.confidence for finding in inside),
-    )
-    terms = tuple(term for i in near for term in group[i][1])
-    return [(one, terms)] + [group[i] for i in range(len(group)) if i not in near]

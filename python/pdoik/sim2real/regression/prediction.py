@@ -18,11 +18,6 @@ _ACTS = 0.05  # of a part's mean square, from which it acts in a row
 _DRAWS = 300
 
 
-def columns_on(balances: Balances, term: Term) -> dict[Key, FloatArray]:
-    """A term's columns on other recordings."""
-    return balances.compute(effect_of(term), term.place, term.shape)
-
-
 class Prediction:
     """A fit's terms evaluated on other balances; their columns are computed once."""
 
@@ -37,17 +32,19 @@ class Prediction:
         """What the fit leaves, (N,) per key, all rows."""
         b = self.balances
         left = {key: b.residual[key].copy() for key in b.keys}
-        for i, term in enumerate(fit.terms):
+        for term, beta in fit.weighted:
             if term.key in self.apart:
                 continue
-            offset = int(fit.offsets[i])
-            beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
             for key, column in self._columns(term).items():
                 left[key] -= column @ beta
         for term, beta in self.events:
             for key, column in term.columns.items():
                 left[key] -= column @ beta
         return left
+
+    def rest(self, fit: Fit) -> Fit:
+        """A fit of nothing yet to what another leaves."""
+        return Fit(self.balances.with_residual(self.residual(fit)), ())
 
     def spread(self, changes: Sequence[tuple[Term, FloatArray]]) -> dict[Key, FloatArray]:
         """How far a session may be from the mean, as a standard deviation, (N,) per key."""
@@ -58,24 +55,10 @@ class Prediction:
                 squares[key] = squares.get(key, np.zeros(len(part))) + part
         return {key: np.sqrt(square) for key, square in squares.items()}
 
-    def share(self, fit: Fit, term: Term) -> float:
-        """Share of an event, the fit's last term, of the mean square residual in its window."""
-        b = self.balances
-        gained = began = 0.0
-        beta = fit.beta[-term.width :]
-        for key, column in term.columns.items():
-            rows = fit.rows[key]
-            part = column[rows] @ beta / b.sigma[key]
-            at = part != 0.0
-            after = fit.residual(key)[at]
-            gained += float(np.sum((after + part[at]) ** 2 - after**2))
-            began += float(np.sum((b.residual[key][rows][at] / b.sigma[key]) ** 2))
-        return float(np.clip(gained / max(began, 1e-12), 0.0, 1.0))
-
     def _columns(self, term: Term) -> dict[Key, FloatArray]:
         name = (term.effect, term.place, term.shape)
         if name not in self._kept:
-            self._kept[name] = columns_on(self.balances, term)
+            self._kept[name] = self.balances.compute(effect_of(term), term.place, term.shape)
         return self._kept[name]
 
     def evidence(self, fit: Fit, term: Term, channels: tuple[str, ...], seed: int) -> Evidence:
@@ -85,10 +68,7 @@ class Prediction:
         """
         b = self.balances
         with_it = self.residual(fit)
-        at = next(i for i, each in enumerate(fit.terms) if each is term)
-        offset = int(fit.offsets[at])
-        beta = np.ones(1) if term.fixed else fit.beta[offset : offset + term.width]
-        without = dict(with_it)
+        beta, without = fit.beta_of(term), dict(with_it)
         for key, column in self._columns(term).items():
             without[key] = with_it[key] + column @ beta
         count = int(b.block.max()) + 1

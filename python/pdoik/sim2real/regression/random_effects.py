@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize, stats
 
+from ..findings import ERRORS
 from ..study.recording import FloatArray
 
 _TELLS = 0.05  # of the weight of the session that tells most
@@ -37,16 +38,8 @@ class Spread:
         normal distribution's.
         """
         if self.std == 0.0:
-            return 1.96 * within
+            return ERRORS * within
         return float(stats.t.ppf(0.975, self.sessions - 1) * np.hypot(within, self.error))
-
-    @property
-    def of_another(self) -> float:
-        """Standard deviation of a session that was not among these, their small number counted."""
-        if self.std == 0.0:
-            return 0.0
-        few = float(stats.t.ppf(0.975, self.sessions - 1)) / 1.96
-        return few * self.std * float(np.sqrt(1.0 + 1.0 / self.sessions))
 
 
 def spread_between(values: FloatArray, variances: FloatArray, freedom: int) -> Spread:

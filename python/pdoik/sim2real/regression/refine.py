@@ -17,7 +17,7 @@ Values = FloatArray | float
 _GRID = 7  # values of one parameter that are looked at first
 
 
-def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
+def refined(base: Fit, term: Term) -> Term:
     """The term with its nonlinear parameters moved to where the training cost is lowest.
 
     One without any is the likeliest of the effect's variants.
@@ -25,7 +25,6 @@ def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
     Args:
         base: the fit beside which it is tried.
         term: with the parameters to begin with.
-        closely: to some thousandths of a single parameter's range; else to some hundredths.
     """
     effect = CATALOGUE[term.effect]
     bounds = effect.shape_bounds(term.shape)
@@ -56,7 +55,7 @@ def refined(base: Fit, term: Term, *, closely: bool = True) -> Term:
         costs = [cost(value) for value in tries]
         best, lowest = np.array([tries[int(np.argmin(costs))]]), min(costs)
     elif len(free) == 1:
-        best, lowest = _lowest(cost, *bounds[free[0]], closely=closely)
+        best, lowest = _lowest(cost, *bounds[free[0]])
     else:
         start = np.array([term.shape[i] for i in free])
         result = optimize.minimize(
@@ -84,28 +83,16 @@ class _Cost(Protocol):
     def __call__(self, x: Values, *, again: bool = False) -> float: ...
 
 
-def _lowest(cost: _Cost, low: float, high: float, *, closely: bool) -> tuple[FloatArray, float]:
+def _lowest(cost: _Cost, low: float, high: float) -> tuple[FloatArray, float]:
     """Of one parameter: on a grid, which other fits of the term look at too, then near its best."""
     grid = np.linspace(low, high, _GRID)
     costs = [cost(x, again=True) for x in grid]
     k = int(np.argmin(costs))
-    best, lowest = float(grid[k]), costs[k]
-    if closely:
-        found = optimize.minimize_scalar(
-            cost,
-            bounds=(grid[max(k - 1, 0)], grid[min(k + 1, _GRID - 1)]),
-            method="bounded",
-            options={"xatol": 2e-3 * (high - low), "maxiter": 10},
-        )
-        near, there = float(found.x), float(found.fun)
-    else:
-        near = _vertex(grid, costs, min(max(k, 1), _GRID - 2))
-        there = cost(near)
-    return (np.array([near]), there) if there < lowest else (np.array([best]), lowest)
-
-
-def _vertex(x: FloatArray, y: list[float], k: int) -> float:
-    """Where the parabola through three neighbours is lowest, within them."""
-    bend = y[k - 1] - 2.0 * y[k] + y[k + 1]
-    aside = 0.5 * (y[k - 1] - y[k + 1]) / bend if bend > 0.0 else 0.0
-    return float(x[k] + np.clip(aside, -1.0, 1.0) * (x[1] - x[0]))
+    near = optimize.minimize_scalar(
+        cost,
+        bounds=(grid[max(k - 1, 0)], grid[min(k + 1, _GRID - 1)]),
+        method="bounded",
+        options={"xatol": 2e-3 * (high - low), "maxiter": 10},
+    )
+    best, lowest = (near.x, near.fun) if near.fun < costs[k] else (grid[k], costs[k])
+    return np.array([float(best)]), float(lowest)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -24,8 +22,7 @@ def to_second_order(fit: Fit, term: Term, estimates: dict[str, Estimate]) -> dic
     effect = CATALOGUE[term.effect]
     start = {name: each.value for name, each in estimates.items()}
     values = dict(start)
-    at = fit.terms.index(term)
-    span = slice(int(fit.offsets[at]), int(fit.offsets[at]) + term.width)
+    span = fit.span(term)
     for _ in range(_ROUNDS):
         beta = effect.coefficients(values, term.shape)[1]
         exact = _exactly(fit, term, values)
@@ -35,10 +32,10 @@ def to_second_order(fit: Fit, term: Term, estimates: dict[str, Estimate]) -> dic
         for key, contribution in exact.items():
             rows = fit.rows[key]
             beyond = (contribution - term.columns[key] @ beta)[rows] / fit.balances.sigma[key]
-            moment[fit.index[key]] -= fit.design[key].against(beyond)
+            moment[fit.index[key]] -= fit.design[key].T @ beyond
         moved = effect.coefficients(start, term.shape)[1] + fit.solve(fit.gram, moment)[span]
         values = effect.values(term.shape, moved)
-    return {name: _shifted(each, values[name]) for name, each in estimates.items()}
+    return {name: each.moved(values[name]) for name, each in estimates.items()}
 
 
 def _exactly(fit: Fit, term: Term, values: dict[str, float]) -> dict[Key, FloatArray] | None:
@@ -51,9 +48,3 @@ def _exactly(fit: Fit, term: Term, values: dict[str, float]) -> dict[Key, FloatA
         for key, column in columns.items():
             parts.setdefault(key, []).append(b.thin(i, column[:, 0]))
     return {key: np.concatenate(each) for key, each in parts.items() if key in term.columns}
-
-
-def _shifted(estimate: Estimate, value: float) -> Estimate:
-    low, high = estimate.interval95
-    by = value - estimate.value
-    return replace(estimate, value=value, interval95=(low + by, high + by))

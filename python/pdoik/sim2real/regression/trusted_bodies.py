@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ..effects import CATALOGUE, Effect
 from ..effects.inertial import LinkInertials
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
-from .fit import Term
+from .fit import Term, term_of
 from .tolerances import Tolerance
 
 _BODY = CATALOGUE[LinkInertials.id]
@@ -17,11 +18,14 @@ _BODY = CATALOGUE[LinkInertials.id]
 TRUST = "trust"
 """Effect id of the terms; none of the catalogue."""
 
+DAYS = "days"
+"""Effect id of what friction differs by in a session; none of the catalogue."""
+
 
 class _OfThatDay(Effect):
     """What was so in the recorded sessions alone: nothing is known of it elsewhere."""
 
-    id = "days"
+    id = DAYS
     on = "joint"
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -33,7 +37,7 @@ class _OfThatDay(Effect):
         return f"The friction of {where} differs from day to day."
 
 
-_OTHER = {TRUST: _BODY, _OfThatDay.id: _OfThatDay(), Tolerance.id: Tolerance()}
+_OTHER = {TRUST: _BODY, DAYS: _OfThatDay(), Tolerance.id: Tolerance()}
 
 
 def effect_of(term: Term) -> Effect:
@@ -53,19 +57,8 @@ def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
         return ()
     terms = []
     for link in range(len(body.links)):
-        scale = trust * body.inertial_scale(link)
-        columns = balances.columns(_BODY, Place(link=link), ())
-        if columns:
-            prior = 1.0 / scale**2
-            place = Place(link=link)
-            terms.append(
-                Term(
-                    effect=TRUST,
-                    place=place,
-                    shape=(),
-                    columns=columns,
-                    prior=prior,
-                    beneath=_BODY.beneath(balances.motions[0], place),
-                )
-            )
+        term = term_of(balances, _BODY, Place(link=link), ())
+        if term is not None:
+            prior = 1.0 / (trust * body.inertial_scale(link)) ** 2
+            terms.append(replace(term, effect=TRUST, prior=prior))
     return tuple(terms)

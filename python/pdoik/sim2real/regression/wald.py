@@ -8,8 +8,8 @@ from ..study.recording import FloatArray
 from .fit import Fit, Index, Term
 
 
-def wald(fit: Fit, term: Term) -> tuple[float, float]:
-    """How clearly the last term's coefficients differ from zero, and a fixed one's free value.
+def wald(fit: Fit, term: Term) -> float:
+    """How clearly the last term's coefficients differ from zero.
 
     The square root of beta' V^-1 beta / k, with V of `robust`. For a fixed term the coefficient
     is fitted beside the others, around its 1.
@@ -22,7 +22,7 @@ def wald(fit: Fit, term: Term) -> tuple[float, float]:
     keep = values > 1e-10 * values.max()
     along = vectors[:, keep].T @ beta
     rank = max(int(keep.sum()), 1)
-    return float(np.sqrt(np.sum(along**2 / values[keep]) / rank)), float(beta[0])
+    return float(np.sqrt(np.sum(along**2 / values[keep]) / rank))
 
 
 def robust(fit: Fit, term: Term) -> FloatArray:

@@ -42,7 +42,7 @@ class Beside:
             return {key: column * sigma[key] for key, column in columns.items()}
         cross = np.zeros(fit.size)
         for key, column in columns.items():
-            cross[fit.index[key]] += fit.design[key].against(column)
+            cross[fit.index[key]] += fit.design[key].T @ column
         taken = np.asarray(linalg.cho_solve(self._factor, cross))
         left = {}
         for key, design in fit.design.items():

@@ -26,11 +26,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from ..identify.support import activity
+from ..identify.support import acting
 from ..motion.place import Key
 from ..study.recording import FloatArray
 from ..thresholds import Thresholds
-from .beside import Beside, Contribution, Noise, as_term, energy_of, error_of, inflation_of
+from .beside import Beside, Contribution, Noise, energy_of, error_of, inflation_of
 
 SEEN = 0.9
 """Probability with which an effect of the smallest size is seen."""
@@ -49,7 +49,7 @@ class Stand:
 
     def clarity(self, amount: float, width: int, limits: Thresholds) -> float:
         """By how much more than is asked an amount stands."""
-        believed, t = limits.background, amount / self.error
+        believed, t = limits.search, amount / self.error
         by_errors = t / self.inflated / (believed.stands_t * np.sqrt(width) + _Z)
         asked = believed.large / (1.0 - believed.large) * self.left
         by_size = np.sqrt(_least_gain(amount, self.energy, t) / asked)
@@ -157,18 +157,18 @@ def sight_of(
     seen, rest = simple.seen(own), noise.of(own)
     columns = {key: values[fit.rows[key]] for key, values in own.items()}
     energy, raw = energy_of(simple, columns, seen), energy_of(simple, columns, columns)
-    rows, acting = activity(fit, as_term(own))
+    acts = {key: acting(column) for key, column in columns.items()}
     beside = fit.size if figures is None else figures
 
     def power(values: Mapping[Key, FloatArray]) -> float:
-        return sum(float(np.sum(values[k][acting[k]] ** 2)) / b.sigma[k] ** 2 for k in columns)
+        return sum(float(np.sum(values[k][acts[k]] ** 2)) / b.sigma[k] ** 2 for k in columns)
 
     return Sight(
         energy=energy,
         share=energy / raw if raw > 0.0 else 0.0,
         error=error_of(simple, own, seen, rest) * inflation_of(fit, own, beside),
         stand=None if whole is None else _stand(whole, own, rest),
-        rows=rows,
+        rows=sum(int(each.sum()) for each in acts.values()),
         left=power(rest),
         began=power({k: b.residual[k][fit.rows[k]] for k in columns}),
         asks=asks,

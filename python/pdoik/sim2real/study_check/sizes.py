@@ -15,11 +15,11 @@ from ..motion.prepare import Prepared
 from ..regression.background import (
     background,
     has_its_like,
-    repeats,
     usual_torque,
     without_its_like,
 )
 from ..regression.fit import Term, term_of
+from ..regression.repeats import repeats_of
 from ..regression.trusted_bodies import TRUST, trusted
 from ..study.recording import FloatArray
 from .amounts import bisected
@@ -105,8 +105,7 @@ class Sizes:
         name = (effect.id, place)
         if name not in self._whole:
             own = Term(effect=effect.id, place=place, shape=(), columns={}, prior=np.zeros(0))
-            limits = self.balances.thresholds.background
-            terms = without_its_like(self._ordinary, own, limits)
+            terms = without_its_like(self._ordinary, own, self.balances.thresholds)
             plain = terms is self._ordinary
             name = ("", Place()) if plain else name
             if name not in self._whole:
@@ -164,7 +163,7 @@ class Sizes:
         if key not in self._sets:
             b, flexible = self.balances, self._noise.flexible
             rows, left = flexible.fit.rows[key], flexible.left(key) / self.balances.sigma[key]
-            same = repeats(b, key, rows, left)
+            same = repeats_of(b, rows, left)
             noise = max(float(np.mean(left**2)), 1.0) * same if len(rows) else 1.0
             self._sets[key] = float(np.log(max(len(rows) / same, 8.0))), noise
         return self._sets[key]

@@ -14,7 +14,6 @@ class FigureThresholds(Group):
     least_t: float = threshold(
         2.0, "errors below which the size of what was found may as well be zero", "s.e."
     )
-    mass_t: float = threshold(2.0, "errors that a body's mass must be above zero", "s.e.")
     on_bound: float = threshold(1e-3, "share of a bound within which a figure lies on it")
     discretisation: float = threshold(
         0.0015, "share of a value that differentiation and sampling may take"
@@ -29,14 +28,14 @@ class FigureThresholds(Group):
     spread_p: float = threshold(
         0.01, "probability of differences between sessions, below which they are said"
     )
-    least_spread: float = threshold(
-        0.02, "share of a figure that it must change by between sessions for that to be said"
-    )
     usual_spread: float = threshold(
         0.5,
         "share of friction by which sessions may differ and be of one cause",
         "",
         "chosen: from day to day it changes by 10 to 30 %",
+    )
+    silent: float = threshold(
+        10.0, "times the variance before any row, from which a session says nothing of a figure"
     )
     least_clusters: int = threshold(
         12, "clusters of rows in which a term acts, from which its error is estimated", "clusters"

@@ -45,6 +45,21 @@ class IdentifyThresholds(Group):
     )
     drive_scale: float = threshold(0.02, "the same of its scale beside its command")
     speed_scale: float = threshold(0.005, "the same of a speed's scale beside its position's")
+    imu_tilt: float = threshold(
+        0.01,
+        "standard deviation of an IMU's mounting about each axis",
+        "rad",
+        "surfaces and boards: half a degree",
+    )
+    imu_acc: float = threshold(
+        0.1,
+        "the same of an accelerometer's zero",
+        "m/s^2",
+        "data sheets of MEMS sensors: 5 to 40 mg",
+    )
+    imu_gyro: float = threshold(
+        0.01, "the same of a gyro's zero", "rad/s", "data sheets of MEMS sensors: 0.1 to 1 degree/s"
+    )
     usual_part: float = threshold(
         0.3, "part of a peculiar cause, as a share of what its balance usually is"
     )
@@ -60,6 +75,7 @@ class IdentifyThresholds(Group):
         "",
         "Kass and Raftery, JASA 90(430), 1995: strong",
     )
+    better: float = threshold(1.0, "log odds by which another set must be better to be taken")
     shape_price: float = threshold(
         1.5, "log odds that a nonlinear parameter costs which was moved to its best"
     )
@@ -77,6 +93,11 @@ class IdentifyThresholds(Group):
         "share of what all else leaves of recordings that only judge, that a peculiar cause must"
         " explain",
     )
+    alike: float = threshold(2.0, "factor within which joints' delays may be one cause's")
+    left: float = threshold(
+        1.35, "noise that a torque must leave for parts, moments and nameless causes", "sigma"
+    )
+    restless: float = threshold(1.5, "the same for causes that are simulated", "sigma")
     scale_off: float = threshold(
         0.08, "share by which a torque's scale must be off to be named, beyond calibration"
     )

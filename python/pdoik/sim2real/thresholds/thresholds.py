@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 
-from .background import BackgroundThresholds
 from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
 from .contacts import ContactThresholds
@@ -42,7 +41,6 @@ class Thresholds:
 
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     limits: LimitThresholds = field(default_factory=LimitThresholds)
-    background: BackgroundThresholds = field(default_factory=BackgroundThresholds)
     identify: IdentifyThresholds = field(default_factory=IdentifyThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
     contacts: ContactThresholds = field(default_factory=ContactThresholds)

@@ -34,6 +34,10 @@ class VerdictThresholds(Group):
         "",
         "repeated identifications of one arm: 10 % from day to day",
     )
+    change_blocks: int = threshold(4, "blocks in which a recording must show a friction", "blocks")
+    change_shown: float = threshold(
+        0.1, "share of friction's power about its mean: a joint must turn back to show it"
+    )
     outstanding: float = threshold(
         3.0,
         "times what the other joints leave beside their friction, from which one stands out",

@@ -97,9 +97,9 @@ class WeighedRows:
         gain = np.zeros(self.balances.count)
         for key in fit.design:
             b, shown = self.balances, np.zeros(self.balances.count)
-            for term, offset in zip(fit.terms, fit.offsets, strict=False):
+            for term, beta in fit.weighted:
                 if key in term.columns and term.effect != _TODAY:
-                    shown += term.columns[key] @ fit.beta[offset : offset + term.width]
+                    shown += term.columns[key] @ beta
             left = b.residual[key] - shown
             gain += np.where(self._counts[key], b.residual[key] ** 2 - left**2, 0.0)
         near = np.flatnonzero(np.abs(self.time - about) <= _NEAR)
@@ -267,8 +267,7 @@ def _bic(fit: Fit, count: float) -> float:
 
 
 def _change(fit: Fit, term: Term) -> Change:
-    at = int(fit.offsets[fit.terms.index(term)])
-    span = slice(at, at + term.width)
+    span = fit.span(term)
     covariance = np.asarray(np.linalg.inv(fit.regular(fit.gram)), dtype=np.float64)[span, span]
     return Change(
         effect=term.effect,

@@ -21,13 +21,13 @@ from ..study.recording import FloatArray
 _SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
 
 
-def event_support(others: Fit, term: Term, first: Mapping[Key, FloatArray]) -> Support:
+def event_support(others: Fit, term: Term, start: Fit) -> Support:
     """Support of an event, which is not in the fit.
 
     Args:
         others: the fit without it.
         term: the event.
-        first: residual without any finding on the rows that count, in sigmas.
+        start: of nothing, which leaves all.
     """
     felt = others.balances.thresholds.contacts.felt
     at = {
@@ -46,13 +46,13 @@ def event_support(others: Fit, term: Term, first: Mapping[Key, FloatArray]) -> S
         force = np.ones(1) if term.fixed else _force(others, term, rest)
         halves.append(sum(_gained(others, term, force, key, each) for key, each in half.items()))
     total, count = float(sum(halves)), len(rows)
-    began = sum(float(np.sum(first[key][where] ** 2)) for key, where in at.items())
+    began = sum(float(np.sum(start.target[key][where] ** 2)) for key, where in at.items())
     usual = _usual(others, at)
     size = total / max(count, 1)
     return Support(
         weight=float(np.clip(total / max(began, 1e-12), 0.0, 1.0)),
         gain=size / (size + usual) if size > 0.0 else size / usual,
-        t=wald(others.extended(term), term)[0],
+        t=wald(others.extended(term), term),
         size=float(np.sign(size) * np.sqrt(abs(size))),
         agree=sum(gain > 0.0 for gain in halves),
         sessions=2,
