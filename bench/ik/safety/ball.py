@@ -11,7 +11,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.judges.distances import to_segment
 from bench.ik.safety.report import Jobs, Line, millimetres
-from bench.ik.safety.world import PERIOD, UNHURRIED, judge_of, pose_of, robot_of
+from bench.ik.safety.world import PERIOD, UNHURRIED, judge_of, outer_radii, pose_of, robot_of
 from bench.ik.soak.judge import Judge
 from bench.ik.soak.solves import Row
 
@@ -72,7 +72,7 @@ def crossing(
 def clearances(judge: Judge, Q: FloatArray, points: int, speed: float, seed: int) -> FloatArray:
     """True ones after each step, (T,); infinite where the whole ball is far off [m]."""
     assert judge.swept.all()
-    ball, at, radii = ball_of(points, seed), centres(speed), judge.A - judge.forgiven
+    ball, at, radii = ball_of(points, seed), centres(speed), outer_radii(judge)
     if points == 0:
         ball = np.array([[0.0, 0.0, 0.0, RADIUS]])
     a, b = judge.hulls(judge.kinematics.place(Q))

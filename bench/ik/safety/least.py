@@ -11,7 +11,7 @@ import pinocchio as pin
 from scipy.optimize import least_squares, lsq_linear
 
 from bench.common.arrays import BoolArray, FloatArray
-from bench.ik.safety.world import Box, World, distances, to_box
+from bench.ik.safety.world import Box, World, distances, outer_radii, to_box
 from bench.ik.soak.hulls import capsules
 from bench.ik.soak.judge import Asked, Goals, Judge
 
@@ -52,7 +52,7 @@ class Errand:
         q = np.clip(np.zeros(len(joints)), self.lower, self.upper)
         a, b = judge.hulls(kinematics.place(q[None]))
         p, r, radii = (each[0] for each in capsules(a, b, judge.A, judge.swept))
-        self._radii, self._outer = radii, radii - judge.forgiven
+        self._radii, self._outer = radii, radii - (judge.A - outer_radii(judge))
         R, t = self._place(q)
         self._p, self._q = (
             np.einsum("kji,kj->ki", R[self._seats], end - t[self._seats]) for end in (p, r)
