@@ -26,7 +26,7 @@ constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much
 constexpr double kStands = 1e7;
 /// A way bends what stands: all joints go only so much of what they may, less where the gate would
 /// not have it, and more again.
-constexpr double kShorter = 0.5, kLonger = 1.25;
+constexpr double kShorter = 0.5, kLonger = 1.25, kShortest = 0.1;
 constexpr double kWorthwhile = 0.98;  ///< share of a shortfall that may be left by a round
 
 }  // namespace
@@ -86,8 +86,7 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
   return goals;
 }
 
-bool Step::look(const StepRequest& step, const Eigen::VectorXd& about) {
-  const double stride = stands_ ? stride_ : 1.0;
+bool Step::look(const StepRequest& step, const Eigen::VectorXd& about, double stride) {
   least_ = *step.from + stride * (*step.lower - *step.from) - about;
   most_ = *step.from + stride * (*step.upper - *step.from) - about;
   workspace_.least_squares.place(about);
@@ -130,10 +129,11 @@ void Step::go_on(const StepRequest& step, Result& result) {
   Eigen::VectorXd& about = workspace_.q;
   about = *step.from;
   bool looks = true;
+  double stride = stands_ ? stride_ : 1.0;
   for (int round = 0; round < kRounds; ++round) {
     if (gate_.done()) return;
     const double before = gate_.shortfall();
-    if (looks && !look(step, about)) return;
+    if (looks && !look(step, about, stride)) return;
     propose(step, about, result);
     if ((q_ - about).cwiseAbs().maxCoeff() < kSettled) return;
     // Time is kept for it, though the clock has struck.
@@ -142,16 +142,18 @@ void Step::go_on(const StepRequest& step, Result& result) {
     if (late()) return;
     looks = true;
     if (taken) {
-      stride_ = std::min(1.0, kLonger * stride_);
+      stride = stride_ = std::min(1.0, kLonger * stride_);
       if (gate_.clear() && gate_.shortfall() > kWorthwhile * before) return;
     } else if (gate_.gives_way()) {
-      stride_ *= kShorter;
+      stride = stride_ *= kShorter;
     } else if (gate_.missed() > 0.0 && round + 1 < kRounds) {
       if (!look_there(about)) return;
       looks = false;
       continue;
     } else if (brought_near_) {
       bring_near(step, false);
+    } else if (round + 1 < kRounds && kShorter * stride > kShortest) {
+      stride *= std::min(share, kShorter);  // a way that bends may be worth it only where it begins
     } else {
       return take_a_part(about);
     }

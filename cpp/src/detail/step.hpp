@@ -31,8 +31,9 @@ class Step {
   void go_on(const StepRequest& request, Result& result);
   /// Half the way to q_, a quarter, an eighth, or only out of what it is in, from a configuration.
   void take_a_part(const Eigen::VectorXd& about);
-  /// The barriers about a configuration. @returns Whether the clock left time for it.
-  bool look(const StepRequest& request, const Eigen::VectorXd& about);
+  /// The barriers about a configuration, and the box: a share of where the step may lead.
+  /// @returns Whether the clock left time for it.
+  bool look(const StepRequest& request, const Eigen::VectorXd& about, double stride);
   /// And about where the last candidate was in something.
   bool look_there(const Eigen::VectorXd& about);
   /// What comes nearest to goals inside them, into q_.
