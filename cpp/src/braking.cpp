@@ -27,7 +27,8 @@ Braking::Braking(double period, Eigen::VectorXd lower, Eigen::VectorXd upper, Ei
 }
 
 double Braking::way(Eigen::Index i, double speed) const {
-  return speed * period_ + speed * std::abs(speed) / (2.0 * acceleration_[i]);
+  const double a = acceleration_[i], brakes = std::isinf(a) ? 0.0 : speed * speed / (2.0 * a);
+  return speed * period_ + std::copysign(brakes, speed);
 }
 
 double Braking::speed(Eigen::Index i, double way) const {

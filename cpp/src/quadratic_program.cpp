@@ -115,7 +115,7 @@ bool QuadraticProgram::take_in(int which, double violation) {
       first = k;
     }
     const double go = std::min(reached, released);
-    if (go == kNever) return false;  // what is asked contradicts itself
+    if (!(go < kNever)) return false;  // what is asked contradicts itself, or is no number
     pull_.head(active_) -= go * change;
     pull += go;
     if (free) {

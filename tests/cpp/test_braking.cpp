@@ -63,6 +63,7 @@ TEST(Braking, joints_without_a_limit_step_as_they_like) {
   const Eigen::Vector2d end = Eigen::Vector2d::Constant(kInfinite), speed(1.0, 2.0);
   detail::Braking braking(0.01, -end, end, speed, end);
   EXPECT_FALSE(braking.limited());
+  EXPECT_EQ(detail::Braking(0.01, -end, end, end, end).farthest()[0], kInfinite);
   detail::Braking one(0.01, -end, end, speed, Eigen::Vector2d(kInfinite, 5.0));
   Eigen::VectorXd from = Eigen::Vector2d::Zero(), lower(2), upper(2), next(2), rest(2);
   one.box(from, lower, upper);
@@ -195,7 +196,8 @@ TEST(Braking, what_stands_still_is_braked_before) {
     }
   }
   EXPECT_GT(near, 100);
-  EXPECT_LE(hard, 2);  // where the way on which it brakes grazes something by less than is looked for
+  EXPECT_LE(hard,
+            2);  // where the way on which it brakes grazes something by less than is looked for
 }
 
 TEST(Braking, what_comes_too_near_to_be_braked_before_is_stopped_before) {

@@ -87,6 +87,16 @@ TEST(QuadraticProgram, none_is_found_where_inequalities_contradict_one_another) 
   EXPECT_FALSE(program.solve(g, {rows, most, 2, -box, box}, x));
 }
 
+TEST(QuadraticProgram, what_is_no_number_has_no_minimum) {
+  QuadraticProgram program(2);
+  const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(2, 2), rows(2, 0);
+  const Eigen::VectorXd most(0), box = Eigen::VectorXd::Ones(2), lower = -box;
+  Eigen::VectorXd g = box, x(2);
+  g[1] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(program.factorise(H));
+  EXPECT_FALSE(program.solve(g, {rows, most, 0, lower, box}, x));
+}
+
 TEST(QuadraticProgram, rows_that_say_the_same_are_no_trouble) {
   std::mt19937 random(2);
   for (int trial = 0; trial < 20; ++trial) {

@@ -119,7 +119,8 @@ def holds_nothing(finding: Finding) -> bool:
     chosen = {p.name for p in effect.parameters if p.chosen} if effect else set()
     names = [name for name in parameters if name not in chosen]
     if finding["effect"] == "unknown":
-        names = [name for name in names if name.startswith("value_")]
+        sized = "size" in names  # of all values together, since there is such a figure
+        names = ["size"] if sized else [name for name in names if name.startswith("value_")]
     elif finding["effect"] in ONE_SIZE:
         names = names[:1]
     nothing = dict(effect.example.nothing or {}) if effect and effect.example else {}

@@ -48,7 +48,7 @@ class Unknown(Effect):
     on = "joint"
     odds = 0.01
     equation = "tau = f(x), f given by its values at knots"
-    parameters = (Parameter("knots", "-"),)
+    parameters = (Parameter("size", "N m"), Parameter("knots", "-"))
     decided_by = "motion that varies what it depends on and keeps everything else still"
     source = "penalised regression splines (Eilers and Marx, Statistical Science 11(2), 1996)"
     example = Example(
@@ -56,6 +56,7 @@ class Unknown(Effect):
         | {f"value_{k}": 0.3 * (k % 3) for k in range(_KNOTS)},
     )
     complexity = 9
+    function = True
     sought = "last"
     together = True
     makes_up_for_misfit = True

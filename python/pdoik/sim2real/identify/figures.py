@@ -60,6 +60,9 @@ def estimates(fit: Fit, wanted: tuple[Term, ...], seed: int) -> Figures:
             )
             for name, value in effect.values(term.shape, beta).items()
         }
+        if effect.function:
+            size = {"size": _size(fit, root, term)}
+            result[number] = size | result[number]
         if not term.fixed and term.width == 1:
             result[number] = _with_spread(fit, root, term, span.start, result[number])
     return result
@@ -70,6 +73,20 @@ def _root(fit: Fit) -> FloatArray:
     scale, even = fit.even(fit.gram)
     lower = linalg.cholesky(even, lower=True)
     return np.asarray(linalg.solve_triangular(lower, np.diag(scale), lower=True))
+
+
+def _size(fit: Fit, root: FloatArray, term: Term) -> Estimate:
+    """What a function comes to along the motion, root mean square, as sure as all its values are.
+
+    Each of them may be nothing where a level or a slope of it is as well another part's.
+    """
+    span = fit.span(term)
+    beta = fit.beta[span]
+    parts = [columns[fit.rows[key]] @ beta for key, columns in term.columns.items()]
+    size = float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+    own = root[:, span].T @ root[:, span]
+    errors = float(np.sqrt(max(beta @ np.linalg.lstsq(own, beta, rcond=None)[0], 0.0)))
+    return Estimate.normal(size, size / max(errors, 1e-9), "N m")
 
 
 def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimate:
