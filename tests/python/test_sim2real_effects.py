@@ -98,7 +98,6 @@ def test_every_effect_says_where_it_comes_from_and_what_it_is() -> None:
         assert effect.decided_by
         assert all(parameter.unit for parameter in effect.parameters)
         assert set(effect.confused_with) <= set(CATALOGUE), name
-        assert set(effect.beside) <= set(CATALOGUE), name
 
 
 # Torque for a motion

@@ -157,7 +157,7 @@ def sight_of(
     seen, rest = simple.seen(own), noise.of(own)
     columns = {key: values[fit.rows[key]] for key, values in own.items()}
     energy, raw = energy_of(simple, columns, seen), energy_of(simple, columns, columns)
-    acts = {key: acting(column) for key, column in columns.items()}
+    acts = {key: acting(column[:, None]) for key, column in columns.items()}
     beside = fit.size if figures is None else figures
 
     def power(values: Mapping[Key, FloatArray]) -> float:
