@@ -20,7 +20,7 @@ constexpr double kStalled = 0.98;                 ///< share of a cost that a tu
 constexpr double kEasier = 0.3, kHarder = 4.0;    ///< after a turn that went downhill, or did not
 constexpr double kShares[] = {0.5, 0.25, 0.125};  ///< of a way that is not to be gone whole
 constexpr double kSettled = 1e-10;                ///< a change of joints that is none [rad], [m]
-constexpr double kMuchNearer = 0.25;  ///< share of what goals cost that is much less
+constexpr double kMuchNearer = 0.25;              ///< share of what goals cost that is much less
 /// How much more what stands weighs than what does not: as good as first, and still one sum. What
 /// then bends the valley that goals are in is gone along in many small turns.
 constexpr double kStands = 1e7;

@@ -85,8 +85,8 @@ def _size(fit: Fit, root: FloatArray, term: Term) -> Estimate:
     parts = [columns[fit.rows[key]] @ beta for key, columns in term.columns.items()]
     size = float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
     own = root[:, span].T @ root[:, span]
-    errors = float(np.sqrt(max(beta @ np.linalg.lstsq(own, beta, rcond=None)[0], 0.0)))
-    return Estimate.normal(size, size / max(errors, 1e-9), "N m")
+    square = float(beta @ np.linalg.lstsq(own, beta, rcond=None)[0])  # of its errors from nothing
+    return Estimate.normal(size, size / max(np.sqrt(max(square, 0.0)), 1e-9), "N m")
 
 
 def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimate:
