@@ -13,7 +13,6 @@ constexpr double kBeyond = 0.5;      ///< share of a depth by which it is held o
 constexpr std::size_t kSeen = 4096;  ///< depths that are kept to find the worst
 constexpr double kApproach = 0.5;    ///< share of a distance that a step may take
 constexpr double kRegular = 1e-8;    ///< of the rows' squares, so that the way out is the shortest
-constexpr double kNearly = 0.99;     ///< share of a way out that is one
 constexpr double kNoWorse = 1e-11;   ///< by which the way out may be missed [m]
 
 }  // namespace
@@ -95,7 +94,6 @@ void Barriers::keep_worst(std::size_t most) {
 
 void Barriers::come_to_terms(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   out_.setZero();
-  met_ = true;
   if (violated_ == 0) return;
   hessian_.setZero();
   gradient_.setZero();
@@ -111,9 +109,7 @@ void Barriers::come_to_terms(const Eigen::VectorXd& lower, const Eigen::VectorXd
   if (!program_.factorise(hessian_) || !program_.solve(gradient_, hard, out_)) out_.setZero();
   for (int i = 0; i < count_; ++i) {
     if (most_[i] >= 0.0) continue;
-    const double had = rows_.col(i).dot(out_) + kNoWorse;
-    met_ = met_ && had < kNearly * most_[i];
-    most_[i] = std::max(most_[i], had);
+    most_[i] = std::max(most_[i], rows_.col(i).dot(out_) + kNoWorse);
   }
 }
 

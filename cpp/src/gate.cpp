@@ -113,9 +113,7 @@ void Gate::open(const StepRequest& step) {
     step.braking->place(*step.from, trial_, next_, rest_);
     judge(next_, candidate_);
     const Room there = room(candidate_);
-    const auto straight = [&](double share) { at_ = *step.from + share * (next_ - *step.from); };
-    if (!is_deeper(there, floor_.stance) &&
-        is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, there)) {
+    if (!is_deeper(there, floor_.stance) && is_clear_to_end(there)) {
       std::swap(incumbent_, candidate_);
       aim_ = trial_;
       room_ = there;
@@ -165,14 +163,18 @@ bool Gate::is_clear_between(const At& at, double way, double first, double last,
          is_clear_between(at, way, middle, last, there, other);
 }
 
-bool Gate::is_clear_all_along(const Room& end, const Room& rest) {
+bool Gate::is_clear_to_end(const Room& end) {
   const Eigen::VectorXd& from = *step_->from;
-  const auto straight = [&](double share) { at_ = from + share * (next_ - from); };
-  if (!is_clear_between(straight, way_to(next_), 0.0, 1.0, held_, end)) return false;
-  if (!step_->braking->limited()) return true;
-  const double way = step_->braking->brake(from, next_, levers_to(rest_));
-  return is_clear_between([&](double share) { step_->braking->between(share, at_); }, way, 0.0, 1.0,
-                          end, rest);
+  return is_clear_between([&](double share) { at_ = from + share * (next_ - from); }, way_to(next_),
+                          0.0, 1.0, held_, end);
+}
+
+bool Gate::is_clear_to_rest(const Room& end, const Room& rest) {
+  Braking& braking = *step_->braking;
+  if (!braking.limited()) return true;
+  const double way = braking.brake(*step_->from, next_, levers_to(rest_));
+  return is_clear_between([&](double share) { braking.between(share, at_); }, way, 0.0, 1.0, end,
+                          rest);
 }
 
 double Gate::share_in_time(const Eigen::VectorXd& q) {
@@ -202,7 +204,7 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
   // First of all out of what it is in, and not back.
   if (rest.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
     return false;
-  if (!is_clear_all_along(end, rest)) return false;
+  if (!is_clear_to_end(end) || !is_clear_to_rest(end, rest)) return false;
   std::swap(incumbent_, candidate_);
   aim_ = trial_;
   took_ = true;

@@ -81,15 +81,13 @@ void QuadraticProgram::drop(int at) {
     pull_[k] = pull_[k + 1];
     which_[static_cast<std::size_t>(k)] = which_[static_cast<std::size_t>(k) + 1];
   }
-  direction_ = normal_;  // kept
+  kept_ = normal_;
   for (active_ = at; active_ < count; ++active_) {
-    kept_ = direction_;
     normal_ = normals_.col(active_ + 1);
     split(active_);
     add();
-    direction_ = kept_;
   }
-  normal_ = direction_;
+  normal_ = kept_;
 }
 
 bool QuadraticProgram::take_in(int which, double violation) {

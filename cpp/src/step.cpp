@@ -55,7 +55,7 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
     problem.linearise_goals(hessian_, gradient_);
     problem.posture.linearise(q_, hessian_, gradient_);
     const double scale =
-        std::max(hessian_.diagonal().maxCoeff() / (stands_ ? kStands : 1.0), 1e-12);
+        std::max(hessian_.diagonal().maxCoeff() / (gate_.stands() ? kStands : 1.0), 1e-12);
     if (damping < 0.0) damping = kDamping * scale + value;
     damping = std::max(damping, kLeastDamping * scale);
     hessian_.diagonal().array() += damping;
@@ -76,7 +76,7 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
       value = there;
       goals = goals_there;
       damping *= kEasier;
-      if (stalls && !stands_) break;
+      if (stalls && !gate_.stands()) break;
     } else {
       problem.evaluate_goals(q_);
       damping *= kHarder;
@@ -129,7 +129,7 @@ void Step::go_on(const StepRequest& step, Result& result) {
   Eigen::VectorXd& about = workspace_.q;
   about = *step.from;
   bool looks = true;
-  double stride = stands_ ? stride_ : 1.0;
+  double stride = gate_.stands() ? stride_ : 1.0;
   for (int round = 0; round < kRounds; ++round) {
     if (gate_.done()) return;
     const double before = gate_.shortfall();
@@ -163,9 +163,7 @@ void Step::go_on(const StepRequest& step, Result& result) {
 
 void Step::bring_near(const StepRequest& step, bool near) {
   workspace_.problem.set_goals(step.goals);
-  stands_ = false;
   for (GoalTerm& goal : workspace_.problem.goals) {
-    stands_ |= goal.stands();
     if (goal.stands()) goal.weigh(kStands);
   }
   brought_near_ = false;

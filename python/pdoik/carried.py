@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from pdoik._core import Shape
@@ -16,21 +16,25 @@ class Carried(NamedTuple):
     may_touch: tuple[str, ...]
 
 
+def once_made(described: Callable[[Any], str]) -> Callable[[Any], str]:
+    """A `__repr__` that says so where nothing was made: debuggers show what refused its arguments.
+
+    Whatever asks the compiled part then would read what is not there.
+    """
+
+    def shown(self: Any) -> str:
+        made = "_carried" in self.__dict__
+        return described(self) if made else f"<{type(self).__name__} that was not made>"
+
+    return shown
+
+
 class Carries:
     """Of a Solver and a Tracker: `attach` and `detach` are noted in `carried`."""
 
     def __init__(self, *arguments: Any, **keywords: Any) -> None:
         super().__init__(*arguments, **keywords)
         self._carried: list[Carried] = []
-
-    def __repr__(self) -> str:
-        # A debugger shows what refused its arguments too: nothing is there yet.
-        made = "_carried" in self.__dict__
-        return self._told() if made else f"<{type(self).__name__} that was not made>"
-
-    def _told(self) -> str:
-        """It in a line."""
-        raise NotImplementedError
 
     @property
     def carried(self) -> tuple[Carried, ...]:

@@ -3,7 +3,7 @@
 from typing import Final
 
 from pdoik import _core
-from pdoik.carried import Carries
+from pdoik.carried import Carries, once_made
 from pdoik.options import Options, to_core
 
 
@@ -27,5 +27,6 @@ class Solver(Carries, _core.Solver):
         self.options = options if options is not None else Options()
         super().__init__(robot, to_core(self.options))
 
-    def _told(self) -> str:
+    @once_made
+    def __repr__(self) -> str:
         return f"<Solver of {self.robot!r}, goal={self.options.goal!r}>"

@@ -5,7 +5,7 @@ from typing import Any, Final
 from numpy.typing import ArrayLike
 
 from pdoik import _core
-from pdoik.carried import Carries
+from pdoik.carried import Carries, once_made
 from pdoik.options import to_core
 from pdoik.solver import Solver
 
@@ -76,5 +76,6 @@ class Tracker(Carries, _core.Tracker):
         super().__init__(solver.robot, to_core(solver.options), **settings)
         self.solver, self.settings = solver, settings
 
-    def _told(self) -> str:
+    @once_made
+    def __repr__(self) -> str:
         return f"<Tracker of {self.robot!r}, {self.latency!r}>"

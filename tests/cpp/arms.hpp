@@ -40,6 +40,17 @@ inline Robot with_hulls(Robot robot) {
 
 inline std::vector<std::string> arm_names() { return {"panda", "ur10", "iiwa14"}; }
 
+/// One of them far from its limits, from singularities and from being stretched.
+inline Eigen::VectorXd bent_arm(const Robot& robot) {
+  Eigen::VectorXd q = robot.mid_configuration();
+  q[1] += robot.name() == "ur10" ? -1.2 : 0.4;
+  q[2] += robot.name() == "ur10" ? 1.5 : 0.0;
+  q[3] -= 0.8;
+  q[4] += 0.4;
+  q[5] += 0.7;
+  return q;
+}
+
 struct Problem {
   Eigen::VectorXd q;  ///< one solution
   Eigen::Isometry3d target;

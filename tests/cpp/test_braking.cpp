@@ -139,12 +139,7 @@ TEST(Braking, a_goal_that_moves_is_caught_up_with_and_followed) {
   for (const std::string& name : arm_names()) {
     const Robot robot = Robot::builtin(name);
     Watched watched(robot, timeless(), 8.0);
-    Eigen::VectorXd q = robot.mid_configuration();
-    q[1] += name == "ur10" ? -1.2 : 0.4;
-    q[2] += name == "ur10" ? 1.5 : 0.0;
-    q[3] -= 0.8;
-    q[4] += 0.4;
-    q[5] += 0.7;
+    const Eigen::VectorXd q = bent_arm(robot);
     watched.tracker.reset(q);
     Goal goal = pose_of(robot, q);
     const Eigen::Vector3d centre = goal.T_base_tip.translation();

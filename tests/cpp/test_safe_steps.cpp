@@ -290,12 +290,7 @@ TEST(SafeSteps, a_robot_without_hulls_follows) {
     Robot robot = Robot::builtin(name);
     robot.set_occupancy({});
     Tracker tracker(robot, timeless(), {.period = 0.001, .max_time = 1e6, .speed_share = 3.0});
-    Eigen::VectorXd q = robot.mid_configuration();
-    q[1] += name == "ur10" ? -1.2 : 0.4;
-    q[2] += name == "ur10" ? 1.5 : 0.0;
-    q[3] -= 0.8;
-    q[4] += 0.4;
-    q[5] += 0.7;
+    const Eigen::VectorXd q = bent_arm(robot);
     tracker.reset(q);
     Goal goal = pose_of(robot, q);
     const Eigen::Vector3d centre = goal.T_base_tip.translation();

@@ -29,8 +29,6 @@ class Barriers {
   Inequalities within(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) const {
     return {rows_, most_, count_, lower, upper};
   }
-  /// Whether all that is violated can be left within the box.
-  bool met() const { return met_; }
   /// The shortest way out of what is violated, as far as there is one; 0 where nothing is. (n,)
   const Eigen::VectorXd& way_out() const { return out_; }
 
@@ -53,7 +51,6 @@ class Barriers {
   std::vector<Found> found_;
   QuadraticProgram program_;
   int count_ = 0, violated_ = 0;
-  bool met_ = true;
 };
 
 }  // namespace pdoik::detail

@@ -53,6 +53,8 @@ class Gate {
   bool done() const { return incumbent_.success && worth_.reached && worth_.pull == 0.0; }
   /// Whether it is clear of everything.
   bool clear() const { return room_.least() >= -model_.options.clearance_tolerance; }
+  /// Whether some goal stands.
+  bool stands() const { return stands_; }
   /// Whether the last candidate was refused because what stands would give way.
   bool gives_way() const { return gives_way_; }
   /// How deep in something the last candidate was, 0 to rounding [m].
@@ -92,8 +94,9 @@ class Gate {
   template <class At>
   bool is_clear_between(const At& at, double way, double first, double last, const Room& one,
                         const Room& other);
-  /// The same of the way to where a step ends, and from there to rest.
-  bool is_clear_all_along(const Room& end, const Room& rest);
+  /// The same of the way to where a step ends, next_, and of that from there to rest, rest_.
+  bool is_clear_to_end(const Room& end);
+  bool is_clear_to_rest(const Room& end, const Room& rest);
   /// A bound on how far any part of a hull gets on the way from where the step begins [m].
   double way_to(const Eigen::VectorXd& q);
   /// The levers of all that is moved, between where the step begins and a configuration.

@@ -54,7 +54,6 @@ class Step {
   std::vector<Goal> before_;  ///< goals of the last step
   Eigen::VectorXd gradient_, q_, pulled_, next_, least_, most_;
   bool brought_near_ = false;  ///< some goal
-  bool stands_ = false;        ///< some goal
   double stride_ = 1.0;        ///< share of what joints may go while something stands
 };
 

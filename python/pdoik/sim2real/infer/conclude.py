@@ -247,9 +247,9 @@ def _if_sized(finding: Finding, suspected: float) -> Finding:
 
 def _may_be(figure: Estimate, value: float) -> bool:
     """Whether a value lies within an interval of these days' figure."""
-    low, high = figure.interval95
     if figure.spread is not None:
-        low, high = figure.value - 1.96 * figure.std, figure.value + 1.96 * figure.std
+        figure = Estimate.normal(figure.value, figure.std, figure.unit)
+    low, high = figure.interval95
     return low <= value <= high
 
 
