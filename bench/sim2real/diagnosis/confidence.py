@@ -1,12 +1,15 @@
 """How sure findings are: weights of the confidence, and whether it means what it says.
 
     python -m bench.sim2real.diagnosis.confidence RUN... --fit   weights from runs
+    python -m bench.sim2real.diagnosis.confidence machines/said-TOOL ... --fit
     python -m bench.sim2real.diagnosis.confidence RUN... --rules   other rules
     python -m bench.sim2real.diagnosis.confidence RUN... --out FILE   a diagram
 
-A run is a folder of ../proof or soiled.py with studies.parquet. A finding is true where
-one of the study's hidden effects has its name and place; where a channel lies, or a cause has no
-name in the catalogue, where it is at the hidden joint, of the latter without a name.
+A run is a folder of ../proof or soiled.py with studies.parquet, or of what was said of opened
+worlds of ../machines. A finding is true where one of the study's hidden effects has its name and
+place; where a channel lies, or a cause has no name in the catalogue, where it is at the hidden
+joint, of the latter without a name; of machines also what their background has. What is suspected
+for other reasons than its confidence is left out: no confidence is asked of it.
 """
 
 import json
@@ -25,9 +28,11 @@ from rich.console import Console
 from rich.table import Table
 from scipy import optimize, stats
 
+from bench.common.blind import as_diagnosis
 from bench.common.intervals import wilson
 from bench.common.whole_files import write_whole
 from bench.sim2real.diagnosis.score import last_link, same
+from bench.sim2real.machines.score import judged
 from pdoik.sim2real.effects.unknown import Unknown
 from pdoik.sim2real.findings import Support
 from pdoik.sim2real.identify.confidence import confidence_of, features
@@ -52,6 +57,8 @@ class Claim:
 
 def claims(run: Path) -> list[Claim]:
     """Findings and suspicions of every study of a run."""
+    if not (run / "studies.parquet").exists():
+        return _of_machines(run)
     rows = pd.read_parquet(run / "studies.parquet")
     found = []
     for row in rows.itertuples():
@@ -72,6 +79,26 @@ def claims(run: Path) -> list[Claim]:
     return found
 
 
+def _of_machines(said: Path) -> list[Claim]:
+    """Of a folder of what was said of machines, beside which the truths lie."""
+    found = []
+    for path in sorted(said.glob("*.json")):
+        truth = json.loads((said.parent / "sealed" / path.name).read_text())
+        diagnosis = as_diagnosis(json.loads(path.read_text()))
+        for each in [*diagnosis["findings"], *diagnosis.get("suspected", [])]:
+            support = Support(**each["support"]) if each.get("support") else None
+            found.append(
+                Claim(
+                    study=f"{said.parent.name}/{path.stem}",
+                    effect=each["effect"],
+                    support=support,
+                    confidence=each["confidence"],
+                    true=judged(each, truth)["right"],
+                )
+            )
+    return found
+
+
 def _is_true(finding: dict[str, Any], hidden: list[dict[str, Any]], last: str, group: str) -> bool:
     if group in ("lying", "outside"):  # of the latter what has no name at its joint
         right = group == "lying" or finding["effect"] == Unknown.id
@@ -81,7 +108,12 @@ def _is_true(finding: dict[str, Any], hidden: list[dict[str, Any]], last: str, g
 
 def fitted(known: list[Claim]) -> dict[str, float]:
     """Weights of the largest penalised likelihood, one per feature."""
-    supported = [c for c in known if c.support is not None and c.support.sessions]
+    capped = ConfidenceThresholds().suspected
+    supported = [
+        c
+        for c in known
+        if c.support is not None and c.support.log_odds is not None and c.confidence != capped
+    ]
     names = list(features(cast("Support", supported[0].support)))
     A = np.array([list(features(cast("Support", c.support)).values()) for c in supported])
     true = np.array([c.true for c in supported])

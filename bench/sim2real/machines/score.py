@@ -47,11 +47,13 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
     diagnosis = as_diagnosis(said)
     found, suspected = diagnosis["findings"], diagnosis.get("suspected", [])
     faults = truth["faults"]
-    judged = [_judged(each, truth) for each in found]
-    sure = [j for j, each in zip(judged, found, strict=True) if each.get("confidence", 1.0) >= SURE]
+    verdicts = [judged(each, truth) for each in found]
+    sure = [
+        j for j, each in zip(verdicts, found, strict=True) if each.get("confidence", 1.0) >= SURE
+    ]
     false = [
         (each["effect"], each["joints"] or each["links"], round(each.get("confidence", 1.0), 2))
-        for j, each in zip(judged, found, strict=True)
+        for j, each in zip(verdicts, found, strict=True)
         if not j["right"]
     ]
     return {
@@ -63,8 +65,8 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
         "verdict": diagnosis["verdict"],
         "crash": "error" in said,
         "findings": len(found),
-        "right": sum(j["right"] for j in judged),
-        "strict": sum(j["strict"] for j in judged),
+        "right": sum(j["right"] for j in verdicts),
+        "strict": sum(j["strict"] for j in verdicts),
         "sure": len(sure),
         "sure_right": sum(j["right"] for j in sure),
         "sure_strict": sum(j["strict"] for j in sure),
@@ -82,7 +84,7 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
         "confidences": json.dumps(
             [
                 [each.get("confidence", 1.0), j["right"], j["strict"]]
-                for j, each in zip(judged, found, strict=True)
+                for j, each in zip(verdicts, found, strict=True)
             ]
         ),
         **friction(truth, found),
@@ -193,7 +195,7 @@ def _told(
     }
 
 
-def _judged(finding: Content, truth: Content) -> dict[str, bool]:
+def judged(finding: Content, truth: Content) -> dict[str, bool]:
     """Whether a finding is true: of a fault, or of the background; leniently and strictly."""
     for fault in truth["faults"]:
         strict, lenient = _names(fault)

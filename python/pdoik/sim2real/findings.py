@@ -61,6 +61,9 @@ class Equivalent:
     links: tuple[str, ...] = ()
 
 
+HadBy = Literal["few", "many", "all"]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Support:
     """What speaks for a finding: its odds, its size, what it gains on rows it was not learnt from.
@@ -77,7 +80,8 @@ class Support:
     blocks: int  # in which it acts
     left: float  # root mean square that nothing explains at its balances, over the noise
     rivals: int  # other names that do as well
-    log_odds: float = 0.0  # posterior, that it is there beside all else
+    log_odds: float | None = None  # posterior, that it is there; None of laws and events
+    had_by: HadBy = "few"  # machines that have its effect
     event: bool = False  # learnt and scored on halves of its own rows: it cannot repeat
 
 

@@ -120,7 +120,6 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
     effect, other, values, of = _limited(top)
     stands_out, judged = 1.0 - 1.0 / top.pile, 1.0 - 1.0 / again
     seen = Support(
-        log_odds=top.occasions * float(np.log(top.pile)),
         weight=stands_out,
         gain=stands_out,
         t=float(np.sqrt(top.occasions)),

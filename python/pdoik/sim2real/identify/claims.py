@@ -15,11 +15,12 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..effects.inertial import LinkInertials
 from ..effects.torque_gain import TorqueGain
-from ..findings import Support
+from ..findings import HadBy, Support
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term, TermKey, term_of
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import DAYS, TRUST
+from ..thresholds.identify import IdentifyThresholds
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Weighed
@@ -79,9 +80,9 @@ class _Claims:
         for own, others in weighed:
             hypothesis, odds = own.hypothesis, own.log_odds
             term = hypothesis.term
-            seen = held_out_support(fit, self.start, term, odds, len(others), everything)
-            common = CATALOGUE[term.effect].odds >= believed.common and term.place.gate is None
-            least = believed.matters_common if common else believed.matters_more
+            had_by = _had_by(term, believed)
+            seen = held_out_support(fit, self.start, term, odds, len(others), everything, had_by)
+            least = believed.matters_common if had_by == "many" else believed.matters_more
             likely = odds >= believed.worth and seen.size > least
             sure = likely and not _may_be_nothing(self.state.model, hypothesis)
             self._take(term, seen, others, sure=sure)
@@ -91,7 +92,8 @@ class _Claims:
         """What most joints have is all joints', where it is likely and about as large."""
         alike_by = self.noisy.thresholds.identify.alike
         for term in tuple(self.doubtful):
-            if not CATALOGUE[term.effect].shared or self.support[term.key].log_odds < worth:
+            odds = self.support[term.key].log_odds or 0.0
+            if not CATALOGUE[term.effect].shared or odds < worth:
                 continue
             alike = [each for each in self.claimed if each.effect == term.effect]
             usual = float(np.median([sum(each.shape[1:]) for each in alike])) if alike else 0.0
@@ -180,6 +182,12 @@ class _Claims:
             ordinary=tuple(self.parts),
             doubtful=tuple(self.doubtful),
         )
+
+
+def _had_by(term: Term, believed: IdentifyThresholds) -> HadBy:
+    """Whether many machines have a cause, or few."""
+    common = CATALOGUE[term.effect].odds >= believed.common and term.place.gate is None
+    return "many" if common else "few"
 
 
 def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:

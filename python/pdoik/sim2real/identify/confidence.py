@@ -1,4 +1,9 @@
-"""The probability that a finding is there: its posterior log odds, calibrated once on worlds."""
+"""The probability that a finding is there: what speaks for it, calibrated once on worlds.
+
+Posterior log odds suppose that all laws are right. They are not, and a wrong law's misfit is as
+certain as a cause's part. How much is to be made of the odds, of a gain that repeats, and of how
+many machines have the effect tells a logistic regression on worlds whose truth is known.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +18,14 @@ _LEAST_SIZE = 0.05
 
 def features(support: Support) -> dict[str, float]:
     """What the log odds are linear in, by the names of their weights."""
+    if support.log_odds is None:
+        return _by_gain(support)
     return {
-        "base": 1.0,
+        "there": 1.0,
         "odds": float(np.log1p(max(support.log_odds, 0.0))),
-        "size": float(np.log(max(support.size, _LEAST_SIZE))),
-        "gain": _log_odds(support.gain),
+        "repeats": float(np.log1p(max(support.t, 0.0))),
+        "many": float(support.had_by == "many"),
+        "all": float(support.had_by == "all"),
         "event": float(support.event),
     }
 
@@ -29,6 +37,16 @@ def confidence_of(thresholds: Thresholds, support: Support | None) -> float:
         return weights.unsupported
     odds = sum(getattr(weights, name) * value for name, value in features(support).items())
     return float(1.0 / (1.0 + np.exp(-odds)))
+
+
+def _by_gain(support: Support) -> dict[str, float]:
+    """Of laws and events, which were never weighed beside all else."""
+    return {
+        "base": 1.0,
+        "size": float(np.log(max(support.size, _LEAST_SIZE))),
+        "gain": _log_odds(support.gain),
+        "event": float(support.event),
+    }
 
 
 def _log_odds(share: float) -> float:

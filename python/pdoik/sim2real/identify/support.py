@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects.torque_gain import TorqueGain
-from ..findings import Support
+from ..findings import HadBy, Support
 from ..regression.fit import Fit, Term
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import TRUST
@@ -27,6 +27,7 @@ def held_out_support(
     log_odds: float,
     rivals: int = 0,
     peculiar: Sequence[Term] = (),
+    had_by: HadBy = "all",
 ) -> Support:
     """Support of one of a fit's terms beside all others, recordings or parts of them left out.
 
@@ -37,6 +38,7 @@ def held_out_support(
         log_odds: that it is there.
         rivals: names that do as well.
         peculiar: all causes that are not ordinary: smaller ones count as what nothing explains.
+        had_by: machines that have its effect.
     """
     others = fit.without(term, *days_of(fit.terms, term))
     b = fit.balances
@@ -71,6 +73,7 @@ def held_out_support(
     total = float(gained.sum())
     return Support(
         log_odds=log_odds,
+        had_by=had_by,
         weight=float(np.sqrt(own / max(first, 1e-12))),
         gain=min(total / max(began, 1e-12), 1.0),
         t=total / max(error, 1e-12),

@@ -9,16 +9,25 @@ from .threshold import Group, threshold
 _FITTED = (
     "bench/sim2real/diagnosis/confidence.py: logistic regression on concealed worlds of development"
 )
+_ON = "the same on opened worlds of bench/sim2real/machines"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConfidenceThresholds(Group):
     """Weights of the log odds that a finding is there, and what is made of them."""
 
-    base: float = threshold(
-        2.16, "log odds of a cause as large as what nothing explains, gaining half", "", _FITTED
+    there: float = threshold(
+        -2.54, "log odds of a cause that few machines have, which just is and just repeats", "", _ON
     )
-    odds: float = threshold(0.05, "per logarithm of one and the posterior log odds", "", _FITTED)
+    odds: float = threshold(0.33, "per logarithm of one and the posterior log odds", "", _ON)
+    repeats: float = threshold(
+        1.64, "per logarithm of one and the errors by which rows it was not fitted to gain", "", _ON
+    )
+    many: float = threshold(3.12, "of what many machines have", "", _ON)
+    all: float = threshold(3.87, "of what every machine has", "", _ON)
+    base: float = threshold(
+        2.16, "log odds of a law's error or an event, as large as what is left", "", _FITTED
+    )
     size: float = threshold(
         0.13, "per logarithm of its part over what nothing explains", "", _FITTED
     )
