@@ -150,3 +150,30 @@ def test_a_late_drive_is_no_noise(machine: Path, tmp_path: Path) -> None:
             del table[name]
 
     assert noisy(changed(machine, tmp_path / "late", late)) == []
+
+
+def test_a_coarse_encoder_is_not_a_noisy_one(machine: Path, tmp_path: Path) -> None:
+    """Rounding looks like noise of the same size; that positions lie on steps tells them apart."""
+    fine, step = 2.5e-4, 4e-3
+    rng = np.random.default_rng(4)
+
+    def unheard(table: pd.DataFrame, of_second: float) -> None:
+        for name in list(table):
+            if name.startswith(("tau_cmd.", "q_des.", "dq_des.")):
+                del table[name]
+        for name, each in (("joint1", fine), ("joint2", of_second), ("joint3", fine)):
+            table[f"q.{name}"] = np.round(table[f"q.{name}"] / each) * each
+
+    def rounded(table: pd.DataFrame) -> None:
+        unheard(table, step)
+
+    def shaken(table: pd.DataFrame) -> None:
+        table["q.joint2"] += rng.normal(0.0, step / np.sqrt(12.0), len(table))
+        unheard(table, fine)
+
+    coarse = changed(machine, tmp_path / "coarse", rounded)
+    steps = load_study(coarse / "study.yaml").recordings[0].steps
+    assert steps == pytest.approx([fine, step, fine], rel=0.01)
+    assert noisy(coarse) == []
+    (finding,) = noisy(changed(machine, tmp_path / "noisy", shaken))
+    assert finding.joints == ("joint2",)

@@ -133,7 +133,9 @@ def _outlier(study: Study, noise: ChannelNoise, channel: str, std: FloatArray) -
     effort = _efforts(study) if channel == "tau" else None
     worst = int(np.argmax(np.where(known, std / (1.0 if effort is None else effort), 0.0)))
     others = known & (np.arange(len(std)) != worst)
-    for scale in _scales(noise, channel, effort, std, others):
+    steps = None if channel == "tau" else study.fit[0].steps
+    scales = _scales(noise, channel, effort, std, others)
+    for scale in scales if steps is None else [*scales, steps]:
         ratio = std / scale
         if ratio[worst] < _beyond(study.thresholds.channels, ratio[others], int(known.sum())):
             return None
@@ -166,7 +168,8 @@ def _scales(
 
     A drive's torque has noise in proportion to its effort, or, near its limits, to what it
     gives; the share of the latter is at most the least of the other joints. Where no effort is
-    known, and for other channels: the noise itself, and what the channel usually comes to.
+    known, and for other channels: the noise itself, and what the channel usually comes to. Noise of
+    positions and speeds may also be in proportion to encoders' steps: a coarse one is no bad one.
     """
     size = np.maximum(noise.size(channel), 1e-9)
     if effort is None:

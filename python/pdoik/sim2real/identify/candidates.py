@@ -33,6 +33,8 @@ def _candidates(balances: Balances) -> list[Term]:
                 term = term_of(balances, effect, place, shape)
                 if term is not None:
                     terms.append(term)
+        for motion in balances.motions:
+            motion.forget()
     return terms
 
 

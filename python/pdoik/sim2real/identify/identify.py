@@ -37,17 +37,19 @@ class _Told:
 def identify(prepared: Prepared, say: Tell) -> tuple[Prepared, Identified]:
     """Causes of a study's mismatch, and the study as it is linearised beside them."""
     chosen: list[Hypothesis] = []
-    told = _Told(say)
-    for _ in range(_ROUNDS):
+    told, rounds = _Told(say), 0
+    while True:
         posterior = Posterior.of(prepared.fit, told)
         state = _likeliest(posterior, prepared, chosen)
-        other = relinearised(prepared, posterior.fit_of(state.model))
+        rounds += 1
+        fit = posterior.fit_of(state.model)
+        other = relinearised(prepared, fit) if rounds < _ROUNDS else None
         if other is None:
-            break
+            return prepared, identified(posterior, state)
         told("once more, linearised beside what was found")
         prepared = other
         chosen = _anew(prepared, state)
-    return prepared, identified(posterior, state)
+        del posterior, state, fit  # room for the next
 
 
 def _likeliest(posterior: Posterior, prepared: Prepared, chosen: list[Hypothesis]) -> State:

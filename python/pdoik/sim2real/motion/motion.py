@@ -24,6 +24,7 @@ Source = Literal["tau", "current", "duty", "tau_cmd", "law", ""]
 
 _WORKING_RATE = 200.0  # recordings faster than twice this are thinned to at least this [Hz]
 _WIDER = 2.5  # the motion is filtered this much wider than the balances are
+_LARGE = ("regressor", "joint_poses", "placement ", "play ")  # names of what is kept for a while
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,6 +139,11 @@ class Motion:
             self.cache["regressor"] = self.body.regressor(self.q, self.dq, self.ddq, gravity)
         return self.cache["regressor"]
 
+    def forget(self) -> None:
+        """Leave what is large, whole and quickly made again: only columns of it are used."""
+        for name in [name for name in self.cache if name.startswith(_LARGE)]:
+            del self.cache[name]
+
     def pulled_by(self, gravity: FloatArray) -> Motion:
         """The same, with unknown bodies under this gravity, (3,) in the base's frame [m/s^2]."""
         kept = {name: values for name, values in self.cache.items() if name != "regressor"}
@@ -215,7 +221,7 @@ class Motion:
             assert self.body is not None
             tip = at_tip and link == self.body.last
             frame = self.body.frame(self.tip if tip else self.body.links[link])
-            self.cache[name] = self.body.poses_and_jacobians(self.q, frame)[1][:, :3]
+            self.cache[name] = self.body.poses_and_jacobians(self.q, frame)[1][:, :3].copy()
         return self.cache[name]
 
     def by_motion(self, j: int, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ from pdoik.errors import LoadError
 
 from .columns import CONTACT, VECTORS, Table, channel_of, joints_of, nearest, pose_columns
 from .duty import with_supply
+from .encoder_steps import encoder_steps
 from .glitches import glitches
 from .mend_jumps import with_jumps_mended
 from .recording import CHANNELS, STILL, FloatArray, Recording, Role
@@ -69,6 +70,10 @@ def to_recording(
         table, grid, "contact", [CONTACT + foot for foot in feet], [1.0] * len(feet), valid, notes
     )
     q = arrays.pop("q")
+    logged = [
+        table.columns[f"q.{joint}"] * units.factor(f"q.{joint}", joint in slides)
+        for joint in joints
+    ]
     assert q is not None
     recording = Recording(
         name=table.name,
@@ -84,6 +89,7 @@ def to_recording(
         valid=valid,
         raw_period=grid.raw_period,
         jitter=grid.jitter,
+        steps=encoder_steps(logged),
     )
     recording = replace(recording, **arrays)  # type: ignore[arg-type]
     if not valid.all():

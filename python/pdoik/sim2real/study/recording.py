@@ -50,6 +50,7 @@ class Recording:
     released: NDArray[np.bool_] | None = None  # True where the drive has let go; found, not logged
     raw_period: float  # median step of the file's time [s]
     jitter: float  # standard deviation of the file's time steps [s]
+    steps: FloatArray | None = None  # (n,) of the encoders, in the unit of q, where they are seen
     notes: tuple[str, ...] = ()  # what was repaired, in words
 
     @property

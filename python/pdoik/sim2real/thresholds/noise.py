@@ -26,7 +26,7 @@ class NoiseThresholds(Group):
     longest: float = threshold(
         600.0, "recorded time to fit beyond which excerpts are used, spread over all of it", "s"
     )
-    shortest: float = threshold(240.0, "time that excerpts last together at least", "s")
+    shortest: float = threshold(120.0, "time that excerpts last together at least", "s")
     most_rows: int = threshold(
         50_000, "rows of all joints to fit beyond which excerpts are used, as balances are thinned"
     )
