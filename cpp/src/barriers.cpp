@@ -11,6 +11,8 @@ constexpr int kCuts = 64;            ///< and where it was found to be in someth
 constexpr double kAbout = 1e-3;      ///< what is so near there is cut off as well [m]
 constexpr double kBeyond = 0.5;      ///< share of a depth by which it is held off
 constexpr std::size_t kSeen = 4096;  ///< depths that are kept to find the worst
+constexpr int kDense = 4;            ///< times as many points as are kept, from which few are near
+constexpr double kNearFirst = 1.0 / 16.0;  ///< share of the reach that is then looked at first
 constexpr double kApproach = 0.5;    ///< share of a distance that a step may take
 constexpr double kRegular = 1e-8;    ///< of the rows' squares, so that the way out is the shortest
 constexpr double kNoWorse = 1e-11;   ///< by which the way out may be missed [m]
@@ -31,11 +33,25 @@ bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
   all.obstacles.use(problem.scene->obstacles(), ObstacleConstraints::Form::Distance);
   all.shapes.use(problem.scene->shapes(), problem.model.options.clearance);
   all.held.use(true);
-  all.find(problem.rollout, [&](std::size_t, int) { return reach; });
+  // Of a dense cloud the worst lie so near that most points within reach need no look.
+  const bool dense = problem.scene->within_reach() > kDense * static_cast<int>(most);
+  double near = dense ? kNearFirst * reach : reach;
+  while (true) {
+    all.find(problem.rollout, [&](std::size_t number, int) {
+      return number == Constraints::kObstacles ? near : reach;
+    });
+    if (!look_at_all(problem, reach, most)) return false;
+    keep_worst(most);
+    if (near >= reach || (found_.size() == most && found_.back().c >= -near)) return true;
+    near *= 2.0;
+  }
+}
+
+bool Barriers::look_at_all(Problem& problem, double reach, std::size_t most) {
   double least = -reach;
   found_.clear();
   bool late = false;
-  all.for_each([&](const auto& family, std::size_t number) {
+  problem.constraints.for_each([&](const auto& family, std::size_t number) {
     for (int k = 0; k < family.count() && !late; ++k) {
       late = problem.is_late(k);
       const double c = family.at(k).c;
@@ -47,9 +63,7 @@ bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
       found_.push_back({c, static_cast<int>(number), k});
     }
   });
-  if (late || problem.deadline->struck()) return false;
-  keep_worst(most);
-  return true;
+  return !late && !problem.deadline->struck();
 }
 
 template <class Most>
@@ -85,7 +99,7 @@ bool Barriers::cut(Problem& problem, const Eigen::VectorXd& moved) {
 }
 
 void Barriers::keep_worst(std::size_t most) {
-  if (found_.size() <= most) return;
+  if (found_.size() < most) return;
   std::nth_element(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(most) - 1,
                    found_.end(),
                    [](const Found& one, const Found& other) { return one.c > other.c; });
