@@ -96,9 +96,11 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
         return made
 
     recordings = []
-    for entry, table in zip(entries, tables, strict=True):
+    for entry in entries:
+        table = tables.pop(0)  # as long as an hour: no two forms of all are kept
         check_names(table, joints, ignore)
         recordings.append(recording(table, entry))
+        del table
     simulation = [
         recording(_table(each, replace(known, joints=joints), units), each) for each in simulations
     ]

@@ -55,10 +55,11 @@ def _blocks(recording: Recording) -> tuple[Recording, Recording]:
 
 
 def part(recording: Recording, first: int, last: int) -> Recording:
-    """The samples `first` to `last`, exclusive; their time is from 0 again."""
-    arrays = {name: getattr(recording, name)[first:last] for name in (*recording.channels, "valid")}
+    """The samples `first` to `last`, exclusive, copied; their time is from 0 again."""
+    names = [*recording.channels, "valid"]
     if recording.released is not None:
-        arrays["released"] = recording.released[first:last]
+        names.append("released")
+    arrays = {name: getattr(recording, name)[first:last].copy() for name in names}
     offset = float(recording.time[first])
     return replace(
         recording,
