@@ -6,16 +6,14 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kMost = 256;           ///< constraints of a step where it begins
-constexpr int kCuts = 64;            ///< and where it was found to be in something
-constexpr double kAbout = 1e-3;      ///< what is so near there is cut off as well [m]
-constexpr double kBeyond = 0.5;      ///< share of a depth by which it is held off
-constexpr std::size_t kSeen = 4096;  ///< depths that are kept to find the worst
-constexpr int kDense = 4;            ///< times as many points as are kept, from which few are near
-constexpr double kNearFirst = 1.0 / 16.0;  ///< share of the reach that is then looked at first
-constexpr double kApproach = 0.5;    ///< share of a distance that a step may take
-constexpr double kRegular = 1e-8;    ///< of the rows' squares, so that the way out is the shortest
-constexpr double kNoWorse = 1e-11;   ///< by which the way out may be missed [m]
+constexpr int kMost = 256;          ///< constraints of a step where it begins
+constexpr int kCuts = 64;           ///< and where it was found to be in something
+constexpr double kAbout = 1e-3;     ///< what is so near there is cut off as well [m]
+constexpr double kBeyond = 0.5;     ///< share of a depth by which it is held off
+constexpr std::size_t kRoom = 2;    ///< times as many as are kept, from which the worst are chosen
+constexpr double kApproach = 0.5;   ///< share of a distance that a step may take
+constexpr double kRegular = 1e-8;   ///< of the rows' squares, so that the way out is the shortest
+constexpr double kNoWorse = 1e-11;  ///< by which the way out may be missed [m]
 
 }  // namespace
 
@@ -25,7 +23,7 @@ Barriers::Barriers(const Model& model) : program_(model.robot.dof()) {
   hessian_.setZero(n, n);
   for (Eigen::VectorXd* v : {&gradient_, &out_}) v->setZero(n);
   for (Eigen::VectorXd* v : {&most_, &soft_}) v->setZero(kMost + kCuts);
-  found_.reserve(kSeen);
+  found_.reserve(kRoom * kMost);
 }
 
 bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
@@ -33,37 +31,27 @@ bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
   all.obstacles.use(problem.scene->obstacles(), ObstacleConstraints::Form::Distance);
   all.shapes.use(problem.scene->shapes(), problem.model.options.clearance);
   all.held.use(true);
-  // Of a dense cloud the worst lie so near that most points within reach need no look.
-  const bool dense = problem.scene->within_reach() > kDense * static_cast<int>(most);
-  double near = dense ? kNearFirst * reach : reach;
-  while (true) {
-    all.find(problem.rollout, [&](std::size_t number, int) {
-      return number == Constraints::kObstacles ? near : reach;
-    });
-    if (!look_at_all(problem, reach, most)) return false;
-    keep_worst(most);
-    if (near >= reach || (found_.size() == most && found_.back().c >= -near)) return true;
-    near *= 2.0;
-  }
-}
-
-bool Barriers::look_at_all(Problem& problem, double reach, std::size_t most) {
+  all.find(problem.rollout, [&](std::size_t, int) { return reach; });
   double least = -reach;
   found_.clear();
   bool late = false;
-  problem.constraints.for_each([&](const auto& family, std::size_t number) {
+  all.for_each([&](const auto& family, std::size_t number) {
     for (int k = 0; k < family.count() && !late; ++k) {
       late = problem.is_late(k);
+      if constexpr (requires { family.most(k); }) {
+        if (family.most(k) <= least) continue;
+      }
       const double c = family.at(k).c;
       if (c <= least) continue;
-      if (found_.size() == kSeen) {
-        keep_worst(most);
-        least = found_.back().c;
-      }
       found_.push_back({c, static_cast<int>(number), k});
+      if (found_.size() < kRoom * most) continue;
+      keep_worst(most);
+      least = found_.back().c;
     }
   });
-  return !late && !problem.deadline->struck();
+  if (late || problem.deadline->struck()) return false;
+  keep_worst(most);
+  return true;
 }
 
 template <class Most>
@@ -99,7 +87,7 @@ bool Barriers::cut(Problem& problem, const Eigen::VectorXd& moved) {
 }
 
 void Barriers::keep_worst(std::size_t most) {
-  if (found_.size() < most) return;
+  if (found_.size() <= most) return;
   std::nth_element(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(most) - 1,
                    found_.end(),
                    [](const Found& one, const Found& other) { return one.c > other.c; });

@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detail/constraint.hpp"
 #include "detail/spheroid_distance.hpp"
 
 namespace pdoik::detail {
 namespace {
-
-/// Half the sum of a point's distances to the foci, less the semi-major axis. It changes no faster
-/// than the point moves: outside it is a lower bound of the distance, of a sphere the distance.
-double half_sum_gap(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) {
-  const Vec4 to_a = o - a;
-  const double distance = std::sqrt(dot3(to_a, to_a));
-  if (hull.is_sphere()) return distance - hull.semi_major;
-  const Vec4 to_b = o - b;
-  return 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
-}
 
 /// A point and a spheroid in the half plane through both its foci and the point.
 struct Meridian {

@@ -40,12 +40,10 @@ class Barriers {
   };
   /// What there is of a problem's scene, c > -reach; of many, the worst.
   bool gather(Problem& problem, double reach, std::size_t most);
-  /// Keep what the families found, c > -reach. @returns Whether the clock left time for it.
-  bool look_at_all(Problem& problem, double reach, std::size_t most);
   /// As rows, each with what most(c, row) says that it may be.
   template <class Most>
   void add_rows(Problem& problem, Most&& most);
-  /// Leave only the worst of what was found, of as many as that the least bad last.
+  /// Leave only the worst of what was found, the least bad of them last.
   void keep_worst(std::size_t most);
 
   Eigen::MatrixXd rows_, hessian_;

@@ -35,8 +35,10 @@ PDOIK_INLINE Depth depth_in(const CapsuleBlock* blocks, int count, const Vec4& o
     const Vec4 gx = rx - t * block.vx, gy = ry - t * block.vy, gz = rz - t * block.vz;
     const Vec4 square = gx * gx + gy * gy + gz * gz;
     for (int i = 0; i < 4; ++i) {
-      const double depth = block.radius[i] - std::sqrt(square[i]);
-      if (depth > deepest.depth) deepest = {depth, k, i};
+      // A root only where it is deeper: of a block's four few are.
+      const double within = block.radius[i] - deepest.depth;
+      if (within > 0.0 && square[i] < within * within)
+        deepest = {block.radius[i] - std::sqrt(square[i]), k, i};
     }
   }
   return deepest;

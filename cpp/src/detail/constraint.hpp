@@ -52,6 +52,16 @@ PDOIK_INLINE Constraint half_sum_constraint(const CollisionState& state, const H
   return result;
 }
 
+/// Half the sum of a point's distances to the foci, less the semi-major axis. It changes no faster
+/// than the point moves: outside it is a lower bound of the distance, of a sphere the distance.
+inline double half_sum_gap(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) {
+  const Vec4 to_a = o - a;
+  const double distance = std::sqrt(dot3(to_a, to_a));
+  if (hull.is_sphere()) return distance - hull.semi_major;
+  const Vec4 to_b = o - b;
+  return 0.5 * (distance + std::sqrt(dot3(to_b, to_b))) - hull.semi_major;
+}
+
 /// A point off a hull's capsules: c = r + R - |p - o| of the capsule that it is deepest in, by p,
 /// the point of its segment that is nearest.
 struct CapsuleConstraint {
@@ -65,8 +75,8 @@ PDOIK_INLINE double capsule_violation(const CollisionState& state, const Hull& h
   return state.depth_in_capsules(hull, o).depth + o[3];
 }
 
-inline CapsuleConstraint capsule_constraint(const CollisionState& state, const Hull& hull,
-                                            const Vec4& o) {
+PDOIK_INLINE CapsuleConstraint capsule_constraint(const CollisionState& state, const Hull& hull,
+                                                  const Vec4& o) {
   const Frame& frame = state.frame(hull);
   const Depth deepest = state.depth_in_capsules(hull, o);
   const Vec4 local = to_local(frame, o);

@@ -25,7 +25,7 @@ class Constraints {
   Constraints(const Constraints&) = delete;
 
   auto families() { return std::tie(obstacles, self, balance, shapes, held); }
-  static constexpr std::size_t kFamilies = 5, kObstacles = 0;  ///< how many, and which they are
+  static constexpr std::size_t kFamilies = 5;
 
   /// visit(family, its number).
   template <class Visit>

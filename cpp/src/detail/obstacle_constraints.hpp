@@ -38,6 +38,14 @@ class ObstacleConstraints {
     return constraint_key(hulls_.near(k).hull, hulls_.near(k).obstacle);
   }
 
+  /// Not less than c, and soon known.
+  double most(int k) const {
+    const NearPair& pair = hulls_.near(k);
+    const Hull& hull = hulls_.hull(pair);
+    const Vec4 o = obstacles_[pair.obstacle];
+    const double gap = half_sum_gap(hull, hulls_.position(hull.a), hulls_.position(hull.b), o);
+    return o[3] + hull.excess - gap;
+  }
   /// By the hull's foci, or if it counts by its capsules by dc_da of a point a of their body.
   struct At : Constraint {
     const Hull* hull;
