@@ -17,6 +17,7 @@ constexpr double kBetter = 1e-6;  ///< relative decrease from which something is
 /// The same for going as far as a step may: a robot at full speed for a second, at 1 kHz, has to
 /// make good a hundredth of what it falls short of, or it rests.
 constexpr double kWorthMoving = 1e-5;
+constexpr double kFarOff = 50.0;  ///< ways of a step: of what is farther off as much is asked
 constexpr double kRounding = 1e-12;  ///< of a distance [m]
 
 }  // namespace
@@ -124,9 +125,11 @@ void Gate::open(const StepRequest& step) {
 
 bool Gate::is_better(const Worth& worth, const Eigen::VectorXd& q) const {
   if (worth.reached != worth_.reached) return worth.reached;
-  const double kept = 1.0 - kBetter - kWorthMoving * share_of_box(q);
-  return worth.reached ? worth.pull < kept * worth_.pull
-                       : worth.shortfall < kept * worth_.shortfall;
+  const double share = kBetter + kWorthMoving * share_of_box(q);
+  if (worth.reached) return worth.pull < (1.0 - share) * worth_.pull;
+  // What is far off may be out of reach, and most of what is left with it.
+  const double far = kFarOff * step_->advance * std::sqrt(2.0 * worth_.shortfall);
+  return worth.shortfall < worth_.shortfall - share * std::min(worth_.shortfall, far);
 }
 
 double Gate::share_of_box(const Eigen::VectorXd& q) const {

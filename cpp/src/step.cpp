@@ -18,6 +18,7 @@ constexpr double kShare = 2.0, kFar = 0.3;
 constexpr double kDamping = 1e-5, kLeastDamping = 1e-11;
 constexpr double kStalled = 0.98;                 ///< share of a cost that a turn may leave
 constexpr double kEasier = 0.3, kHarder = 4.0;    ///< after a turn that went downhill, or did not
+constexpr double kFulfilled = 0.1;                ///< share of what was foreseen that is downhill
 constexpr double kShares[] = {0.5, 0.25, 0.125};  ///< of a way that is not to be gone whole
 constexpr double kSettled = 1e-10;                ///< a change of joints that is none [rad], [m]
 constexpr double kMuchNearer = 0.25;              ///< share of what goals cost that is much less
@@ -41,8 +42,13 @@ Step::Step(Workspace& workspace)
   before_.reserve(model_.robot.tips().size());
   const Eigen::Index n = model_.robot.dof();
   hessian_.setZero(n, n);
-  for (Eigen::VectorXd* each : {&gradient_, &q_, &pulled_, &next_, &least_, &most_})
+  for (Eigen::VectorXd* each : {&gradient_, &moved_, &q_, &pulled_, &next_, &least_, &most_})
     each->setZero(n);
+}
+
+double Step::modelled(const Eigen::VectorXd& way) {
+  moved_.noalias() = hessian_.selfadjointView<Eigen::Upper>() * way;
+  return way.dot(0.5 * moved_ + gradient_);
 }
 
 double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
@@ -61,16 +67,18 @@ double Step::descend(const Eigen::VectorXd& about, int turns, Result& result) {
     hessian_.diagonal().array() += damping;
     next_ = q_ - about;
     gradient_.noalias() -= hessian_.selfadjointView<Eigen::Upper>() * next_;
+    const double here = modelled(next_);
     ++result.iterations;
     if (!program_.factorise(hessian_) ||
         !program_.solve(gradient_, barriers_.within(least_, most_), next_))
       break;
+    const double foreseen = here - modelled(next_);
     next_ += about;
     const double change = (next_ - q_).cwiseAbs().maxCoeff();
     const double goals_there = problem.evaluate_goals(next_),
                  there = goals_there + problem.posture.value(next_);
     ++result.evaluations;
-    if (there < value) {
+    if (there < value - kFulfilled * foreseen) {
       const bool stalls = there > kStalled * value;
       q_ = next_;
       value = there;

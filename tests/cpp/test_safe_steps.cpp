@@ -242,6 +242,36 @@ TEST(SafeSteps, an_arm_whose_goal_cannot_be_reached_comes_to_rest) {
   }
 }
 
+TEST(SafeSteps, a_goal_metres_away_is_come_as_near_to_as_joints_allow) {
+  Options options = timeless();
+  options.self_collision = false;
+  constexpr double kStep = 1e-5;  // of the differences [rad]
+  for (const std::string& name : arm_names()) {
+    const Robot robot = Robot::builtin(name);
+    Random random(5);
+    for (int k = 0; k < 4; ++k) {
+      Goal goal;
+      goal.type = GoalType::Position;
+      const Eigen::Vector3d out(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1));
+      goal.T_base_tip.translation() = 2.5 * out.normalized();
+      const auto left = [&](const Eigen::VectorXd& q) {
+        return (robot.fk(q, robot.tips()[0]).translation() - goal.T_base_tip.translation()).norm();
+      };
+      Tracker tracker(robot, options, {.period = 0.001, .max_time = 1e6});
+      tracker.reset(random_configuration(robot, random));
+      Eigen::VectorXd q;
+      for (int step = 0; step < 8000; ++step) q = tracker.step({&goal, 1}).q;
+      for (int i = 0; i < robot.dof(); ++i) {
+        Eigen::VectorXd more = q, less = q;
+        more[i] = std::min(q[i] + kStep, robot.upper()[i]);
+        less[i] = std::max(q[i] - kStep, robot.lower()[i]);
+        EXPECT_GT(left(more) - left(q), -2e-3 * kStep) << name << " " << k << " joint " << i;
+        EXPECT_GT(left(less) - left(q), -2e-3 * kStep) << name << " " << k << " joint " << i;
+      }
+    }
+  }
+}
+
 TEST(SafeSteps, a_foot_that_stands_gives_nothing_of_its_place_up_for_a_hand_that_cannot_reach) {
   const Robot robot = Robot::builtin("h1", "left_ankle_link",
                                      {"right_ankle_link", "left_elbow_link", "right_elbow_link"});

@@ -38,6 +38,8 @@ class Step {
   bool look_there(const Eigen::VectorXd& about);
   /// What comes nearest to goals inside them, into q_.
   void propose(const StepRequest& request, const Eigen::VectorXd& about, Result& result);
+  /// What the quadratic model costs on a way from where it is linearised.
+  double modelled(const Eigen::VectorXd& way);
   /// Gauss-Newton steps from q_, at most so many, with the pull to a posture or without.
   /// @returns What the goals cost there, where the problem then is.
   double descend(const Eigen::VectorXd& about, int turns, Result& result);
@@ -52,7 +54,7 @@ class Step {
   Eigen::MatrixXd hessian_;
   Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor_;
   std::vector<Goal> before_;  ///< goals of the last step
-  Eigen::VectorXd gradient_, q_, pulled_, next_, least_, most_;
+  Eigen::VectorXd gradient_, moved_, q_, pulled_, next_, least_, most_;
   bool brought_near_ = false;  ///< some goal
   double stride_ = 1.0;        ///< share of what joints may go while something stands
 };
