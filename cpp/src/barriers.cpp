@@ -9,7 +9,9 @@ namespace {
 constexpr int kMost = 256;          ///< constraints of a step where it begins
 constexpr int kCuts = 64;           ///< and where it was found to be in something
 constexpr double kAbout = 1e-3;     ///< what is so near there is cut off as well [m]
-constexpr double kBeyond = 0.5;     ///< share of a depth by which it is held off
+constexpr double kGrazes = 5e-5;     ///< so deep, what is about to be cut off is left a little [m]
+constexpr double kBeyond = 0.5;      ///< share of a depth by which it is held off,
+constexpr double kAtLeast = 1e-9;    ///< and by how much at least [m]
 constexpr std::size_t kRoom = 2;    ///< times as many as are kept, from which the worst are chosen
 constexpr double kApproach = 0.5;   ///< share of a distance that a step may take
 constexpr double kRegular = 1e-8;   ///< of the rows' squares, so that the way out is the shortest
@@ -81,7 +83,11 @@ bool Barriers::cut(Problem& problem, const Eigen::VectorXd& moved) {
   const auto left = static_cast<std::size_t>(rows_.cols() - count_);
   if (left == 0 || !gather(problem, kAbout, std::min<std::size_t>(left, kCuts / 4))) return false;
   add_rows(problem, [&](double c, const auto& row) {
-    return std::max(0.0, row.dot(moved) - (c > 0.0 ? (1.0 + kBeyond) * c : c));
+    const double leave = row.dot(moved) - c - (c > 0.0 ? std::max(kBeyond * c, kAtLeast) : 0.0);
+    // Along what is round a way grazes, however straight, unless it leads off by as much.
+    if (leave >= 0.0 || c >= kGrazes) return std::max(0.0, leave);
+    ++violated_;
+    return leave;
   });
   return !problem.deadline->passed();
 }

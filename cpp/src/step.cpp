@@ -107,7 +107,9 @@ bool Step::look(const StepRequest& step, const Eigen::VectorXd& about, double st
 bool Step::look_there(const Eigen::VectorXd& about) {
   workspace_.least_squares.place(gate_.tried());
   next_ = gate_.tried() - about;
-  return !late() && barriers_.cut(workspace_.problem, next_);
+  if (late() || !barriers_.cut(workspace_.problem, next_)) return false;
+  barriers_.come_to_terms(least_, most_);
+  return true;
 }
 
 void Step::propose(const StepRequest& step, const Eigen::VectorXd& about, Result& result) {
