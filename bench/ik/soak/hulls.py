@@ -11,6 +11,8 @@ from bench.ik.judges.distances import hull_distance, to_segment
 
 PAIRS = 200_000  # of a hull and a point that are looked at together: what a cache holds
 
+_AT_ONCE = 5000  # points and capsules, of which distances are taken together: what a cache holds
+
 
 def clearance(
     a: FloatArray,
@@ -77,11 +79,13 @@ def _least(a: FloatArray, b: FloatArray, A: FloatArray, points: FloatArray) -> F
 def _to_capsules(a: FloatArray, b: FloatArray, r: FloatArray, points: FloatArray) -> FloatArray:
     """See `clearance`, of capsules only."""
     least = np.full(len(a), np.inf)
-    for n in range(len(a) if points.shape[-2] else 0):
+    for n in range(len(a) if points.shape[-2] and len(r) else 0):
         own = points[n] if points.ndim == 3 else points
-        for p, q, radius in zip(a[n], b[n], r, strict=True):
-            gap = to_segment(own[:, :3], p, q) - radius - own[:, 3]
-            least[n] = min(least[n], float(gap.min()))
+        at_once = max(1, _AT_ONCE // len(own))
+        for k in range(0, len(r), at_once):
+            some = slice(k, k + at_once)
+            gap = to_segment(own[:, :3], a[n, some, None], b[n, some, None]) - own[:, 3]
+            least[n] = min(least[n], float((gap - r[some, None]).min()))
     return least
 
 
