@@ -112,7 +112,7 @@ def fitted(known: list[Claim]) -> dict[str, float]:
     supported = [
         c
         for c in known
-        if c.support is not None and c.support.log_odds is not None and c.confidence != capped
+        if c.support is not None and "odds" in features(c.support) and c.confidence != capped
     ]
     names = list(features(cast("Support", supported[0].support)))
     A = np.array([list(features(cast("Support", c.support)).values()) for c in supported])

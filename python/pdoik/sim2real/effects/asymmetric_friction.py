@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,12 +10,18 @@ from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import level_asymmetry, viscous_asymmetry
 from ..simulation.parts import HardFriction, JointTorque, Part
+from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 
+_LEVEL = (0.0,)  # the shape of a difference of levels alone
+
 
 class AsymmetricFriction(Effect):
-    """tau = (dL |sign(dq)| + dc |dq|) / 2: forwards less backwards, beside the symmetric part."""
+    """tau = (dL |sign(dq)| + dc |dq|) / 2: forwards less backwards, beside the symmetric part.
+
+    Or of levels alone: what need not be there is not paid for beside an offset of the torque.
+    """
 
     id = "asymmetric_friction"
     family = "friction"
@@ -38,11 +44,31 @@ class AsymmetricFriction(Effect):
     one_of = "one way"
     jumps = True
 
+    def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
+        """Of levels and of slopes, or of levels alone."""
+        return [(), _LEVEL]
+
+    def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
+        """None: which of both it is cannot be moved."""
+        return [(value, value) for value in shape]
+
+    def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
+        """One for each coefficient."""
+        return {each.name: float(b) for each, b in zip(self.parameters, beta, strict=False)}
+
+    def coefficients(
+        self, values: Mapping[str, float], shape: Shape = ()
+    ) -> tuple[Shape, FloatArray]:
+        """Of those that there are."""
+        known = [values[each.name] for each in self.parameters if each.name in values]
+        return () if len(known) > 1 else _LEVEL, np.array(known)
+
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Whether it moves, and how fast."""
         (j,) = place.joints
         moving = np.abs(np.tanh(motion.dq[:, j] / (0.05 * motion.speed_floor[j])))
-        return {("torque", j): 0.5 * np.stack([moving, np.abs(motion.dq[:, j])], axis=1)}
+        both = 0.5 * np.stack([moving, np.abs(motion.dq[:, j])], axis=1)
+        return {("torque", j): both[:, :1] if shape == _LEVEL else both}
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
@@ -54,8 +80,10 @@ class AsymmetricFriction(Effect):
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
         """In words."""
+        more = f"{values['level_difference']:.3g} N m"
+        if "viscous_difference" in values:
+            more += f" and {values['viscous_difference']:.3g} N m per rad/s"
         return (
             f"Friction of {where} differs between the two directions: forwards less backwards"
-            f" {values['level_difference']:.3g} N m and {values['viscous_difference']:.3g} N m per"
-            " rad/s."
+            f" {more}."
         )

@@ -25,6 +25,7 @@ from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Weighed
 from .model import Model
+from .ordinary import OF_JOINTS
 from .pool import Scored
 from .posterior import Posterior
 from .rivals import in_place_of, judged
@@ -185,9 +186,12 @@ class _Claims:
 
 
 def _had_by(term: Term, believed: IdentifyThresholds) -> HadBy:
-    """Whether many machines have a cause, or few."""
-    common = CATALOGUE[term.effect].odds >= believed.common and term.place.gate is None
-    return "many" if common else "few"
+    """Whether few machines have a cause, many, or every one to some degree."""
+    if term.place.gate is not None:
+        return "few"
+    if term.effect in (*OF_JOINTS, LinkInertials.id):
+        return "all"
+    return "many" if CATALOGUE[term.effect].odds >= believed.common else "few"
 
 
 def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:

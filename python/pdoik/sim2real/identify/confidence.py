@@ -1,8 +1,8 @@
 """The probability that a finding is there: what speaks for it, calibrated once on worlds.
 
 Posterior log odds suppose that all laws are right. They are not, and a wrong law's misfit is as
-certain as a cause's part. How much is to be made of the odds, of a gain that repeats, and of how
-many machines have the effect tells a logistic regression on worlds whose truth is known.
+certain as a cause's part. How much is to be made of the odds, of the gain, and of how many machines
+have the effect tells a logistic regression on worlds whose truth is known.
 """
 
 from __future__ import annotations
@@ -18,15 +18,14 @@ _LEAST_SIZE = 0.05
 
 def features(support: Support) -> dict[str, float]:
     """What the log odds are linear in, by the names of their weights."""
-    if support.log_odds is None:
+    if support.log_odds is None or support.event:
         return _by_gain(support)
     return {
         "there": 1.0,
         "odds": float(np.log1p(max(support.log_odds, 0.0))),
-        "repeats": float(np.log1p(max(support.t, 0.0))),
+        "explains": _log_odds(support.gain),
         "many": float(support.had_by == "many"),
         "all": float(support.had_by == "all"),
-        "event": float(support.event),
     }
 
 

@@ -210,6 +210,8 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
 def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) -> bool:
     """Whether recordings that only judge are not surely better with it, or by next to nothing.
 
+    What acts in few stretches is in none of some that are drawn: of much it is sure all the same.
+
     What every machine has is there in any case: it is only not to make them worse.
     """
     if prepared.validate is None:
@@ -218,7 +220,8 @@ def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) ->
     if ordinary:
         return _acts(seen) and seen.validation_gain < 0.0
     little = seen.beside_others is not None and seen.beside_others < believed.judged
-    return _acts(seen) and (little or seen.interval95[0] < 0.0)
+    unsure = seen.interval95[0] < 0.0 and seen.validation_gain < believed.judged
+    return _acts(seen) and (little or unsure)
 
 
 def _acts(seen: Evidence) -> bool:

@@ -17,14 +17,17 @@ class ConfidenceThresholds(Group):
     """Weights of the log odds that a finding is there, and what is made of them."""
 
     there: float = threshold(
-        -2.54, "log odds of a cause that few machines have, which just is and just repeats", "", _ON
+        0.32, "log odds of a cause that few machines have, barely there, gaining half", "", _ON
     )
-    odds: float = threshold(0.33, "per logarithm of one and the posterior log odds", "", _ON)
-    repeats: float = threshold(
-        1.64, "per logarithm of one and the errors by which rows it was not fitted to gain", "", _ON
+    odds: float = threshold(0.30, "per logarithm of one and the posterior log odds", "", _ON)
+    explains: float = threshold(
+        0.16,
+        "per log odds of the gain: its share of what all else leaves on rows it was not fitted to",
+        "",
+        _ON,
     )
-    many: float = threshold(3.12, "of what many machines have", "", _ON)
-    all: float = threshold(3.87, "of what every machine has", "", _ON)
+    many: float = threshold(2.90, "of what many machines have", "", _ON)
+    all: float = threshold(3.01, "of what every machine has", "", _ON)
     base: float = threshold(
         2.16, "log odds of a law's error or an event, as large as what is left", "", _FITTED
     )
