@@ -22,6 +22,7 @@ from .harmonics import harmonic_terms
 from .hypothesis import Hypothesis, peculiar
 from .onsets import MOMENTS, likely_onset, may_begin
 
+_OF_NORMAL = 0.6745  # median of the size of what is normal, over its standard deviation
 _HARMONICS = 300.0  # of a joint that are looked at
 _WINDOWS = 1000.0
 _FREQUENCIES = 100.0
@@ -65,10 +66,21 @@ def begun(
 
 
 def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
-    """The clearest window in which something pushes."""
-    term = contact_term(fit)
+    """The clearest window in which something pushes.
+
+    Beside what is left at most times: a push that nobody has named is much of what is left in all.
+    """
+    usual = {key: _usual(fit, key) for key in fit.design}
+    term = contact_term(Fit(balances.with_noise(usual), fit.terms))
     if term is not None:
         yield peculiar(balances, term, among=_WINDOWS)
+
+
+def _usual(fit: Fit, key: Key) -> float:
+    """What a balance is off by at most times, as a standard deviation; its noise at least."""
+    b = fit.balances
+    left = float(np.median(np.abs(fit.residual(key)))) * b.sigma[key] / _OF_NORMAL
+    return max(left, b.floor.get(key, 0.0), 1e-12)
 
 
 def nameless(
