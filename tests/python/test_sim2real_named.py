@@ -49,7 +49,15 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "sensor_gain": ("gain",),
     "sensor_noise": ("std",),
 }
-USUAL = ("coulomb_friction", "payload", "torque_gain", "torque_offset", "command_delay")
+USUAL = (
+    "coulomb_friction",
+    "asymmetric_friction",
+    "payload",
+    "external_contact",
+    "torque_gain",
+    "torque_offset",
+    "command_delay",
+)
 """One of each kind but play, of which test_sim2real_rollouts is; the others are long, together."""
 NEAR = 0.15  # of a figure's own size
 AS_GOOD = ({"command_delay", "actuator_lag"}, {"payload", "link_inertial_error"})
