@@ -78,8 +78,8 @@ def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
 
 def _usual(fit: Fit, key: Key) -> float:
     """What a balance is off by at most times, as a standard deviation; its noise at least."""
-    b = fit.balances
-    left = float(np.median(np.abs(fit.residual(key)))) * b.sigma[key] / _OF_NORMAL
+    b, off = fit.balances, np.abs(fit.residual(key))
+    left = float(np.median(off)) * b.sigma[key] / _OF_NORMAL if len(off) else b.sigma[key]
     return max(left, b.floor.get(key, 0.0), 1e-12)
 
 

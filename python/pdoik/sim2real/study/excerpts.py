@@ -12,7 +12,7 @@ from .recording import Recording
 from .split import part
 from .study import Study
 
-_PIECE = 20.0  # about the length of an excerpt [s]
+_PIECE = 30.0  # about the length of an excerpt [s]
 
 
 def excerpted(study: Study) -> Study:
