@@ -9,9 +9,9 @@ namespace {
 constexpr int kMost = 256;          ///< constraints of a step where it begins
 constexpr int kCuts = 64;           ///< and where it was found to be in something
 constexpr double kAbout = 1e-3;     ///< what is so near there is cut off as well [m]
-constexpr double kGrazes = 5e-5;     ///< so deep, what is about to be cut off is left a little [m]
-constexpr double kBeyond = 0.5;      ///< share of a depth by which it is held off,
-constexpr double kAtLeast = 1e-9;    ///< and by how much at least [m]
+constexpr double kGrazes = 5e-5;    ///< so deep, what is about to be cut off is left a little [m]
+constexpr double kBeyond = 0.5;     ///< share of a depth by which it is held off,
+constexpr double kAtLeast = 1e-9;   ///< and by how much at least [m]
 constexpr std::size_t kRoom = 2;    ///< times as many as are kept, from which the worst are chosen
 constexpr double kApproach = 0.5;   ///< share of a distance that a step may take
 constexpr double kRegular = 1e-8;   ///< of the rows' squares, so that the way out is the shortest

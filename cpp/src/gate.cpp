@@ -17,7 +17,7 @@ constexpr double kBetter = 1e-6;  ///< relative decrease from which something is
 /// The same for going as far as a step may: a robot at full speed for a second, at 1 kHz, has to
 /// make good a hundredth of what it falls short of, or it rests.
 constexpr double kWorthMoving = 1e-5;
-constexpr double kFarOff = 50.0;  ///< ways of a step: of what is farther off as much is asked
+constexpr double kFarOff = 50.0;     ///< ways of a step: of what is farther off as much is asked
 constexpr double kRounding = 1e-12;  ///< of a distance [m]
 
 }  // namespace
