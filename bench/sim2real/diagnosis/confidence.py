@@ -66,16 +66,8 @@ def claims(run: Path) -> list[Claim]:
         joints = list(json.loads(row.joints))
         said = [*json.loads(row.findings), *json.loads(getattr(row, "suspected", None) or "[]")]
         for each in said:
-            support = Support(**each["support"]) if each.get("support") else None
-            found.append(
-                Claim(
-                    study=f"{run.name}/{row.name}",
-                    effect=each["effect"],
-                    support=support,
-                    confidence=each["confidence"],
-                    true=_is_true(each, hidden, last_link(joints), str(row.group)),
-                )
-            )
+            true = _is_true(each, hidden, last_link(joints), str(row.group))
+            found.append(_claim(f"{run.name}/{row.name}", each, true=true))
     return found
 
 
@@ -86,17 +78,20 @@ def _of_machines(said: Path) -> list[Claim]:
         truth = json.loads((said.parent / "sealed" / path.name).read_text())
         diagnosis = as_diagnosis(json.loads(path.read_text()))
         for each in [*diagnosis["findings"], *diagnosis.get("suspected", [])]:
-            support = Support(**each["support"]) if each.get("support") else None
-            found.append(
-                Claim(
-                    study=f"{said.parent.name}/{path.stem}",
-                    effect=each["effect"],
-                    support=support,
-                    confidence=each["confidence"],
-                    true=judged(each, truth)["right"],
-                )
-            )
+            true = judged(each, truth)["right"]
+            found.append(_claim(f"{said.parent.name}/{path.stem}", each, true=true))
     return found
+
+
+def _claim(study: str, said: dict[str, Any], *, true: bool) -> Claim:
+    support = Support(**said["support"]) if said.get("support") else None
+    return Claim(
+        study=study,
+        effect=said["effect"],
+        support=support,
+        confidence=said["confidence"],
+        true=true,
+    )
 
 
 def _is_true(finding: dict[str, Any], hidden: list[dict[str, Any]], last: str, group: str) -> bool:

@@ -84,6 +84,11 @@ class Support:
     had_by: HadBy = "few"  # machines that have its effect
     event: bool = False  # learnt and scored on halves of its own rows: it cannot repeat
 
+    @property
+    def odds(self) -> float:
+        """Its log odds; 0 of what was never weighed beside all else."""
+        return self.log_odds or 0.0
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:

@@ -134,8 +134,7 @@ def _outlier(study: Study, noise: ChannelNoise, channel: str, std: FloatArray) -
     worst = int(np.argmax(np.where(known, std / (1.0 if effort is None else effort), 0.0)))
     others = known & (np.arange(len(std)) != worst)
     steps = None if channel == "tau" else study.fit[0].steps
-    scales = _scales(noise, channel, effort, std, others)
-    for scale in scales if steps is None else [*scales, steps]:
+    for scale in _scales(noise, channel, effort, steps, std, others):
         ratio = std / scale
         if ratio[worst] < _beyond(study.thresholds.channels, ratio[others], int(known.sum())):
             return None
@@ -161,6 +160,7 @@ def _scales(
     noise: ChannelNoise,
     channel: str,
     effort: FloatArray | None,
+    steps: FloatArray | None,
     std: FloatArray,
     others: NDArray[np.bool_],
 ) -> list[FloatArray]:
@@ -173,7 +173,7 @@ def _scales(
     """
     size = np.maximum(noise.size(channel), 1e-9)
     if effort is None:
-        return [np.ones(len(std)), size]
+        return [np.ones(len(std)), size, *([] if steps is None else [steps])]
     per_size = np.min((std / size)[others])
     per_effort = np.median((std / effort)[others])
     return [np.maximum(effort * per_effort, size * per_size)]

@@ -193,6 +193,6 @@ def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
 def _told(state: Identified, term: Term, rival: Term, *, listed: bool) -> Identified:
     """With the rival among the names that data cannot tell from the term's, or without it."""
     rest = [r for r in state.rivals.get(term.key, ()) if r.term.effect != rival.effect]
-    own = state.support[term.key].log_odds if term.key in state.support else None
-    first = [Weighed(term=rival, log_odds=own or 0.0)] if listed else []
+    own = state.support[term.key].odds if term.key in state.support else 0.0
+    first = [Weighed(term=rival, log_odds=own)] if listed else []
     return replace(state, rivals={**state.rivals, term.key: (*first, *rest)})

@@ -35,7 +35,7 @@ def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
         for rival in state.rivals.get(term.key, ())
     }
     listed = [
-        (key, Weighed(term=t, log_odds=state.support[key].log_odds or 0.0))
+        (key, Weighed(term=t, log_odds=state.support[key].odds))
         for key, t in inside.items()
         if key in state.support
     ]

@@ -93,8 +93,7 @@ class _Claims:
         """What most joints have is all joints', where it is likely and about as large."""
         alike_by = self.noisy.thresholds.identify.alike
         for term in tuple(self.doubtful):
-            odds = self.support[term.key].log_odds or 0.0
-            if not CATALOGUE[term.effect].shared or odds < worth:
+            if not CATALOGUE[term.effect].shared or self.support[term.key].odds < worth:
                 continue
             alike = [each for each in self.claimed if each.effect == term.effect]
             usual = float(np.median([sum(each.shape[1:]) for each in alike])) if alike else 0.0
