@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "detail/travel.hpp"
+
 namespace pdoik::detail {
 namespace {
 
-constexpr int kMost = 256;          ///< constraints of a step where it begins
+constexpr int kMost = 48;           ///< constraints of a step where it begins
 constexpr int kCuts = 64;           ///< and where it was found to be in something
 constexpr double kAbout = 1e-3;     ///< what is so near there is cut off as well [m]
 constexpr double kGrazes = 5e-5;    ///< so deep, what is about to be cut off is left a little [m]
@@ -28,22 +30,26 @@ Barriers::Barriers(const Model& model) : program_(model.robot.dof()) {
   found_.reserve(kRoom * kMost);
 }
 
-bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
+template <class Reach>
+bool Barriers::gather(Problem& problem, double reach, std::size_t most, Reach&& reach_of) {
   Constraints& all = problem.constraints;
   all.obstacles.use(problem.scene->obstacles(), ObstacleConstraints::Form::Distance);
   all.shapes.use(problem.scene->shapes(), problem.model.options.clearance);
   all.held.use(true);
-  all.find(problem.rollout, [&](std::size_t, int) { return reach; });
+  all.find(problem.rollout, reach_of);
   double least = -reach;
   found_.clear();
   bool late = false;
-  all.for_each([&](const auto& family, std::size_t number) {
+  // By bounds, where there are any: what c is, is asked of those alone that are kept.
+  all.for_each([&](auto& family, std::size_t number) {
     for (int k = 0; k < family.count() && !late; ++k) {
       late = problem.is_late(k);
-      if constexpr (requires { family.most(k); }) {
-        if (family.most(k) <= least) continue;
-      }
-      const double c = family.at(k).c;
+      const double c = [&] {
+        if constexpr (requires { family.most(k); })
+          return family.most(k);
+        else
+          return family.at(k).c;
+      }();
       if (c <= least) continue;
       found_.push_back({c, static_cast<int>(number), k});
       if (found_.size() < kRoom * most) continue;
@@ -57,22 +63,31 @@ bool Barriers::gather(Problem& problem, double reach, std::size_t most) {
 }
 
 template <class Most>
-void Barriers::add_rows(Problem& problem, Most&& most) {
+void Barriers::add_rows(Problem& problem, double reach, Most&& most) {
   problem.constraints.for_each([&](auto& family, std::size_t number) {
     for (const Found& each : found_) {
       if (each.family != static_cast<int>(number)) continue;
+      const auto& at = family.at(each.k);
+      if (at.c <= -reach) continue;
       rows_.col(count_).setZero();
-      family.add_row(family.at(each.k), problem.rollout, rows_.col(count_).data());
-      most_[count_] = most(each.c, rows_.col(count_));
+      family.add_row(at, problem.rollout, rows_.col(count_).data());
+      most_[count_] = most(at.c, rows_.col(count_));
       ++count_;
     }
   });
 }
 
-bool Barriers::find(Problem& problem, double reach) {
-  if (!gather(problem, reach, kMost)) return false;
+bool Barriers::find(Problem& problem, double reach, const Eigen::VectorXd& step) {
+  const Constraints& all = problem.constraints;
+  // What is farther than a hull may come cannot hold it up.
+  const auto reach_of = [&](std::size_t family, int group) {
+    if (!all.is_by_hull(family)) return reach;
+    const auto hull = static_cast<std::size_t>(group);
+    return std::min(reach, travel_from(problem.rollout, all.hulls, hull, step) / kApproach);
+  };
+  if (!gather(problem, reach, kMost, reach_of)) return false;
   count_ = violated_ = 0;
-  add_rows(problem, [&](double c, const auto&) {
+  add_rows(problem, reach, [&](double c, const auto&) {
     if (c > 0.0) ++violated_;
     return c > 0.0 ? -c : -kApproach * c;
   });
@@ -81,8 +96,10 @@ bool Barriers::find(Problem& problem, double reach) {
 
 bool Barriers::cut(Problem& problem, const Eigen::VectorXd& moved) {
   const auto left = static_cast<std::size_t>(rows_.cols() - count_);
-  if (left == 0 || !gather(problem, kAbout, std::min<std::size_t>(left, kCuts / 4))) return false;
-  add_rows(problem, [&](double c, const auto& row) {
+  if (left == 0 || !gather(problem, kAbout, std::min<std::size_t>(left, kCuts / 4),
+                           [](std::size_t, int) { return kAbout; }))
+    return false;
+  add_rows(problem, kAbout, [&](double c, const auto& row) {
     const double leave = row.dot(moved) - c - (c > 0.0 ? std::max(kBeyond * c, kAtLeast) : 0.0);
     // Along what is round a way grazes, however straight, unless it leads off by as much.
     if (leave >= 0.0 || c >= kGrazes) return std::max(0.0, leave);

@@ -11,8 +11,8 @@ namespace {
 
 /// A point and a spheroid in the half plane through both its foci and the point.
 struct Meridian {
-  Meridian(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o) : major(hull.semi_major) {
-    const Vec4 half = broadcast(0.5) * (b - a), from = o - broadcast(0.5) * (a + b);
+  Meridian(const CollisionState::Around& spheroid, const Vec4& o) : major(spheroid.semi_major) {
+    const Vec4 half = spheroid.half, from = o - spheroid.centre;
     const double h2 = dot3(half, half), from2 = dot3(from, from), on_half = dot3(from, half);
     minor2 = major * major - h2;
     along2 = h2 > 0.0 ? on_half * on_half / h2 : 0.0;
@@ -61,23 +61,20 @@ struct HullDistance {
   int source;
 };
 
-double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o, double than);
+double distance_to_foci(const CollisionState& state, const Hull& hull, const Vec4& o, double than);
 
 HullDistance hull_distance(const CollisionState& state, const Hull& hull, const Vec4& o,
                            double than) {
-  const Vec4 &a = state.position(hull.a), &b = state.position(hull.b);
-  if (!hull.has_capsules()) return {distance_to_foci(hull, a, b, o, than), hull.source};
-  const double least = half_sum_gap(hull, a, b, o) - hull.excess - o[3];
-  if (least >= than) return {than, hull.source};
+  if (!hull.has_capsules()) return {distance_to_foci(state, hull, o, than), hull.source};
   const Depth deepest = state.depth_in_capsules(hull, o);
   return {-deepest.depth - o[3], state.block(hull, deepest.block).source[deepest.lane]};
 }
 
-double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Vec4& o,
-                        double than) {
+double distance_to_foci(const CollisionState& state, const Hull& hull, const Vec4& o, double than) {
+  const Vec4 &a = state.position(hull.a), &b = state.position(hull.b);
   const double radius = o[3];
   if (hull.is_sphere()) return half_sum_gap(hull, a, b, o) - radius;
-  const Meridian meridian(hull, a, b, o);
+  const Meridian meridian(state.around(hull), o);
   if (meridian.is_hollow()) return half_sum_gap(hull, a, b, o) - radius;
   if (meridian.distance_bound() - radius >= than) return than;
   return spheroid_distance(to_vector3(o), to_vector3(a), to_vector3(b), hull.semi_major).distance -
@@ -86,7 +83,7 @@ double distance_to_foci(const Hull& hull, const Vec4& a, const Vec4& b, const Ve
 
 /// The squared distance of an obstacle from a hull's centre.
 double from_centre(const CollisionState& state, const Hull& hull, const Vec4& o) {
-  const Vec4 from = o - broadcast(0.5) * (state.position(hull.a) + state.position(hull.b));
+  const Vec4 from = o - state.centre_of(hull);
   return dot3(from, from);
 }
 
@@ -99,7 +96,7 @@ const NearPair& nearest_in_proportion(const CollisionState& state, const Obstacl
   for (const NearPair* pair = begin; pair != end; ++pair) {
     const Hull& hull = state.hull(*pair);
     const Vec4 o = obstacles[pair->obstacle];
-    const double size = hull.semi_major + std::max(o[3], 0.0);
+    const double size = hull.farthest() + std::max(o[3], 0.0);
     const double ratio = from_centre(state, hull, o) / (size * size);
     if (ratio >= lowest) continue;
     lowest = ratio;
@@ -180,15 +177,13 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleView& obst
     const Hull& hull = state.hull(pair);
     const Vec4 o = obstacles[pair.obstacle];
     // The ball around a hull says of most pairs that they are not the nearest, without a root.
-    const double reach = least.distance + hull.semi_major + hull.excess + o[3];
+    const double reach = least.distance + hull.farthest() + o[3];
     if (reach > 0.0 && from_centre(state, hull, o) >= reach * reach) return;
     const HullDistance found = hull_distance(state, hull, o, least.distance);
     if (!(found.distance < least.distance)) return;
     least = {found.distance, found.source, obstacles->id(pair.obstacle)};
     // What is nearer still lies near it.
-    if (hull.is_sphere()) return;
-    state.expect_at(static_cast<std::size_t>(pair.hull),
-                    Meridian(hull, state.position(hull.a), state.position(hull.b), o).support());
+    state.expect_at(static_cast<std::size_t>(pair.hull), Meridian(state.around(hull), o).support());
   };
   // What is farther than the least so far need not be found: hulls grow by no more than that, or
   // shrink.

@@ -25,11 +25,13 @@ constexpr double kRounding = 1e-12;  ///< of a distance [m]
 Gate::Gate(Workspace& workspace)
     : workspace_(workspace),
       model_(workspace.model()),
+      at_start_(model_.robot),
+      hulls_at_start_(model_.hulls, model_.hulls.moving),
       finest_(std::sqrt(8.0 * model_.narrowest * kGraze)),
       levers_(model_.levers) {
   asked_.reserve(model_.robot.tips().size());
   for (Eigen::VectorXd* each : {&incumbent_.q, &candidate_.q, &probe_.q, &aim_, &trial_, &next_,
-                                &rest_, &at_, &all_levers_})
+                                &rest_, &at_, &way_, &all_levers_})
     each->setZero(model_.robot.dof());
 }
 
@@ -93,8 +95,27 @@ double Gate::way_to(const Eigen::VectorXd& q) {
   return levers_to(q).dot((q - *step_->from).cwiseAbs());
 }
 
+double Gate::tight_way_to(const Eigen::VectorXd& q) {
+  if (!is_placed_) {
+    workspace_.least_squares.place(*step_->from);
+    at_start_ = workspace_.problem.rollout;
+    hulls_at_start_.place(at_start_);
+    is_placed_ = true;
+  }
+  way_ = (q - *step_->from).cwiseAbs();
+  double farthest = 0.0;
+  for (std::size_t h = 0; h < model_.hulls.moving.size(); ++h)
+    farthest = std::max(farthest, travel_from(at_start_, hulls_at_start_, h, way_));
+  if (const Held& held = workspace_.scene().held(); held.count() > 0) {
+    hull_levers(model_.robot, held.balls(), *step_->from, q, all_levers_);
+    farthest = std::max(farthest, all_levers_.dot(way_));
+  }
+  return farthest;
+}
+
 void Gate::open(const StepRequest& step) {
   step_ = &step;
+  is_placed_ = false;
   probe_.late_evaluations = incumbent_.late_evaluations = candidate_.late_evaluations = 0;
   asked_.clear();
   stands_ = false;
@@ -143,19 +164,21 @@ double Gate::share_of_box(const Eigen::VectorXd& q) const {
   return most;
 }
 
-template <class At>
-bool Gate::is_clear_between(const At& at, double way, double first, double last, const Room& one,
-                            const Room& other) {
+bool Gate::is_clear_by_ends(double length, const Room& one, const Room& other) const {
   // Distances change no faster than hulls move, of two hulls no faster than both: what they are at
-  // both ends may be enough. If not, the middle is looked at, and both halves.
-  const double length = (last - first) * way;
-  if (length <= finest_) return true;
+  // both ends may be enough.
   const auto is_enough = [&](double here, double there, double floor, double speed) {
     return (here - floor) + (there - floor) >= speed * length;
   };
-  if (is_enough(one.obstacles, other.obstacles, floor_.obstacles, 1.0) &&
-      is_enough(one.self, other.self, floor_.self, 2.0))
-    return true;
+  return length <= finest_ || (is_enough(one.obstacles, other.obstacles, floor_.obstacles, 1.0) &&
+                               is_enough(one.self, other.self, floor_.self, 2.0));
+}
+
+template <class At>
+bool Gate::is_clear_between(const At& at, double way, double first, double last, const Room& one,
+                            const Room& other) {
+  // If they are not, the middle is looked at, and both halves.
+  if (is_clear_by_ends((last - first) * way, one, other)) return true;
   if (workspace_.problem.deadline->passed()) return false;
   const double middle = 0.5 * (first + last);
   at(middle);
@@ -168,8 +191,9 @@ bool Gate::is_clear_between(const At& at, double way, double first, double last,
 
 bool Gate::is_clear_to_end(const Room& end) {
   const Eigen::VectorXd& from = *step_->from;
-  return is_clear_between([&](double share) { at_ = from + share * (next_ - from); }, way_to(next_),
-                          0.0, 1.0, held_, end);
+  if (is_clear_by_ends(way_to(next_), held_, end)) return true;
+  return is_clear_between([&](double share) { at_ = from + share * (next_ - from); },
+                          tight_way_to(next_), 0.0, 1.0, held_, end);
 }
 
 bool Gate::is_clear_to_rest(const Room& end, const Room& rest) {
@@ -181,9 +205,10 @@ bool Gate::is_clear_to_rest(const Room& end, const Room& rest) {
 }
 
 double Gate::share_in_time(const Eigen::VectorXd& q) {
-  const double way = way_to(q), room = std::min(held_.obstacles, 0.5 * held_.self);
+  const double room = std::min(held_.obstacles, 0.5 * held_.self);
   const double looked_at = std::max(kLooks * workspace_.verdicts_left(), 1.0) * finest_;
-  return way <= std::max(room, looked_at) ? 1.0 : std::max(room, looked_at) / way;
+  const double may = std::max(room, looked_at);
+  return way_to(q) <= may ? 1.0 : std::min(1.0, may / tight_way_to(q));
 }
 
 bool Gate::consider(const Eigen::VectorXd& q, double share) {

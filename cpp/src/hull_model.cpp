@@ -1,5 +1,6 @@
 #include "detail/hull_model.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -73,6 +74,36 @@ class LinkCapsules {
     return farthest + radii_[k] - semi_major;
   }
 
+  /// The tightest spheroid about some of them that is easily found: of those about their principal
+  /// axes and their own, with foci anywhere on them.
+  void enclose(const std::vector<std::size_t>& chosen, Hull& hull) const {
+    constexpr int kFoci = 40;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& axis : axes_of(chosen)) {
+      const Eigen::Matrix3d R =
+          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), axis).toRotationMatrix();
+      Eigen::AlignedBox3d box;
+      for (const std::size_t k : chosen) {
+        const Eigen::Vector3d around = Eigen::Vector3d::Constant(radii_[k]);
+        for (const Eigen::Vector3d& end : ends_[k])
+          box.extend(R.transpose() * end - around).extend(R.transpose() * end + around);
+      }
+      const Eigen::Vector3d middle = R * box.center();
+      for (int n = 0; n < kFoci; ++n) {
+        const Eigen::Vector3d half = 0.5 * n / kFoci * box.sizes().x() * axis;
+        double A = 0.0;
+        for (const std::size_t k : chosen)
+          A = std::max(A, excess(k, middle - half, middle + half, 0.0));
+        const double volume = A * (A * A - half.squaredNorm());
+        if (volume >= least) continue;
+        least = volume;
+        hull.middle = to_vec4(middle);
+        hull.half = to_vec4(half);
+        hull.around = A;
+      }
+    }
+  }
+
   /// A ball that holds all.
   Eigen::Vector3d centre() const {
     Eigen::AlignedBox3d box;
@@ -102,6 +133,25 @@ class LinkCapsules {
   }
 
  private:
+  /// Unit vectors.
+  std::vector<Eigen::Vector3d> axes_of(const std::vector<std::size_t>& chosen) const {
+    std::vector<Eigen::Vector3d> axes;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::size_t k : chosen) {
+      sum += ends_[k][0] + ends_[k][1];
+      const Eigen::Vector3d along = ends_[k][1] - ends_[k][0];
+      if (along.norm() > 1e-9) axes.push_back(along.normalized());
+    }
+    const Eigen::Vector3d mean = sum / (2.0 * static_cast<double>(chosen.size()));
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const std::size_t k : chosen)
+      for (const Eigen::Vector3d& end : ends_[k]) spread += (end - mean) * (end - mean).transpose();
+    const Eigen::Matrix3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+    for (int i = 0; i < 3; ++i) axes.emplace_back(principal.col(i));
+    return axes;
+  }
+
   int body_;
   Eigen::Isometry3d T_body_link_;
   bool forgiving_;
@@ -232,6 +282,7 @@ void HullModel::give_capsules(const Robot& robot, bool forgive_overhang, std::ve
       hull.body = capsules.body();
       hull.first_block = static_cast<int>(blocks.size());
       capsules.write(chosen[h], blocks);
+      capsules.enclose(chosen[h], hull);
       hull.blocks = static_cast<int>(blocks.size()) - hull.first_block;
       kept.push_back(hull);
     }

@@ -98,7 +98,8 @@ bool Step::look(const StepRequest& step, const Eigen::VectorXd& about, double st
   least_ = *step.from + stride * (*step.lower - *step.from) - about;
   most_ = *step.from + stride * (*step.upper - *step.from) - about;
   workspace_.least_squares.place(about);
-  if (late() || !barriers_.find(workspace_.problem, std::min(kShare * step.margin, kFar)))
+  next_ = most_.cwiseMax(-least_);
+  if (late() || !barriers_.find(workspace_.problem, std::min(kShare * step.margin, kFar), next_))
     return false;
   barriers_.come_to_terms(least_, most_);
   return true;

@@ -54,6 +54,33 @@ double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::
   return farthest;
 }
 
+double travel_from(const Rollout& rollout, const CollisionState& hulls, std::size_t hull,
+                   const Eigen::VectorXd& step) {
+  const Hull& of = hulls.hulls()[hull];
+  const auto [centre, half, semi_major] = hulls.around(of);
+  // Foci may be farther apart than what they hold is long.
+  const double size = std::max(semi_major, std::sqrt(dot3(half, half)));
+  double farthest = 0.0;
+  const auto visit = [&](int body) {
+    // Seen from a joint, only those that come after it have moved the hull's centre so far.
+    double sum = 0.0;
+    rollout.for_each_joint(body, [&](int dof, double multiplier, bool prismatic, const Frame& at) {
+      if (multiplier == 0.0) return;
+      const double moves = std::abs(multiplier) * step[dof];
+      const Vec4 off_axis = cross3(at.z, centre - at.p);
+      const double arm = std::sqrt(dot3(off_axis, off_axis)) + size + sum;
+      sum += prismatic ? moves : std::min(moves, 2.0) * arm;
+    });
+    farthest = std::max(farthest, sum);
+  };
+  if (of.has_capsules()) {
+    visit(of.body);
+  } else {
+    for (const int point : {of.a, of.b}) visit(hulls.body_of_point(point));
+  }
+  return farthest;
+}
+
 double farthest_tip_travel(const Robot& robot, const Eigen::VectorXd& step) {
   double farthest = 0.0;
   for (const int tip : robot.tips()) {
@@ -68,8 +95,12 @@ void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::Vector
   levers.setZero(robot.dof());
   for (const Hull& hull : hulls.moving) {
     hulls.for_each_arm(hull, [&](int body, double local) {
-      for_each_arm(robot, body, local, from, to, [&](const Body& joint, double arm) {
-        const double lever = std::abs(joint.multiplier) * (joint.prismatic ? 1.0 : arm);
+      for_each_arm(robot, body, local, from, to, [&](const Body& joint, double) {
+        double lever = 0.0;  // of all in the chain that follow the same
+        for_each_arm(robot, body, local, from, to, [&](const Body& other, double arm) {
+          if (other.dof != joint.dof) return;
+          lever += std::abs(other.multiplier) * (other.prismatic ? 1.0 : arm);
+        });
         levers[joint.dof] = std::max(levers[joint.dof], lever);
       });
     });

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
+#include "brute_force.hpp"
 #include "pdoik/solver.hpp"
 #include "simd/cull.hpp"
 #include "simd/roll_out.hpp"
@@ -15,17 +18,18 @@ using namespace pdoik::testing;
 struct Kernel {
   const char* name;
   CullFunction cull;
+  GapFunction capsule_gaps;
 };
 
 /// Those that this processor runs.
 std::vector<Kernel> kernels() {
-  std::vector<Kernel> all{{"baseline", cull_baseline}};
+  std::vector<Kernel> all{{"baseline", cull_baseline, capsule_gaps_baseline}};
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    all.push_back({"avx2", cull_avx2});
+    all.push_back({"avx2", cull_avx2, capsule_gaps_avx2});
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")) {
-    all.push_back({"avx512", cull_avx512});
+    all.push_back({"avx512", cull_avx512, capsule_gaps_avx512});
   }
 #endif
   return all;
@@ -119,6 +123,50 @@ TEST(Simd, no_kernel_finds_a_padding_point_however_near_a_hull_is_to_vanishing) 
       hull.semi_major = a;
       for (const Kernel& kernel : kernels()) {
         for (const auto& pair : coarse.run(kernel.cull)) ASSERT_EQ(pair.second, 0) << kernel.name;
+      }
+    }
+  }
+}
+
+TEST(Simd, every_kernel_gives_the_gaps_from_capsules_that_a_plain_loop_in_double_gives) {
+  for (int seed = 1; seed <= 60; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    const Coarse coarse(random, 3 * kLanes, 0, seed % 2 == 0);
+    std::vector<CapsuleQuery> capsules(static_cast<std::size_t>(random.integer(1, 9)));
+    std::vector<std::array<Eigen::Vector3d, 2>> ends;
+    for (CapsuleQuery& each : capsules) {
+      const Eigen::Vector3f a = random.point(0.8).cast<float>();
+      const Eigen::Vector3f v = seed % 3 == 0 ? Eigen::Vector3f::Zero()  // balls
+                                              : Eigen::Vector3f(random.point(0.4).cast<float>());
+      std::copy_n(a.data(), 3, each.a);
+      std::copy_n(v.data(), 3, each.v);
+      each.inverse = seed % 3 == 0 ? 0.0F : 1.0F / v.squaredNorm();
+      each.radius = static_cast<float>(random.uniform(0.01, 0.3));
+      ends.push_back({a.cast<double>(), (a + v).cast<double>()});
+    }
+    for (const Kernel& kernel : kernels()) {
+      SCOPED_TRACE(std::string(kernel.name) + ", seed " + std::to_string(seed));
+      for (int first = 0; first < coarse.padded; first += kLanes) {
+        float gaps[kLanes];
+        kernel.capsule_gaps({coarse.x.data(),
+                             coarse.y.data(),
+                             coarse.z.data(),
+                             coarse.radius.data(),
+                             coarse.padded,
+                             {},
+                             {},
+                             {}},
+                            first, capsules.data(), static_cast<int>(capsules.size()), gaps);
+        for (int k = 0; k < kLanes; ++k) {
+          const auto j = static_cast<std::size_t>(first + k);
+          const Eigen::Vector3d o(coarse.x[j], coarse.y[j], coarse.z[j]);
+          double least = std::numeric_limits<double>::infinity();
+          for (std::size_t c = 0; c < capsules.size(); ++c) {
+            least = std::min(least, brute_force_segment_distance(o, ends[c][0], ends[c][1]) -
+                                        static_cast<double>(capsules[c].radius));
+          }
+          ASSERT_NEAR(gaps[k], least - static_cast<double>(coarse.radius[j]), 2e-6);
+        }
       }
     }
   }

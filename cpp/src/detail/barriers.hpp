@@ -15,9 +15,10 @@ class Barriers {
  public:
   explicit Barriers(const Model& model);
 
-  /// Those of a problem's scene where its rollout is placed, c > -reach; of many, the worst.
+  /// Those of a problem's scene where its rollout is placed, c > -reach, that joints which go up to
+  /// a step, shape (n,), can come near enough to; of many, the worst.
   /// @returns Whether the clock left time for it.
-  bool find(Problem& problem, double reach);
+  bool find(Problem& problem, double reach, const Eigen::VectorXd& step);
   /// Besides, those where the rollout is placed now and something was found to be in something: of
   /// a link the capsule that is nearest there is often another than where the step begins, and what
   /// is linear bends.
@@ -35,14 +36,16 @@ class Barriers {
  private:
   /// One that was found, by its family's number and its place there.
   struct Found {
-    double c;
+    double c;  ///< or not less
     int family, k;
   };
-  /// What there is of a problem's scene, c > -reach; of many, the worst.
-  bool gather(Problem& problem, double reach, std::size_t most);
-  /// As rows, each with what most(c, row) says that it may be.
+  /// What there is of a problem's scene, c > -reach_of(family, group) and > -reach; of many, the
+  /// worst.
+  template <class Reach>
+  bool gather(Problem& problem, double reach, std::size_t most, Reach&& reach_of);
+  /// As rows, each with what most(c, row) says that it may be, those with c > -reach.
   template <class Most>
-  void add_rows(Problem& problem, Most&& most);
+  void add_rows(Problem& problem, double reach, Most&& most);
   /// Leave only the worst of what was found, the least bad of them last.
   void keep_worst(std::size_t most);
 

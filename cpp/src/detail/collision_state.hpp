@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "detail/capsule_queries.hpp"
 #include "detail/coarse_hull.hpp"
 #include "detail/hull_model.hpp"
 #include "detail/obstacle_set.hpp"
@@ -28,6 +30,7 @@ class CollisionState {
         hulls_(tested),
         positions_(model.points.size()),
         queries_(tested.size()),
+        capsule_queries_(tested),
         supports_(tested.size(), 0.0),
         pairs_(static_cast<std::size_t>(kLanes)),
         cull_(best_cull()) {
@@ -49,6 +52,7 @@ class CollisionState {
 
   /// Put the attached points where a rollout has them.
   void place(const Rollout& rollout) {
+    capsule_queries_.forget();
     for (std::size_t k = 0; k < positions_.size(); ++k) {
       positions_[k] = transform(rollout.frame(model_.points[k].body), model_.points[k].local);
     }
@@ -56,6 +60,7 @@ class CollisionState {
   }
   /// Or where the bodies are.
   void place(const std::vector<Eigen::Isometry3d>& T_base_body) {
+    capsule_queries_.forget();
     for (std::size_t k = 0; k < positions_.size(); ++k) {
       const AttachedPoint& point = model_.points[k];
       positions_[k] =
@@ -66,8 +71,12 @@ class CollisionState {
     frames_ = own_frames_.data();
   }
   /// Or where they are by other means.
-  void place(std::size_t point, const Vec4& position) { positions_[point] = position; }
+  void place(std::size_t point, const Vec4& position) {
+    capsule_queries_.forget();
+    positions_[point] = position;
+  }
   void place_frame(int body, const Frame& frame) {
+    capsule_queries_.forget();
     const auto b = static_cast<std::size_t>(body);
     if (b < own_frames_.size()) own_frames_[b] = frame;
   }
@@ -78,11 +87,18 @@ class CollisionState {
   /// The pairs that may touch when the semi-major axis of hull h is grown by grow(h), without a
   /// square root: none if there are no obstacles. More than there is room for are left out: so many
   /// leave no doubt that the robot touches something.
+  /// Of hulls with capsules, and where by_distance(hull) says so, those that may be within that
+  /// distance.
   template <class Grow>
   void find_near(const ObstacleView& obstacles, Grow&& grow) {
+    find_near(obstacles, grow, [](const Hull& hull) { return hull.has_capsules(); });
+  }
+  template <class Grow, class ByDistance>
+  void find_near(const ObstacleView& obstacles, Grow&& grow, ByDistance&& by_distance) {
     near_count_ = 0;
     if (obstacles->count() == 0) return;
-    for (std::size_t h = 0; h < queries_.size(); ++h) set_query(h, obstacles, grow(h));
+    for (std::size_t h = 0; h < queries_.size(); ++h)
+      set_query(h, obstacles, grow(h), by_distance(hulls_[h]));
     CullCursor at;
     near_count_ = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(queries_.size()),
                         pairs_.data(), capacity(), at);
@@ -125,24 +141,33 @@ class CollisionState {
     return false;
   }
 
-  /// At most the distances of kLanes obstacles, from `first` on, from the surface of hull h, less
-  /// their radii as they are in the set [m]. False, and nothing, of a spheroid that is none.
+  /// At most the distances of kLanes obstacles, from `first` on, from what hull h stands for, less
+  /// their radii as they are in the set [m]: of capsules to single precision, of a spheroid by
+  /// planes. False, and nothing, of a spheroid that is none.
   bool bound_distances(std::size_t h, const ObstacleView& obstacles, int first,
-                       float (&bounds)[kLanes]) const {
+                       float (&bounds)[kLanes]) {
     const Hull& hull = hulls_[h];
-    const Vec4 centre =
-        broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles->origin();
-    const Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
-    if (!(dot3(half, half) < kThickEnough * hull.semi_major * hull.semi_major)) return false;
-    HullQuery query{};
-    for (int i = 0; i < 3; ++i) {
-      query.centre[i] = static_cast<float>(centre[i]);
-      query.half[i] = static_cast<float>(half[i]);
+    const Vec4 centre = centre_of(hull) - obstacles->origin();
+    if (hull.has_capsules()) {
+      const auto blocks = static_cast<std::size_t>(hull.blocks);
+      const std::span<const CapsuleQuery> capsules =
+          capsule_queries_.of(h, {model_.capsules(hull), blocks}, frame(hull), obstacles->origin());
+      capsule_gaps_(obstacles->arrays(), first, capsules.data(), static_cast<int>(capsules.size()),
+                    bounds);
+    } else {
+      const Vec4 half = spheroid_of(hull).half;
+      if (!(dot3(half, half) < kThickEnough * hull.semi_major * hull.semi_major)) return false;
+      HullQuery query{};
+      for (int i = 0; i < 3; ++i) {
+        query.centre[i] = static_cast<float>(centre[i]);
+        query.half[i] = static_cast<float>(half[i]);
+      }
+      query.semi_major = static_cast<float>(hull.semi_major);
+      bound_distances_(obstacles->arrays(), first, query, bounds);
     }
-    query.semi_major = static_cast<float>(hull.semi_major);
-    bound_distances_(obstacles->arrays(), first, query, bounds);
     // Rounding, and radii that are less than they are in the set.
-    const double slack = hull.excess + 4e-6 * (obstacles->extent() + hull.semi_major);
+    const double far = std::abs(centre[0]) + std::abs(centre[1]) + std::abs(centre[2]);
+    const double slack = 4e-6 * (obstacles->extent() + hull.farthest() + far);
     for (float& bound : bounds) bound -= static_cast<float>(slack);
     return true;
   }
@@ -164,10 +189,27 @@ class CollisionState {
   const Hull& hull(const NearPair& pair) const {
     return hulls_[static_cast<std::size_t>(pair.hull)];
   }
+  /// Where what a hull stands for is looked for: about here.
+  Vec4 centre_of(const Hull& hull) const { return around(hull).centre; }
+  /// Between foci at `centre` less `half` and more.
+  struct Around {
+    Vec4 centre, half;
+    double semi_major;
+  };
+  /// What holds all of it: its own spheroid, or that about its capsules.
+  Around around(const Hull& hull) const {
+    if (!hull.has_capsules()) return spheroid_of(hull);
+    const Frame& at = frame(hull);
+    return {transform(at, hull.middle), rotate(at, hull.half), hull.around};
+  }
   int body_of_point(int point) const { return model_.points[static_cast<std::size_t>(point)].body; }
   void use_baseline() { cull_ = cull_baseline; }
 
  private:
+  Around spheroid_of(const Hull& hull) const {
+    const Vec4 &a = position(hull.a), &b = position(hull.b);
+    return {broadcast(0.5) * (a + b), broadcast(0.5) * (b - a), hull.semi_major};
+  }
   int capacity() const { return static_cast<int>(pairs_.size()); }
 
   template <class Grow, class Visit>
@@ -209,14 +251,12 @@ class CollisionState {
 
   /// @param by_distance  Whether what lies within a distance `grow` is meant, not half a sum of
   /// distances that is larger by as much.
-  void set_query(std::size_t h, const ObstacleView& obstacles, double grow,
-                 bool by_distance = false) {
+  void set_query(std::size_t h, const ObstacleView& obstacles, double grow, bool by_distance) {
     const Hull& hull = hulls_[h];
-    const Vec4 centre =
-        broadcast(0.5) * (position(hull.a) + position(hull.b)) - obstacles->origin();
-    Vec4 half = broadcast(0.5) * (position(hull.b) - position(hull.a));
-    double semi_major = hull.semi_major;
-    grow += hull.excess;
+    auto [centre, half, semi_major] = by_distance ? around(hull) : spheroid_of(hull);
+    centre -= obstacles->origin();
+    double margin = std::max(obstacles.margin, 0.0);
+    if (by_distance) grow += std::exchange(margin, 0.0);
     if (grow < 0.0) [[unlikely]] {
       const Core core = core_of(semi_major, dot3(half, half), -grow);
       half *= broadcast(core.foci);
@@ -235,7 +275,7 @@ class CollisionState {
       query.half[i] = static_cast<float>(half[i]);
     }
     // What lets points in is seen to by who measures: the coarse test takes hulls as they are.
-    const double A = semi_major + std::max(obstacles.margin, 0.0), extent = obstacles->extent();
+    const double A = semi_major + margin, extent = obstacles->extent();
     double grown = A + coarse_slack(A, dot3(half, half), extent);
     if (!(grown < extent)) [[unlikely]]
       grown = bounded(grown, centre, half, extent);
@@ -263,6 +303,7 @@ class CollisionState {
   std::vector<Frame> own_frames_;  ///< of those bodies that have capsules
   const Frame* frames_;
   std::vector<HullQuery> queries_;
+  CapsuleQueries capsule_queries_;
   std::vector<double> supports_;
   std::vector<NearPair> pairs_;
   int near_count_ = 0;
@@ -270,6 +311,7 @@ class CollisionState {
   const Touching* touching_ = nullptr;
   CullFunction cull_;
   BoundFunction bound_distances_ = best_bound_distances();
+  GapFunction capsule_gaps_ = best_capsule_gaps();
 };
 
 }  // namespace pdoik::detail

@@ -27,6 +27,9 @@ class Constraints {
   auto families() { return std::tie(obstacles, self, balance, shapes, held); }
   static constexpr std::size_t kFamilies = 5;
 
+  /// Whether a family, by its number, has a group for each moving hull.
+  static constexpr bool is_by_hull(std::size_t family) { return family == 0 || family == 3; }
+
   /// visit(family, its number).
   template <class Visit>
   void for_each(Visit&& visit) {

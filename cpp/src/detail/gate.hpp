@@ -89,16 +89,21 @@ class Gate {
   bool is_better(const Worth& worth, const Eigen::VectorXd& q) const;
   /// How far it is to a configuration, of how far each joint may go, the most of all joints.
   double share_of_box(const Eigen::VectorXd& q) const;
-  /// Whether nothing gets deeper between two shares of a way, of which a length is known [m] and
-  /// of both ends the room; at(share) is a configuration on it.
+  /// Whether nothing gets deeper on a way, of which a length is known [m] and of both ends the
+  /// room, as far as these say.
+  bool is_clear_by_ends(double length, const Room& one, const Room& other) const;
+  /// Or between two shares of it, with looks at what is between; at(share) is a configuration on
+  /// it.
   template <class At>
   bool is_clear_between(const At& at, double way, double first, double last, const Room& one,
                         const Room& other);
   /// The same of the way to where a step ends, next_, and of that from there to rest, rest_.
   bool is_clear_to_end(const Room& end);
   bool is_clear_to_rest(const Room& end, const Room& rest);
-  /// A bound on how far any part of a hull gets on the way from where the step begins [m].
+  /// A bound on how far any part of a hull gets on the way from where the step begins [m], soon
+  /// known, and a tighter one.
   double way_to(const Eigen::VectorXd& q);
+  double tight_way_to(const Eigen::VectorXd& q);
   /// The levers of all that is moved, between where the step begins and a configuration.
   const Eigen::VectorXd& levers_to(const Eigen::VectorXd& q);
   void judge(const Eigen::VectorXd& q, Result& result);
@@ -106,6 +111,9 @@ class Gate {
   Workspace& workspace_;
   const Model& model_;
   const StepRequest* step_ = nullptr;
+  Rollout at_start_;               ///< where the step begins,
+  CollisionState hulls_at_start_;  ///< ... if that was asked for
+  bool is_placed_ = false;
   std::vector<GoalTerm> asked_;
   Room held_{}, room_{};         ///< of standing still, of where the incumbent comes to rest
   Room floor_{};                 ///< what no candidate may be below
@@ -115,7 +123,7 @@ class Gate {
   bool stands_ = false;  ///< some goal
   double finest_, missed_ = 0.0;
   Result incumbent_, candidate_, probe_;
-  Eigen::VectorXd aim_, trial_, next_, rest_, at_, levers_, all_levers_;
+  Eigen::VectorXd aim_, trial_, next_, rest_, at_, way_, levers_, all_levers_;
 };
 
 }  // namespace pdoik::detail

@@ -28,9 +28,15 @@ struct Hull {
   int body = 0, first_block = 0, blocks = 0;  ///< its capsules, which move with a body
   double excess = 0.0;                        ///< how much it must grow to hold them all [m]
   bool rigid = true;                          ///< its foci to each other
+  /// A spheroid that holds its capsules tightly, in their body's frame: its middle, half of what
+  /// joins its foci, and its semi-major axis [m].
+  Vec4 middle{}, half{};
+  double around = 0.0;
 
   bool is_sphere() const { return a == b; }
   bool has_capsules() const { return blocks > 0; }
+  /// No part of it is farther from its middle than this [m].
+  double farthest() const { return has_capsules() ? around : semi_major; }
 };
 
 /// Whether a point moves with a body: its link's and, as long as it lies on the axis of a body's

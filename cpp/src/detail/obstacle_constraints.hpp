@@ -31,20 +31,37 @@ class ObstacleConstraints {
 
   template <class Reach>
   void find(const Rollout&, Reach&& reach) {
-    hulls_.find_near(obstacles_, [&](std::size_t hull) { return reach(static_cast<int>(hull)); });
+    hulls_.find_near(
+        obstacles_, [&](std::size_t hull) { return reach(static_cast<int>(hull)); },
+        [&](const Hull& hull) {
+          return form_ == Form::Distance || (form_ == Form::HalfSum && hull.has_capsules());
+        });
   }
   int count() const { return hulls_.near_count(); }
   ConstraintKey key(int k) const {
     return constraint_key(hulls_.near(k).hull, hulls_.near(k).obstacle);
   }
 
-  /// Not less than c, and soon known.
-  double most(int k) const {
+  /// Not less than how deep the two are in each other, and soon known where many of a hull are
+  /// asked for one after the other.
+  double most(int k) {
     const NearPair& pair = hulls_.near(k);
+    const int block = pair.obstacle / kLanes;
+    if (k == 0 || pair.hull != bounded_.hull || block != bounded_.block) {
+      const bool alone = k + 1 >= count() || hulls_.near(k + 1).hull != pair.hull ||
+                         hulls_.near(k + 1).obstacle / kLanes != block;
+      bounded_ = {pair.hull, block};
+      bounded_.is_known =
+          !alone && hulls_.bound_distances(static_cast<std::size_t>(pair.hull), obstacles_,
+                                           block * kLanes, bounded_.distances);
+    }
+    if (bounded_.is_known) {
+      return obstacles_.margin - static_cast<double>(bounded_.distances[pair.obstacle % kLanes]);
+    }
     const Hull& hull = hulls_.hull(pair);
     const Vec4 o = obstacles_[pair.obstacle];
-    const double gap = half_sum_gap(hull, hulls_.position(hull.a), hulls_.position(hull.b), o);
-    return o[3] + hull.excess - gap;
+    if (hull.has_capsules()) return capsule_violation(hulls_, hull, o);
+    return o[3] - half_sum_gap(hull, hulls_.position(hull.a), hulls_.position(hull.b), o);
   }
   /// By the hull's foci, or if it counts by its capsules by dc_da of a point a of their body.
   struct At : Constraint {
@@ -87,7 +104,15 @@ class ObstacleConstraints {
       visit(hulls_.body_of_point(at.hull->b), hulls_.position(at.hull->b), at.dc_db);
   }
 
+  /// Obstacles whose distances from a hull are bounded.
+  struct Bounded {
+    int hull = -1, block = -1;
+    bool is_known = false;
+    float distances[kLanes] = {};
+  };
+
   CollisionState& hulls_;
+  Bounded bounded_;
   ObstacleSet none_;
   ObstacleView obstacles_{none_};
   Form form_ = Form::Distance;

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 
+#include "detail/collision_state.hpp"
 #include "detail/hull_model.hpp"
+#include "detail/rollout.hpp"
 
 namespace pdoik::detail {
 
@@ -10,6 +12,10 @@ namespace pdoik::detail {
 /// joint makes up to a step, shape (n,), from anywhere within the limits [m]: infinite if a joint
 /// slides without bound.
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step);
+
+/// The same of one hull, from where a rollout has it and all are placed.
+double travel_from(const Rollout& rollout, const CollisionState& hulls, std::size_t hull,
+                   const Eigen::VectorXd& step);
 
 /// The same of the tips alone.
 double farthest_tip_travel(const Robot& robot, const Eigen::VectorXd& step);

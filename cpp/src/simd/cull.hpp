@@ -76,11 +76,29 @@ void bound_distances_baseline(const ObstacleArrays&, int, const HullQuery&, floa
 void bound_distances_avx2(const ObstacleArrays&, int, const HullQuery&, float*);
 void bound_distances_avx512(const ObstacleArrays&, int, const HullQuery&, float*);
 
+/// A capsule for the same, relative to the same origin: from a to a + v. All numbers are finite.
+struct CapsuleQuery {
+  float a[3], v[3];
+  float inverse;  ///< 1 / |v|^2, 0 for a ball
+  float radius;
+};
+
+/// The distances of kLanes points, from `first` on, less their radii, from the nearest of some
+/// capsules, in single precision.
+/// @param gaps  kLanes of them [m].
+using GapFunction = void (*)(const ObstacleArrays&, int first, const CapsuleQuery* capsules,
+                             int count, float* gaps);
+
+void capsule_gaps_baseline(const ObstacleArrays&, int, const CapsuleQuery*, int, float*);
+void capsule_gaps_avx2(const ObstacleArrays&, int, const CapsuleQuery*, int, float*);
+void capsule_gaps_avx512(const ObstacleArrays&, int, const CapsuleQuery*, int, float*);
+
 /// The widest that this processor runs and that the environment variable PDOIK_SIMD ("avx512",
 /// "avx2" or "baseline") allows, chosen when first asked for. The variable lowers the level of this
 /// and of the others, never raises it; any other value counts as none.
 CullFunction best_cull();
 BoundFunction best_bound_distances();
+GapFunction best_capsule_gaps();
 /// The level chosen: "avx512", "avx2" or "baseline".
 const char* simd_name();
 

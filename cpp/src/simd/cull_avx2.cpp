@@ -30,4 +30,9 @@ void bound_distances_avx2(const ObstacleArrays& o, int first, const HullQuery& h
   bound_distances_with_lanes(o, first, hull, bounds);
 }
 
+void capsule_gaps_avx2(const ObstacleArrays& o, int first, const CapsuleQuery* capsules, int count,
+                       float* gaps) {
+  capsule_gaps_with_lanes(o, first, capsules, count, gaps);
+}
+
 }  // namespace pdoik::detail

@@ -29,4 +29,9 @@ void bound_distances_avx512(const ObstacleArrays& o, int first, const HullQuery&
   bound_distances_with_lanes(o, first, hull, bounds);
 }
 
+void capsule_gaps_avx512(const ObstacleArrays& o, int first, const CapsuleQuery* capsules,
+                         int count, float* gaps) {
+  capsule_gaps_with_lanes(o, first, capsules, count, gaps);
+}
+
 }  // namespace pdoik::detail

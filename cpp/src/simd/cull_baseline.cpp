@@ -26,4 +26,9 @@ void bound_distances_baseline(const ObstacleArrays& o, int first, const HullQuer
   bound_distances_with_lanes(o, first, hull, bounds);
 }
 
+void capsule_gaps_baseline(const ObstacleArrays& o, int first, const CapsuleQuery* capsules,
+                           int count, float* gaps) {
+  capsule_gaps_with_lanes(o, first, capsules, count, gaps);
+}
+
 }  // namespace pdoik::detail

@@ -161,3 +161,22 @@ static inline void bound_distances_with_lanes(const ObstacleArrays& o, int first
     bounds[k] = (length > 0.0F ? gap : -A) - o.radius[first + k];
   }
 }
+
+static inline void capsule_gaps_with_lanes(const ObstacleArrays& o, int first,
+                                           const CapsuleQuery* capsules, int count, float* gaps) {
+  float least[kLanes];
+  for (int k = 0; k < kLanes; ++k) least[k] = 3e38F;
+  for (const CapsuleQuery* capsule = capsules; capsule != capsules + count; ++capsule) {
+    const CapsuleQuery c = *capsule;
+    for (int k = 0; k < kLanes; ++k) {
+      const float rx = o.x[first + k] - c.a[0], ry = o.y[first + k] - c.a[1],
+                  rz = o.z[first + k] - c.a[2];
+      const float along = (rx * c.v[0] + ry * c.v[1] + rz * c.v[2]) * c.inverse;
+      const float above = along > 0.0F ? along : 0.0F, t = above < 1.0F ? above : 1.0F;
+      const float gx = rx - t * c.v[0], gy = ry - t * c.v[1], gz = rz - t * c.v[2];
+      const float gap = __builtin_sqrtf(gx * gx + gy * gy + gz * gz) - c.radius;
+      least[k] = gap < least[k] ? gap : least[k];
+    }
+  }
+  for (int k = 0; k < kLanes; ++k) gaps[k] = least[k] - o.radius[first + k];
+}

@@ -58,6 +58,14 @@ BoundFunction best_bound_distances() {
   return bound_distances_baseline;
 }
 
+GapFunction best_capsule_gaps() {
+#ifndef PDOIK_NO_X86_SIMD
+  if (level() == Level::Avx512) return capsule_gaps_avx512;
+  if (level() == Level::Avx2) return capsule_gaps_avx2;
+#endif
+  return capsule_gaps_baseline;
+}
+
 RollOutFunction best_roll_out() {
 #ifndef PDOIK_NO_X86_SIMD
   if (level() != Level::Baseline) return roll_out_avx2;
