@@ -85,7 +85,8 @@ def _judged(
         # Friction may say that the sign is right after all.
         return None if factor < 0.0 < power - limits.factor_t else (gained, j, factor, error, terms)
     drives = power < -limits.factor_t and factor - error < 0.0
-    return (gained, j, -1.0, error, terms) if drives else None
+    # The sign alone is known, as surely as friction drives: the two that it may be are 2 apart.
+    return (gained, j, -1.0, 2.0 / abs(power), terms) if drives else None
 
 
 def _power(fit: Fit, j: int) -> float:

@@ -55,7 +55,9 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         if channel == "tau":
             std = np.where(_as_recorded(prepared.study, study), std, np.nan)
         noisy = _unheard(limits, fit, channel, std) or _outlier(study, fit, channel, std)
-        if noisy is not None and fit.white(channel)[noisy.joint] > limits.white:
+        if noisy is None or (channel == "tau" and _hums(study, fit, noisy.joint)):
+            continue
+        if fit.white(channel)[noisy.joint] > limits.white:
             halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
             weight = min(_beyond_sound(levels, half, noisy) for half in halves)
             if weight > limits.noise_gain:
@@ -140,6 +142,20 @@ def _outlier(study: Study, noise: ChannelNoise, channel: str, std: FloatArray) -
             return None
         times = min(times, float(ratio[worst] / np.median(ratio[others])))
     return _Noisy(channel=channel, joint=worst, times=times, added=1.0, heard=False)
+
+
+def _hums(study: Study, noise: ChannelNoise, j: int) -> bool:
+    """Whether a joint's motion is as much noisier than the others' as its torque: it hums.
+
+    A torque sensor's own noise moves nothing.
+    """
+    for channel in ("q", "dq"):
+        levels = noise.levels(channel)
+        if levels is not None:
+            moved = _outlier(study, noise, channel, np.sqrt(np.median(levels, axis=0)))
+            if moved is not None and moved.joint == j:
+                return True
+    return False
 
 
 def _beyond(limits: ChannelThresholds, others: FloatArray, candidates: int) -> float:

@@ -115,8 +115,10 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
         return None
     held = None if prepared.validate is None else prepared.validate.motions
     again = top.pile if held is None else pile_at(top, held, j)
-    if again < limits.piled:  # what only judges must show it too
-        return None
+    if again < limits.piled:  # what only judges must show it too, or it twice as clearly
+        if top.pile < limits.piled**2:
+            return None
+        again = 1.0
     effect, other, values, of = _limited(top)
     stands_out, judged = 1.0 - 1.0 / top.pile, 1.0 - 1.0 / again
     seen = Support(

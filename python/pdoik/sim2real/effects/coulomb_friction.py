@@ -30,6 +30,7 @@ class CoulombFriction(Effect):
     gated = True
     ordinary = True
     one_of = "dry"
+    carries = ("viscous_friction",)
     size_first = True
     jumps = True
 

@@ -98,6 +98,7 @@ class Effect(ABC):
     # What it takes to be believed.
     least_of_rest: ClassVar[float] = 0.0  # share of what is left that it must explain where it acts
     function: ClassVar[bool] = False  # its values say something together: what `size` is of
+    carries: ClassVar[tuple[str, ...]] = ()  # of one place, if not stated: in this one's figure
     size_first: ClassVar[bool] = False  # its first parameter is its size: near 0 it is nothing
     is_body: ClassVar[bool] = False  # its figures together are a body's
     is_delay: ClassVar[bool] = False  # of commands: sampling and ticks may look like it

@@ -25,6 +25,7 @@ class ViscousFriction(Effect):
     example = Example(values={"coefficient": 1.2})
     gated = True
     ordinary = True
+    carries = ("coulomb_friction",)
     size_first = True
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:

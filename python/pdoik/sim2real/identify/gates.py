@@ -17,7 +17,7 @@ from ..study.recording import FloatArray
 from .candidates import candidates
 from .harmonics import harmonic_terms
 
-_SLOW = (4.0, 5.0, 6.0, 7.0, 8.0)
+_SLOW = (3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
 """Harmonics of the joint's angle that a part of the positions shows no whole wave of."""
 
 _GRID = 25  # quantiles between which a gate's ends are looked for first
@@ -26,12 +26,17 @@ _EDGES = (0.0, 0.02, 0.05, 0.1, 0.2)  # tried [s], [rad], [m]
 
 
 def plain_terms(base: Fit, j: int) -> list[Term]:
-    """Candidates of the joint without a gate."""
+    """Candidates of the joint that may act in a part only, without a gate."""
+    return [t for t in terms_at(base, j) if CATALOGUE[t.effect].gated]
+
+
+def terms_at(base: Fit, j: int) -> list[Term]:
+    """All of a joint, harmonics as they are in what is left."""
     b = base.balances
     harmonic = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     slow = [term_of(b, each, Place(joints=(j,)), (h,)) for each in harmonic for h in _SLOW]
     pool = [*candidates(b), *harmonic_terms(base), *(term for term in slow if term is not None)]
-    return [t for t in pool if CATALOGUE[t.effect].gated and t.place.joints == (j,)]
+    return [t for t in pool if t.place.joints == (j,)]
 
 
 def likely_gates(base: Fit, term: Term) -> Iterator[tuple[float, Gate]]:

@@ -9,7 +9,7 @@ from ..motion.place import Place
 from ..regression.fit import Fit, Term, term_of
 from ..study.recording import FloatArray
 
-_LOWEST, _HIGHEST = 4, 300  # cycles per turn; fewer look like gravity
+_LOWEST, _HIGHEST = 3, 300  # cycles per turn; gravity has one, inertia two
 _TRIED = 2  # harmonics per joint that are worked out
 _BINS = 4096  # of a turn
 _REACHES = np.geomspace(_LOWEST, _HIGHEST, 32)  # harmonics to which rows are told apart by speed

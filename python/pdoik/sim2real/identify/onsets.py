@@ -1,7 +1,8 @@
 """Effects that begin in the middle of a recording and stay: a seal that fails, a clamp that slips.
 
-What differs between two recordings is another day's friction before it is a fault, so an onset has
-to lie inside a recording, and to say more there than at any border between two.
+What differs between two recordings is another day's friction before it is a fault, so the onset of
+one has to lie inside a recording, and to say more there than at any border between two. A spring,
+or a ripple, does not come and go with the days.
 """
 
 from __future__ import annotations
@@ -32,12 +33,13 @@ def _key(j: int) -> Key:
 
 
 def may_begin(term: Term) -> bool:
+    """Whether a machine may have it since a moment: whatever breaks, sticks or comes loose."""
     effect = CATALOGUE[term.effect]
-    return effect.gated and not effect.fixed and not effect.costly
+    return not (effect.fixed or effect.costly or effect.shown_poorly)
 
 
 def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
-    """The moment since when the term explains most; None where a border between recordings does."""
+    """The moment since when the term explains most; None where that is as well another day."""
     b, key = fit.balances, _key(j)
     if key not in term.columns:
         return None
@@ -47,14 +49,21 @@ def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
     residual = fit.residual(key)
     borders = np.array([m.clock for m in b.motions])
     inside = _moments(b, clock, borders)
-    at = [_gain(term, column, residual, clock >= since) for since in inside]
+    moments = inside if _differs_by_day(term) else np.concatenate([inside, borders[1:]])
+    at = [_gain(term, column, residual, clock >= since) for since in moments]
     if not at:
         return None
     best = int(np.argmax(at))
-    between = max(_gain(term, column, residual, clock >= since) for since in borders)
-    if at[best] <= (1.0 + b.thresholds.identify.moment_better) * between:
+    rivals = borders if _differs_by_day(term) else borders[:1]
+    most = max(_gain(term, column, residual, clock >= since) for since in rivals)
+    if at[best] <= (1.0 + b.thresholds.identify.moment_better) * most:
         return None
-    return Onset(at[best], float(inside[best]), term)
+    return Onset(at[best], float(moments[best]), term)
+
+
+def _differs_by_day(term: Term) -> bool:
+    effect = CATALOGUE[term.effect]
+    return effect.ordinary or effect.family == "friction"
 
 
 def _moments(balances: Balances, clock: FloatArray, borders: FloatArray) -> FloatArray:

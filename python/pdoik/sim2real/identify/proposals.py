@@ -15,9 +15,8 @@ from ..effects.unknown import VARIABLES, Unknown
 from ..motion.balances import Balances
 from ..motion.place import Gate, Key, Place, Shape
 from ..regression.fit import Fit, Term, term_of
-from .candidates import candidates
 from .contacts import contact_term
-from .gates import PARTS, likely_gates, plain_terms, with_gate
+from .gates import PARTS, likely_gates, plain_terms, terms_at, with_gate
 from .harmonics import harmonic_terms
 from .hypothesis import Hypothesis, peculiar
 from .onsets import MOMENTS, likely_onset, may_begin
@@ -57,7 +56,7 @@ def begun(
 ) -> Iterator[Hypothesis]:
     """Effects that begin at a moment and last."""
     for j in _unexplained(balances, fit, joints):
-        pool = [t for t in candidates(balances) if t.place.joints == (j,) and may_begin(t)]
+        pool = [term for term in terms_at(fit, j) if may_begin(term)]
         likely = [each for t in pool if (each := likely_onset(fit, t, j)) is not None]
         for each in sorted(likely, key=lambda each: -each.gain)[:2]:
             term = with_gate(fit, each.term, Gate(of="clock", low=each.since))

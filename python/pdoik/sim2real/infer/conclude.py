@@ -6,7 +6,7 @@ they say how much of what they show is explained, and change no finding.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,6 +41,7 @@ from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
 from .outstanding import with_outstanding
 from .shared import merged
 from .torque_scale import with_torque_scale
+from .unsaid import with_unsaid
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
 _NEVER = 1e-9  # share of the held-out residual that is none
@@ -74,16 +75,19 @@ def conclude(
         control: what the controllers were found to be.
     """
     study = prepared.study
-    suspected = _suspected(prepared, state, seed)
+    suspected, whole = _suspected(prepared, state, seed), state
     ordinary = Fit(*background(prepared.fit))
     prediction = Prediction(prepared.validate or prepared.fit)
     figures = figures_of(prepared, state, seed)
     simulated = judged_by_simulation(prepared, figures.state)
     found: list[Found] = []
     against: list[Term] = []
+    changes = changing(spreads_of(ordinary), study.thresholds.verdict)
     for term, values in figures.terms:
         each = _found(prepared, figures, term, values, prediction, simulated, seed)
-        if _is_contradicted(prepared, each, ordinary=_is_ordinary(state, term)):
+        # Of friction that is another one in every recording, one more is no contradiction.
+        changed = _is_ordinary(state, term) and _changes(term, changes)
+        if not changed and _is_contradicted(prepared, each, ordinary=_is_ordinary(state, term)):
             against.append(term)
             suspected += (_suspect(prepared, each),)
         else:
@@ -106,10 +110,9 @@ def conclude(
     least = study.thresholds.confidence.suspected
     found = [(_if_sized(each, least), terms) for each, terms in found]
     suspected += tuple(finding for finding, _ in found if finding.confidence < least)
-    found = [each for each in found if each[0].confidence >= least]
+    found = with_unsaid(prepared, whole, [each for each in found if each[0].confidence >= least])
     joints = joint_fits(prepared, state, prediction, simulated.left)
     joints = with_outstanding(prepared, state, joints, ordinary)
-    changes = changing(spreads_of(ordinary), study.thresholds.verdict)
     findings = tuple(with_changes(finding, study.joints, changes) for finding, _ in found)
     diagnosis = Diagnosis(
         verdict=verdict_of(
@@ -208,10 +211,10 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
 
 
 def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) -> bool:
-    """Whether recordings that only judge are not surely better with it, or by next to nothing.
+    """Whether recordings that only judge are better with it by next to nothing.
 
-    What acts in few stretches is in none of some that are drawn: of much it is sure all the same.
-
+    Beside everything else that was found, as share of what they leave without it; where nothing
+    tells that, by itself, and surely: what acts in few stretches is in none of some that are drawn.
     What every machine has is there in any case: it is only not to make them worse.
     """
     if prepared.validate is None:
@@ -219,9 +222,14 @@ def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) ->
     seen, believed = finding.evidence, prepared.study.thresholds.identify
     if ordinary:
         return _acts(seen) and seen.validation_gain < 0.0
-    little = seen.beside_others is not None and seen.beside_others < believed.judged
-    unsure = seen.interval95[0] < 0.0 and seen.validation_gain < believed.judged
-    return _acts(seen) and (little or unsure)
+    if seen.beside_others is not None:
+        return _acts(seen) and seen.beside_others < believed.judged
+    return _acts(seen) and seen.interval95[0] < 0.0 and seen.validation_gain < believed.judged
+
+
+def _changes(term: Term, joints: Collection[int]) -> bool:
+    """Whether it is friction of one of these joints."""
+    return CATALOGUE[term.effect].family == "friction" and set(term.place.joints) <= set(joints)
 
 
 def _acts(seen: Evidence) -> bool:
