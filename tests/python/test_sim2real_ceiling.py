@@ -86,3 +86,16 @@ def test_it_is_told_without_any_command(tmp_path: Path) -> None:
     assert low < 0.6 * highest < high
     assert {each.effect for each in found.equivalents} == {"torque_speed_limit"}
     assert found.evidence.channels == ("tau",)
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.6, 1), (1.05, 0)])
+def test_one_that_judges_never_reach_must_stand_out_by_itself(
+    tmp_path: Path, share: float, found: int
+) -> None:
+    """The recording that only judges is too slow to reach it, and says nothing against it."""
+    made, slow = study(tmp_path, rubbing), study(tmp_path, rubbing, slow=0.3)
+    highest = max(float(np.abs(each.tau[:, 1]).max()) for each in made.recordings)  # type: ignore[index]
+    judge = replace(slow.recordings[0], role="validate", name="slow.csv")
+    whole = replace(made, recordings=(*limited(made, share * highest).recordings, judge))
+    said = [each for each in diagnose(whole).findings if each.effect == "torque_saturation"]
+    assert len(said) == found

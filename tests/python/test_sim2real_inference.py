@@ -14,7 +14,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
-from pdoik.sim2real import Diagnosis, Estimate, Study, diagnose, load_study
+from pdoik.sim2real import Diagnosis, Estimate, Finding, Study, diagnose, load_study
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
 from pdoik.sim2real.effects.torque_channel import OF_BOTH, OF_DRIVE, OF_REPORT
@@ -53,13 +53,22 @@ def inverted(recording: Recording) -> Recording:
 
 
 def learnt(diagnosis: Diagnosis) -> list[tuple[object, ...]]:
-    """What was found where, and how large, claimed or suspected; not what only judges show."""
+    """What was found where, and how large, claimed or suspected; not what only judges show.
+
+    The figure of a joint's friction takes in what of it is not claimed: its interval is as wide.
+    """
     every = (*diagnosis.findings, *diagnosis.suspected)
     return sorted(
-        (f.effect, f.joints, f.links, f.recordings, tuple(f.parameters.items()))
+        (f.effect, f.joints, f.links, f.recordings, _figures(f))
         for f in every
         if not f.held_out_only
     )
+
+
+def _figures(finding: Finding) -> tuple[object, ...]:
+    if CATALOGUE[finding.effect].carries:
+        return tuple((name, f"{each.std:.12g}") for name, each in finding.parameters.items())
+    return tuple(finding.parameters.items())
 
 
 @pytest.fixture(scope="module")

@@ -177,3 +177,22 @@ def test_a_coarse_encoder_is_not_a_noisy_one(machine: Path, tmp_path: Path) -> N
     assert noisy(coarse) == []
     (finding,) = noisy(changed(machine, tmp_path / "noisy", shaken))
     assert finding.joints == ("joint2",)
+
+
+def test_a_joint_that_hums_in_its_motion_too_has_no_noisy_torque(
+    machine: Path, tmp_path: Path
+) -> None:
+    """As much torque as a noisy sensor's, white as it is sampled, but the joint moves with it."""
+    rng = np.random.default_rng(6)
+
+    def noise_alone(table: pd.DataFrame) -> None:
+        table["tau.joint2"] += rng.normal(0.0, 4.0, len(table))
+
+    def humming(table: pd.DataFrame) -> None:
+        noise_alone(table)
+        table["dq.joint2"] += rng.normal(0.0, 0.3, len(table))
+
+    (finding,) = noisy(changed(machine, tmp_path / "noisy", noise_alone))
+    assert finding.variant == "torque"
+    found = noisy(changed(machine, tmp_path / "humming", humming))
+    assert [each.variant for each in found if each.variant == "torque"] == []

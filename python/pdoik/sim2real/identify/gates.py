@@ -17,7 +17,7 @@ from ..study.recording import FloatArray
 from .candidates import candidates
 from .harmonics import harmonic_terms
 
-_SLOW = (3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
+_SLOW = (4.0, 5.0, 6.0, 7.0, 8.0)
 """Harmonics of the joint's angle that a part of the positions shows no whole wave of."""
 
 _GRID = 25  # quantiles between which a gate's ends are looked for first

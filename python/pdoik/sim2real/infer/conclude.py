@@ -213,8 +213,9 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
 def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) -> bool:
     """Whether recordings that only judge are better with it by next to nothing.
 
-    Beside everything else that was found, as share of what they leave without it; where nothing
-    tells that, by itself, and surely: what acts in few stretches is in none of some that are drawn.
+    Beside everything else that was found, as share of what they leave without it. What acts in a
+    part only, or is not told from the rest, is to be sure by itself as well, unless it is much: of
+    few stretches in which it acts there is none in some that are drawn.
     What every machine has is there in any case: it is only not to make them worse.
     """
     if prepared.validate is None:
@@ -222,9 +223,10 @@ def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) ->
     seen, believed = finding.evidence, prepared.study.thresholds.identify
     if ordinary:
         return _acts(seen) and seen.validation_gain < 0.0
-    if seen.beside_others is not None:
-        return _acts(seen) and seen.beside_others < believed.judged
-    return _acts(seen) and seen.interval95[0] < 0.0 and seen.validation_gain < believed.judged
+    little = seen.beside_others is not None and seen.beside_others < believed.judged
+    unsure = seen.interval95[0] < 0.0 and seen.validation_gain < believed.judged
+    by_itself = seen.beside_others is None or finding.gate is not None
+    return _acts(seen) and (little or (by_itself and unsure))
 
 
 def _changes(term: Term, joints: Collection[int]) -> bool:
