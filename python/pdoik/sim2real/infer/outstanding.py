@@ -51,7 +51,10 @@ def _outstanding(prepared: Prepared, state: Identified, ordinary: Fit) -> dict[i
 
 
 def _shares(prepared: Prepared, state: Identified, fit: Fit) -> dict[int, float]:
-    """Of each judged joint: what is left, over friction, noise and the model's own error."""
+    """Of each judged joint: what is left, over friction, noise and the model's own error.
+
+    Nothing of a joint that is as quiet as its sensors are.
+    """
     b, verdict = prepared.fit, prepared.study.thresholds.verdict
     shares = {}
     for j in range(b.n):
@@ -59,9 +62,10 @@ def _shares(prepared: Prepared, state: Identified, fit: Fit) -> dict[int, float]
         if key not in state.fit.design or not b.excited[j] or not len(state.fit.rows[key]):
             continue
         left = float(np.sqrt(np.mean(state.fit.residual(key) ** 2))) * state.balances.sigma[key]
+        quiet = verdict.quiet * b.floor[key]
         tau = np.concatenate([m.borne[:, j] for m in b.motions])
         model = verdict.of_the_model * float(np.sqrt(np.mean(tau**2)))
         friction = float(np.sqrt(np.mean(friction_at(fit, j) ** 2)))
-        usual = np.linalg.norm([friction, verdict.quiet * b.floor[key], model])
-        shares[j] = left / float(usual)
+        usual = float(np.linalg.norm([friction, quiet, model]))
+        shares[j] = left / usual if left > quiet else 0.0
     return shares
