@@ -60,9 +60,9 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         if fit.white(channel)[noisy.joint] > limits.white:
             halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
             weight = min(_beyond_sound(levels, half, noisy) for half in halves)
-            if weight > limits.noise_gain:
-                again = levels if held_out is None else held_out.levels(channel)
-                gain = 0.0 if again is None else _beyond_sound(levels, again, noisy)
+            again = levels if held_out is None else held_out.levels(channel)
+            gain = 0.0 if again is None else _beyond_sound(levels, again, noisy)
+            if weight > limits.noise_gain and gain >= 0.0:
                 finding = _finding(prepared, study, noisy, levels, gain)
                 found.append(replace(finding, weight=weight))
     return tuple(found)

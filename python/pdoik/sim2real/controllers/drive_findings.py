@@ -114,7 +114,9 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
     if top is None or _told(prepared, j, top.level):
         return None
     held = None if prepared.validate is None else prepared.validate.motions
-    again = top.pile if held is None else pile_at(top, held, j)
+    again = top.pile if held is None else pile_at(top, held, j, limits)
+    if again is None:
+        return None
     if again < limits.piled:  # what only judges must show it too, or it twice as clearly
         if top.pile < limits.piled**2:
             return None

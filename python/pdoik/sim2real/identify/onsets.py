@@ -1,8 +1,7 @@
 """Effects that begin in the middle of a recording and stay: a seal that fails, a clamp that slips.
 
-What differs between two recordings is another day's friction before it is a fault, so the onset of
-one has to lie inside a recording, and to say more there than at any border between two. A spring,
-or a ripple, does not come and go with the days.
+What differs between two recordings is another day's friction before it is a fault, so an onset has
+to lie inside a recording, and to say more there than at any border between two.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ def may_begin(term: Term) -> bool:
 
 
 def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
-    """The moment since when the term explains most; None where that is as well another day."""
+    """The moment since when the term explains most; None where a border between recordings does."""
     b, key = fit.balances, _key(j)
     if key not in term.columns:
         return None
@@ -49,21 +48,14 @@ def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
     residual = fit.residual(key)
     borders = np.array([m.clock for m in b.motions])
     inside = _moments(b, clock, borders)
-    moments = inside if _differs_by_day(term) else np.concatenate([inside, borders[1:]])
-    at = [_gain(term, column, residual, clock >= since) for since in moments]
+    at = [_gain(term, column, residual, clock >= since) for since in inside]
     if not at:
         return None
     best = int(np.argmax(at))
-    rivals = borders if _differs_by_day(term) else borders[:1]
-    most = max(_gain(term, column, residual, clock >= since) for since in rivals)
-    if at[best] <= (1.0 + b.thresholds.identify.moment_better) * most:
+    between = max(_gain(term, column, residual, clock >= since) for since in borders)
+    if at[best] <= (1.0 + b.thresholds.identify.moment_better) * between:
         return None
-    return Onset(at[best], float(moments[best]), term)
-
-
-def _differs_by_day(term: Term) -> bool:
-    effect = CATALOGUE[term.effect]
-    return effect.ordinary or effect.family == "friction"
+    return Onset(at[best], float(inside[best]), term)
 
 
 def _moments(balances: Balances, clock: FloatArray, borders: FloatArray) -> FloatArray:

@@ -67,15 +67,24 @@ def ceiling_of(motions: Sequence[Motion], j: int, limits: LimitThresholds) -> Ce
     return max(found, key=lambda each: each[0])[1] if found else None
 
 
-def pile_at(ceiling: Ceiling, motions: Sequence[Motion], j: int) -> float:
-    """Samples of joint j at a ceiling that others showed, over those just below it, per N m."""
+def pile_at(
+    ceiling: Ceiling, motions: Sequence[Motion], j: int, limits: LimitThresholds
+) -> float | None:
+    """Samples of joint j at a ceiling that others showed, over those just below it, per N m.
+
+    None where torques lie beyond it: there it is none.
+    """
     s = _samples(motions, j)
     if s is None:
         return 0.0
     left, use = _left(s, ceiling.no_load)
     near = max(_WIDE * s.noise, _LEAST * ceiling.level)
     below = s.size - ceiling.level * left
-    return _pile(int(np.count_nonzero(use & (np.abs(below) < near))), _expected(below, use, near))
+    count = int(np.count_nonzero(use & (np.abs(below) < near)))
+    beyond = int(np.count_nonzero(use & (below > _BEYOND * near)))
+    if beyond > limits.over * max(count, limits.least_piled):
+        return None
+    return _pile(count, _expected(below, use, near))
 
 
 def _expected(below: FloatArray, use: NDArray[np.bool_], near: float) -> float:
