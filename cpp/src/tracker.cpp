@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "detail/check_input.hpp"
 #include "detail/describe.hpp"
@@ -73,6 +75,21 @@ Eigen::VectorXd speed_of(const Robot& robot, const TrackerOptions& options) {
     if (!slides) speed[i] = std::min(speed[i], M_PI / options.period);
   }
   return speed;
+}
+
+/// Whether there is a finite velocity for each of some obstacles.
+bool accepts_velocity(const ObstacleVelocity& velocity, Eigen::Index obstacles,
+                      detail::Complaint& complaint) {
+  if (velocity.rows() != 1 && velocity.rows() != obstacles) {
+    complaint.say("obstacle_velocity has %lld rows, expected 1 or one for each of %lld obstacles",
+                  static_cast<long long>(velocity.rows()), static_cast<long long>(obstacles));
+    return false;
+  }
+  if (!velocity.allFinite()) {
+    complaint.say("obstacle_velocity has a number that is not finite");
+    return false;
+  }
+  return true;
 }
 
 /// A goal is never brought so near that it counts as reached before it is, in its tolerances.
@@ -172,6 +189,9 @@ struct Tracker::Implementation {
               .braking = &braking},
              result);
     result.complaint = "";
+    if (!ahead.empty() && result.worst.kind == WorstConstraint::Kind::Clearance &&
+        result.worst.obstacle >= points)
+      result.worst.obstacle = ahead[static_cast<std::size_t>(result.worst.obstacle - points)];
     result.tracking = result.status == Status::TimeLimit ? TrackerStatus::DeadlineStruck
                       : result.success                   ? TrackerStatus::Tracking
                                                          : TrackerStatus::Infeasible;
@@ -196,6 +216,9 @@ struct Tracker::Implementation {
   Eigen::VectorXd last, lower, upper, posture, weights, pull_to, pull, posture_pull;
   bool has_posture = false;
   double margin = 0.0, tip_travel = 0.0;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> with_ahead;
+  std::vector<int> ahead;  ///< of points where they will be: which they are
+  Eigen::Index points = 0;
   detail::Complaint cloud_complaint;  ///< of the last cloud, empty if it was taken
   detail::Complaint complaint;        ///< of the last goals, or of a robot without hulls
   TrackerResult result;
@@ -240,8 +263,31 @@ void Tracker::set_posture(VectorIn posture) {
   impl_->set_pull();
 }
 
+bool Tracker::set_obstacles(const Obstacles& points, const ObstacleVelocity& velocity) {
+  if (points.cols() < 3) return set_obstacles(points);
+  if (!accepts_velocity(velocity, points.rows(), impl_->cloud_complaint)) return false;
+  std::vector<int> ahead = std::move(impl_->ahead);  // its memory stays
+  ahead.clear();
+  const auto of = [&](Eigen::Index row) { return velocity.row(velocity.rows() == 1 ? 0 : row); };
+  for (Eigen::Index row = 0; row < points.rows(); ++row)
+    if (!of(row).isZero(0.0)) ahead.push_back(static_cast<int>(row));
+  auto& all = impl_->with_ahead;
+  all.resize(points.rows() + static_cast<Eigen::Index>(ahead.size()), points.cols());
+  all.topRows(points.rows()) = points;
+  for (std::size_t k = 0; k < ahead.size(); ++k) {
+    auto row = all.row(points.rows() + static_cast<Eigen::Index>(k));
+    row = points.row(ahead[k]);
+    row.head<3>() += impl_->options.period * of(ahead[k]);
+  }
+  const bool taken = set_obstacles(all);
+  impl_->points = points.rows();
+  impl_->ahead = std::move(ahead);
+  return taken;
+}
+
 bool Tracker::set_obstacles(const Obstacles& points) {
   const Clock::time_point started = Clock::now();
+  impl_->ahead.clear();
   detail::Complaint& complaint = impl_->cloud_complaint;
   const int most = impl_->solver_options.max_obstacles;
   if (points.rows() > most) {
@@ -257,11 +303,35 @@ bool Tracker::set_obstacles(const Obstacles& points) {
 }
 
 void Tracker::set_obstacles(const Cloud& cloud) {
+  impl_->ahead.clear();
   impl_->cloud_complaint.clear();
   impl_->scene.use(cloud.state_);
 }
 
 void Tracker::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
+
+void Tracker::set_shapes(const Shapes& shapes, const ObstacleVelocity& velocity) {
+  const std::span<const Shape> given = shapes.shapes();
+  detail::Complaint complaint;
+  if (!accepts_velocity(velocity, static_cast<Eigen::Index>(given.size()), complaint))
+    throw std::invalid_argument(complaint.text());
+  std::vector<Shape> all(given.begin(), given.end());
+  std::vector<AllowedContact> allowed(shapes.allowed().begin(), shapes.allowed().end());
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const Eigen::Vector3d way =
+        options().period *
+        velocity.row(velocity.rows() == 1 ? 0 : static_cast<Eigen::Index>(k)).transpose();
+    if (way.isZero(0.0)) continue;
+    Shape moved = given[k];
+    moved.name += " (ahead)";
+    moved.T_base_shape.pretranslate(way);
+    for (const AllowedContact& contact : shapes.allowed())
+      if (contact.shape == given[k].name)
+        allowed.push_back({contact.link, moved.name, contact.depth});
+    all.push_back(std::move(moved));
+  }
+  set_shapes(Shapes(std::move(all), std::move(allowed)));
+}
 
 void Tracker::attach(const std::string& link, std::span<const Shape> shapes,
                      std::span<const std::string> may_touch) {

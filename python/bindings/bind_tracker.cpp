@@ -45,19 +45,38 @@ NamedStep named(const Tracker& tracker, const TrackerResult& result) {
   return step;
 }
 
+/// A velocity for all obstacles, (3,), or one for each, (N, 3).
+Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> to_velocity(const ArrayLike& value) {
+  const auto array =
+      py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value.value);
+  if (!array) {
+    PyErr_Clear();
+    throw std::invalid_argument("obstacle_velocity: expected numbers, shape (3,) or (N, 3)");
+  }
+  const bool one = array.ndim() == 1;
+  if (array.ndim() < 1 || array.ndim() > 2 || array.shape(one ? 0 : 1) != 3)
+    throw std::invalid_argument("obstacle_velocity: expected shape (3,) or (N, 3)");
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+      array.data(), one ? 1 : array.shape(0), 3);
+}
+
 /// What stands for an argument that was left out.
 bool is_left_out(const std::optional<ObstaclesLike>& obstacles) {
   return obstacles && obstacles->value.is(py::ellipsis());
 }
 
 NamedStep step(PythonTracker& self, const GoalsLike& T_base_tip,
-               const std::optional<ObstaclesLike>& obstacles) {
+               const std::optional<ObstaclesLike>& obstacles,
+               const std::optional<ArrayLike>& velocity) {
   try {
     if (!is_left_out(obstacles)) {
       try {
         const ObstaclesIn given(obstacles, "obstacles");
         warn_of_units(given, self.robot(), self.told_of_units);
-        given.give_to(self);
+        if (velocity)
+          given.give_to(self, to_velocity(*velocity));
+        else
+          given.give_to(self);
       } catch (const std::invalid_argument& refused) {
         self.refuse_obstacles(refused.what());
       }
@@ -193,6 +212,7 @@ Raises:
           },
           py::arg("link") = py::none(), "As Solver.detach.")
       .def("step", &step, py::arg("T_base_tip"), py::arg("obstacles") = py::ellipsis(),
+           py::arg("obstacle_velocity") = py::none(),
            R"(One step towards the goals, by the deadline. Raises nothing for bad numbers.
 
 Args:
@@ -201,6 +221,9 @@ Args:
         none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
         sense is refused: steps then hold the last answer until a good one comes. So do steps of a robot without
         hulls among obstacles, see Options.ignore_obstacles_without_hulls.
+    obstacle_velocity: How fast these move, if they are an array of points or a list of shapes: shape (3,) for all
+        or (N, 3), one for each [m/s]. They are then kept off where they are and where they will be when the step
+        ends; those that move count twice in Options.max_obstacles. None: they stand still.
 
 Returns:
     Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in

@@ -5,6 +5,7 @@
 
 #include "cloud.hpp"
 #include "pdoik/shapes.hpp"
+#include "pdoik/tracker.hpp"
 
 namespace pdoik::python {
 
@@ -66,6 +67,22 @@ class ObstaclesIn {
     else
       taker.set_obstacles(points_.in_double());
     taker.set_shapes(shapes_);
+  }
+  /// The same, with how fast they move, as (1, 3) or (N, 3).
+  /// @throws std::invalid_argument  They are neither an array nor shapes; as Tracker::set_shapes.
+  template <class Taker>
+  void give_to(Taker& taker, const ObstacleVelocity& velocity) const {
+    if (cloud_ || (points_.in_double().rows() == 0 && shapes_.shapes().empty())) {
+      throw std::invalid_argument(
+          "obstacle_velocity is for obstacles that are an array of points or a list of shapes");
+    }
+    if (shapes_.shapes().empty()) {
+      taker.set_obstacles(points_.in_double(), velocity);
+      taker.set_shapes(shapes_);
+      return;
+    }
+    taker.set_shapes(shapes_, velocity);
+    taker.set_obstacles(points_.in_double());
   }
 
  private:

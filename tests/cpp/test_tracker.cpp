@@ -105,6 +105,46 @@ TEST(Tracker, a_goal_out_of_reach_does_not_push_the_arm_through_what_stands_in_b
   EXPECT_GT(worst, -Options{}.clearance_tolerance);
 }
 
+TEST(Tracker, what_moves_is_kept_off_where_it_is_and_where_it_will_be) {
+  const Robot robot = Robot::builtin("panda");
+  Random random(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    SCOPED_TRACE(trial);
+    const Eigen::VectorXd start = start_of(robot);
+    const Eigen::Vector3d about = robot.fk(start).translation();
+    Eigen::MatrixXd balls(30, 4), velocity = Eigen::MatrixXd::Zero(30, 3);
+    for (Eigen::Index k = 0; k < balls.rows(); ++k) {
+      balls.row(k) << (about + random.direction() * random.uniform(0.15, 0.4)).transpose(), 0.02;
+      if (k % 3 != 0) velocity.row(k) = 40.0 * random.direction().transpose();
+    }
+    Eigen::MatrixXd both(50, 4);
+    both.topRows(30) = balls;
+    for (Eigen::Index k = 0, row = 30; k < 30; ++k) {
+      if (k % 3 == 0) continue;
+      both.row(row) = balls.row(k);
+      both.row(row++).head<3>() += 0.001 * velocity.row(k);
+    }
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> now = balls,
+                                                                                 union_of = both;
+    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> moves = velocity;
+    Tracker told(robot, unhurried(), patient()), given(robot, unhurried(), patient());
+    for (Tracker* each : {&told, &given}) each->reset(start);
+    ASSERT_TRUE(told.set_obstacles(now, moves));
+    ASSERT_TRUE(given.set_obstacles(union_of));
+    for (int k = 0; k < 5; ++k) {
+      const TrackerResult &one = told.step(on_path(robot, 0.1)),
+                          &other = given.step(on_path(robot, 0.1));
+      ASSERT_EQ(one.q, other.q);
+      ASSERT_EQ(one.clearance, other.clearance);
+      const bool named = one.worst.kind == WorstConstraint::Kind::Clearance;
+      ASSERT_LT(named ? one.worst.obstacle : 0, 30);
+    }
+    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> too_few = moves.topRows(7);
+    EXPECT_FALSE(told.set_obstacles(now, too_few));
+    EXPECT_EQ(told.step(on_path(robot, 0.1)).tracking, TrackerStatus::InvalidInput);
+  }
+}
+
 TEST(Tracker, input_that_makes_no_sense_leaves_the_last_answer_standing_and_says_so) {
   const Robot robot = Robot::builtin("panda");
   Options options = unhurried();

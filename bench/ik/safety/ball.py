@@ -49,9 +49,12 @@ def centres(speed: float) -> FloatArray:
 
 
 def crossing(
-    points: int, speed: float, seed: int, max_time: float | None
+    points: int, speed: float, seed: int, max_time: float | None, *, told: bool = False
 ) -> tuple[FloatArray, list[pdoik.TrackerResult], FloatArray]:
-    """Configurations (T, n), what each step says, and for how long its thread had to wait [s]."""
+    """Configurations (T, n), what each step says, and for how long its thread had to wait [s].
+
+    A tracker that is told the ball's speed has it with every step.
+    """
     judge, ball = judge_of("panda"), ball_of(points, seed)
     options = pdoik.Options(clearance=CLEARANCE, max_obstacles=20_000)
     tracker = pdoik.Tracker(pdoik.Solver(robot_of("panda"), options), PERIOD, max_time=max_time)
@@ -59,20 +62,27 @@ def crossing(
     tracker.set_posture(POSTURE)
     T = pose_of(judge, POSTURE)
     said, absent = [], []
+    velocity = np.array([0.0, speed, 0.0]) if told else None
     for at in centres(speed):
         given: Any = ball + np.r_[at, 0.0]
         if points == 0:
             given = [pdoik.Shape.sphere("ball", at, RADIUS)]
         wall, cpu = time.perf_counter(), time.thread_time()
-        said.append(tracker.step(T, given))
+        said.append(tracker.step(T, given, obstacle_velocity=velocity))
         absent.append(time.perf_counter() - wall - (time.thread_time() - cpu))
     return np.array([step.q for step in said]), said, np.array(absent)
 
 
-def clearances(judge: Judge, Q: FloatArray, points: int, speed: float, seed: int) -> FloatArray:
-    """True ones after each step, (T,); infinite where the whole ball is far off [m]."""
+def clearances(
+    judge: Judge, Q: FloatArray, points: int, speed: float, seed: int, *, later: int = 0
+) -> FloatArray:
+    """True ones after each step, (T,); infinite where the whole ball is far off [m].
+
+    Or as steps find them that begin so many periods later, (T - later,).
+    """
     assert judge.swept.all()
-    ball, at, radii = ball_of(points, seed), centres(speed), outer_radii(judge)
+    ball, at, radii = ball_of(points, seed), centres(speed)[later:], outer_radii(judge)
+    Q = Q[: len(at)]
     if points == 0:
         ball = np.array([[0.0, 0.0, 0.0, RADIUS]])
     a, b = judge.hulls(judge.kinematics.place(Q))
@@ -95,7 +105,10 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
     Q, said, absent = crossing(*asked, None)
     clear = clearances(judge, Q, *asked)
     struck = np.array([step.tracking == "deadline_struck" for step in said])
-    unhurried = clearances(judge, crossing(*asked, UNHURRIED)[0], *asked)
+    without = crossing(*asked, UNHURRIED)[0]
+    unhurried = clearances(judge, without, *asked)
+    found = clearances(judge, without, *asked, later=1)
+    told = clearances(judge, crossing(*asked, UNHURRIED, told=True)[0], *asked, later=1)
     return [
         {
             "points": job["points"],
@@ -106,6 +119,8 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
             "struck": int(struck.sum()),
             "preempted": int((struck & (absent > PREEMPTED)).sum()),
             "unhurried": float(unhurried.min()),
+            "found": float(found.min()),
+            "found_told": float(told.min()),
             "unhurried_short": int((unhurried < CLEARANCE - TOLERANCE).sum()),
         }
     ]
@@ -120,7 +135,9 @@ def lines(trials: pd.DataFrame) -> list[Line]:
             + ": least clearance",
             asked=f"{1e3 * CLEARANCE:g} mm",
             measured=f"{millimetres(run.least)} mm, {run.struck} struck, {run.preempted} of them "
-            f"preempted; without a deadline {millimetres(run.unhurried)} mm",
+            f"preempted; without a deadline {millimetres(run.unhurried)} mm, as the next step finds "
+            f"it {millimetres(run.found)} mm, with the ball's speed told "
+            f"{millimetres(run.found_told)} mm",
             cases=f"{run.n:,} steps",
             failures=f"{run.short}; {run.unhurried_short} without",
         )

@@ -57,6 +57,10 @@ struct TrackerResult : Result {
   const char* complaint = "";
 };
 
+/// How fast obstacles move, one row for all of them or one for each, shape (1, 3) or (N, 3) [m/s].
+using ObstacleVelocity = Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>,
+                                    0, Eigen::OuterStride<>>;
+
 /// Inverse kinematics as a control loop wants it: one step each period, from the last answer, by a
 /// deadline.
 ///
@@ -128,12 +132,21 @@ class Tracker {
   /// good one comes.
   /// @returns Whether it was taken.
   bool set_obstacles(const Obstacles& points);
+  /// The same of points that move: they are kept off where they are, and where they will be when
+  /// the next step ends. Those that move count twice in max_obstacles. Allocates when there are
+  /// more of them than ever before.
+  bool set_obstacles(const Obstacles& points, const ObstacleVelocity& velocity);
   /// Those of a cloud, as they are whenever a step begins. A step waits for no update; it allocates
   /// when the cloud has become larger than max_obstacles.
   void set_obstacles(const Cloud& cloud);
   /// The solids from now on, beside the points; Shapes() for none. Allocates.
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
   void set_shapes(const Shapes& shapes);
+  /// The same of solids that move, as of points; a result calls them `name (ahead)` where they will
+  /// be. Allocates.
+  /// @throws std::invalid_argument  As above; a velocity that is not finite, or of neither one row
+  /// nor one for each.
+  void set_shapes(const Shapes& shapes, const ObstacleVelocity& velocity);
   /// Let a link carry solids from now on, beside what links carry already: they keep off points,
   /// shapes, the robot's other links and what these carry as its own hulls do. Allocates.
   /// @param shapes  Their poses are in the link's frame.
