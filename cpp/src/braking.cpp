@@ -9,6 +9,7 @@ namespace pdoik::detail {
 namespace {
 
 constexpr double kRounding = 1e-9;  ///< of a speed
+constexpr double kOfPlace = 1e-15;  ///< of where a joint is
 
 }  // namespace
 
@@ -62,7 +63,10 @@ void Braking::made(const Eigen::VectorXd& from, const Eigen::VectorXd& to, bool 
   was_hard_ = false;
   for (Eigen::Index i = 0; i < from.size(); ++i) {
     const double now = (to[i] - from[i]) / period_;
-    was_hard_ |= std::abs(now - velocity_[i]) > kRounding * most_[i] + acceleration_[i] * period_;
+    const double may = acceleration_[i] * period_, change = std::abs(now - velocity_[i]);
+    const double rounding = kRounding * (std::abs(now) + std::abs(velocity_[i]) + may) +
+                            kOfPlace * std::abs(from[i]) / period_;
+    was_hard_ |= change > may + rounding;
     velocity_[i] = now;
     rest_[i] = from[i] + way(i, now);
   }

@@ -59,6 +59,19 @@ TEST(Braking, a_step_leads_to_where_braking_as_hard_as_may_be_comes_to_rest) {
   }
 }
 
+TEST(Braking, a_stop_that_is_too_hard_is_said_whatever_the_speed_limit) {
+  for (const double most : {2.0, 1e9, kInfinite}) {
+    const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+    detail::Braking braking(0.01, -100.0 * one, 100.0 * one, most * one, 3.7 * one);
+    const Eigen::VectorXd at = 0.27 * one, slower = at + 0.01 * (0.26 - 0.036) * one;
+    braking.begin(at, 0.26 * one);
+    braking.made(at, slower, false, false);
+    EXPECT_FALSE(braking.was_hard()) << most;
+    braking.made(slower, slower, false, true);  // at once
+    EXPECT_TRUE(braking.was_hard()) << most;
+  }
+}
+
 TEST(Braking, joints_without_a_limit_step_as_they_like) {
   const Eigen::Vector2d end = Eigen::Vector2d::Constant(kInfinite), speed(1.0, 2.0);
   detail::Braking braking(0.01, -end, end, speed, end);

@@ -81,7 +81,7 @@ def test_what_is_named_is_the_point_itself_not_where_it_will_be() -> None:
     robot = pdoik.Robot.builtin("panda")
     tracker = pdoik.Tracker(pdoik.Solver(robot, pdoik.Options()), PERIOD, max_time=1.0)
     hand = robot.fk(tracker.q)[:3, 3]
-    points = np.array([[2.0, 0.0, 0.5, 0.01], [*(hand + [WAY, 0.0, 0.0]), 0.15]])
+    points = np.array([[2.0, 0.0, 0.5, 0.01], [*(hand + np.array([WAY, 0.0, 0.0])), 0.15]])
     step = tracker.step(
         robot.fk(tracker.q), points, obstacle_velocity=[[0.0, 0.0, 0.0], [-SPEED, 0.0, 0.0]]
     )

@@ -135,8 +135,8 @@ def lines(trials: pd.DataFrame) -> list[Line]:
             + ": least clearance",
             asked=f"{1e3 * CLEARANCE:g} mm",
             measured=f"{millimetres(run.least)} mm, {run.struck} struck, {run.preempted} of them "
-            f"preempted; without a deadline {millimetres(run.unhurried)} mm, as the next step finds "
-            f"it {millimetres(run.found)} mm, with the ball's speed told "
+            f"preempted; without a deadline {millimetres(run.unhurried)} mm, as the next step "
+            f"finds it {millimetres(run.found)} mm, with the ball's speed told "
             f"{millimetres(run.found_told)} mm",
             cases=f"{run.n:,} steps",
             failures=f"{run.short}; {run.unhurried_short} without",
