@@ -1506,7 +1506,7 @@ class Tracker:
         Raises:
             ValueError: It has another shape or holds NaN or infinity.
         """
-    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = ...) -> TrackerResult:
+    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = ..., obstacle_velocity: numpy.typing.ArrayLike | None = None) -> TrackerResult:
         """
         One step towards the goals, by the deadline. Raises nothing for bad numbers.
         
@@ -1516,6 +1516,9 @@ class Tracker:
                 none. Left out: those of the step before stay; of a Cloud its updates are seen. A cloud that makes no
                 sense is refused: steps then hold the last answer until a good one comes. So do steps of a robot without
                 hulls among obstacles, see Options.ignore_obstacles_without_hulls.
+            obstacle_velocity: How fast these move, if they are an array of points or a list of shapes: shape (3,) for all
+                or (N, 3), one for each [m/s]. They are then kept off where they are and where they will be when the step
+                ends; those that move count twice in Options.max_obstacles. None: they stand still.
         
         Returns:
             Whatever the status: never farther from the last answer than the step limits, and by the scene as it is no deeper in
