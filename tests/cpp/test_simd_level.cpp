@@ -43,12 +43,12 @@ std::size_t level_of_processor() {
 bool kernels_are_those_of(std::size_t level) {
   const std::vector<CullFunction> culls{cull_baseline, cull_avx2, cull_avx512};
   const std::vector<RollOutFunction> roll_outs{roll_out_baseline, roll_out_avx2, roll_out_avx2};
-  return best_cull() == culls[level] && best_roll_out() == roll_outs[level];
+  return best_coarse().cull == culls[level] && best_roll_out() == roll_outs[level];
 }
 #else
 std::size_t level_of_processor() { return 0; }
 bool kernels_are_those_of(std::size_t level) {
-  return level == 0 && best_cull() == cull_baseline && best_roll_out() == roll_out_baseline;
+  return level == 0 && best_coarse().cull == cull_baseline && best_roll_out() == roll_out_baseline;
 }
 #endif
 

@@ -32,8 +32,7 @@ class CollisionState {
         queries_(tested.size()),
         capsule_queries_(tested),
         supports_(tested.size(), 0.0),
-        pairs_(static_cast<std::size_t>(kLanes)),
-        cull_(best_cull()) {
+        pairs_(static_cast<std::size_t>(kLanes)) {
     for (std::size_t k = 0; k < positions_.size(); ++k)
       positions_[k] = model.points[k].local;  // right for body 0
     int bodies = 1;
@@ -100,8 +99,8 @@ class CollisionState {
     for (std::size_t h = 0; h < queries_.size(); ++h)
       set_query(h, obstacles, grow(h), by_distance(hulls_[h]));
     CullCursor at;
-    near_count_ = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(queries_.size()),
-                        pairs_.data(), capacity(), at);
+    near_count_ = kernels_.cull(obstacles->arrays(), queries_.data(),
+                                static_cast<int>(queries_.size()), pairs_.data(), capacity(), at);
     near_count_ = without_touching(obstacles, near_count_);
   }
 
@@ -147,27 +146,22 @@ class CollisionState {
   bool bound_distances(std::size_t h, const ObstacleView& obstacles, int first,
                        float (&bounds)[kLanes]) {
     const Hull& hull = hulls_[h];
-    const Vec4 centre = centre_of(hull) - obstacles->origin();
+    auto [centre, half, semi_major] = around(hull);
+    centre -= obstacles->origin();
     if (hull.has_capsules()) {
       const auto blocks = static_cast<std::size_t>(hull.blocks);
       const std::span<const CapsuleQuery> capsules =
           capsule_queries_.of(h, {model_.capsules(hull), blocks}, frame(hull), obstacles->origin());
-      capsule_gaps_(obstacles->arrays(), first, capsules.data(), static_cast<int>(capsules.size()),
-                    bounds);
+      kernels_.capsule_gaps(obstacles->arrays(), first, capsules.data(),
+                            static_cast<int>(capsules.size()), bounds);
     } else {
-      const Vec4 half = spheroid_of(hull).half;
-      if (!(dot3(half, half) < kThickEnough * hull.semi_major * hull.semi_major)) return false;
-      HullQuery query{};
-      for (int i = 0; i < 3; ++i) {
-        query.centre[i] = static_cast<float>(centre[i]);
-        query.half[i] = static_cast<float>(half[i]);
-      }
-      query.semi_major = static_cast<float>(hull.semi_major);
-      bound_distances_(obstacles->arrays(), first, query, bounds);
+      if (!(dot3(half, half) < kThickEnough * semi_major * semi_major)) return false;
+      kernels_.bound_distances(obstacles->arrays(), first, query_of(centre, half, semi_major),
+                               bounds);
     }
     // Rounding, and radii that are less than they are in the set.
     const double far = std::abs(centre[0]) + std::abs(centre[1]) + std::abs(centre[2]);
-    const double slack = 4e-6 * (obstacles->extent() + hull.farthest() + far);
+    const double slack = 4e-6 * (obstacles->extent() + semi_major + far);
     for (float& bound : bounds) bound -= static_cast<float>(slack);
     return true;
   }
@@ -203,12 +197,21 @@ class CollisionState {
     return {transform(at, hull.middle), rotate(at, hull.half), hull.around};
   }
   int body_of_point(int point) const { return model_.points[static_cast<std::size_t>(point)].body; }
-  void use_baseline() { cull_ = cull_baseline; }
+  void use_baseline() { kernels_ = baseline_coarse(); }
 
  private:
   Around spheroid_of(const Hull& hull) const {
     const Vec4 &a = position(hull.a), &b = position(hull.b);
     return {broadcast(0.5) * (a + b), broadcast(0.5) * (b - a), hull.semi_major};
+  }
+  static HullQuery query_of(const Vec4& centre, const Vec4& half, double semi_major) {
+    HullQuery query{};
+    for (int i = 0; i < 3; ++i) {
+      query.centre[i] = static_cast<float>(centre[i]);
+      query.half[i] = static_cast<float>(half[i]);
+    }
+    query.semi_major = static_cast<float>(semi_major);
+    return query;
   }
   int capacity() const { return static_cast<int>(pairs_.size()); }
 
@@ -222,8 +225,8 @@ class CollisionState {
     while (at.hull < static_cast<int>(end)) {
       for (auto h = static_cast<std::size_t>(at.hull); h < end; ++h)
         set_query(h, obstacles, grow(h), true);
-      const int found = cull_(obstacles->arrays(), queries_.data(), static_cast<int>(end),
-                              pairs_.data(), room, at);
+      const int found = kernels_.cull(obstacles->arrays(), queries_.data(), static_cast<int>(end),
+                                      pairs_.data(), room, at);
       const int count = without_touching(obstacles, found);
       if (count > 0 && !visit(pairs_.data(), pairs_.data() + count)) return false;
     }
@@ -269,17 +272,12 @@ class CollisionState {
     } else {
       semi_major += grow;
     }
-    HullQuery& query = queries_[h];
-    for (int i = 0; i < 3; ++i) {
-      query.centre[i] = static_cast<float>(centre[i]);
-      query.half[i] = static_cast<float>(half[i]);
-    }
     // What lets points in is seen to by who measures: the coarse test takes hulls as they are.
     const double A = semi_major + margin, extent = obstacles->extent();
     double grown = A + coarse_slack(A, dot3(half, half), extent);
     if (!(grown < extent)) [[unlikely]]
       grown = bounded(grown, centre, half, extent);
-    query.semi_major = static_cast<float>(grown);
+    queries_[h] = query_of(centre, half, grown);
   }
 
   /// What reaches beyond everything, or cannot be told, takes in all obstacles and no padding.
@@ -309,9 +307,7 @@ class CollisionState {
   int near_count_ = 0;
   std::size_t first_asked_ = 0;
   const Touching* touching_ = nullptr;
-  CullFunction cull_;
-  BoundFunction bound_distances_ = best_bound_distances();
-  GapFunction capsule_gaps_ = best_capsule_gaps();
+  CoarseKernels kernels_ = best_coarse();
 };
 
 }  // namespace pdoik::detail

@@ -93,12 +93,18 @@ void capsule_gaps_baseline(const ObstacleArrays&, int, const CapsuleQuery*, int,
 void capsule_gaps_avx2(const ObstacleArrays&, int, const CapsuleQuery*, int, float*);
 void capsule_gaps_avx512(const ObstacleArrays&, int, const CapsuleQuery*, int, float*);
 
+/// What is coarse, of one instruction set.
+struct CoarseKernels {
+  CullFunction cull;
+  BoundFunction bound_distances;
+  GapFunction capsule_gaps;
+};
+
+CoarseKernels baseline_coarse();
 /// The widest that this processor runs and that the environment variable PDOIK_SIMD ("avx512",
 /// "avx2" or "baseline") allows, chosen when first asked for. The variable lowers the level of this
 /// and of the others, never raises it; any other value counts as none.
-CullFunction best_cull();
-BoundFunction best_bound_distances();
-GapFunction best_capsule_gaps();
+CoarseKernels best_coarse();
 /// The level chosen: "avx512", "avx2" or "baseline".
 const char* simd_name();
 

@@ -42,28 +42,16 @@ Level level() {
 
 }  // namespace
 
-CullFunction best_cull() {
-#ifndef PDOIK_NO_X86_SIMD
-  if (level() == Level::Avx512) return cull_avx512;
-  if (level() == Level::Avx2) return cull_avx2;
-#endif
-  return cull_baseline;
+CoarseKernels baseline_coarse() {
+  return {cull_baseline, bound_distances_baseline, capsule_gaps_baseline};
 }
 
-BoundFunction best_bound_distances() {
+CoarseKernels best_coarse() {
 #ifndef PDOIK_NO_X86_SIMD
-  if (level() == Level::Avx512) return bound_distances_avx512;
-  if (level() == Level::Avx2) return bound_distances_avx2;
+  if (level() == Level::Avx512) return {cull_avx512, bound_distances_avx512, capsule_gaps_avx512};
+  if (level() == Level::Avx2) return {cull_avx2, bound_distances_avx2, capsule_gaps_avx2};
 #endif
-  return bound_distances_baseline;
-}
-
-GapFunction best_capsule_gaps() {
-#ifndef PDOIK_NO_X86_SIMD
-  if (level() == Level::Avx512) return capsule_gaps_avx512;
-  if (level() == Level::Avx2) return capsule_gaps_avx2;
-#endif
-  return capsule_gaps_baseline;
+  return baseline_coarse();
 }
 
 RollOutFunction best_roll_out() {

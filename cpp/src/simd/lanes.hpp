@@ -68,7 +68,7 @@ struct LaneKernel {
   LaneTick tick;
   int width;  ///< lanes of a row
 };
-/// The widest of the level that best_cull chooses by.
+/// The widest of the level that best_coarse chooses by.
 LaneKernel best_lane_kernel();
 
 }  // namespace pdoik::detail

@@ -21,7 +21,7 @@ void roll_out_baseline(const RolloutJoint*, int, const double*, const double*, c
                        Frame*);
 void roll_out_avx2(const RolloutJoint*, int, const double*, const double*, const double*, Frame*);
 
-/// The widest of the level that best_cull chooses by.
+/// The widest of the level that best_coarse chooses by.
 RollOutFunction best_roll_out();
 
 }  // namespace pdoik::detail

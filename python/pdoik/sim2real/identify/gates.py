@@ -35,7 +35,11 @@ def terms_at(base: Fit, j: int) -> list[Term]:
     b = base.balances
     harmonic = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     slow = [term_of(b, each, Place(joints=(j,)), (h,)) for each in harmonic for h in _SLOW]
-    pool = [*candidates(b), *harmonic_terms(base), *(term for term in slow if term is not None)]
+    pool = [
+        *candidates(b),
+        *harmonic_terms(base, (j,)),
+        *(term for term in slow if term is not None),
+    ]
     return [t for t in pool if t.place.joints == (j,)]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..effects import CATALOGUE
@@ -15,12 +17,12 @@ _BINS = 4096  # of a turn
 _REACHES = np.geomspace(_LOWEST, _HIGHEST, 32)  # harmonics to which rows are told apart by speed
 
 
-def harmonic_terms(fit: Fit) -> list[Term]:
-    """Effects of the strongest harmonics in what is left, for each joint that moves."""
+def harmonic_terms(fit: Fit, joints: Sequence[int] | None = None) -> list[Term]:
+    """Effects of the strongest harmonics in what is left, for each joint that moves, or some."""
     b, least = fit.balances, fit.balances.thresholds.identify
     effects = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     terms = []
-    for j in range(b.n):
+    for j in range(b.n) if joints is None else joints:
         key = ("torque", j)
         if key not in fit.design or not b.excited[j]:
             continue

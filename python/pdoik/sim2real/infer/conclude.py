@@ -86,8 +86,9 @@ def conclude(
     for term, values in figures.terms:
         each = _found(prepared, figures, term, values, prediction, simulated, seed)
         # Of friction that is another one in every recording, one more is no contradiction.
-        changed = _is_ordinary(state, term) and _changes(term, changes)
-        if not changed and _is_contradicted(prepared, each, ordinary=_is_ordinary(state, term)):
+        known = _is_ordinary(state, term)
+        changed = known and _changes(term, changes)
+        if not changed and _is_contradicted(prepared, each, ordinary=known):
             against.append(term)
             suspected += (_suspect(prepared, each),)
         else:

@@ -23,7 +23,7 @@ def with_unsaid(prepared: Prepared, state: Identified, found: Sequence[Found]) -
     said = {term.key for _, terms in found for term in terms}
     result = []
     for finding, terms in found:
-        more = sum(_unsaid(state, term, said) for term in terms) if len(terms) == 1 else 0.0
+        more = _unsaid(state, terms[0], said) if len(terms) == 1 else 0.0
         if more:
             name = next(iter(finding.parameters))
             own = finding.parameters[name]
