@@ -154,7 +154,7 @@ TEST(Cloud, a_solver_sees_updates_of_the_cloud_that_it_was_given_and_names_point
   Cloud cloud{Obstacles(far)};
   Solver solver(robot);
   solver.set_obstacles(cloud);
-  Tracker tracker(robot);
+  Tracker tracker(robot, {}, {.max_time = 10.0});
   tracker.set_obstacles(cloud);
   tracker.reset(q);
   Result result;

@@ -265,7 +265,7 @@ TEST(SolverMisuse, a_tracker_of_a_robot_without_hulls_holds_its_answer_among_obs
   const Eigen::Isometry3d T = robot.fk(q + Eigen::VectorXd::Constant(q.size(), 1e-3));
   ObstacleMatrix point(1, 3);
   point << 0.4, 0.0, 0.5;
-  Tracker tracker(robot, timeless());
+  Tracker tracker(robot, timeless(), {.max_time = 10.0});
   tracker.reset(q);
   EXPECT_EQ(tracker.step(T).tracking, TrackerStatus::Tracking);
   tracker.reset(q);
@@ -287,7 +287,7 @@ TEST(SolverMisuse, a_tracker_of_a_robot_without_hulls_holds_its_answer_among_obs
 
   Options told = timeless();
   told.ignore_obstacles_without_hulls = true;
-  Tracker ignoring(robot, told);
+  Tracker ignoring(robot, told, {.max_time = 10.0});
   ignoring.reset(q);
   EXPECT_TRUE(ignoring.set_obstacles(point));
   EXPECT_EQ(ignoring.step(T).tracking, TrackerStatus::Tracking);

@@ -115,7 +115,7 @@ TEST(Touching, what_is_forgiven_is_named_and_measured) {
 TEST(Touching, a_trackers_steps_and_batches_name_what_is_forgiven) {
   const Gripper gripper(0.006);
   const Shapes slab({gripper.slab(-0.004)});
-  Tracker tracker(gripper.robot, forgiving());
+  Tracker tracker(gripper.robot, forgiving(), {.max_time = 10.0});
   tracker.reset(gripper.q);
   tracker.set_shapes(slab);
   EXPECT_EQ(tracker.step(gripper.T).forgiven.kind, Kind::Shape);

@@ -32,7 +32,7 @@ SHAPES = {
     "backlash": 1,
     "coulomb_friction": 1,
     "friction_drift": 1,
-    "joint_elasticity": 1,
+    "joint_elasticity": 2,
     "joint_offset": 1,
     "presliding_hysteresis": 1,
     "strain_wave_error": 1,

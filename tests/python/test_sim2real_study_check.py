@@ -143,7 +143,7 @@ def test_what_is_missing_is_named(checked: StudyCheck) -> None:
     reasons = {each.effect: each.reason for each in checked.effects}
     assert "tip poses" in reasons["kinematic_error"]
     assert "known payload" in reasons["payload_error"]
-    for name in ("command_delay", "actuator_lag", "torque_saturation", "joint_elasticity"):
+    for name in ("command_delay", "actuator_lag", "torque_saturation"):
         assert "tau_cmd" in reasons[name], name
         assert "tau (or" not in reasons[name], name  # that is there
 

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.linalg import lapack
 
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
-from ..motion.signals import lagged
 from ..simulation.parts import GearPlay, Part
 from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from .site import Site
+
+_SLOWEST = 1.2  # at which a link rings that is looked for [Hz]
+_RATES = 14  # stiffnesses that are tried first
+_RATIO = 0.15  # of their damping
+_LIGHTEST = 1e-6  # [kg m^2]
 
 
 def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:
@@ -21,13 +26,41 @@ def deflected(motion: Motion, j: int, deflection: FloatArray) -> Columns:
     return on_torque_and_tip(motion, change, tip_turned(motion, j, -deflection))
 
 
+def given_way(
+    load: FloatArray, inertia: FloatArray, period: float, stiffness: float, damping: float
+) -> FloatArray:
+    """How far a link lags its motor behind a spring, (T,): I u'' + d u' + k u = load.
+
+    The average acceleration of a step, which no stiffness makes unstable (Newmark, J. Eng. Mech.
+    Div. 85(3), 1959); inertias are such that the spring rings as fast as it should.
+
+    Args:
+        load: (T,) torque that a rigid gear would transmit [N m].
+        inertia: (T,) of the link about its joint [kg m^2].
+        period: of the samples [s].
+        stiffness: of the spring [N m/rad].
+        damping: beside it [N m s/rad].
+    """
+    half = np.minimum(0.5 * period * np.sqrt(stiffness / inertia), 1.5)
+    heavy = inertia * (half / np.tan(half)) ** 2 / period**2
+    rows = np.zeros((3, len(load)))  # of a lower triangle: below one another what multiplies u
+    rows[0, 2:] = (heavy + 0.5 * damping / period)[1:-1] + 0.25 * stiffness
+    rows[1, 1:-1] = 0.5 * stiffness - 2.0 * heavy[1:-1]
+    rows[2, :-2] = (heavy - 0.5 * damping / period)[1:-1] + 0.25 * stiffness
+    rows[0, :2], rows[1, 0] = 1.0, 0.0
+    right = np.empty(len(load))
+    right[:2] = load[:2] / stiffness  # at rest on the spring
+    right[2:] = 0.25 * (load[:-2] + 2.0 * load[1:-1] + load[2:])
+    return np.asarray(lapack.dtbtrs(rows, right[:, None], uplo="L")[0][:, 0])
+
+
 class JointElasticity(Effect):
-    """The link lags its motor by tau_load / k; the encoder is on the motor."""
+    """A link on a spring, which the model's load drives; the encoder is on the motor."""
 
     id = "joint_elasticity"
     family = "transmission"
     on = "joint"
-    equation = "q_link = q - tau_load / k - d (tau_load)'/k^2; two inertias and a spring"
+    equation = "I u'' + d u' + k u = tau_rigid, u = q - q_link: two inertias and a spring"
     parameters = (
         Parameter("stiffness", "N m/rad", lower=0.0),
         Parameter("damping", "N m s/rad", lower=0.0),
@@ -40,45 +73,52 @@ class JointElasticity(Effect):
         nothing={"stiffness": 1e12, "damping": 0.0},
     )
     instead = ("backlash",)
+    fixed = True
     shown_poorly = True
     simplified = 0.01  # one stiffness and one damping, and the rotor where it is believed
     simulated_rivals = ("backlash",)
     complexity = 3
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Damping over stiffness: the time the spring takes to give [s]."""
-        return [(0.0,), (0.005,), (0.015,)]
+        """Stiffness, and damping over stiffness: the time the spring takes to give [s].
+
+        Such that the link rings at frequencies from a slow motion's to the fastest that is seen.
+        """
+        (j,) = place.joints
+        inertia = float(np.mean(np.concatenate([_inertia(m, j) for m in motions])))
+        rates = 2.0 * np.pi * np.geomspace(_SLOWEST, 2.0 * motions[0].cutoff, _RATES)
+        return [(float(inertia * rate**2), float(2.0 * _RATIO / rate)) for rate in rates]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
-        """Up to a sluggish spring."""
-        return [(0.0, 0.05)]
+        """To the springs tried beside it, and up to a sluggish one."""
+        return [(0.5 * shape[0], 2.0 * shape[0]), (0.0, 5.0 * shape[1])]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Of a deflection by the load's torque, per compliance."""
+        """Of a link that its motor's recorded motion drives by the spring."""
         (j,) = place.joints
-        load = motion.transmitted(j)
-        if load is None:
+        if motion.body is None:
             return {}
-        if shape[0] > 1e-4:
-            load = lagged(load, shape[0], motion.period)
-        return deflected(motion, j, load)
-
-    @property
-    def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Compliance is positive."""
-        return np.full(1, 1e-7), np.full(1, 0.1)
+        stiffness, give = shape
+        inertia = _inertia(motion, j)
+        lag = given_way(motion.load(j), inertia, motion.period, stiffness, give * stiffness)
+        return deflected(motion, j, lag)
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Stiffness and damping."""
-        stiffness = 1.0 / max(float(beta[0]), 1e-12)
-        return {"stiffness": stiffness, "damping": shape[0] * stiffness}
+        return {"stiffness": shape[0], "damping": shape[1] * shape[0]}
 
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """The compliance, and damping over stiffness."""
+        """All of the simulated spring."""
         stiffness = values["stiffness"]
-        return (values["damping"] / stiffness,), np.array([1.0 / stiffness])
+        return (stiffness, values["damping"] / stiffness), np.ones(1)
+
+    def of_amount(
+        self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
+    ) -> tuple[Shape, FloatArray]:
+        """So compliant a spring [rad/(N m)]."""
+        return (1.0 / amount, shape[1]), np.ones(1)
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
@@ -95,3 +135,9 @@ class JointElasticity(Effect):
     def regime(self, where: str) -> str:
         """When it shows."""
         return f"changing load of {where}"
+
+
+def _inertia(motion: Motion, j: int) -> FloatArray:
+    """Of what joint j carries, about its axis, its known rotor apart, (T,)."""
+    rotor = 0.0 if motion.body is None else float(motion.body.rotor[j])
+    return np.maximum(motion.mass_matrix[:, j, j] - rotor, _LIGHTEST)

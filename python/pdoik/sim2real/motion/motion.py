@@ -174,18 +174,6 @@ class Motion:
         assert given is not None
         return np.ascontiguousarray(given[:, j])
 
-    def transmitted(self, j: int) -> FloatArray | None:
-        """Torque through joint j's gear, (T,), from what was commanded; None where nothing was.
-
-        Not from the torque's sensor: a second derivative of its noise would explain that noise.
-        """
-        recorded = self.recording.tau_cmd
-        asked = self.law if recorded is None else recorded
-        if asked is None or not np.isfinite(asked[:, j]).all():
-            return None
-        smooth = zero_phase(asked[:, j], 2.0 * self.cutoff, self.period)
-        return np.asarray(smooth - self.rotor(j), dtype=np.float64)
-
     def tau_without_rotor(self) -> FloatArray:
         """Torques of the rigid body alone, (T, rows)."""
         if "rigid" not in self.cache:

@@ -194,12 +194,13 @@ class Sizes:
             effect.variant(shape),
             self.balances.motions,
         )
-        amounts = {
+        figures = {
             effect.values(each, np.ones(1))[name]
             for each in effect.shapes(motions, place)
             if effect.variant(each) == variant
         }
-        return sorted(amount for amount in amounts if amount > 0.0)
+        falls = _nothing(effect) >= _BEYOND  # a stiffness: its amount is a compliance
+        return sorted(1.0 / each if falls else each for each in figures if each > 0.0)
 
     def _at(
         self, effect: Effect, place: Place, shape: Shape, amount: float
@@ -291,7 +292,7 @@ def _nothing(effect: Effect) -> float:
 
 def _of_share(effect: Effect) -> bool:
     """Whether an amount is a share of the time: of a limit that lies without end otherwise."""
-    return effect.fixed and _nothing(effect) >= _BEYOND
+    return effect.of_commands and _nothing(effect) >= _BEYOND
 
 
 def _begin(effect: Effect) -> float:
