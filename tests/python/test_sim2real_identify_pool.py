@@ -165,7 +165,7 @@ def made(b: Balances, effect: str, place: Place, shape: tuple[float, ...] = ()) 
 
 def test_a_cause_is_as_large_as_a_share_of_what_its_joint_bears(arm: Motion) -> None:
     b = left(arm, 2.0 * np.sign(arm.dq[:, 1]))
-    believed_of, key = b.thresholds.identify, ("torque", 1)
+    believed_of, key = b.thresholds.priors, ("torque", 1)
     place = Place(joints=(1,))
     usual = np.hypot(np.sqrt(np.mean(arm.borne[:, 1] ** 2)), b.rms(key))
     late = replace(place, gate=Gate(of="time", low=25.0, high=35.0))
@@ -214,7 +214,7 @@ def test_what_is_one_by_meaning_is_believed_to_be_one(tmp_path: Path) -> None:
     late = made(b, "command_delay", place, shape)
     hypothesis = peculiar(b, late)
     assert hypothesis.mean == [1.0]
-    assert hypothesis.precision == pytest.approx(b.thresholds.identify.fixed_error**-2)
+    assert hypothesis.precision == pytest.approx(b.thresholds.priors.fixed_error**-2)
     assert hypothesis.term is late
 
 
@@ -235,7 +235,7 @@ def test_rows_are_counted_where_all_that_has_a_cause_is_explained(arm: Motion) -
         before[name] = 1.0 / series.repeats(series.target)
         count_independent(b, data)
         share[name] = series.independent / len(series.rows)
-    least = 1.0 / b.thresholds.identify.least_repeats
+    least = 1.0 / b.thresholds.priors.least_repeats
     assert max(before.values()) < 0.15
     for name in ("position", "friction"):
         assert 0.6 * least < share[name] <= least

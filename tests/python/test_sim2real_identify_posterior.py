@@ -37,7 +37,7 @@ def assert_worth_it(posterior: Posterior, state: State) -> None:
     for each in state.chosen:
         rest = [other for other in state.chosen if other is not each]
         odds = state.log_posterior - posterior.with_causes(state, rest).log_posterior
-        assert odds > posterior.balances.thresholds.identify.worth
+        assert odds > posterior.balances.thresholds.diagnosis.worth
 
 
 def cause(posterior: Posterior, effect: str, j: int, code: float | None = None) -> Hypothesis:

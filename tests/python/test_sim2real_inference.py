@@ -104,12 +104,12 @@ def test_what_little_speaks_for_is_suspected_and_not_in_the_model(
     concealed: tuple[Study, Diagnosis],
 ) -> None:
     study, before = concealed
-    strict = diagnose(study, thresholds=Thresholds().changed({"confidence.suspected": 1.0}))
+    strict = diagnose(study, thresholds=Thresholds().changed({"diagnosis.suspected": 1.0}))
     assert strict.findings == ()
     names = {(f.effect, f.joints, f.links) for f in strict.suspected}
     assert {(f.effect, f.joints, f.links) for f in before.findings} <= names
     assert strict.verdict != "no_mismatch"
-    assert strict.thresholds["confidence"]["suspected"] == 1.0
+    assert strict.thresholds["diagnosis"]["suspected"] == 1.0
     assert Diagnosis.from_json(strict.to_json()) == strict
 
 

@@ -49,13 +49,13 @@ def test_every_threshold_is_used() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
-        ("identify.wort", 4.0, "identify.worth"),
-        ("worth", 4.0, "identify.worth"),
-        ("identify.worth", "4", "expected a number"),
-        ("identify.worth", None, "expected a number"),
-        ("identify.worth", True, "expected a number"),
-        ("identify.worth", float("inf"), "expected a finite number"),
-        ("identify.worth", float("nan"), "expected a finite number"),
+        ("diagnosis.wort", 4.0, "diagnosis.worth"),
+        ("worth", 4.0, "diagnosis.worth"),
+        ("diagnosis.worth", "4", "expected a number"),
+        ("diagnosis.worth", None, "expected a number"),
+        ("diagnosis.worth", True, "expected a number"),
+        ("diagnosis.worth", float("inf"), "expected a finite number"),
+        ("diagnosis.worth", float("nan"), "expected a finite number"),
         ("noise.folds", 2.5, "expected a whole number"),
     ],
 )
@@ -66,10 +66,10 @@ def test_what_is_no_threshold_is_refused(name: str, value: float, said: str) -> 
 
 
 def test_a_changed_one_leaves_the_others() -> None:
-    changed = Thresholds().changed({"identify.worth": 9.0})
-    assert changed.identify.worth == 9.0
+    changed = Thresholds().changed({"diagnosis.worth": 9.0})
+    assert changed.diagnosis.worth == 9.0
     assert [a.name for a, b in zip(changed, Thresholds(), strict=True) if a != b] == [
-        "identify.worth"
+        "diagnosis.worth"
     ]
 
 
@@ -77,10 +77,10 @@ def test_a_stricter_threshold_takes_a_finding_away_and_is_written_down(tmp_path:
     rubbing = study(tmp_path, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     found = diagnose(rubbing)
     assert "coulomb_friction" in {each.effect for each in found.findings}
-    stricter = diagnose(rubbing, thresholds=Thresholds().changed({"identify.sure": 1e6}))
+    stricter = diagnose(rubbing, thresholds=Thresholds().changed({"diagnosis.sure": 1e6}))
     assert "coulomb_friction" not in {each.effect for each in stricter.findings}
     written = [json.loads(each.to_json())["thresholds"] for each in (found, stricter)]
-    assert [each["identify"]["sure"] for each in written] == [3.0, 1e6]
+    assert [each["diagnosis"]["sure"] for each in written] == [3.0, 1e6]
 
 
 def test_the_command_line_lists_them() -> None:

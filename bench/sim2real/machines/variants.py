@@ -63,14 +63,14 @@ VARIANTS = {
     "whole": Variant(says="As it is."),
     "bodies free": Variant(
         says="No prior on bodies: inertial figures may be wrong by ten times their size.",
-        thresholds={"identify.bodies": 10.0, "identify.good_bodies": 10.0},
+        thresholds={"priors.bodies": 10.0, "priors.good_bodies": 10.0},
     ),
     "bodies exact": Variant(
         says="Bodies are as the model says: only causes with a name can be wrong with them.",
-        thresholds={"identify.bodies": 0.0},
+        thresholds={"priors.bodies": 0.0},
     ),
     "no days": Variant(
-        says="Friction is the same in all sessions.", thresholds={"identify.days": 0.0}
+        says="Friction is the same in all sessions.", thresholds={"priors.days": 0.0}
     ),
     "no swaps": Variant(
         says="What was taken stays: no cause is dropped for, or gives its place to, another.",

@@ -40,7 +40,7 @@ def confirmed_by_simulation(
         return state
     arm = Arm(prepared, state.fit)
     sketch = Arm(prepared, state.fit, steps=_SKETCH)
-    clearly = prepared.study.thresholds.simulation.nearer_t
+    clearly = prepared.study.thresholds.diagnosis.sure
     for term in doubtful:
         if term not in state.accepted:
             continue
@@ -108,7 +108,7 @@ def _confirmed(arm: Arm, state: Identified) -> frozenset[TermKey]:
             term.key
             for term in doubtful
             if nearer(arm, whole, run_without(arm, terms, values, term), {*term.columns})
-            >= arm.prepared.study.thresholds.simulation.nearer_t
+            >= arm.prepared.study.thresholds.diagnosis.sure
         )
     except (PdoikError, ValueError):
         return frozenset()
@@ -184,7 +184,7 @@ def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
         difference = huber(other.left[key]) - huber(one.left[key])
         blocks += np.bincount(arm.data.block[arm.rows[key]], difference, minlength=len(blocks))
         total += float(huber(other.left[key]).sum() + huber(one.left[key]).sum()) / 2
-    if abs(blocks.sum()) < arm.prepared.study.thresholds.simulation.nearer_share * total:
+    if abs(blocks.sum()) < arm.prepared.study.thresholds.diagnosis.nothing * total:
         return 0.0
     error = float(np.std(blocks) * np.sqrt(len(blocks)))
     return float(blocks.sum()) / max(error, 1e-12)

@@ -48,7 +48,7 @@ def refine_by_rollouts(
         return first, best
     scale = np.array([each.scale for each in figures])
     A = _stacked(arm, figures, first.touched) * scale
-    least = arm.prepared.study.thresholds.simulation.least_move
+    least = arm.prepared.study.thresholds.diagnosis.least_move
     for _ in range(rounds):
         y = best.flat
         weighted = A * np.minimum(1.0, FAR / np.maximum(np.abs(y), FAR))[:, None]
@@ -88,7 +88,7 @@ class _Figure:
 def _figures(
     arm: Arm, terms: Sequence[Term], at: Rollout, errors: Sequence[Values]
 ) -> list[_Figure]:
-    result, kept = [], arm.prepared.study.thresholds.simulation.least_kept
+    result, kept = [], arm.prepared.study.thresholds.diagnosis.little
     for i, term in enumerate(terms):
         if not CATALOGUE[term.effect].refined:
             continue

@@ -89,7 +89,7 @@ class Arm:
         whole = all(a is b for a, b in zip(self.recordings, recordings, strict=True))
         data = prepared.validate if held_out else prepared.fit
         self.data = data if whole and data is not None else self._balances(self.recordings)
-        settled = self.data.time > study.thresholds.simulation.settling
+        settled = self.data.time > study.thresholds.diagnosis.settling
         rows = {key: np.flatnonzero(mask & settled) for key, mask in self.data.mask.items()}
         self.rows: dict[Key, NDArray[np.intp]] = {k: at for k, at in rows.items() if len(at)}
 

@@ -39,14 +39,14 @@ def simulated_estimates(
     if reason:
         return estimates, f"The figures were not refined by simulating the arm: {reason}."
     values, errors = values_and_errors(estimates)
-    least = prepared.study.thresholds.simulation
+    least = prepared.study.thresholds.diagnosis
     start = [state.simulated.get(t.key, v) for t, v in zip(terms, values, strict=True)]
     try:
         arm = Arm(prepared, state.fit)
         first, best = refine_by_rollouts(arm, terms, start, errors)
     except (PdoikError, ValueError) as error:
         return estimates, f"The figures were not refined by simulating the arm: {error}."
-    if best.cost > least.strays * max(_regression_loss(state.fit, first), 1.0):
+    if best.cost > least.rare * max(_regression_loss(state.fit, first), 1.0):
         return estimates, (
             "The figures were not refined by simulating the arm: the simulation of its commands"
             f" departs from its recordings by {np.sqrt(best.cost):.2g} times the noise."
@@ -76,6 +76,5 @@ def _moved(
     for name, each in before.items():
         away = values[name] - each.value
         value = each.value + taken * away
-        error = float(np.hypot(left * away, effect.simplified * value))
-        moved[name] = each.moved(value).wider(error)
+        moved[name] = each.moved(value).wider(left * abs(away))
     return moved

@@ -75,7 +75,7 @@ class JointElasticity(Effect):
     instead = ("backlash",)
     fixed = True
     shown_poorly = True
-    simplified = 0.01  # one stiffness and one damping, and the rotor where it is believed
+    simplified = 0.1  # it rings by an inertia, which is a drawing's: to a tenth
     simulated_rivals = ("backlash",)
     complexity = 3
 

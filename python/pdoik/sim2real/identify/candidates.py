@@ -41,7 +41,7 @@ def _candidates(balances: Balances) -> list[Term]:
 def _restless(balances: Balances, j: int) -> bool:
     """Whether something is left in joint j's torque, or in the tip's pose."""
     keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
-    least = balances.thresholds.identify.restless
+    least = balances.thresholds.diagnosis.restless
     return any(balances.rms(k) > least * balances.sigma[k] for k in keys if k in balances.residual)
 
 

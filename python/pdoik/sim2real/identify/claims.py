@@ -15,12 +15,12 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..effects.inertial import LinkInertials
 from ..effects.torque_gain import TorqueGain
-from ..findings import HadBy, Support
+from ..findings import ERRORS, HadBy, Support
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term, TermKey, term_of
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import DAYS, TRUST
-from ..thresholds.identify import IdentifyThresholds
+from ..thresholds.diagnosis import DiagnosisThresholds
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Weighed
@@ -33,7 +33,6 @@ from .support import as_trusted, held_out_support
 from .weighing import State
 
 _UNNAMED = (DAYS, Tolerance.id)
-_WITHIN = 1.96  # errors of a 95 % interval
 
 
 def identified(posterior: Posterior, state: State) -> Identified:
@@ -77,7 +76,7 @@ class _Claims:
         """Causes that were chosen."""
         weighed = judged(self.posterior, self.state)
         everything = [own.hypothesis.term for own, _ in weighed]
-        believed, fit = self.noisy.thresholds.identify, as_trusted(self.fit, everything)
+        believed, fit = self.noisy.thresholds.diagnosis, as_trusted(self.fit, everything)
         for own, others in weighed:
             hypothesis, odds = own.hypothesis, own.log_odds
             term = hypothesis.term
@@ -91,7 +90,7 @@ class _Claims:
 
     def _claim_shared(self, worth: float) -> None:
         """What most joints have is all joints', where it is likely and about as large."""
-        alike_by = self.noisy.thresholds.identify.alike
+        alike_by = self.noisy.thresholds.diagnosis.alike
         for term in tuple(self.doubtful):
             if not CATALOGUE[term.effect].shared or self.support[term.key].odds < worth:
                 continue
@@ -124,13 +123,13 @@ class _Claims:
 
     def _is_named(self, hypothesis: Hypothesis, beta: np.ndarray, errors: float) -> bool:
         """Whether an ordinary part is named; it is claimed if so."""
-        believed = self.noisy.thresholds.identify
+        believed = self.noisy.thresholds.diagnosis
         if errors < believed.sure or hypothesis.key in self.support:
             return False
         term, others = hypothesis.term, list[Scored]()
         if term.effect == TRUST:
             far = float(np.sqrt(np.sum(hypothesis.precision * beta**2)))
-            if far <= believed.beyond or (LinkInertials.id, term.place) in self.support:
+            if far <= believed.sure or (LinkInertials.id, term.place) in self.support:
                 return False
             term = self._as_body(term)
         elif term.effect not in CATALOGUE or (
@@ -161,7 +160,7 @@ class _Claims:
         thresholds = self.noisy.thresholds
         self.support[term.key] = seen
         self.rivals[term.key] = tuple(each.weighed for each in others)
-        sure = sure and confidence_of(thresholds, seen) >= thresholds.confidence.suspected
+        sure = sure and confidence_of(thresholds, seen) >= thresholds.diagnosis.suspected
         (self.claimed if sure else self.doubtful).append(term)
         return sure
 
@@ -184,7 +183,7 @@ class _Claims:
         )
 
 
-def _had_by(term: Term, believed: IdentifyThresholds) -> HadBy:
+def _had_by(term: Term, believed: DiagnosisThresholds) -> HadBy:
     """Whether few machines have a cause, many, or every one to some degree."""
     if term.place.gate is not None:
         return "few"
@@ -202,4 +201,4 @@ def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:
     errors = np.sqrt(beta @ np.linalg.lstsq(own, beta, rcond=None)[0] / len(beta))
     first = abs(beta[0]) / max(float(np.sqrt(own[0, 0])), 1e-300)
     by_size = CATALOGUE[hypothesis.term.effect].size_first
-    return bool(min(errors, first) < _WITHIN if by_size else errors < _WITHIN)
+    return bool(min(errors, first) < ERRORS if by_size else errors < ERRORS)

@@ -15,7 +15,7 @@ from ..regression.fit import Fit, Term, term_of
 from ..regression.one_more import gains_alone
 from ..regression.wald import wald
 from ..study.recording import FloatArray
-from ..thresholds.contacts import ContactThresholds
+from ..thresholds.diagnosis import DiagnosisThresholds
 
 _LENGTHS = (0.4, 0.8, 1.6, 3.2, 6.4)  # of the windows tried [s]
 
@@ -49,7 +49,7 @@ def contact_term(fit: Fit) -> Term | None:
         window=(best.begin, best.end),
     )
     term = term_of(b, CATALOGUE[ExternalContact.id], place, best.shape)
-    if term is None or best.end - best.begin < b.thresholds.contacts.shortest:
+    if term is None or best.end - best.begin < b.thresholds.diagnosis.shortest:
         return None
     return term if stands(fit.extended(term), term) else None
 
@@ -67,7 +67,7 @@ def clearest(windows: Sequence[Window]) -> Window | None:
 
 def stands(fit: Fit, term: Term) -> bool:
     """Whether a contact, the fit's last term, is clear beside all the others."""
-    least = fit.balances.thresholds.contacts
+    least = fit.balances.thresholds.diagnosis
     gain, rows, elsewhere, harm = 0.0, 0, 0.0, 0.0
     beta = fit.beta[-term.width :]
     for key, column in term.columns.items():
@@ -81,13 +81,13 @@ def stands(fit: Fit, term: Term) -> bool:
         gain += float(part @ part)
         rows += int(at.sum())
         elsewhere += float(np.sum(fit.residual(key)[~at] ** 2)) / max(int((~at).sum()), 1)
-    if harm > least.harm * gain:
+    if harm > least.push_harm * gain:
         return False  # it would make a joint worse
     usual = elsewhere / max(len(term.columns), 1)
-    if gain < least.above_usual * usual * rows:
+    if gain < least.rare * usual * rows:
         return False  # no larger than what is left at other times
-    large = gain > least.least_gain and gain > least.least_size**2 * rows
-    return large and wald(fit, term) > least.least_t
+    large = gain > least.push_gain and gain > rows
+    return large and wald(fit, term) > least.push_t
 
 
 def pauses(fit: Fit, term: Term) -> bool:
@@ -96,18 +96,18 @@ def pauses(fit: Fit, term: Term) -> bool:
     Carried on before and after its window, it must explain less by as much as a contact must gain.
     """
     b, place = fit.balances, replace(term.place, window=(-np.inf, np.inf))
-    least = b.thresholds.contacts
+    least = b.thresholds.diagnosis
     whole = term_of(b, CATALOGUE[ExternalContact.id], place, term.shape)
     if whole is None:
         return False
     beta, harm = fit.beta[-term.width :], 0.0
     for key, column in whole.columns.items():
         rows = fit.rows[key]
-        outside = ~acting(term.columns[key][rows], least.felt)
+        outside = ~acting(term.columns[key][rows], least.little)
         left = fit.residual(key)[outside]
         part = column[rows[outside]] @ beta / b.sigma[key]
         harm += float(part @ part - 2.0 * (left @ part))
-    return harm > least.least_gain
+    return harm > least.push_gain
 
 
 def acting(column: FloatArray, felt: float) -> NDArray[np.bool_]:
@@ -141,7 +141,7 @@ def _points(fit: Fit) -> list[tuple[int, Shape]]:
 
 def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
     """The best window of each recording, if it is clear enough."""
-    b, least = fit.balances, fit.balances.thresholds.contacts
+    b, least = fit.balances, fit.balances.thresholds.diagnosis
     body = b.motions[0].body
     assert body is not None
     left, column, counts = _rows(fit, link, shape)
@@ -162,7 +162,7 @@ def _scan(fit: Fit, link: int, shape: Shape) -> list[Window]:
                 continue
             gains = _gains(sums, firsts, firsts + rows)
             top = int(np.argmax(gains))
-            clear = gains[top] > least.above_others * _third(gains)
+            clear = gains[top] > least.rare * _third(gains)
             if (
                 clear
                 and _explains(least, sums, firsts[top], firsts[top] + rows)
@@ -203,20 +203,17 @@ def _gains(sums: list[FloatArray], firsts: NDArray[np.intp], lasts: NDArray[np.i
     return gains_alone(moment, gram, 1e-6)[1]
 
 
-def _explains(least: ContactThresholds, sums: list[FloatArray], first: int, last: int) -> bool:
+def _explains(least: DiagnosisThresholds, sums: list[FloatArray], first: int, last: int) -> bool:
     """Whether a constant force explains most of what is there, and that is not little."""
     square, count = (s[last] - s[first] for s in sums[2:])
     gain = _gain(sums, first, last)
     return bool(
-        count >= 6
-        and gain > least.least_gain
-        and gain > least.least_explained * square
-        and gain > least.least_size**2 * count
+        count >= 6 and gain > least.push_gain and gain > least.most_of * square and gain > count
     )
 
 
 def _sharpened(
-    least: ContactThresholds, window: Window, sums: list[FloatArray], time: FloatArray
+    least: DiagnosisThresholds, window: Window, sums: list[FloatArray], time: FloatArray
 ) -> Window:
     """Both ends moved row by row to where the gain, less what a row costs, is highest."""
     first, last = (int(np.searchsorted(time, t)) for t in (window.begin, window.end))

@@ -92,7 +92,7 @@ def _size(fit: Fit, root: FloatArray, term: Term) -> Estimate:
 def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimate:
     if unit == "rad":  # a phase may wrap
         samples = value + (samples - value + np.pi) % (2 * np.pi) - np.pi
-    least = fit.balances.thresholds.figures.discretisation * abs(value)
+    least = fit.balances.thresholds.priors.discretisation * abs(value)
     low, high = np.quantile(samples, (0.025, 0.975))
     std = float(np.hypot((high - low) / 3.92, least))
     return Estimate.normal(value, std, unit)
@@ -109,7 +109,7 @@ def _with_spread(
     if len(days) < 2:
         return figures
     believed = np.concatenate([term.prior, *(day.prior for day in own)])
-    most = fit.balances.thresholds.figures.silent
+    most = fit.balances.thresholds.diagnosis.silent
     values, variances = _of_sessions(fit.beta[[at, *days]], root[:, [at, *days]], believed, most)
     if np.isfinite(variances).sum() < 2:
         return figures

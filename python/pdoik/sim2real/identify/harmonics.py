@@ -19,7 +19,7 @@ _REACHES = np.geomspace(_LOWEST, _HIGHEST, 32)  # harmonics to which rows are to
 
 def harmonic_terms(fit: Fit, joints: Sequence[int] | None = None) -> list[Term]:
     """Effects of the strongest harmonics in what is left, for each joint that moves, or some."""
-    b, least = fit.balances, fit.balances.thresholds.identify
+    b, least = fit.balances, fit.balances.thresholds.diagnosis
     effects = [each for each in CATALOGUE.values() if each.sought == "harmonics"]
     terms = []
     for j in range(b.n) if joints is None else joints:

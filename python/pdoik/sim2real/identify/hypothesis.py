@@ -12,7 +12,7 @@ from ..motion.place import Gate, Key
 from ..regression.background import usual_torque
 from ..regression.fit import Term, TermKey
 from ..study.recording import FloatArray
-from ..thresholds.identify import IdentifyThresholds
+from ..thresholds.priors import PriorThresholds
 
 _LEAST_FIXED, _MOST_FIXED = 0.6, 1.6
 
@@ -78,7 +78,7 @@ def peculiar(balances: Balances, term: Term, *, among: float = 1.0) -> Hypothesi
         term: of an effect of the catalogue.
         among: places, shapes, moments that were looked at for it, beyond those of the pool.
     """
-    believed, effect = balances.thresholds.identify, CATALOGUE[term.effect]
+    believed, effect = balances.thresholds.priors, CATALOGUE[term.effect]
     odds = float(np.log(effect.odds / (1.0 - effect.odds)) - np.log(among))
     odds += effect.log_prior(term.shape)
     if term.fixed:
@@ -98,7 +98,7 @@ def peculiar(balances: Balances, term: Term, *, among: float = 1.0) -> Hypothesi
     )
 
 
-def _usual_precision(balances: Balances, term: Term, believed: IdentifyThresholds) -> FloatArray:
+def _usual_precision(balances: Balances, term: Term, believed: PriorThresholds) -> FloatArray:
     """Inverse variances with which each coefficient's part of the balances is of usual size."""
     if CATALOGUE[term.effect].is_body and np.all(term.prior > 0.0):
         return np.asarray(term.prior)

@@ -57,7 +57,7 @@ def _likeliest(posterior: Posterior, prepared: Prepared, chosen: list[Hypothesis
 
     The likelier after a few causes goes on; at its end the other share is asked again.
     """
-    believed = prepared.study.thresholds.identify
+    believed = prepared.study.thresholds.priors
     told = prepared.study.trust.rigid_body
     most = believed.bodies if told is None else told
     shares = [most]

@@ -99,7 +99,7 @@ class Linearisation:
                 target=balances.residual[key][rows],
                 floor=balances.sigma[key],
                 parts=parts,
-                least_repeats=balances.thresholds.identify.least_repeats,
+                least_repeats=balances.thresholds.priors.least_repeats,
             )
         return cls(series)
 

@@ -53,14 +53,14 @@ def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
         return None
     best = int(np.argmax(at))
     between = max(_gain(term, column, residual, clock >= since) for since in borders)
-    if at[best] <= (1.0 + b.thresholds.identify.moment_better) * between:
+    if at[best] <= (1.0 + b.thresholds.diagnosis.moment_better) * between:
         return None
     return Onset(at[best], float(inside[best]), term)
 
 
 def _moments(balances: Balances, clock: FloatArray, borders: FloatArray) -> FloatArray:
     """Moments of the study away from the recordings' borders."""
-    away = balances.thresholds.identify.moment_away
+    away = balances.thresholds.noise.block
     moments = np.quantile(clock, np.linspace(0.02, 0.98, MOMENTS))
     ends = [m.clock + float(m.time[-1]) for m in balances.motions]
     near = np.min(np.abs(moments[:, None] - np.concatenate([borders, ends])[None, :]), axis=1)

@@ -85,7 +85,7 @@ class Ordinary:
         return (*found, *(ordinary(term, 1.0 / np.sqrt(term.prior)) for term in bodies))
 
     def _of_joint(self, j: int) -> Iterator[Hypothesis]:
-        b, believed = self.balances, self.balances.thresholds.identify
+        b, believed = self.balances, self.balances.thresholds.priors
         usual = usual_torque(b, j)
         acceleration = np.concatenate([m.ddq[:, j] for m in b.motions])
         accelerated = float(np.sqrt(np.mean(acceleration**2)))
@@ -115,7 +115,7 @@ class Ordinary:
     def _of_days(self, j: int) -> Iterator[Hypothesis]:
         """Friction of each session less the mean's."""
         session = self.sessions
-        share = self.days or self.balances.thresholds.identify.days
+        share = self.days or self.balances.thresholds.priors.days
         for name in _CHANGES:
             size = share * self.levels.get((name, j), 0.0)
             plain = self.term(name, j)
@@ -136,7 +136,7 @@ class Ordinary:
 
     def _of_calibration(self, j: int) -> Iterator[Hypothesis]:
         """Of joint j's drive and speed sensor, as exact as these are made."""
-        b, believed = self.balances, self.balances.thresholds.identify
+        b, believed = self.balances, self.balances.thresholds.priors
         sizes = {
             ZERO: believed.drive_zero * max(usual_torque(b, j), 1e-9),
             SCALE: believed.drive_scale,
@@ -172,7 +172,7 @@ class Ordinary:
 
     def _share_of_days(self, model: Model) -> float:
         """By which friction differs between sessions, the likeliest of three."""
-        believed = self.balances.thresholds.identify
+        believed = self.balances.thresholds.priors
         now = self.days or believed.days
         if len(np.unique(self.sessions)) < 2 or not any(
             each.term.effect == DAYS for each in model.hypotheses

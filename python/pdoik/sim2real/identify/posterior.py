@@ -17,6 +17,7 @@ from .proposals import begun, gated, harmonics, nameless, pushes
 from .weighing import SERIOUS, State, Weighing
 
 _LOOKS = 3  # at every cause, where nothing more is worth adding
+_MOST = 40  # causes, where evidence has not ended it before
 
 
 class Posterior(Weighing):
@@ -29,8 +30,7 @@ class Posterior(Weighing):
         then torques without a name; at last every cause once more. What came and went is not
         tried again before that last look: every step makes the set likelier, or it is not taken.
         """
-        believed = self.balances.thresholds.identify
-        most = believed.most if most is None else most
+        most = _MOST if most is None else most
         gone: set[TermKey] = set()
         sources = (self._of_pool, self._of_parts, self._of_nameless)
         level = looks = 0
@@ -67,7 +67,7 @@ class Posterior(Weighing):
             if each.hypothesis.key not in gone and fits_beside(each.hypothesis, state.chosen)
         ]
         best = self.best(state.model, serious)
-        if best is None or best.log_odds < self.balances.thresholds.identify.worth:
+        if best is None or best.log_odds < self.balances.thresholds.diagnosis.worth:
             return None
         self.tell(f"{_words(best.hypothesis)}: log odds {best.log_odds:.0f}")
         return best.hypothesis
@@ -82,7 +82,7 @@ class Posterior(Weighing):
         if (
             simpler is None
             and looked.log_posterior
-            > state.log_posterior + self.balances.thresholds.identify.better
+            > state.log_posterior + self.balances.thresholds.diagnosis.better
         ):
             return looked
         return simpler
@@ -93,7 +93,7 @@ class Posterior(Weighing):
         Of those that share a balance with a new one, or of all where there is none. What came and
         went is not tried, and noted.
         """
-        believed = self.balances.thresholds.identify
+        believed = self.balances.thresholds.diagnosis
         for each in state.chosen:
             if added is not None and (
                 each is added or each.term.columns.keys().isdisjoint(added.term.columns)
@@ -168,7 +168,7 @@ class Posterior(Weighing):
                 or best.log_odds
                 < state.log_posterior
                 - bare.log_posterior
-                + self.balances.thresholds.identify.better
+                + self.balances.thresholds.diagnosis.better
             ):
                 continue
             new = best.hypothesis

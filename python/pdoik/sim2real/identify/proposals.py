@@ -129,5 +129,5 @@ def _unexplained(balances: Balances, fit: Fit, joints: Sequence[int] | None) -> 
         if key not in fit.design or not balances.excited[j] or not len(fit.rows[key]):
             continue
         left = fit.residual(key) * fit.balances.sigma[key]
-        if np.sqrt(np.mean(left**2)) > balances.thresholds.identify.left * balances.floor[key]:
+        if np.sqrt(np.mean(left**2)) > balances.thresholds.diagnosis.restless * balances.floor[key]:
             yield j

@@ -32,7 +32,7 @@ def _with_gravity(prepared: Prepared, fit: Fit) -> Prepared | None:
     found = _gravity_of(fit)
     there = level if found is None else found
     now = prepared.fit.motions[0].cache.get(_GRAVITY, level)
-    matters = prepared.study.thresholds.identify.tilt * STANDARD_GRAVITY
+    matters = prepared.study.thresholds.diagnosis.tilt * STANDARD_GRAVITY
     if np.linalg.norm(there - now) < matters:
         return None
     held_out = prepared.validate
@@ -93,7 +93,7 @@ def _torques(motion: Motion, found: Weighted) -> FloatArray:
 
 def _matters(fit: Fit, found: Weighted, again: Balances) -> bool:
     """Whether a term says another thing by as much as would be a term of its own."""
-    least = again.thresholds.identify.linear
+    least = again.thresholds.diagnosis.linear
     for term, beta in found:
         if term.effect == TRUST:
             continue

@@ -51,7 +51,7 @@ def _near(
     posterior: Posterior, without: Model, own: Scored, pool: Sequence[Scored]
 ) -> list[Scored]:
     """What comes near a cause in its place, whatever was believed before of either."""
-    level, cause = posterior.balances.thresholds.identify.level, own.hypothesis
+    level, cause = posterior.balances.thresholds.diagnosis.level, own.hypothesis
     least = _at_noise_of(posterior, without, cause) - level
     found = []
     for scored in serious(pool)[:_WEIGHED]:

@@ -126,7 +126,7 @@ class Weighing:
             whole = wider(beside, hypothesis)
             while (gone := whole.impossible) and all(each is not hypothesis for each in gone):
                 whole = whole.without(*gone)
-            if whole.size_of(hypothesis) < self.balances.thresholds.identify.matters:
+            if whole.size_of(hypothesis) < self.balances.thresholds.diagnosis.matters:
                 continue
             found.append(Scored(hypothesis, whole.log_posterior - beside.log_posterior))
             old = self.tried.get(hypothesis.key)
@@ -144,7 +144,7 @@ class Weighing:
         for key, column in term.columns.items():
             inside += float(np.sum(column[b.mask[key]] ** 2)) / b.sigma[key] ** 2
             whole += float(np.sum(column**2)) / b.sigma[key] ** 2
-        return inside > b.thresholds.identify.inside * whole
+        return inside > b.thresholds.diagnosis.nothing * whole
 
     def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
         """With gate and nonlinear parameters where they are likeliest beside a fit.
@@ -160,7 +160,7 @@ class Weighing:
             return hypothesis
         effect = CATALOGUE[term.effect]
         free = len(effect.free(moved.shape))
-        price = 0.0 if again else free * self.balances.thresholds.identify.shape_price
+        price = 0.0 if again else free * self.balances.thresholds.diagnosis.shape_price
         price += effect.log_prior(term.shape) - effect.log_prior(moved.shape)
         moved = replace(moved, prior=term.prior)
         return replace(hypothesis, term=moved, log_odds=hypothesis.log_odds - price)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..effects.inertial import LinkInertials, Payload
-from ..findings import Estimate
+from ..findings import ERRORS, Estimate
 from ..identify.figures import estimates
 from ..identify.identified import Identified
 from ..motion.place import Place
@@ -24,9 +24,8 @@ def by_moments(
     Returns:
         What was identified with them, the terms, their estimates, and where a payload was put so.
     """
-    least = state.balances.thresholds.figures.least_t
     loads = [i for i, t in enumerate(terms) if t.effect == Payload.id]
-    shapeless = [i for i in loads if not has_shape(values[i], least)]
+    shapeless = [i for i in loads if not has_shape(values[i])]
     if not shapeless:
         return state, terms, values, frozenset()
     kept = list(terms)
@@ -46,7 +45,7 @@ def by_moments(
     return state, tuple(kept), estimates(state.fit, tuple(kept), seed), places
 
 
-def has_shape(values: dict[str, Estimate], least: float) -> bool:
+def has_shape(values: dict[str, Estimate]) -> bool:
     """Whether a payload's mass is clear, so that its centre and inertia are figures."""
     mass = values["mass"]
-    return mass.value > least * mass.std
+    return mass.value > ERRORS * mass.std

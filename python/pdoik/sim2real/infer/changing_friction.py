@@ -21,7 +21,8 @@ from ..regression.clusters import clustered
 from ..regression.fit import Fit
 from ..regression.random_effects import spread_between
 from ..study.recording import FloatArray
-from ..thresholds.verdict import VerdictThresholds
+from ..thresholds import Thresholds
+from ..thresholds.diagnosis import DiagnosisThresholds
 
 
 def spreads_of(fit: Fit) -> dict[int, float]:
@@ -39,7 +40,7 @@ def spreads_of(fit: Fit) -> dict[int, float]:
         rows = fit.rows[key]
         left, friction = fit.residual(key) * b.sigma[key], friction_at(fit, j)
         each = [
-            _scale(left[at], friction[at], b.block[rows[at]], b.thresholds.verdict)
+            _scale(left[at], friction[at], b.block[rows[at]], b.thresholds.diagnosis)
             for at in (b.recording[rows] == k for k in range(len(b.motions)))
         ]
         known = np.array([pair for pair in each if pair is not None])
@@ -49,13 +50,13 @@ def spreads_of(fit: Fit) -> dict[int, float]:
     return found
 
 
-def changing(spreads: Mapping[int, float], limits: VerdictThresholds) -> dict[int, float]:
+def changing(spreads: Mapping[int, float], thresholds: Thresholds) -> dict[int, float]:
     """The joints that stand out, and by how much their friction differs."""
     found = {}
     for j, spread in spreads.items():
         others = [each for i, each in spreads.items() if i != j]
-        usual = max(float(np.median(others)), limits.usual_change) if others else np.inf
-        if spread > limits.outstanding * usual:
+        usual = max(float(np.median(others)), thresholds.priors.usual_change) if others else np.inf
+        if spread > thresholds.diagnosis.rare * usual:
             found[j] = spread
     return found
 
@@ -80,7 +81,7 @@ def with_changes(
 
 
 def _scale(
-    left: FloatArray, friction: FloatArray, block: NDArray[np.intp], limits: VerdictThresholds
+    left: FloatArray, friction: FloatArray, block: NDArray[np.intp], limits: DiagnosisThresholds
 ) -> tuple[float, float] | None:
     """By which share friction is larger in one recording, and its error; None where unseen.
 
@@ -88,7 +89,7 @@ def _scale(
     """
     varying = friction - friction.mean() if len(friction) else friction
     power, blocks = float(varying @ varying), np.unique(block)
-    least = limits.change_shown * float(friction @ friction)
+    least = limits.shown * float(friction @ friction)
     if len(blocks) < limits.change_blocks or power <= least:
         return None
     share = float(varying @ left) / power

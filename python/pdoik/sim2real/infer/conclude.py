@@ -82,7 +82,7 @@ def conclude(
     simulated = judged_by_simulation(prepared, figures.state)
     found: list[Found] = []
     against: list[Term] = []
-    changes = changing(spreads_of(ordinary), study.thresholds.verdict)
+    changes = changing(spreads_of(ordinary), study.thresholds)
     for term, values in figures.terms:
         each = _found(prepared, figures, term, values, prediction, simulated, seed)
         # Of friction that is another one in every recording, one more is no contradiction.
@@ -108,7 +108,7 @@ def conclude(
     ]
     found = merged(found, study.joints)
     found.sort(key=lambda each: -each[0].weight)
-    least = study.thresholds.confidence.suspected
+    least = study.thresholds.diagnosis.suspected
     found = [(_if_sized(each, least), terms) for each, terms in found]
     suspected += tuple(finding for finding, _ in found if finding.confidence < least)
     found = with_unsaid(prepared, whole, [each for each in found if each[0].confidence >= least])
@@ -120,7 +120,7 @@ def conclude(
             findings,
             joints,
             fitted_joints(prepared, state, simulated.left),
-            study.thresholds.verdict,
+            study.thresholds.diagnosis,
         ),
         findings=findings,
         joints=joints,
@@ -221,7 +221,7 @@ def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) ->
     """
     if prepared.validate is None:
         return False
-    seen, believed = finding.evidence, prepared.study.thresholds.identify
+    seen, believed = finding.evidence, prepared.study.thresholds.diagnosis
     if ordinary:
         return _acts(seen) and seen.validation_gain < 0.0
     little = seen.beside_others is not None and seen.beside_others < believed.judged
@@ -275,7 +275,7 @@ def _is_ordinary(state: Identified, term: Term) -> bool:
 
 def _suspect(prepared: Prepared, finding: Finding) -> Finding:
     """What was found and then contradicted is not claimed."""
-    most = prepared.study.thresholds.confidence.suspected
+    most = prepared.study.thresholds.diagnosis.suspected
     worse = finding.evidence.interval95[1] < 0.0
     how = "contradict it" if worse else "show next to nothing of it"
     said = f"{finding.statement} The held-out recordings, which only judge, {how}."
@@ -303,7 +303,7 @@ def _suspected(prepared: Prepared, state: Identified, seed: int) -> tuple[Findin
         support = state.support[term.key]
         values = estimates(state.fit, (term,), seed)[0]
         finding = finding_of(prepared, term, values, (), Evidence.once(0.0), support)
-        most = prepared.study.thresholds.confidence.suspected
+        most = prepared.study.thresholds.diagnosis.suspected
         confidence = min(confidence_of(prepared.study.thresholds, support), most)
         found.append(replace(finding, weight=support.weight, confidence=confidence))
     return tuple(sorted(found, key=lambda each: -each.confidence))

@@ -29,7 +29,7 @@ def event_support(others: Fit, term: Term, start: Fit) -> Support:
         term: the event.
         start: of nothing, which leaves all.
     """
-    felt = others.balances.thresholds.contacts.felt
+    felt = others.balances.thresholds.diagnosis.little
     at = {
         key: np.flatnonzero(acting(column[others.rows[key]], felt))
         for key, column in term.columns.items()

@@ -18,6 +18,8 @@ from ..regression.trusted_bodies import effect_of
 from ..thresholds import Thresholds
 from .event_support import event_support
 
+_MOST = 3  # of held-out recordings
+
 
 def within(state: Identified, term: Term, channels: tuple[str, ...]) -> Evidence:
     """Evidence of an event in recordings to fit, held against its own window."""
@@ -45,9 +47,9 @@ def held_out_contacts(
     b = prepared.validate
     if b is None or any(effect_of(term).sought == "last" for term in fit.terms):
         return found
-    least, start, rest = b.thresholds.contacts, Fit(b, ()), prediction.rest(fit)
+    least, start, rest = b.thresholds.diagnosis, Fit(b, ()), prediction.rest(fit)
     beside = prediction.rest(fit.extended(*suspected))
-    for _ in range(least.most_held_out):
+    for _ in range(_MOST):
         term = contact_term(beside)
         if term is None:
             break
@@ -58,14 +60,14 @@ def held_out_contacts(
             continue
         support = event_support(rest, term, start)
         rest = with_it
-        if support.weight < least.least_weight:
+        if support.weight < least.push_share:
             break
         channels = sorted({channel_of(prepared, key) for key in term.columns})
         evidence = Evidence.once(support.weight, *channels)
         finding = finding_of(prepared, term, event_estimates(rest, term), (), evidence, support)
         finding = only_held_out(finding, b.thresholds)
         found.append((finding, (term,)))
-        if finding.confidence >= b.thresholds.confidence.suspected:
+        if finding.confidence >= b.thresholds.diagnosis.suspected:
             prediction.events.append((term, rest.beta[-term.width :].copy()))
     return found
 

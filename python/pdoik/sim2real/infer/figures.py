@@ -11,7 +11,7 @@ import numpy as np
 
 from ..confirm.simulated_estimates import simulated_estimates
 from ..effects import CATALOGUE, Effect
-from ..findings import Estimate
+from ..findings import ERRORS, Estimate
 from ..identify.figures import estimates
 from ..identify.identified import Identified
 from ..motion.place import Place
@@ -36,7 +36,7 @@ class Figures:
 
 def figures_of(prepared: Prepared, state: Identified, seed: int) -> Figures:
     """Estimates of all accepted terms, refined by simulation, widened by what data hide."""
-    motions, least_t = prepared.fit.motions, prepared.fit.thresholds.figures.least_t
+    motions = prepared.fit.motions
     accepted = tuple(
         term
         for term in state.accepted
@@ -52,12 +52,12 @@ def figures_of(prepared: Prepared, state: Identified, seed: int) -> Figures:
     kept: list[tuple[Term, dict[str, Estimate]]] = []
     lost: list[Term] = []
     for number, term in enumerate(accepted):
-        figures = widened(prepared.fit, term, values[number])
+        figures = _as_simple(CATALOGUE[term.effect], widened(prepared.fit, term, values[number]))
         plain = {name: each.value for name, each in figures.items()}
         if CATALOGUE[term.effect].trifling(plain, motions[0], term.place):
             continue
         said = ""
-        if term not in state.contacts and _is_lost_in_its_error(term, figures, least_t):
+        if term not in state.contacts and _is_lost_in_its_error(term, figures):
             said = "suggested, but not larger than its error."
         elif beyond := at_bound(state.fit, term, figures):
             said = f"{beyond}, so it explains nothing."
@@ -73,6 +73,13 @@ def figures_of(prepared: Prepared, state: Identified, seed: int) -> Figures:
     return Figures(state=state, terms=tuple(kept), loads=loads, notes=tuple(notes))
 
 
+def _as_simple(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Estimate]:
+    """Figures with what the simplicity of their law may take of them."""
+    if not effect.simplified:
+        return figures
+    return {name: e.wider(effect.simplified * abs(e.value)) for name, e in figures.items()}
+
+
 def within_bounds(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Estimate]:
     """Intervals over sessions no farther than figures may go: few sessions leave them wide."""
     bounds = {each.name: (each.lower, each.upper) for each in effect.parameters}
@@ -85,7 +92,7 @@ def within_bounds(effect: Effect, figures: dict[str, Estimate]) -> dict[str, Est
     return result
 
 
-def _is_lost_in_its_error(term: Term, figures: dict[str, Estimate], least_t: float) -> bool:
+def _is_lost_in_its_error(term: Term, figures: dict[str, Estimate]) -> bool:
     """Whether the size of what was found may as well be zero.
 
     Of a body each figure may be nothing while what they do together, which is what motors feel and
@@ -94,7 +101,7 @@ def _is_lost_in_its_error(term: Term, figures: dict[str, Estimate], least_t: flo
     if not CATALOGUE[term.effect].size_first:
         return False
     size = next(iter(figures.values()))
-    return abs(size.value) < least_t * size.std
+    return abs(size.value) < ERRORS * size.std
 
 
 def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
@@ -102,7 +109,7 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
 
     A figure that would go on beyond what it may be is pulled by something else.
     """
-    effect, near = CATALOGUE[term.effect], fit.balances.thresholds.figures.on_bound
+    effect, near = CATALOGUE[term.effect], fit.balances.thresholds.diagnosis.on_bound
     for each in effect.parameters:
         if each.name not in values or each.chosen:
             continue

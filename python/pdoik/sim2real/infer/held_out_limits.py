@@ -33,7 +33,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
     b = prepared.validate
     if b is None:
         return found
-    of_level = b.thresholds.verdict.level_error
+    of_level = b.thresholds.priors.discretisation
     limited = {t.place.joints for t in fit.terms if t.effect == _LIMIT}
     for j in range(b.n):
         if (j,) in limited:
@@ -59,7 +59,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
             finding = finding_of(prepared, term, figures, (), evidence, support)
             finding = _where(finding, b, top)
             found.append((finding, (term,)))
-            if finding.confidence >= b.thresholds.confidence.suspected:
+            if finding.confidence >= b.thresholds.diagnosis.suspected:
                 prediction.events.append((term, np.ones(1)))
             break
     return found

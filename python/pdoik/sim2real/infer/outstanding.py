@@ -37,15 +37,15 @@ def with_outstanding(
 
 def _outstanding(prepared: Prepared, state: Identified, ordinary: Fit) -> dict[int, float]:
     """What a joint leaves over what its friction makes likely, by the same of the others."""
-    least = prepared.study.thresholds.verdict
+    least, believed = prepared.study.thresholds.diagnosis, prepared.study.thresholds.priors
     shares = _shares(prepared, state, ordinary)
     found = {}
     for j, share in shares.items():
         others = [each for i, each in shares.items() if i != j]
-        usual = max(float(np.median(others)), least.usual_residue) if others else 1.0
+        usual = max(float(np.median(others)), believed.usual_residue) if others else 1.0
         ratio = share / usual
-        alone = share > least.more_than_friction
-        if alone or (ratio > least.outstanding and share > least.usual_residue):
+        alone = share > 1.0  # more than friction, noise and the model's error together
+        if alone or (ratio > least.rare and share > believed.usual_residue):
             found[j] = ratio
     return found
 
@@ -55,16 +55,16 @@ def _shares(prepared: Prepared, state: Identified, fit: Fit) -> dict[int, float]
 
     Nothing of a joint that is as quiet as its sensors are.
     """
-    b, verdict = prepared.fit, prepared.study.thresholds.verdict
+    b, thresholds = prepared.fit, prepared.study.thresholds
     shares = {}
     for j in range(b.n):
         key: Key = ("torque", j)
         if key not in state.fit.design or not b.excited[j] or not len(state.fit.rows[key]):
             continue
         left = float(np.sqrt(np.mean(state.fit.residual(key) ** 2))) * state.balances.sigma[key]
-        quiet = verdict.quiet * b.floor[key]
+        quiet = thresholds.diagnosis.quiet * b.floor[key]
         tau = np.concatenate([m.borne[:, j] for m in b.motions])
-        model = verdict.of_the_model * float(np.sqrt(np.mean(tau**2)))
+        model = thresholds.priors.of_the_model * float(np.sqrt(np.mean(tau**2)))
         friction = float(np.sqrt(np.mean(friction_at(fit, j) ** 2)))
         usual = float(np.linalg.norm([friction, quiet, model]))
         shares[j] = left / usual if left > quiet else 0.0

@@ -33,7 +33,7 @@ def residue_of(b: Balances, key: Key, left: FloatArray) -> Residue:
     }
     shares = {name: _between(x[rows], left[rows]) for name, x in variables.items()}
     best = max(shares, key=lambda name: shares[name])
-    least = b.thresholds.verdict.least_residue
+    least = b.thresholds.diagnosis.shown
     return Residue(of=best, share=shares[best]) if shares[best] > least else Residue()
 
 

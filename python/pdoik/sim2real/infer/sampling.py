@@ -28,7 +28,7 @@ _SMALL = 0.2  # of a period: the step of a derivative by the delay
 
 def blur(b: Balances, shape: tuple[float, ...]) -> float:
     """Standard deviation that sampling gives a delay or a lag [s]."""
-    first, by = b.motions[0], b.thresholds.figures
+    first, by = b.motions[0], b.thresholds.priors
     period, known = period_of(first)
     of_kind = by.position_delay if shape[0] == OF_POSITION else by.torque_delay
     share = of_kind if known else by.unknown_delay
@@ -63,11 +63,11 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
 
     Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
     """
-    motions, limits = fit.balances.motions, fit.balances.thresholds.figures
+    motions, limits = fit.balances.motions, fit.balances.thresholds.diagnosis
     if not effect_of(term).is_delay or motions[0].source == "":
         return False
     delay = abs(term.shape[1])
-    if delay > period_of(motions[0])[0] + limits.delay_t * blur(fit.balances, term.shape):
+    if delay > period_of(motions[0])[0] + limits.sure * blur(fit.balances, term.shape):
         return False
     others = [t for t in fit.terms if not (effect_of(t).is_delay and t.shape[0] == term.shape[0])]
     bare = Fit(fit.balances, others)
@@ -78,7 +78,7 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
         value, error = lateness(bare, j, term.shape[0])
         if error < limits.delay_told * delay:
             seen.append(value)
-    return not seen or float(np.median(seen)) > limits.delay_shared * delay
+    return not seen or float(np.median(seen)) > limits.most_of * delay
 
 
 def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:

@@ -17,7 +17,7 @@ OF_TORQUE = re.compile(r"\b(N|kg)\b")
 def with_torque_scale(study: Study, values: dict[str, Estimate]) -> dict[str, Estimate]:
     """Estimates with the error of the torque's scale: of forces, torques and masses."""
     told = study.trust.torque
-    share = study.thresholds.figures.torque_scale if told is None else told
+    share = study.thresholds.priors.torque_scale if told is None else told
     return {
         name: each.wider(share * abs(each.value)) if OF_TORQUE.search(each.unit) else each
         for name, each in values.items()

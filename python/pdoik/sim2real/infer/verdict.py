@@ -16,8 +16,10 @@ from ..motion.prepare import Prepared, simulated
 from ..regression.prediction import Prediction
 from ..study.recording import FloatArray
 from ..study.study import Study
-from ..thresholds.verdict import VerdictThresholds
+from ..thresholds.diagnosis import DiagnosisThresholds
 from .residue import residue_of
+
+_FEW_SESSIONS = 3  # fewer tell next to nothing of others
 
 
 def joint_fits(
@@ -47,7 +49,7 @@ def joint_fits(
             _judged(b, key, _rms(b.residual[key][rows]), after, excited=excited),
             spread=_rms(spread[key][rows]) if key in spread else 0.0,
         )
-        if excited and not _is_quiet(fit, prepared.study.thresholds.verdict):
+        if excited and not _is_quiet(fit, prepared.study.thresholds.diagnosis):
             fit = replace(fit, residue=residue_of(b, key, left[key]))
         result[name] = fit
     return result
@@ -98,7 +100,7 @@ def verdict_of(
     findings: tuple[Finding, ...],
     joints: dict[str, JointFit],
     fitted: dict[str, JointFit] | None = None,
-    thresholds: VerdictThresholds | None = None,
+    thresholds: DiagnosisThresholds | None = None,
 ) -> Verdict:
     """The verdict in one word.
 
@@ -108,7 +110,7 @@ def verdict_of(
         fitted: the same on the recordings to fit: what happened in these alone counts too.
         thresholds: what counts as explained; the defaults if none are given.
     """
-    limits = VerdictThresholds() if thresholds is None else thresholds
+    limits = DiagnosisThresholds() if thresholds is None else thresholds
     judged = [each for each in joints.values() if each.excited]
     also = [each for each in (fitted or {}).values() if each.excited]
     if not judged:
@@ -129,12 +131,12 @@ def verdict_of(
     return "mismatch_explained" if explained else "mismatch_partly_explained"
 
 
-def _is_explained(joint: JointFit, limits: VerdictThresholds) -> bool:
+def _is_explained(joint: JointFit, limits: DiagnosisThresholds) -> bool:
     floor = max(float(np.hypot(joint.noise_floor, joint.spread)), 1e-12)
     return joint.after <= limits.near_floor * floor or joint.after <= limits.little * joint.before
 
 
-def _is_quiet(joint: JointFit, limits: VerdictThresholds) -> bool:
+def _is_quiet(joint: JointFit, limits: DiagnosisThresholds) -> bool:
     """Whether it is explained, or so near its floor that a factor of two is worth no name."""
     floor = float(np.hypot(joint.noise_floor, joint.spread))
     return _is_explained(joint, limits) or joint.after <= limits.quiet * floor
@@ -190,7 +192,7 @@ def _sessions_in_words(prepared: Prepared) -> str:
         groups.setdefault(motion.setup.session or "not told", []).append(motion.recording.name)
     said = "; ".join(f"{name}: {', '.join(files)}" for name, files in groups.items())
     words = f"Sessions of the recordings to fit: {said}. Figures are means over sessions."
-    if len(groups) < prepared.study.thresholds.identify.fewest_days:
+    if len(groups) < _FEW_SESSIONS:
         words += " Two sessions say next to nothing of others: three or more make intervals narrow."
     return words
 
@@ -200,13 +202,13 @@ def simulation_notes(prepared: Prepared) -> list[str]:
     b = simulated(prepared)
     if b is None:
         return []
-    apart, limits = [], prepared.study.thresholds.verdict
+    apart, thresholds = [], prepared.study.thresholds
     for j, name in enumerate(prepared.study.joints):
         key: Key = ("torque", j)
         if key in b.residual and b.mask[key].any():
             left, size = b.rms(key), _rms(np.concatenate([m.borne[:, j] for m in b.motions]))
-            rest = limits.of_the_rest * prepared.fit.rms(key)
-            if left > limits.of_the_model * size and left > rest:
+            rest = thresholds.diagnosis.judged * prepared.fit.rms(key)
+            if left > thresholds.priors.of_the_model * size and left > rest:
                 apart.append(f"{name} by {left:.3g} N m")
     if not apart:
         return ["The given simulation obeys the given model: what differs is the machine."]

@@ -50,7 +50,7 @@ class Beside:
             columns = columns_at(balances, found, found.shape)
             if columns and not found.is_costly:
                 self._add((FOUND, *found.key), columns, found)
-        limits = prepared.study.thresholds.identify
+        limits = prepared.study.thresholds.priors
         trust = prepared.study.trust.rigid_body or (limits.bodies if bodies else 0.0)
         for term in trusted(balances, trust):
             body = ("body", term.place.link)

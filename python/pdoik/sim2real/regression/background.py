@@ -99,7 +99,7 @@ def without_its_like(terms: tuple[Term, ...], term: Term, believed: Thresholds) 
     """
     if term.effect != OneWay.like:
         return terms
-    tighter = (believed.identify.friction / believed.search.one_way) ** 2
+    tighter = (believed.priors.friction / believed.priors.one_way) ** 2
     found = []
     for each in terms:
         here = each.place.joints == term.place.joints
@@ -158,7 +158,7 @@ def _own(term: Term) -> Key:
 
 def _terms(balances: Balances) -> tuple[Term, ...]:
     """Of every joint that can be judged, and of the bodies."""
-    believed = balances.thresholds.identify
+    believed = balances.thresholds.priors
     terms: list[Term] = []
     for j in range(balances.n):
         if ("torque", j) not in balances.residual or not balances.excited[j]:
@@ -187,7 +187,7 @@ def _terms(balances: Balances) -> tuple[Term, ...]:
 
 def imu_parts(balances: Balances) -> Iterator[tuple[Term, FloatArray]]:
     """An IMU's mounting and zeros, which are never quite right, and how large they usually are."""
-    believed = balances.thresholds.identify
+    believed = balances.thresholds.priors
     turn, acc, gyro = believed.imu_tilt, believed.imu_acc, believed.imu_gyro
     for effect, sizes in ((ImuTilt(), [turn] * 3), (ImuOffset(), [acc] * 3 + [gyro] * 3)):
         for place in effect.places(balances.motions):

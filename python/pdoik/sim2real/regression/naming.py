@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..effects import CATALOGUE, Effect
-from ..findings import Equivalent, Estimate, Evidence, Finding, Support
+from ..findings import ERRORS, Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.motion import Motion
 from ..motion.place import Gate, Key
 from ..motion.prepare import Prepared
@@ -62,7 +62,7 @@ def finding_of(
         regime=effect.regime(_inside(where)) + gate_in_words(place.gate, ", only ", begins),
         statement=_sentence(effect.statement(where, plain))
         + gate_in_words(place.gate, " Only ", begins)
-        + _of_unclear_figures(effect, values, prepared.fit.thresholds.figures.least_t),
+        + _of_unclear_figures(effect, values),
         parameters=values,
         equivalents=equivalents,
         decided_by=decided,
@@ -147,9 +147,9 @@ def ends_of(gate: Gate, values: list[FloatArray]) -> tuple[float, float]:
     return max(gate.low, low), min(gate.high, high)
 
 
-def _of_unclear_figures(effect: Effect, values: dict[str, Estimate], least_t: float) -> str:
+def _of_unclear_figures(effect: Effect, values: dict[str, Estimate]) -> str:
     """What to know of a body none of whose figures is larger than its error, in words."""
-    if effect.is_body and all(abs(each.value) < least_t * each.std for each in values.values()):
+    if effect.is_body and all(abs(each.value) < ERRORS * each.std for each in values.values()):
         return " None of its figures is clear by itself; what they do together is."
     return ""
 

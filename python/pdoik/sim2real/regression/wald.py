@@ -59,7 +59,7 @@ def _freed(term: Term) -> Term:
 
 def clusters_of(fit: Fit, term: Term) -> tuple[Index, int]:
     """Cluster of every row: the blocks, or parts of them where the term acts in few."""
-    b, least = fit.balances, fit.balances.thresholds.figures
+    b, least = fit.balances, fit.balances.thresholds.diagnosis
     parts = 1
     while True:
         length = max(1, int(np.median(np.bincount(b.block)) / parts))
@@ -73,6 +73,6 @@ def clusters_of(fit: Fit, term: Term) -> tuple[Index, int]:
             if len(energy):
                 active |= set(number[rows[energy > 0.02 * energy.max()]].tolist())
         step = 1.0 / (3.0 * b.motions[0].cutoff)
-        if len(active) >= least.least_clusters or length * step <= least.shortest_cluster:
+        if len(active) >= least.fewest_stretches or length * step <= least.shortest:
             return number.astype(np.intp), int(number.max()) + 1
         parts *= 2

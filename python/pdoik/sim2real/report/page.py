@@ -91,7 +91,7 @@ def page(diagnosis: Diagnosis, data: ReportData, pictures: Pictures) -> str:
 
 def _card(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:
     evidence = finding.evidence
-    changed = words.changes(finding, diagnosis.thresholds.get("figures", {}))
+    changed = words.changes(finding, diagnosis.thresholds.get("diagnosis", {}))
     return {
         "finding": finding,
         "number": diagnosis.findings.index(finding) + 1,

@@ -8,6 +8,9 @@ from collections.abc import Mapping
 
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Finding, JointFit, Verdict
+from pdoik.sim2real.thresholds.diagnosis import DiagnosisThresholds
+
+_LIMITS = DiagnosisThresholds()
 
 MINUS, DASH = "\N{MINUS SIGN}", "\N{EN DASH}"
 VERDICTS: dict[Verdict, tuple[str, str]] = {
@@ -110,7 +113,7 @@ def joint_state(fit: JointFit) -> str:
     if fit.before <= 1.3 * fit.noise_floor:
         return "agrees within noise"
     floor = math.hypot(fit.noise_floor, fit.spread)
-    if fit.after <= max(1.6 * floor, 0.05 * fit.before):  # as the verdict has it
+    if fit.after <= max(_LIMITS.near_floor * floor, _LIMITS.little * fit.before):
         return "explained"
     return "partly explained" if fit.after < 0.9 * fit.before else "not explained"
 
@@ -143,10 +146,10 @@ def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]
         return said
     for name, estimate in finding.parameters.items():
         spread, p = estimate.spread, estimate.spread_p
-        least = thresholds.get("least_spread", 0.02) * abs(estimate.value)
+        least = thresholds.get("nothing", _LIMITS.nothing) * abs(estimate.value)
         if spread is None or p is None or spread <= least:
             continue
-        if p > thresholds.get("spread_p", 0.01):
+        if p > thresholds.get("spread_p", _LIMITS.spread_p):
             continue
         unit = "" if estimate.unit == "-" else f" {estimate.unit}"
         share = spread / max(abs(estimate.value), 1e-300)
@@ -158,7 +161,7 @@ def changes_words(diagnosis: Diagnosis) -> list[str]:
     """What changes from session to session, a line for each effect and figure; [] for nothing."""
     groups: dict[tuple[str, str], list[str]] = {}
     for finding in diagnosis.findings:
-        for name, by in changes(finding, diagnosis.thresholds.get("figures", {})).items():
+        for name, by in changes(finding, diagnosis.thresholds.get("diagnosis", {})).items():
             groups.setdefault((finding.effect, name), []).append(f"{place(finding)} by {by}")
     return [
         f"From session to session {effect_name(effect)} changes"

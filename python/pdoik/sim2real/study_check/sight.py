@@ -124,8 +124,8 @@ class Sight:
 
 def least_share(limits: Thresholds) -> float:
     """Share of what is left that a finding must explain to be claimed, by its confidence."""
-    weights = limits.confidence
-    odds = np.log(weights.suspected / (1.0 - weights.suspected))
+    weights, least = limits.confidence, limits.diagnosis.suspected
+    odds = np.log(least / (1.0 - least))
     return float(1.0 / (1.0 + np.exp(-(odds - weights.base) / weights.gain)))
 
 

@@ -47,6 +47,3 @@ class ConfidenceThresholds(Group):
         "chosen; -1.7 fits best, on a dozen events only",
     )
     unsupported: float = threshold(0.9, "confidence of what is wrong with a channel", "", _FITTED)
-    suspected: float = threshold(
-        0.75, "confidence below which a finding is suspected, not claimed", "", "chosen"
-    )

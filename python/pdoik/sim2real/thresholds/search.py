@@ -36,10 +36,6 @@ class SearchThresholds(Group):
     same_kind: float = threshold(
         0.9, "share of a law's gain from which a coarser law of the same kind is listed beside it"
     )
-    one_way: float = threshold(
-        0.1,
-        "standard deviation of a torque's zero beside friction of one way, in usual torques",
-    )
     stands_t: float = threshold(
         3.0, "errors by which what is peculiar must stand beside all that may be ordinary", "s.e."
     )

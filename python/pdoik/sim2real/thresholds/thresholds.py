@@ -7,19 +7,16 @@ from dataclasses import asdict, dataclass, field, fields, replace
 
 from .channels import ChannelThresholds
 from .confidence import ConfidenceThresholds
-from .contacts import ContactThresholds
 from .controllers import ControllerThresholds
+from .diagnosis import DiagnosisThresholds
 from .feet import FeetThresholds
-from .figures import FigureThresholds
-from .identify import IdentifyThresholds
 from .limits import LimitThresholds
 from .noise import NoiseThresholds
+from .priors import PriorThresholds
 from .propose import ProposeThresholds
 from .search import SearchThresholds
-from .simulation import SimulationThresholds
 from .simulators import SimulatorThresholds
 from .threshold import numbers_of
-from .verdict import VerdictThresholds
 from .watch import WatchThresholds
 
 
@@ -37,20 +34,17 @@ class Threshold:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thresholds:
-    """By stage. `Thresholds().changed({"search.least_t": 4.0})` is another set."""
+    """By stage. `Thresholds().changed({"diagnosis.worth": 4.0})` is another set."""
 
+    priors: PriorThresholds = field(default_factory=PriorThresholds)
+    diagnosis: DiagnosisThresholds = field(default_factory=DiagnosisThresholds)
+    confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     limits: LimitThresholds = field(default_factory=LimitThresholds)
-    identify: IdentifyThresholds = field(default_factory=IdentifyThresholds)
     search: SearchThresholds = field(default_factory=SearchThresholds)
-    contacts: ContactThresholds = field(default_factory=ContactThresholds)
     feet: FeetThresholds = field(default_factory=FeetThresholds)
     controllers: ControllerThresholds = field(default_factory=ControllerThresholds)
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)
-    simulation: SimulationThresholds = field(default_factory=SimulationThresholds)
-    figures: FigureThresholds = field(default_factory=FigureThresholds)
-    verdict: VerdictThresholds = field(default_factory=VerdictThresholds)
-    confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
     simulators: SimulatorThresholds = field(default_factory=SimulatorThresholds)
     watch: WatchThresholds = field(default_factory=WatchThresholds)
     propose: ProposeThresholds = field(default_factory=ProposeThresholds)
