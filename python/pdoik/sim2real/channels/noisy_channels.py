@@ -55,7 +55,7 @@ def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
         if channel == "tau":
             std = np.where(_as_recorded(prepared.study, study), std, np.nan)
         noisy = _unheard(limits, fit, channel, std) or _outlier(study, fit, channel, std)
-        if noisy is None or (channel == "tau" and _hums(study, fit, noisy.joint)):
+        if noisy is None or (not noisy.heard and _moves(study, fit, channel, noisy.joint)):
             continue
         if fit.white(channel)[noisy.joint] > limits.white:
             halves = levels[: len(levels) // 2 or 1], levels[len(levels) // 2 :]
@@ -144,15 +144,15 @@ def _outlier(study: Study, noise: ChannelNoise, channel: str, std: FloatArray) -
     return _Noisy(channel=channel, joint=worst, times=times, added=1.0, heard=False)
 
 
-def _hums(study: Study, noise: ChannelNoise, j: int) -> bool:
-    """Whether a joint's motion is as much noisier than the others' as its torque: it hums.
+def _moves(study: Study, noise: ChannelNoise, channel: str, j: int) -> bool:
+    """Whether a joint's positions or speeds are as much noisier as another of its channels.
 
-    A torque sensor's own noise moves nothing.
+    A sensor's own noise moves nothing: what two of them see alike, hums or rings.
     """
-    for channel in ("q", "dq"):
-        levels = noise.levels(channel)
+    for other in {"q", "dq"} - {channel}:
+        levels = noise.levels(other)
         if levels is not None:
-            moved = _outlier(study, noise, channel, np.sqrt(np.median(levels, axis=0)))
+            moved = _outlier(study, noise, other, np.sqrt(np.median(levels, axis=0)))
             if moved is not None and moved.joint == j:
                 return True
     return False
