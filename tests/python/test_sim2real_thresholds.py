@@ -88,4 +88,4 @@ def test_the_command_line_lists_them() -> None:
     assert [each["name"] for each in listed] == [each.name for each in Thresholds()]
     table = CliRunner().invoke(app, ["thresholds"])
     assert table.exit_code == 0
-    assert "contacts.least_t" in table.output
+    assert "diagnosis.push_t" in table.output

@@ -73,6 +73,7 @@ class JointElasticity(Effect):
         nothing={"stiffness": 1e12, "damping": 0.0},
     )
     instead = ("backlash",)
+    odds = 0.1  # strain-wave gears and belts give
     fixed = True
     shown_poorly = True
     simplified = 0.1  # it rings by an inertia, which is a drawing's: to a tenth
@@ -90,8 +91,8 @@ class JointElasticity(Effect):
         return [(float(inertia * rate**2), float(2.0 * _RATIO / rate)) for rate in rates]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
-        """To the springs tried beside it, and up to a sluggish one."""
-        return [(0.5 * shape[0], 2.0 * shape[0]), (0.0, 5.0 * shape[1])]
+        """To the springs tried beside it, and up to half of what would keep one from ringing."""
+        return [(0.5 * shape[0], 2.0 * shape[0]), (0.0, 3.0 * shape[1])]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Of a link that its motor's recorded motion drives by the spring."""

@@ -1,9 +1,9 @@
 """Which parts of a model are claimed: surely there, and large beside what nothing explains.
 
 An ordinary part is named where it is some errors from nothing and not negligible; a body where it
-is not within its trust. A peculiar cause is claimed where its odds are worth it, it is not
-negligible either, and what held-out rows gain makes it sure enough. What else is likely is
-doubtful: in the model, and only suspected.
+is not within its trust. A peculiar cause is claimed where its odds are worth it, it is as
+large as what nothing explains, and what held-out rows gain makes it sure enough. What else is
+likely is doubtful: in the model, and only suspected.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ class _Claims:
             term = hypothesis.term
             had_by = _had_by(term, believed)
             seen = held_out_support(fit, self.start, term, odds, len(others), everything, had_by)
-            likely = odds >= believed.worth and seen.size > believed.matters
+            least = believed.matters_common if had_by == "many" else believed.matters_more
+            likely = odds >= believed.worth and seen.size > least
             sure = likely and not _may_be_nothing(self.state.model, hypothesis)
             self._take(term, seen, others, sure=sure)
         self._claim_shared(believed.worth)

@@ -59,7 +59,7 @@ def _near(
         apart = hypothesis.log_odds - cause.log_odds  # what was believed before
         if max(scored.log_odds, scored.log_odds - apart) < least:
             continue
-        if not posterior.may_be(hypothesis):
+        if not posterior.may_be(hypothesis, without):
             continue
         whole = without.with_(hypothesis) if cause.ordinary else wider(without, hypothesis)
         odds = whole.log_posterior - without.log_posterior

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
+from ..motion.place import Key
 from ..regression.fit import Fit, TermKey
 from ..regression.refine import refined
 from .candidates import candidates
@@ -118,7 +119,7 @@ class Weighing:
         fit: Fit | None = None
         for number, each in enumerate(serious(scored)):
             hypothesis = each.hypothesis
-            if not self.may_be(hypothesis):
+            if not self.may_be(hypothesis, beside):
                 continue
             if number < _SHAPED and has_shape(hypothesis):
                 fit = fit or self.fit_of(beside)
@@ -134,17 +135,31 @@ class Weighing:
                 self.tried[hypothesis.key] = found[-1]
         return max(found, key=lambda each: each.log_odds, default=None)
 
-    def may_be(self, hypothesis: Hypothesis) -> bool:
-        """Whether nothing in the recordings contradicts it, and it acts where rows count."""
+    def may_be(self, hypothesis: Hypothesis, beside: Model) -> bool:
+        """Whether nothing in the recordings contradicts it, and it acts where rows count.
+
+        A link that swings by itself hardly follows its motor's noise, and so explains that: where
+        no more than sensors' noise is left, nothing swings.
+        """
         b, term = self.balances, hypothesis.term
         effect = CATALOGUE[term.effect]
         if not effect.plausible(b.motions, term.place, term.shape):
+            return False
+        if effect.shown_poorly and not any(self._is_restless(beside, j) for j in term.place.joints):
             return False
         inside = whole = 0.0
         for key, column in term.columns.items():
             inside += float(np.sum(column[b.mask[key]] ** 2)) / b.sigma[key] ** 2
             whole += float(np.sum(column**2)) / b.sigma[key] ** 2
         return inside > b.thresholds.diagnosis.nothing * whole
+
+    def _is_restless(self, model: Model, j: int) -> bool:
+        """Whether a model leaves more of joint j's torque, or the tip's pose, than noise."""
+        keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
+        least = self.balances.thresholds.diagnosis.restless
+        return any(
+            model.noise[k] ** 0.5 > least * self.balances.floor[k] for k in keys if k in model.noise
+        )
 
     def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
         """With gate and nonlinear parameters where they are likeliest beside a fit.

@@ -43,7 +43,13 @@ class DiagnosisThresholds(Group):
         "",
         "2.7 standard deviations, where joints differ by a factor of 1.5",
     )
-    matters: float = threshold(0.3, "a part over what nothing explains, from which it is named")
+    matters: float = threshold(
+        0.3, "an ordinary part over what nothing explains, from which it is named"
+    )
+    matters_more: float = threshold(
+        1.0, "the same of a peculiar cause: less is the misfit of another's law"
+    )
+    matters_common: float = threshold(0.7, "the same of one that many machines have")
     common: float = threshold(
         0.1, "probability of a cause at a place, from which many machines have it"
     )
