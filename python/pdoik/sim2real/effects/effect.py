@@ -86,6 +86,7 @@ class Effect(ABC):
 
     # How it is looked for.
     fixed: ClassVar[bool] = False  # the one coefficient is 1 by its meaning
+    reach: ClassVar[tuple[float, float]] = (-np.inf, np.inf)  # of it, where shapes may be moved
     sought: ClassVar[Sought] = "candidates"
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it

@@ -16,6 +16,7 @@ from .site import Site
 
 _SLOWEST = 1.2  # at which a link rings that is looked for [Hz]
 _RATES = 14  # stiffnesses that are tried first
+_STIFF, _FARTHER = 6, 1.5  # more that do not ring, and how far apart their frequencies are
 _RATIO = 0.15  # of their damping
 _LIGHTEST = 1e-6  # [kg m^2]
 
@@ -75,6 +76,7 @@ class JointElasticity(Effect):
     instead = ("backlash",)
     odds = 0.1  # strain-wave gears and belts give
     fixed = True
+    reach = (0.4, 2.5)
     shown_poorly = True
     simplified = 0.1  # it rings by an inertia, which is a drawing's: to a tenth
     simulated_rivals = ("backlash",)
@@ -83,11 +85,14 @@ class JointElasticity(Effect):
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """Stiffness, and damping over stiffness: the time the spring takes to give [s].
 
-        Such that the link rings at frequencies from a slow motion's to the fastest that is seen.
+        Such that the link rings at frequencies from a slow motion's to the fastest that is seen;
+        and stiffer ones, farther apart: it gives by its load alone.
         """
         (j,) = place.joints
         inertia = float(np.mean(np.concatenate([_inertia(m, j) for m in motions])))
-        rates = 2.0 * np.pi * np.geomspace(_SLOWEST, 2.0 * motions[0].cutoff, _RATES)
+        seen = 2.0 * motions[0].cutoff
+        stiff = seen * _FARTHER ** np.arange(1, _STIFF + 1)
+        rates = 2.0 * np.pi * np.concatenate([np.geomspace(_SLOWEST, seen, _RATES), stiff])
         return [(float(inertia * rate**2), float(2.0 * _RATIO / rate)) for rate in rates]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from ..effects import CATALOGUE
 from ..motion.place import Key
 from ..study.recording import FloatArray
 from .hypothesis import Hypothesis
@@ -143,7 +144,11 @@ def log_bayes(each: Hypothesis, moment: FloatArray, gram: FloatArray) -> float:
     beta = scale * np.linalg.solve(lower.T, half)
     if each.positive and (beta < 0.0).any():
         return 0.0  # it would rest on its bound, and change nothing
-    if not each.term.fixed and not each.admissible(beta):  # a fixed one's shape may yet move
+    if each.term.fixed:  # its shape may yet move
+        low, high = CATALOGUE[each.term.effect].reach
+        if not low < beta[0] < high:
+            return -np.inf
+    elif not each.admissible(beta):
         return -np.inf
     gain = 0.5 * float(half @ half) - 0.5 * float(np.sum(prior * each.mean**2))
     occam = float(np.sum(np.log(np.diag(lower)) - np.log(scale))) - 0.5 * float(
