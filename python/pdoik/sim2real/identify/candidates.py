@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from weakref import WeakKeyDictionary
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
-from ..motion.place import Key
+from ..motion.place import Key, Place
 from ..regression.fit import Term, term_of
 
 _POOLS: WeakKeyDictionary[Balances, list[Term]] = WeakKeyDictionary()
@@ -21,13 +22,15 @@ def candidates(balances: Balances) -> list[Term]:
 
 def _candidates(balances: Balances) -> list[Term]:
     terms: list[Term] = []
+    least = balances.thresholds.diagnosis.restless
+    left = {key: balances.rms(key) for key in balances.residual}
     for effect in CATALOGUE.values():
         if effect.sought != "candidates":
             continue
         for place in effect.places(balances.motions):
             if effect.per_joint_moving and not all(balances.excited[j] for j in place.joints):
                 continue
-            if effect.costly and not any(_restless(balances, j) for j in place.joints):
+            if effect.costly and not is_restless(left, balances.sigma, place, least):
                 continue
             for shape in effect.shapes(balances.motions, place):
                 term = term_of(balances, effect, place, shape)
@@ -38,11 +41,14 @@ def _candidates(balances: Balances) -> list[Term]:
     return terms
 
 
-def _restless(balances: Balances, j: int) -> bool:
-    """Whether something is left in joint j's torque, or in the tip's pose."""
-    keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
-    least = balances.thresholds.diagnosis.restless
-    return any(balances.rms(k) > least * balances.sigma[k] for k in keys if k in balances.residual)
+def is_restless(
+    left: Mapping[Key, float], noise: Mapping[Key, float], place: Place, least: float
+) -> bool:
+    """Whether more than noise is left, `least` times, of a joint's torque or of the tip's pose."""
+    keys: list[Key] = [("torque", j) for j in place.joints]
+    if keys:
+        keys += [("tip", axis) for axis in range(6)]
+    return any(left[key] > least * noise[key] for key in keys if key in left)
 
 
 def same_kind(one: str, other: str) -> bool:

@@ -10,10 +10,9 @@ import numpy as np
 
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
-from ..motion.place import Key
 from ..regression.fit import Fit, TermKey
 from ..regression.refine import refined
-from .candidates import candidates
+from .candidates import candidates, is_restless
 from .company import beside, has_shape, is_ordinary, wider
 from .flexible import count_independent
 from .gates import sharpened
@@ -145,21 +144,16 @@ class Weighing:
         effect = CATALOGUE[term.effect]
         if not effect.plausible(b.motions, term.place, term.shape):
             return False
-        if effect.shown_poorly and not any(self._is_restless(beside, j) for j in term.place.joints):
-            return False
+        if effect.shown_poorly:
+            left = {key: variance**0.5 for key, variance in beside.noise.items()}
+            least = b.thresholds.diagnosis.restless
+            if not is_restless(left, b.floor, term.place, least):
+                return False
         inside = whole = 0.0
         for key, column in term.columns.items():
             inside += float(np.sum(column[b.mask[key]] ** 2)) / b.sigma[key] ** 2
             whole += float(np.sum(column**2)) / b.sigma[key] ** 2
         return inside > b.thresholds.diagnosis.nothing * whole
-
-    def _is_restless(self, model: Model, j: int) -> bool:
-        """Whether a model leaves more of joint j's torque, or the tip's pose, than noise."""
-        keys: list[Key] = [("torque", j), *(("tip", axis) for axis in range(6))]
-        least = self.balances.thresholds.diagnosis.restless
-        return any(
-            model.noise[k] ** 0.5 > least * self.balances.floor[k] for k in keys if k in model.noise
-        )
 
     def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
         """With gate and nonlinear parameters where they are likeliest beside a fit.

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from .threshold import Group, threshold
 
-_MOST = "half of it: the simplest meaning of most"
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiagnosisThresholds(Group):
@@ -31,7 +29,7 @@ class DiagnosisThresholds(Group):
         "errors by which something must differ from nothing, or from another, to be clear",
         "s.e.",
     )
-    most_of: float = threshold(0.5, "share that is most of something", "", _MOST)
+    most_of: float = threshold(0.5, "share that is most of something", "", "the meaning of most")
     little: float = threshold(0.05, "share of something that is little of it")
     nothing: float = threshold(0.02, "share of something that is next to nothing of it")
     shown: float = threshold(
