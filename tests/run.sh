@@ -99,6 +99,7 @@ of_the_page() {  # CMAKE_ARGUMENT...
   cmake --build build/consumer/page
   build/consumer/page/reach
   build/consumer/page/control_loop
+  build/consumer/page/seam
 }
 
 # The program of pdoik::core alone runs, and neither it nor all of core has anything of what pdoik::io is made of.
@@ -238,6 +239,10 @@ stage_wheel() {
 }
 
 stage_python_all() {
+  # What the benches of peers load, made once, and as cpp compiles it: ccache has the library from there.
+  cmake -S . -B build/bench --log-level=WARNING -D PDOIK_BUILD_BENCH=ON -D PDOIK_WERROR=ON \
+    -D "Python3_EXECUTABLE=$PWD/.venv/bin/python"
+  cmake --build build/bench --parallel "$(nproc)" --target pdoik_peers
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python -m pytest -n auto --dist loadfile --no-loadscope-reorder "$@"
 }
 

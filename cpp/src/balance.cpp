@@ -40,8 +40,10 @@ int convex_hull(const std::vector<Eigen::Vector2d>& flat, std::vector<int>& orde
 }  // namespace
 
 Balance::Balance(const Robot& robot, const BalanceOptions& options)
-    : options_(options), wanted_(options.wanted()) {
-  if (!wanted_) return;
+    : options_(options),
+      wanted_(options.wanted()),
+      lower_(options.com_lower),
+      upper_(options.com_upper) {
   const std::size_t bodies = robot.bodies().size();
   mass_.assign(bodies, 0.0);
   subtree_mass_.assign(bodies, 0.0);
@@ -52,7 +54,9 @@ Balance::Balance(const Robot& robot, const BalanceOptions& options)
 
   double total = 0.0;
   for (const LinkDescription& link : robot.links()) total += link.mass;
-  if (!(total > 0.0) || !std::isfinite(total))
+  const bool has_mass = total > 0.0 && std::isfinite(total);
+  if (!has_mass && !wanted_) return;  // and nobody may ask
+  if (!has_mass)
     throw std::invalid_argument("balance is asked for, but the robot's links have no mass");
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
     const LinkDescription& link = robot.links()[i];
@@ -69,6 +73,7 @@ Balance::Balance(const Robot& robot, const BalanceOptions& options)
   for (std::size_t b = bodies - 1; b > 0; --b)
     subtree_mass_[static_cast<std::size_t>(parent_[b])] += subtree_mass_[b];
 
+  if (!wanted_) return;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = options.com_lower[axis], high = options.com_upper[axis];
     if (low <= high) continue;
@@ -105,6 +110,19 @@ Balance::Balance(const Robot& robot, const BalanceOptions& options)
   order_.resize(points_.size());
   std::iota(order_.begin(), order_.end(), 0);
   corners_.resize(2 * points_.size() + 1);
+}
+
+void Balance::ask(std::span<const Goal> goals) {
+  lower_ = options_.com_lower;
+  upper_ = options_.com_upper;
+  is_asked_ = false;
+  for (const Goal& goal : goals) {
+    if (goal.type != GoalType::CenterOfMass) continue;
+    is_asked_ = true;
+    const Eigen::Vector3d middle = goal.T_base_tip.translation();
+    lower_ = lower_.cwiseMax(middle - goal.position_slack);
+    upper_ = upper_.cwiseMin(middle + goal.position_slack);
+  }
 }
 
 void Balance::find_polygon() {

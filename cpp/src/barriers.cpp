@@ -8,7 +8,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kMost = 48;           ///< constraints of a step where it begins
+constexpr int kMostBarriers = 48;           ///< constraints of a step where it begins
 constexpr int kCuts = 64;           ///< and where it was found to be in something
 constexpr double kAbout = 1e-3;     ///< what is so near there is cut off as well [m]
 constexpr double kGrazes = 5e-5;    ///< so deep, what is about to be cut off is left a little [m]
@@ -23,11 +23,11 @@ constexpr double kNoWorse = 1e-11;  ///< by which the way out may be missed [m]
 
 Barriers::Barriers(const Model& model) : program_(model.robot.dof()) {
   const Eigen::Index n = model.robot.dof();
-  rows_.setZero(n, kMost + kCuts);
+  rows_.setZero(n, kMostBarriers + kCuts);
   hessian_.setZero(n, n);
   for (Eigen::VectorXd* v : {&gradient_, &out_}) v->setZero(n);
-  for (Eigen::VectorXd* v : {&most_, &soft_}) v->setZero(kMost + kCuts);
-  found_.reserve(kRoom * kMost);
+  for (Eigen::VectorXd* v : {&most_, &soft_}) v->setZero(kMostBarriers + kCuts);
+  found_.reserve(kRoom * kMostBarriers);
 }
 
 template <class Reach>
@@ -82,10 +82,10 @@ bool Barriers::find(Problem& problem, double reach, const Eigen::VectorXd& step)
   // What is farther than a hull may come cannot hold it up.
   const auto reach_of = [&](std::size_t family, int group) {
     if (!all.is_by_hull(family)) return reach;
-    const auto hull = static_cast<std::size_t>(group);
+    const Hull& hull = all.hulls.hulls()[static_cast<std::size_t>(group)];
     return std::min(reach, travel_from(problem.rollout, all.hulls, hull, step) / kApproach);
   };
-  if (!gather(problem, reach, kMost, reach_of)) return false;
+  if (!gather(problem, reach, kMostBarriers, reach_of)) return false;
   count_ = violated_ = 0;
   add_rows(problem, reach, [&](double c, const auto&) {
     if (c > 0.0) ++violated_;

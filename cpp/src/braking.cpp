@@ -8,7 +8,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr double kRounding = 1e-9;  ///< of a speed
+constexpr double kSpeedRounding = 1e-9;  ///< of a speed
 constexpr double kOfPlace = 1e-15;  ///< of where a joint is
 
 }  // namespace
@@ -64,7 +64,7 @@ void Braking::made(const Eigen::VectorXd& from, const Eigen::VectorXd& to, bool 
   for (Eigen::Index i = 0; i < from.size(); ++i) {
     const double now = (to[i] - from[i]) / period_;
     const double may = acceleration_[i] * period_, change = std::abs(now - velocity_[i]);
-    const double rounding = kRounding * (std::abs(now) + std::abs(velocity_[i]) + may) +
+    const double rounding = kSpeedRounding * (std::abs(now) + std::abs(velocity_[i]) + may) +
                             kOfPlace * std::abs(from[i]) / period_;
     was_hard_ |= change > may + rounding;
     velocity_[i] = now;

@@ -58,7 +58,12 @@ void add_tips(const Robot& robot, Complaint& complaint) {
     complaint.add("%s%s", k == 0 ? "" : ", ", link_of_tip(static_cast<int>(k), robot));
 }
 
-bool accepts_goal(const Goal& goal, const Robot& robot, bool slack_allowed, Complaint& complaint) {
+/// What a goal is called in a complaint.
+const char* name_of(const Goal& goal, const Robot& robot) {
+  return goal.type == GoalType::CenterOfMass ? "the centre of mass" : link_of_tip(goal.tip, robot);
+}
+
+bool accepts_place(const Goal& goal, const Robot& robot, Complaint& complaint) {
   const auto tips = static_cast<int>(robot.tips().size());
   if (goal.tip < 0 || goal.tip >= tips) {
     complaint.say("a goal's tip is %d, expected 0 to %d: ", goal.tip, tips - 1);
@@ -66,6 +71,12 @@ bool accepts_goal(const Goal& goal, const Robot& robot, bool slack_allowed, Comp
     return false;
   }
   const char* const link = link_of_tip(goal.tip, robot);
+  if (goal.relative_to >= tips)
+    return complaint.say(
+        "the goal for '%s' is relative to tip %d, expected 0 to %d, or less for the base", link,
+        goal.relative_to, tips - 1);
+  if (goal.relative_to == goal.tip)
+    return complaint.say("the goal for '%s' is relative to itself", link);
   if (!accepts_target(goal.T_base_tip, "T_base_tip", complaint)) {
     if (tips == 1) return false;
     Complaint named;
@@ -74,25 +85,115 @@ bool accepts_goal(const Goal& goal, const Robot& robot, bool slack_allowed, Comp
     complaint = named;
     return false;
   }
+  if (!is_rigid(goal.T_tip_tool))
+    return complaint.say("T_tip_tool of the goal for '%s' is not a rigid transform", link);
+  return true;
+}
+
+bool accepts_numbers(const Goal& goal, const char* name, Complaint& complaint) {
   const double length = goal.axis.norm();
   if (!(length > 1e-9) || !std::isfinite(length))
-    return complaint.say("axis of the goal for '%s' has length %f, expected a direction", link,
+    return complaint.say("axis of the goal for '%s' has length %f, expected a direction", name,
                          length);
   if (!(goal.weight > 0.0) || !std::isfinite(goal.weight))
     return complaint.say("weight of the goal for '%s' is %f, expected a positive finite number",
-                         link, goal.weight);
-  const auto accepts_slack = [&](const char* what, const Eigen::Vector3d& slack) {
-    if (!slack.allFinite() || slack.minCoeff() < 0.0)
-      return complaint.say("%s of the goal for '%s' holds a number that is negative or not finite",
-                           what, link);
-    if (!slack_allowed && !slack.isZero(0.0))
-      return complaint.say(
-          "%s of the goal for '%s' needs method 'default' with inner 'levenberg_marquardt'", what,
-          link);
-    return true;
+                         name, goal.weight);
+  for (const auto& [what, tolerance] : {std::pair{"position_tolerance", goal.position_tolerance},
+                                        std::pair{"rotation_tolerance", goal.rotation_tolerance}}) {
+    if (!(tolerance >= 0.0) || !std::isfinite(tolerance))
+      return complaint.say("%s of the goal for '%s' is %f, expected a finite number of at least 0",
+                           what, name, tolerance);
+  }
+  const auto accepts_slack = [&](const char* what, const Eigen::Vector3d& slack,
+                                 bool may_be_infinite) {
+    const bool fine = (slack.array() >= 0.0).all() && (may_be_infinite || slack.allFinite());
+    if (fine) return true;
+    return complaint.say("%s of the goal for '%s' holds a number that is negative or %s", what,
+                         name, may_be_infinite ? "none" : "not finite");
   };
-  return accepts_slack("position_slack", goal.position_slack) &&
-         accepts_slack("rotation_slack", goal.rotation_slack);
+  return accepts_slack("position_slack", goal.position_slack, true) &&
+         accepts_slack("rotation_slack", goal.rotation_slack, false);
+}
+
+bool accepts_goal(const Goal& goal, const Robot& robot, bool by_least_squares,
+                  Complaint& complaint) {
+  if (!accepts_place(goal, robot, complaint)) return false;
+  const char* const name = name_of(goal, robot);
+  if (!accepts_numbers(goal, name, complaint)) return false;
+  if (goal.type == GoalType::CenterOfMass) {
+    double mass = 0.0;
+    for (const LinkDescription& link : robot.links()) mass += link.mass;
+    if (!(mass > 0.0) || !std::isfinite(mass))
+      return complaint.say(
+          "there is a goal for the centre of mass, but the robot's links have none");
+    if (goal.soft || goal.relative_to >= 0)
+      return complaint.say("the goal for the centre of mass is soft or relative, expected neither");
+    if (!goal.T_base_tip.linear().isIdentity(1e-12))
+      return complaint.say(
+          "the goal for the centre of mass is turned, expected a box along the base's axes");
+  }
+  const bool turns = goal.type == GoalType::Pose || goal.type == GoalType::Axis;
+  if (goal.priority == Priority::Position && !turns)
+    return complaint.say("the goal for '%s' has no orientation that could come second", name);
+  const bool is_plain = goal.position_slack.isZero(0.0) && goal.rotation_slack.isZero(0.0);
+  const char* const needs = "needs method 'default' with inner 'levenberg_marquardt'";
+  if (by_least_squares) return true;
+  if (!is_plain)
+    return complaint.say("%s of the goal for '%s' %s",
+                         goal.position_slack.isZero(0.0) ? "rotation_slack" : "position_slack",
+                         name, needs);
+  if (goal.soft || goal.priority != Priority::Both || goal.type == GoalType::LookAt ||
+      goal.type == GoalType::CenterOfMass)
+    return complaint.say("the goal for '%s' is soft, looks, is of mass or has a priority: it %s",
+                         name, needs);
+  return true;
+}
+
+/// Whether two goals ask what cannot be, wherever the robot is: for one point of it two places, or
+/// for one link two orientations.
+bool contradict(const Goal& one, const Goal& other, const Robot& robot, const Options& options,
+                Complaint& complaint) {
+  const auto says_where = [](const Goal& goal) {
+    return goal.type != GoalType::LookAt && goal.type != GoalType::CenterOfMass;
+  };
+  if (one.soft || other.soft || !says_where(one) || !says_where(other)) return false;
+  Eigen::Isometry3d mine = one.T_base_tip, theirs = other.T_base_tip;
+  const bool mirrored =
+      one.relative_to >= 0 && one.tip == other.relative_to && other.tip == one.relative_to;
+  if (mirrored) {  // each in the frame of the other
+    if (!one.T_tip_tool.isApprox(Eigen::Isometry3d::Identity()) ||
+        !other.T_tip_tool.isApprox(Eigen::Isometry3d::Identity()))
+      return false;
+    theirs = other.T_base_tip.inverse();
+  } else if (one.tip != other.tip || one.relative_to != other.relative_to) {
+    return false;
+  }
+  const char* const link = link_of_tip(one.tip, robot);
+  const bool fixed = one.position_slack.isZero(0.0) && other.position_slack.isZero(0.0);
+  const double apart = (mine.translation() - theirs.translation()).norm();
+  const bool same_point =
+      mirrored || (one.T_tip_tool.translation() - other.T_tip_tool.translation()).norm() < 1e-12;
+  const double tolerance =
+      std::max({options.position_tolerance, one.position_tolerance, other.position_tolerance});
+  if (fixed && same_point && apart > 2.0 * tolerance)
+    return !complaint.say(
+        "two goals for '%s' contradict each other: their positions are %g m apart", link, apart);
+  const bool both_pose = one.type == GoalType::Pose && other.type == GoalType::Pose &&
+                         one.priority == Priority::Both && other.priority == Priority::Both &&
+                         one.rotation_slack.isZero(0.0) && other.rotation_slack.isZero(0.0);
+  if (!both_pose) return false;
+  if (!mirrored) {
+    mine = mine * one.T_tip_tool.inverse();
+    theirs = theirs * other.T_tip_tool.inverse();
+  }
+  const double turned = Eigen::AngleAxisd(mine.linear().transpose() * theirs.linear()).angle();
+  const double most =
+      std::max({options.rotation_tolerance, one.rotation_tolerance, other.rotation_tolerance});
+  if (turned > 2.0 * most + 1e-7)
+    return !complaint.say(
+        "two goals for '%s' contradict each other: their orientations are %g rad apart", link,
+        turned);
+  return false;
 }
 
 bool by_least_squares(const Options& options) {
@@ -113,11 +214,12 @@ bool accepts_goals(std::span<const Goal> goals, const Robot& robot, const Option
     add_tips(robot, complaint);
     return false;
   }
+  if (goals.size() > kMostGoals)
+    return complaint.say("there are %zu goals, expected at most %zu", goals.size(), kMostGoals);
   for (std::size_t i = 0; i < goals.size(); ++i) {
     if (!accepts_goal(goals[i], robot, by_least_squares(options), complaint)) return false;
     for (std::size_t j = 0; j < i; ++j) {
-      if (goals[j].tip == goals[i].tip)
-        return complaint.say("there are two goals for '%s'", link_of_tip(goals[i].tip, robot));
+      if (contradict(goals[j], goals[i], robot, options, complaint)) return false;
     }
   }
   return true;
@@ -129,19 +231,84 @@ void check_goals(std::span<const Goal> goals, const Robot& robot, const Options&
   complaint.raise();
 }
 
-void check_request(const Request& request, const Robot& robot, const Options& options) {
-  check_goals(request.goals, robot, options);
-  if (request.q0 != nullptr) check_configuration(*request.q0, robot.dof(), "q0");
+namespace {
+
+void check_alternatives(const Request& request, const Robot& robot, const Options& options) {
+  if (!request.goals.empty())
+    throw std::invalid_argument("there are goals and lists of which any will do, expected either");
+  if (options.method == Method::Paper) throw std::invalid_argument("any_of needs method 'default'");
+  Complaint complaint;
+  for (std::size_t i = 0; i < request.any_of.size(); ++i) {
+    if (accepts_goals(request.any_of[i], robot, options, complaint)) continue;
+    throw std::invalid_argument("goal " + std::to_string(i) + " of " +
+                                std::to_string(request.any_of.size()) + ": " + complaint.text());
+  }
+  if (!request.costs.empty() && request.costs.size() != request.any_of.size())
+    throw std::invalid_argument("costs has " + std::to_string(request.costs.size()) +
+                                " entries, expected " + std::to_string(request.any_of.size()));
+  for (const double cost : request.costs) {
+    if (std::isnan(cost)) throw std::invalid_argument("costs holds NaN");
+  }
+}
+
+void check_locks(const Request& request, const Robot& robot, const Options& options) {
+  if (request.locks.empty()) return;
+  if (!by_least_squares(options))
+    throw std::invalid_argument("locks need method 'default' with inner 'levenberg_marquardt'");
+  for (const Lock& lock : request.locks) {
+    if (lock.joint < 0 || lock.joint >= robot.dof())
+      throw std::invalid_argument("the joint of a lock is " + std::to_string(lock.joint) +
+                                  ", expected 0 to " + std::to_string(robot.dof() - 1));
+    const std::string& name = robot.joint_names()[static_cast<std::size_t>(lock.joint)];
+    if (!(lock.position >= robot.lower()[lock.joint] && lock.position <= robot.upper()[lock.joint]))
+      throw std::invalid_argument("'" + name + "' is locked at " + std::to_string(lock.position) +
+                                  ", outside its limits");
+    if (!std::isfinite(lock.position))
+      throw std::invalid_argument("'" + name + "' is locked at infinity");
+    if (request.max_step == nullptr) continue;
+    const double way = std::abs(lock.position - (*request.q0)[lock.joint]);
+    if (way > (*request.max_step)[lock.joint] + 1e-12)
+      throw std::invalid_argument("'" + name + "' is locked " + std::to_string(way) +
+                                  " from q0, farther than max_step lets it");
+  }
+}
+
+}  // namespace
+
+void check_all(const Request& request, const AllOptions& wanted, const Options& options) {
+  if (!request.any_of.empty())
+    throw std::invalid_argument("all solutions are of goals, not of lists of which any will do");
+  if (options.method == Method::Paper)
+    throw std::invalid_argument("all solutions need method 'default'");
+  if (wanted.limit < 0)
+    throw std::invalid_argument("limit is " + std::to_string(wanted.limit) +
+                                ", expected at least 0");
+  if (!(wanted.distinct >= 0.0) || !std::isfinite(wanted.distinct))
+    throw std::invalid_argument("distinct is " + std::to_string(wanted.distinct) +
+                                ", expected a finite number of at least 0");
+}
+
+void check_request(const Request& request, const Robot& robot, const Options& options, int which) {
+  std::string of;
+  if (which >= 0) of.append("[").append(std::to_string(which)).append("]");
+  if (request.any_of.empty())
+    check_goals(request.goals, robot, options);
+  else
+    check_alternatives(request, robot, options);
+  if (request.q0 != nullptr) check_configuration(*request.q0, robot.dof(), "q0" + of);
   if (request.posture != nullptr) {
-    check_configuration(*request.posture, robot.dof(), "posture");
+    check_configuration(*request.posture, robot.dof(), "posture" + of);
     if (options.method == Method::Paper)
       throw std::invalid_argument("posture needs method 'default'");
   }
-  if (request.max_step == nullptr) return;
-  if (request.q0 == nullptr) throw std::invalid_argument("max_step needs q0, to count from");
-  if (!by_least_squares(options))
-    throw std::invalid_argument("max_step needs method 'default' with inner 'levenberg_marquardt'");
-  check_step(*request.max_step, robot.dof(), "max_step");
+  if (request.max_step != nullptr) {
+    if (request.q0 == nullptr) throw std::invalid_argument("max_step needs q0, to count from");
+    if (!by_least_squares(options))
+      throw std::invalid_argument(
+          "max_step needs method 'default' with inner 'levenberg_marquardt'");
+    check_step(*request.max_step, robot.dof(), "max_step" + of);
+  }
+  check_locks(request, robot, options);
 }
 
 void check_weights(const Eigen::VectorXd& weights, int dof, const std::string& name) {

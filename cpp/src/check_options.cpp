@@ -4,6 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "detail/check_input.hpp"
+
 namespace pdoik::detail {
 namespace {
 
@@ -91,6 +93,7 @@ void check_options(const Options& o) {
           o.point_distance, "a finite length of at least 0 [m]");
   require(o.start_inset > 0.0 && o.start_inset < 0.5, "start_inset", o.start_inset,
           "a fraction in (0, 0.5)");
+  if (!is_rigid(o.T_tip_tool)) throw std::invalid_argument("T_tip_tool is not a rigid transform");
   const double length = o.goal_axis.norm();
   require(length > 1e-9 && std::isfinite(length), "goal_axis", length,
           "a direction, not a vector of this length");

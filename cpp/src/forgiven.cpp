@@ -66,12 +66,13 @@ WorstConstraint ForgivenContact::deepest(const std::vector<Eigen::Isometry3d>& T
     const Clearance point =
         least_clearance_of(state_, static_cast<std::size_t>(k), scene.obstacles(), within());
     if (point.source >= 0) note(Kind::Clearance, point.source, point.obstacle, point.distance);
-    for (int shape = 0; shape < scene.shapes().count(); ++shape) {
+    shapes_near(capsules_, k, scene.shapes(), within() + options_.clearance, [&](int shape) {
       const ShapeClearance found =
           hull_clearance(capsules_, k, scene.shapes(), shape, within() + options_.clearance);
       if (found.shape >= 0)
         note(Kind::Shape, found.source, found.shape, found.distance - options_.clearance);
-    }
+      return within() + options_.clearance;
+    });
     for (int held = 0; held_ && held < held_->count(); ++held) {
       if (const auto near = held_->nearest_of_hull(held, k, within()))
         note(near->kind, near->held, near->other, near->distance);

@@ -8,17 +8,13 @@
 namespace pdoik::detail {
 namespace {
 
-/// A way is cut into pieces so short that what a hull can touch inside one, and not at its ends, is
-/// no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest. What stands may
-/// be off by as much, and by twice that on its way, since joints that go straight bend it [m].
-constexpr double kGraze = 5e-5;
 constexpr double kLooks = 0.4;    ///< share of the time that a way may take
 constexpr double kBetter = 1e-6;  ///< relative decrease from which something is better
 /// The same for going as far as a step may: a robot at full speed for a second, at 1 kHz, has to
 /// make good a hundredth of what it falls short of, or it rests.
 constexpr double kWorthMoving = 1e-5;
 constexpr double kFarOff = 50.0;     ///< ways of a step: of what is farther off as much is asked
-constexpr double kRounding = 1e-12;  ///< of a distance [m]
+constexpr double kDistanceRounding = 1e-12;  ///< of a distance [m]
 
 }  // namespace
 
@@ -27,9 +23,9 @@ Gate::Gate(Workspace& workspace)
       model_(workspace.model()),
       at_start_(model_.robot),
       hulls_at_start_(model_.hulls, model_.hulls.moving),
-      finest_(std::sqrt(8.0 * model_.narrowest * kGraze)),
+      finest_(finest_piece(model_.narrowest)),
       levers_(model_.levers) {
-  asked_.reserve(model_.robot.tips().size());
+  asked_.reserve(kMostGoals);
   for (Eigen::VectorXd* each : {&incumbent_.q, &candidate_.q, &probe_.q, &aim_, &trial_, &next_,
                                 &rest_, &at_, &way_, &all_levers_})
     each->setZero(model_.robot.dof());
@@ -51,7 +47,7 @@ double Gate::stance_at(const Eigen::VectorXd& q) {
   double off = 0.0;
   for (GoalTerm& goal : asked_) {
     if (!goal.stands()) continue;
-    goal.place(workspace_.problem.rollout.frame(goal.body()));
+    goal.place(workspace_.problem.rollout);
     off = std::max(
         {off, goal.position_distance(), model_.options.rotation_weight * goal.rotation_distance()});
   }
@@ -59,10 +55,10 @@ double Gate::stance_at(const Eigen::VectorXd& q) {
 }
 
 bool Gate::is_deeper(const Room& room, double stance) {
-  if (floor_.obstacles - room.obstacles > kRounding || floor_.self - room.self > kRounding ||
-      floor_.balance - room.balance > kRounding)
+  if (floor_.obstacles - room.obstacles > kDistanceRounding || floor_.self - room.self > kDistanceRounding ||
+      floor_.balance - room.balance > kDistanceRounding)
     return true;
-  return gives_way_ = stance - room.stance > kRounding;
+  return gives_way_ = stance - room.stance > kDistanceRounding;
 }
 
 Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
@@ -73,10 +69,10 @@ Gate::Worth Gate::worth_at(const Eigen::VectorXd& q) {
   pull.set(step_->posture, step_->weights);
   Worth worth{0.0, pull.value(q), true};
   for (GoalTerm& goal : asked_) {
-    goal.place(workspace_.problem.rollout.frame(goal.body()));
+    goal.place(workspace_.problem.rollout);
     const double p = goal.position_distance(), r = goal.rotation_distance();
     worth.shortfall += 0.5 * goal.weight() * (p * p + w2 * r * r);
-    worth.reached &= p < options.position_tolerance && r < options.rotation_tolerance;
+    worth.reached &= goal.allows(p * p, r * r);
   }
   return worth;
 }
@@ -104,8 +100,8 @@ double Gate::tight_way_to(const Eigen::VectorXd& q) {
   }
   way_ = (q - *step_->from).cwiseAbs();
   double farthest = 0.0;
-  for (std::size_t h = 0; h < model_.hulls.moving.size(); ++h)
-    farthest = std::max(farthest, travel_from(at_start_, hulls_at_start_, h, way_));
+  for (const Hull& hull : model_.hulls.moving)
+    farthest = std::max(farthest, travel_from(at_start_, hulls_at_start_, hull, way_));
   if (const Held& held = workspace_.scene().held(); held.count() > 0) {
     hull_levers(model_.robot, held.balls(), *step_->from, q, all_levers_);
     farthest = std::max(farthest, all_levers_.dot(way_));
@@ -120,13 +116,15 @@ void Gate::open(const StepRequest& step) {
   asked_.clear();
   stands_ = false;
   for (const Goal& goal : step.goals) {
-    asked_.emplace_back(model_.robot, goal);
+    if (goal.type == GoalType::CenterOfMass) continue;  // which is kept as balance is
+    asked_.emplace_back(model_.robot, model_.options, goal);
     stands_ |= goal.stands;
   }
   judge(*step.from, incumbent_);
   held_ = room_ = room(incumbent_);
   floor_ = {std::min(0.0, held_.obstacles), std::min(0.0, held_.self), std::min(0.0, held_.balance),
             std::min(-kGraze, held_.stance)};
+  // What stands is off by twice as much on its way, since joints that go straight bend it.
   stance_between_ = std::min(-2.0 * kGraze, floor_.stance);
   aim_ = *step.from;
   took_ = false;
@@ -227,10 +225,10 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
     rest = room(probe_);
   }
   const double least = std::min(end.least(), rest.least());
-  missed_ = least < -kRounding ? -least : 0.0;
+  missed_ = least < -kDistanceRounding ? -least : 0.0;
   if (is_deeper(end, floor_.stance) || is_deeper(rest, floor_.stance)) return false;
   // First of all out of what it is in, and not back.
-  if (rest.least() < std::min(room_.least() + kRounding, -model_.options.clearance_tolerance))
+  if (rest.least() < std::min(room_.least() + kDistanceRounding, -model_.options.clearance_tolerance))
     return false;
   if (!is_clear_to_end(end) || !is_clear_to_rest(end, rest)) return false;
   std::swap(incumbent_, candidate_);

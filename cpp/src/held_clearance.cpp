@@ -59,6 +59,20 @@ std::optional<HeldNear> HeldClearance::nearest_of_shape(int k, const ShapePairs&
   return near;
 }
 
+std::optional<HeldNear> HeldClearance::nearest_shape(int k, const ShapePairs& shapes,
+                                                     double within) const {
+  std::optional<HeldNear> nearest;
+  shapes_near(k, shapes, within, [&](int shape) {
+    const std::optional<HeldNear> near = nearest_of_shape(k, shapes, shape, within);
+    if (near) {
+      nearest = near;
+      within = near->distance;
+    }
+    return within;
+  });
+  return nearest;
+}
+
 std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double within) {
   if (!held_.heeds_hull(k, hull)) return std::nullopt;
   const Solid& solid = held_[k].solid;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detail/goal_of.hpp"
+
 namespace pdoik::detail {
 namespace {
 
@@ -41,12 +43,15 @@ class Judge::Verdict {
   Verdict(Result& result, double rotation_weight)
       : result_(result), rotation_weight_(rotation_weight) {
     worst_length_ = result.worst.violation;  // of limits, which come first
-    result.success = result.worst.violation <= 0.0;
+    result.success = result.holds = result.worst.violation <= 0.0;
   }
 
   /// @param violation  Beyond its tolerance [m] or [rad]; radians of a tip weigh as in the search.
-  void add(WorstConstraint::Kind kind, double violation, int index, int obstacle = -1) {
+  /// @param counts  Whether `holds` looks at it.
+  void add(WorstConstraint::Kind kind, double violation, int index, int obstacle = -1,
+           bool counts = true) {
     result_.success = result_.success && violation <= 0.0;
+    result_.holds = result_.holds && (violation <= 0.0 || !counts);
     const double length =
         kind == WorstConstraint::Kind::Rotation ? rotation_weight_ * violation : violation;
     if (length <= worst_length_) return;
@@ -59,7 +64,8 @@ class Judge::Verdict {
   double rotation_weight_, worst_length_;
 };
 
-Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
+Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls,
+             const HullModel& whole)
     : robot_(robot),
       options_(options),
       hulls_(hulls),
@@ -70,34 +76,42 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls)
       balance_(robot, options.balance) {
   for (CollisionState* state : {&collision_, &fixed_hulls_})
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
-  if (options.keeps_off_itself(robot))
-    self_.emplace(robot, HullModel(robot), options.self_clearance);
+  if (options.keeps_off_itself(robot)) self_.emplace(robot, whole, options.self_clearance);
   if (options.forgive_overhang) forgiven_.emplace(robot, options);
 }
 
 void Judge::judge_goal(const Goal& goal, Verdict& verdict, Result& result) const {
-  const int link = robot_.tips()[static_cast<std::size_t>(goal.tip)];
-  const Eigen::Isometry3d T =
-      T_base_body_[static_cast<std::size_t>(robot_.body_of_link(link))] * robot_.T_body_link(link);
-  const Eigen::Isometry3d& target = goal.T_base_tip;
+  const auto T_base_tip = [&](int tip) -> Eigen::Isometry3d {
+    const int link = robot_.tips()[static_cast<std::size_t>(tip)];
+    return T_base_body_[static_cast<std::size_t>(robot_.body_of_link(link))] *
+           robot_.T_body_link(link);
+  };
+  Eigen::Isometry3d T = T_base_tip(goal.tip);
+  if (!goal.T_tip_tool.matrix().isIdentity(0.0)) T = T * goal.T_tip_tool;
+  const Eigen::Isometry3d target =
+      goal.relative_to < 0 ? goal.T_base_tip : T_base_tip(goal.relative_to) * goal.T_base_tip;
   const Eigen::Vector3d off = T.translation() - target.translation();
-  const double position_error =
-      goal.position_slack.isZero(0.0)
-          ? off.norm()
-          : beyond(target.linear().transpose() * off, goal.position_slack).norm();
-  result.position_error = std::max(result.position_error, position_error);
-  verdict.add(WorstConstraint::Kind::Position, position_error - options_.position_tolerance,
-              goal.tip);
+  if (goal.type != GoalType::LookAt) {
+    const double position_error =
+        goal.position_slack.isZero(0.0)
+            ? off.norm()
+            : beyond(target.linear().transpose() * off, goal.position_slack).norm();
+    result.position_error = std::max(result.position_error, position_error);
+    verdict.add(WorstConstraint::Kind::Position,
+                position_error - position_tolerance(goal, options_), goal.tip);
+  }
   if (goal.type == GoalType::Position) return;
   const Eigen::Vector3d axis = goal.axis.normalized();
   const double rotation_error =
       goal.type == GoalType::Pose
           ? pose_rotation_error(target.linear().transpose() * T.linear(), goal.rotation_slack)
-          : std::max(0.0, angle_between(T.linear() * axis, target.linear() * axis) -
+          : std::max(0.0, angle_between(T.linear() * axis, goal.type == GoalType::LookAt
+                                                               ? Eigen::Vector3d(-off)
+                                                               : target.linear() * axis) -
                               goal.rotation_slack.maxCoeff());
   result.rotation_error = std::max(result.rotation_error, rotation_error);
-  verdict.add(WorstConstraint::Kind::Rotation, rotation_error - options_.rotation_tolerance,
-              goal.tip);
+  verdict.add(WorstConstraint::Kind::Rotation, rotation_error - rotation_tolerance(goal, options_),
+              goal.tip, -1, goal.priority != Priority::Position);
 }
 
 void Judge::judge_limits(const Eigen::VectorXd& q, Result& result) const {
@@ -166,9 +180,8 @@ void Judge::judge_held(const Scene& scene, double look, Verdict& verdict, Result
   for (int k = 0; k < held_->count(); ++k) {
     note(held_->nearest_point(k, scene.obstacles(), within(result.clearance, wanted)),
          result.clearance, wanted);
-    for (int shape = 0; shape < scene.shapes().count(); ++shape)
-      note(held_->nearest_of_shape(k, scene.shapes(), shape, within(result.clearance, wanted)),
-           result.clearance, wanted);
+    note(held_->nearest_shape(k, scene.shapes(), within(result.clearance, wanted)),
+         result.clearance, wanted);
     for (int hull = 0; hull < held_->hulls(); ++hull)
       note(held_->nearest_of_hull(k, hull, within(result.self_distance, off_itself)),
            result.self_distance, off_itself);
@@ -199,6 +212,7 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   Verdict verdict(result, options_.rotation_weight);
   const bool somewhere = are_somewhere(T_base_body_);
   result.success = result.success && somewhere;
+  result.holds = result.holds && somewhere;
   const Clearance least = scene.clearance(collision_, fixed_hulls_, look);
   const bool empty = scene.obstacles()->count() == 0;
   result.clearance = empty ? std::numeric_limits<double>::infinity()
@@ -209,7 +223,10 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   }
   judge_shapes(scene, look, verdict, result);
   result.position_error = result.rotation_error = 0.0;
-  for (const Goal& goal : goals) judge_goal(goal, verdict, result);
+  for (const Goal& goal : goals) {
+    if (!goal.soft && goal.type != GoalType::CenterOfMass) judge_goal(goal, verdict, result);
+  }
+  balance_.ask(goals);
   judge_balance(verdict, result);
   result.self_distance = std::numeric_limits<double>::infinity();
   judge_hulls(verdict, result);

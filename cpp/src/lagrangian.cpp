@@ -38,7 +38,7 @@ struct Lagrangian::Implementation {
     Goal goal;  // until set_target or set_goals
     goal.type = model.options.goal;
     goal.axis = model.options.goal_axis;
-    problem.goals.emplace_back(model.robot, goal);
+    problem.goals.emplace_back(model.robot, model.options, goal);
     set_obstacles(Points(0, 3));
   }
 

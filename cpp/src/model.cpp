@@ -1,8 +1,11 @@
 #include "detail/model.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
+#include "detail/goal_of.hpp"
 #include "detail/travel.hpp"
 
 namespace pdoik::detail {
@@ -53,8 +56,24 @@ std::vector<Model::Turn> turns_of(const Robot& robot) {
   return turns;
 }
 
-int dimensions(GoalType goal) {
-  return goal == GoalType::Pose ? 6 : goal == GoalType::Axis ? 5 : 3;
+/// How many degrees of freedom a goal fixes: those that it gives no slack.
+/// @param whole  Whether what comes second of it counts as well.
+std::ptrdiff_t dimensions(const Goal& goal, bool whole) {
+  if (goal.soft) return 0;
+  const auto fixed = [](const Eigen::Vector3d& slack) { return (slack.array() == 0.0).count(); };
+  const std::ptrdiff_t position = goal.type == GoalType::LookAt ? 0 : fixed(goal.position_slack);
+  if (goal.priority == Priority::Position && !whole) return position;
+  switch (goal.type) {
+    case GoalType::Pose:
+      return position + fixed(goal.rotation_slack);
+    case GoalType::Axis:
+    case GoalType::LookAt:
+      return position + (goal.rotation_slack.isZero(0.0) ? 2 : 0);
+    case GoalType::Position:
+    case GoalType::CenterOfMass:
+      return position;
+  }
+  return position;
 }
 
 }  // namespace
@@ -63,6 +82,7 @@ Model::Model(const Robot& robot_in, const Options& options_in)
     : robot(robot_in),
       options(options_in.sized_for(robot)),
       hulls(robot, options.base_collision, options.forgive_overhang),
+      whole(options.keeps_off_itself(robot) ? HullModel(robot) : HullModel()),
       matters(joints_that_matter(robot, hulls, options.balance.wanted())),
       turns(turns_of(robot)),
       sequence(robot.dof(), options.seed),
@@ -73,14 +93,27 @@ Model::Model(const Robot& robot_in, const Options& options_in)
     tip_reach.push_back(
         reach_of(robot, robot.body_of_link(tip), robot.T_body_link(tip).translation().norm()));
   }
+  for (std::size_t k = 0; k < robot.tips().size(); ++k)
+    closed_forms.emplace_back(robot, static_cast<int>(k));
   hull_levers(robot, hulls, robot.lower(), robot.upper(), levers);
 }
 
-bool Model::is_out_of_reach(const Goal& goal) const {
+const StartTable& Model::starts_for(int tip) const {
+  const std::lock_guard lock(start_tables_mutex_);
+  start_tables_.resize(robot.tips().size());
+  std::unique_ptr<StartTable>& table = start_tables_[static_cast<std::size_t>(tip)];
+  if (table == nullptr) table = std::make_unique<StartTable>(*this, tip);
+  return *table;
+}
+
+double Model::beyond_reach(const Goal& goal) const {
+  if (!has_place(goal)) return 0.0;
   const Reach& reach = tip_reach[static_cast<std::size_t>(goal.tip)];
   const double slack =
-      options.position_tolerance + 1e-9 * reach.distance + goal.position_slack.norm();
-  return (goal.T_base_tip.translation() - reach.centre(robot)).norm() > reach.distance + slack;
+      position_tolerance(goal, options) + 1e-9 * reach.distance + goal.position_slack.norm();
+  // A tool reaches as far from its link as it is long.
+  const double most = reach.distance + goal.T_tip_tool.translation().norm() + slack;
+  return std::max(0.0, (goal.T_base_tip.translation() - reach.centre(robot)).norm() - most);
 }
 
 void Model::wrap(const Eigen::VectorXd& start, Eigen::VectorXd& q) const {
@@ -105,8 +138,24 @@ void Model::unwind(const Eigen::VectorXd& wanted, const Eigen::VectorXd& lower,
 
 bool Model::is_redundant(std::span<const Goal> goals) const {
   std::ptrdiff_t fixed = 0;
-  for (const Goal& goal : goals) fixed += dimensions(goal.type);
+  for (const Goal& goal : goals) fixed += dimensions(goal, false);
   return std::count(matters.begin(), matters.end(), true) > fixed;
+}
+
+bool Model::has_joints_for(std::span<const Goal> goals) const {
+  return std::ranges::all_of(goals, [this](const Goal& goal) {
+    if (goal.type == GoalType::CenterOfMass) return true;
+    const int link = robot.tips()[static_cast<std::size_t>(goal.tip)];
+    return static_cast<std::ptrdiff_t>(joints_of(robot.body_of_link(link))) >=
+           dimensions(goal, true);
+  });
+}
+
+int Model::joints_of(int body) const {
+  std::uint64_t dofs = 0;
+  for (int b = body; b > 0; b = robot.bodies()[static_cast<std::size_t>(b)].parent)
+    dofs |= std::uint64_t{1} << robot.bodies()[static_cast<std::size_t>(b)].dof;
+  return std::popcount(dofs);
 }
 
 }  // namespace pdoik::detail

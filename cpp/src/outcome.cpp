@@ -9,13 +9,13 @@ std::optional<Status> why_hopeless(const Model& model, std::span<const Goal> goa
   if (base_collides) return Status::BaseCollision;
   const Frame base = to_frame(Eigen::Isometry3d::Identity());
   for (const Goal& goal : goals) {
-    if (model.is_out_of_reach(goal)) return Status::OutOfReach;
-    GoalTerm term(model.robot, goal);
-    if (term.body() > 0) continue;
+    if (model.beyond_reach(goal) > 0.0) return Status::OutOfReach;
+    if (goal.relative_to >= 0 || goal.soft || goal.type == GoalType::CenterOfMass) continue;
+    const int link = model.robot.tips()[static_cast<std::size_t>(goal.tip)];
+    if (model.robot.body_of_link(link) > 0) continue;
+    GoalTerm term(model.robot, model.options, goal);
     term.place(base);  // which no joint moves
-    if (term.position_distance() > model.options.position_tolerance ||
-        term.rotation_distance() > model.options.rotation_tolerance)
-      return Status::OutOfReach;
+    if (!term.is_met()) return Status::OutOfReach;
   }
   return std::nullopt;
 }
@@ -35,12 +35,14 @@ void name_base_contact(const Scene& scene, const Options& options, Result& resul
 
 void begin_result(Result& result) {
   result.iterations = result.evaluations = result.restarts = result.late_evaluations = 0;
-  result.success = false;
+  result.success = result.holds = false;
+  result.goal_index = 0;
 }
 
 void end_result(const std::optional<Status>& hopeless, const Deadline& deadline, double intake,
                 Result& result) {
   result.status = result.success      ? Status::Solved
+                  : result.holds      ? Status::Nearest
                   : hopeless          ? *hopeless
                   : deadline.struck() ? Status::TimeLimit
                                       : Status::Exhausted;

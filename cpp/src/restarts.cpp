@@ -29,19 +29,36 @@ void Restarts::run(Requests& requests) {
   bool more = requests.next(request, result);
   std::chrono::steady_clock::time_point now;
   for (unsigned turn = 0;; ++turn) {
-    bool busy = std::any_of(attempts_.begin(), attempts_.end(),
-                            [](const Attempt& attempt) { return attempt.in_use(); });
+    const auto in_lanes = [](const Attempt& attempt) {
+      return attempt.in_use() && !attempt.in_turn;
+    };
+    bool busy = std::any_of(attempts_.begin(), attempts_.end(), in_lanes);  // of the lanes
     for (Attempt& attempt : attempts_) {
       if (!more || attempt.in_use()) continue;
-      if (in_lanes_ && busy && !workspace_.lanes.is_kind_of(request.goals)) break;
-      if (in_lanes_ && !busy) workspace_.lanes.set_kind(request.goals);
+      const bool by_lanes = in_lanes_ && is_for_lanes(request);
+      const std::span<const Goal> first = request.alternative(0);
+      if (by_lanes && !workspace_.lanes.is_kind_of(first)) {
+        if (busy) break;
+        workspace_.lanes.set_kind(first);
+      }
       begin(attempt, request, *result);
-      busy = true;
+      requests.prepare(attempt);
+      attempt.in_turn = !by_lanes;
+      busy |= by_lanes;
       more = requests.next(request, result);
     }
-    if (!busy) return;
-    if (!in_lanes_) {
-      search_in_turn(attempts_.front());
+    bool waits = false;
+    for (Attempt& attempt : attempts_) {
+      if (attempt.in_use() && attempt.in_turn) {
+        if (attempt.is_exhausted())
+          finish(attempt);
+        else
+          search_in_turn(attempt);
+      }
+      waits |= attempt.in_use();
+    }
+    if (!busy) {
+      if (!waits && !more) return;
       continue;
     }
     search_in_lanes();
@@ -56,8 +73,16 @@ void Restarts::run(Requests& requests) {
   }
 }
 
+bool Restarts::is_for_lanes(const Request& request) const {
+  const std::span<const Goal> first = request.alternative(0);
+  return workspace_.lanes.knows(first) &&
+         std::ranges::all_of(request.any_of, [&](const std::vector<Goal>& goals) {
+           return LaneSearch::are_alike(goals, first);
+         });
+}
+
 void Restarts::begin(Attempt& attempt, const Request& request, Result& result) {
-  attempt.begin(request, result, workspace_.deadline_in(model_.options.max_time),
+  attempt.begin(request, result, workspace_.deadline_in(workspace_.max_time()),
                 workspace_.scene().base_collides());
   verdicts_.forget(attempt);
 }
@@ -85,14 +110,15 @@ void Restarts::fill_lanes() {
     if (lane.attempt != nullptr) continue;
     Attempt* const attempt = who_has_fewest_lanes();
     if (attempt == nullptr) return;
-    lane = {attempt, attempt->next_start++};
+    lane = {attempt, attempt->take_start()};
     ++attempt->lanes;
-    attempt->trial(lane.start).is_known = false;
-    attempt->start_at(lane.start, q_);
+    const Trial& trial = attempt->trial(lane.start);
+    attempt->start_at(trial, q_);
     const LevenbergMarquardtOptions& options =
-        (attempt->stays_near(lane.start) ? workspace_.patient : workspace_.brisk).options();
-    workspace_.lanes.start(static_cast<int>(k), attempt->request.goals, q_, attempt->lower,
-                           attempt->upper, {options.stall_ratio, options.stall_window});
+        (attempt->stays_near(trial) ? workspace_.patient : workspace_.brisk).options();
+    workspace_.lanes.start(static_cast<int>(k), attempt->goals(trial.alternative), q_,
+                           attempt->lower, attempt->upper,
+                           {options.stall_ratio, options.stall_window}, trial.round % 2 == 1);
   }
 }
 
@@ -106,10 +132,9 @@ Attempt* Restarts::who_has_fewest_lanes() {
 }
 
 void Restarts::search_in_turn(Attempt& attempt) {
-  const int k = attempt.next_start++;
-  Trial& trial = attempt.trial(k);
-  attempt.start_at(k, trial.q);
-  verdicts_.work_for(attempt);
+  Trial& trial = attempt.trial(attempt.take_start());
+  attempt.start_at(trial, trial.q);
+  verdicts_.work_for(attempt, trial.alternative);
   trial.iterations = trial.evaluations = 0;
   Result& result = *attempt.result;
   const int iterations = result.iterations, evaluations = result.evaluations;
@@ -121,8 +146,9 @@ void Restarts::search_in_turn(Attempt& attempt) {
     trial.value = 0.0;
   } else {
     workspace_.least_squares.count_no_obstacles();
-    trial.value = workspace_.minimise(attempt.stays_near(k) ? workspace_.patient : workspace_.brisk,
-                                      trial.q, attempt.lower, attempt.upper, result);
+    trial.value =
+        workspace_.minimise(attempt.stays_near(trial) ? workspace_.patient : workspace_.brisk,
+                            trial.q, attempt.lower, attempt.upper, result);
     trial.reached = workspace_.least_squares.done();
   }
   std::swap(trial.iterations, result.iterations);
@@ -136,11 +162,11 @@ void Restarts::search_in_turn(Attempt& attempt) {
 }
 
 void Restarts::advance(Attempt& attempt) {
+  if (attempt.is_exhausted()) return finish(attempt);  // there was nothing to start from
   while (attempt.next_verdict < attempt.next_start &&
          attempt.trial(attempt.next_verdict).is_known) {
     const int k = attempt.next_verdict++;
-    if (verdicts_.take(attempt, k) || attempt.next_verdict > attempt.last_start ||
-        attempt.deadline.passed()) {
+    if (verdicts_.take(attempt, k) || attempt.is_exhausted() || attempt.deadline.passed()) {
       finish(attempt);
       return;
     }
@@ -150,13 +176,14 @@ void Restarts::advance(Attempt& attempt) {
 void Restarts::finish(Attempt& attempt) {
   for (std::size_t k = 0; k < lanes_.size(); ++k) {
     if (lanes_[k].attempt != &attempt) continue;
-    if (!attempt.found && !attempt.result->success &&
-        !attempt.contact) {  // what runs still may be the best there is
+    if (!attempt.found && !attempt.result->holds &&
+        !attempt.is_blocked()) {  // what runs still may be the best there is
       const LaneSearch::End end = workspace_.lanes.end(static_cast<int>(k), q_);
       attempt.result->iterations += end.iterations;
       attempt.result->evaluations += end.evaluations;
       model_.wrap(attempt.start, q_);
-      attempt.candidates.add(q_, end.value, attempt.for_goals_alone);
+      attempt.candidates.add(q_, attempt.trial(lanes_[k].start).alternative, end.value,
+                             attempt.for_goals_alone);
     }
     workspace_.lanes.stop(static_cast<int>(k));
     lanes_[k].attempt = nullptr;

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <tuple>
 #include <utility>
 
+#include "detail/infinity.hpp"
+
 namespace pdoik::detail {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-12;  // [m]
 
 /// Which links a hull sits on, and which bodies all of it moves with.

@@ -36,13 +36,17 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
   const Touching* const touching = hulls.touching();
   const PlacedCapsule& around = hulls.around(k);
   // Nothing of a hull that is hollow, whose middle is not a number, is near anything.
-  if (!(solid.bound(around.middle, hulls.semi_major(k)) < than)) return least;
+  if (!(solid.bound(around.middle, hulls.semi_major(k)) < than) ||
+      !(solid.bound(around.middle, around.half, around.radius + hulls.excess(k)) < than))
+    return least;
   for (const PlacedCapsule& capsule : hulls.of(k)) {
     const double allowed = pairs.allowed(capsule.source, shape);
     if (std::isinf(allowed)) continue;
     const double length = std::sqrt(dot3(capsule.half, capsule.half));
     const double counts = capsule.radius - allowed;  // of it
-    if (!(solid.bound(capsule.middle, length + counts) < least.distance)) continue;
+    if (!(solid.bound(capsule.middle, length + counts) < least.distance) ||
+        !(solid.bound(capsule.middle, capsule.half, counts) < least.distance))
+      continue;
     const SegmentSolidDistance found =
         solid.distance(capsule.middle, capsule.half, least.distance + counts);
     const double distance = found.distance - counts;
@@ -62,10 +66,11 @@ ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs, dou
   ShapeClearance least;
   least.distance = than;
   for (int k = 0; k < hulls.count(); ++k) {
-    for (int shape = 0; shape < pairs.count(); ++shape) {
+    shapes_near(hulls, k, pairs, least.distance, [&](int shape) {
       const ShapeClearance found = hull_clearance(hulls, k, pairs, shape, least.distance);
       if (found.shape >= 0) least = found;
-    }
+      return least.distance;
+    });
   }
   return least;
 }
@@ -73,13 +78,15 @@ ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs, dou
 bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than,
                 const Deadline* deadline) {
   int turn = 0;
-  for (int k = 0; k < hulls.count(); ++k) {
-    for (int shape = 0; shape < pairs.count(); ++shape) {
-      if (passed_in(turn++, deadline)) return true;
-      if (hull_clearance(hulls, k, pairs, shape, than).shape >= 0) return true;
-    }
+  bool is_any = false;
+  for (int k = 0; k < hulls.count() && !is_any; ++k) {
+    shapes_near(hulls, k, pairs, than, [&](int shape) {
+      is_any =
+          passed_in(turn++, deadline) || hull_clearance(hulls, k, pairs, shape, than).shape >= 0;
+      return is_any ? kNoMore : than;
+    });
   }
-  return false;
+  return is_any;
 }
 
 }  // namespace pdoik::detail

@@ -9,6 +9,12 @@ namespace pdoik {
 
 namespace detail {
 
+ShapeSet::ShapeSet(std::vector<Shape> shapes_in, std::vector<AllowedContact> allowed_in)
+    : shapes(std::move(shapes_in)), allowed(std::move(allowed_in)) {
+  for (const Shape& shape : shapes) solids.emplace_back(shape);
+  tree = ShapeTree(solids);
+}
+
 std::shared_ptr<const ShapeSet> no_shapes() {
   static const auto none = std::make_shared<const ShapeSet>();
   return none;
@@ -19,12 +25,9 @@ std::shared_ptr<const ShapeSet> no_shapes() {
 Shapes::Shapes() : set_(detail::no_shapes()) {}
 
 Shapes::Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed) {
-  auto set = std::make_shared<detail::ShapeSet>();
-  set->shapes = std::move(shapes);
-  set->allowed = std::move(allowed);
+  auto set = std::make_shared<detail::ShapeSet>(std::move(shapes), std::move(allowed));
   std::set<std::string> names;
   for (const Shape& shape : set->shapes) {
-    set->solids.emplace_back(shape);
     if (!names.insert(shape.name).second)
       throw std::invalid_argument("two shapes are called '" + shape.name + "'");
   }

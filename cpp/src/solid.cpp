@@ -37,7 +37,7 @@ Vec4 unit(const Vec4& v, const Vec4& otherwise) {
 
 /// The convex function of t is at its minimum to this [m].
 constexpr double kPrecise = 1e-10;
-constexpr int kMostSteps = 60;
+constexpr int kMostTurns = 60;
 
 /// Beside a face that looks at a point the nearest one may look this much away, as a share of the
 /// mesh's radius.
@@ -229,7 +229,7 @@ SegmentSolidDistance Solid::distance(const Vec4& middle, const Vec4& half, doubl
   double falls = dot3(below.gradient, half), rises = dot3(above.gradient, half);
   if (falls >= 0.0) return ending(low, below);
   if (rises <= 0.0) return ending(high, above);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostTurns; ++step) {
     const double meet =
         (above.distance - below.distance + falls * low - rises * high) / (falls - rises);
     const double floor = below.distance + falls * (meet - low);

@@ -9,11 +9,17 @@
 #include <thread>
 #include <utility>
 
+#include "detail/all_solutions.hpp"
 #include "detail/check_input.hpp"
+#include "detail/check_path.hpp"
 #include "detail/clearances.hpp"
+#include "detail/derivatives.hpp"
 #include "detail/describe.hpp"
+#include "detail/explain.hpp"
 #include "detail/goal_of.hpp"
+#include "detail/motion_plan.hpp"
 #include "detail/paper.hpp"
+#include "detail/path_search.hpp"
 #include "detail/restarts.hpp"
 #include "detail/thread_pool.hpp"
 #include "pdoik/cloud.hpp"
@@ -35,6 +41,8 @@ const char* to_string(Status status) {
       return "base_collision";
     case Status::Blocked:
       return "blocked";
+    case Status::Nearest:
+      return "nearest";
   }
   return "unknown";
 }
@@ -75,40 +83,24 @@ class BatchInterrupt {
 /// One request after the other of a list that several threads work on.
 class Shared final : public detail::Requests {
  public:
-  Shared(std::span<const std::vector<Goal>> goals, std::span<const Eigen::VectorXd> q0,
-         std::vector<Result>& results, std::atomic<std::size_t>& turn, BatchInterrupt& interrupt)
-      : goals_(goals), q0_(q0), results_(results), turn_(turn), interrupt_(interrupt) {}
+  Shared(std::span<const Request> requests, std::vector<Result>& results,
+         std::atomic<std::size_t>& turn, BatchInterrupt& interrupt)
+      : requests_(requests), results_(results), turn_(turn), interrupt_(interrupt) {}
 
   bool next(Request& request, Result*& result) override {
     if (interrupt_.ask_now_and_then()) return false;
     const std::size_t i = turn_++;
-    if (i >= goals_.size()) return false;
-    request = {.goals = goals_[i], .q0 = q0_.empty() ? nullptr : &q0_[q0_.size() == 1 ? 0 : i]};
+    if (i >= requests_.size()) return false;
+    request = requests_[i];
     result = &results_[i];
     return true;
   }
 
  private:
-  std::span<const std::vector<Goal>> goals_;
-  std::span<const Eigen::VectorXd> q0_;
+  std::span<const Request> requests_;
   std::vector<Result>& results_;
   std::atomic<std::size_t>& turn_;
   BatchInterrupt& interrupt_;
-};
-
-class Single final : public detail::Requests {
- public:
-  Single(const Request& request, Result& result) : request_(request), result_(&result) {}
-
-  bool next(Request& request, Result*& result) override {
-    request = request_;
-    result = std::exchange(result_, nullptr);
-    return result != nullptr;
-  }
-
- private:
-  const Request& request_;
-  Result* result_;
 };
 
 /// What a thread needs to solve.
@@ -230,8 +222,52 @@ Goal Solver::goal(const Eigen::Isometry3d& T_base_tip, int tip) const {
 void Solver::solve(const Request& request, Result& result) {
   detail::check_request(request, robot(), options());
   const auto reading = impl_->read();
-  Single requests(request, result);
+  detail::OneRequest requests(request, result);
   impl_->own.solve(requests);
+}
+
+Solutions Solver::solve_all(const Request& request, const AllOptions& wanted) {
+  detail::check_request(request, robot(), options());
+  detail::check_all(request, wanted, options());
+  const auto reading = impl_->read();
+  Result best;
+  return detail::all_solutions(impl_->own.workspace, impl_->own.restarts, request, wanted, best);
+}
+
+PathResult Solver::solve_path(const PathRequest& request, const PathOptions& wanted) {
+  detail::check_path(request, wanted, robot(), options());
+  const auto reading = impl_->read();
+  const detail::Bounds bounds(robot(), request.locks);
+  return detail::PathSearch(impl_->own.workspace, impl_->own.restarts, request, wanted,
+                            bounds.lower, bounds.upper)
+      .run();
+}
+
+MotionResult Solver::plan_motion(const MotionRequest& request, const MotionOptions& wanted) {
+  detail::check_motion(request, wanted, robot(), options());
+  const auto reading = impl_->read();
+  const detail::Bounds bounds(robot(), request.locks);
+  return detail::plan_motion(impl_->own.workspace, impl_->own.restarts, request, wanted, bounds);
+}
+
+Derivatives Solver::derivatives(std::span<const Goal> goals, VectorIn q) {
+  detail::check_goals(goals, robot(), options());
+  const Eigen::VectorXd configuration = q;
+  detail::check_configuration(configuration, robot().dof(), "q");
+  const auto reading = impl_->read();
+  return detail::derivatives(impl_->own.workspace, goals, configuration);
+}
+
+std::string Solver::explain(const Request& request, const Result& result) const {
+  return detail::explain(*impl_->model, impl_->scene, request, result);
+}
+
+std::string Solver::explain(const PathRequest& request, const PathResult& result) const {
+  return detail::explain(*impl_->model, impl_->scene, request, result);
+}
+
+std::string Solver::explain(const PathEnd& end) const {
+  return detail::explain(*impl_->model, impl_->scene, end);
 }
 
 void Solver::solve(const Eigen::Isometry3d& T_base_tip, const Eigen::VectorXd* q0, Result& result) {
@@ -262,24 +298,29 @@ std::vector<Result> Solver::solve_batch(std::span<const Eigen::Isometry3d> targe
 std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>> goals,
                                               std::span<const Eigen::VectorXd> q0,
                                               int threads) const {
-  if (threads < 0)
-    throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
   if (!q0.empty() && q0.size() != 1 && q0.size() != goals.size()) {
     throw std::invalid_argument("q0 has " + std::to_string(q0.size()) + " rows, expected 1 or " +
                                 std::to_string(goals.size()));
   }
-  for (const std::vector<Goal>& each : goals) detail::check_goals(each, robot(), options());
-  for (std::size_t i = 0; i < q0.size(); ++i) {
-    detail::check_configuration(q0[i], robot().dof(),
-                                q0.size() == 1 ? "q0" : "q0[" + std::to_string(i) + "]");
-  }
+  std::vector<Request> requests;
+  for (std::size_t i = 0; i < goals.size(); ++i)
+    requests.push_back(
+        {.goals = goals[i], .q0 = q0.empty() ? nullptr : &q0[q0.size() == 1 ? 0 : i]});
+  return solve_requests(requests, threads);
+}
+
+std::vector<Result> Solver::solve_requests(std::span<const Request> asked, int threads) const {
+  if (threads < 0)
+    throw std::invalid_argument("threads is " + std::to_string(threads) + ", expected at least 0");
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    detail::check_request(asked[i], robot(), options(), static_cast<int>(i));
   // Batches of one solver may run at once, so each has a view of the obstacles of its own.
   detail::Scene scene(*impl_->model, impl_->scene);
   const auto reading = scene.read();
   Result not_begun;
   not_begun.q = robot().mid_configuration();
   not_begun.status = Status::TimeLimit;
-  std::vector<Result> results(goals.size(), not_begun);
+  std::vector<Result> results(asked.size(), not_begun);
   BatchInterrupt interrupt(impl_->own.workspace.interrupt);
   std::atomic<std::size_t> turn{0};
   std::exception_ptr failure;
@@ -288,7 +329,7 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
     try {
       auto worker = impl_->workers.take(impl_->model, scene);
       worker->workspace.interrupt = [&interrupt] { return interrupt.ask(); };
-      Shared requests(goals, q0, results, turn, interrupt);
+      Shared requests(asked, results, turn, interrupt);
       worker->solve(requests);
       worker->workspace.interrupt = nullptr;
       impl_->workers.give_back(std::move(worker));
@@ -298,7 +339,7 @@ std::vector<Result> Solver::solve_goals_batch(std::span<const std::vector<Goal>>
     }
   };
   const auto wanted = static_cast<std::size_t>(threads > 0 ? threads : detail::processor_count());
-  const std::size_t count = std::clamp<std::size_t>(goals.size() / kFewestEach, 1, wanted);
+  const std::size_t count = std::clamp<std::size_t>(asked.size() / kFewestEach, 1, wanted);
   detail::run_together(static_cast<int>(count) - 1, work, [&interrupt] { interrupt.ask(); });
   if (failure) std::rethrow_exception(failure);
   return results;
@@ -316,7 +357,9 @@ void Solver::judge(std::span<const Goal> goals, VectorIn q, Result& result) {
   detail::check_configuration(configuration, robot().dof(), "q");
   const auto reading = impl_->read();
   impl_->own.workspace.judge_unwatched(goals, configuration, result);
-  result.status = result.success ? Status::Solved : Status::Exhausted;
+  result.status = result.success ? Status::Solved
+                  : result.holds ? Status::Nearest
+                                 : Status::Exhausted;
 }
 
 std::vector<ObstacleClearance> Solver::clearances(VectorIn q) {

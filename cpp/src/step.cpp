@@ -13,7 +13,7 @@ constexpr int kPulled = 2;    ///< Gauss-Newton steps with the posture
 constexpr int kExactly = 25;  ///< and without it, until the goals are reached
 /// Barriers are looked for at twice what a step can reach, since it may take half of it, and no
 /// farther than this [m].
-constexpr double kShare = 2.0, kFar = 0.3;
+constexpr double kShareOfReach = 2.0, kFarthestBarrier = 0.3;
 /// Of the largest diagonal entry of the Hessian: where the goals leave a joint free it stays.
 constexpr double kDamping = 1e-5, kLeastDamping = 1e-11;
 constexpr double kStalled = 0.98;                 ///< share of a cost that a turn may leave
@@ -39,7 +39,7 @@ Step::Step(Workspace& workspace)
       barriers_(model_),
       program_(model_.robot.dof()),
       factor_(model_.robot.dof()) {
-  before_.reserve(model_.robot.tips().size());
+  before_.reserve(kMostGoals);
   const Eigen::Index n = model_.robot.dof();
   hessian_.setZero(n, n);
   for (Eigen::VectorXd* each : {&gradient_, &moved_, &q_, &pulled_, &next_, &least_, &most_})
@@ -99,7 +99,7 @@ bool Step::look(const StepRequest& step, const Eigen::VectorXd& about, double st
   most_ = *step.from + stride * (*step.upper - *step.from) - about;
   workspace_.least_squares.place(about);
   next_ = most_.cwiseMax(-least_);
-  if (late() || !barriers_.find(workspace_.problem, std::min(kShare * step.margin, kFar), next_))
+  if (late() || !barriers_.find(workspace_.problem, std::min(kShareOfReach * step.margin, kFarthestBarrier), next_))
     return false;
   barriers_.come_to_terms(least_, most_);
   return true;
@@ -189,7 +189,8 @@ void Step::follow(std::span<const Goal> goals, const Eigen::VectorXd& from, Brak
   braking.stop_drifting();
   const bool alike = std::equal(goals.begin(), goals.end(), before_.begin(), before_.end(),
                                 [](const Goal& one, const Goal& other) {
-                                  return one.tip == other.tip && one.type == other.type;
+                                  return one.tip == other.tip && one.type == other.type &&
+                                         one.relative_to == other.relative_to;
                                 });
   if (braking.follows() && alike) {
     // Joints that go on as the goals did: what their errors changed by, by least squares.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "detail/clearance.hpp"
+#include "detail/goal_of.hpp"
 
 namespace pdoik::detail {
 
@@ -51,8 +52,8 @@ void ToolCheck::hold(const Scene& scene) {
 std::optional<WorstConstraint> ToolCheck::contact(std::span<const Goal> goals, const Scene& scene) {
   std::optional<WorstConstraint> worst;
   for (const Goal& goal : goals) {
-    if (goal.type != GoalType::Pose || !goal.position_slack.isZero(0.0) ||
-        !goal.rotation_slack.isZero(0.0))
+    if (goal.type != GoalType::Pose || !has_place(goal) || has_slack(goal) ||
+        goal.priority != Priority::Both)
       continue;
     Tool& tool = *tools_[static_cast<std::size_t>(goal.tip)];
     if (tool.hulls.empty() && !held_) continue;
@@ -67,14 +68,17 @@ std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
   using Kind = WorstConstraint::Kind;
   const Options& options = model_.options;
   const int tip = model_.robot.tips()[static_cast<std::size_t>(goal.tip)];
-  const Eigen::Isometry3d T_base_tool = goal.T_base_tip * model_.robot.T_body_link(tip).inverse();
+  const Eigen::Isometry3d T_base_tool =
+      goal.T_base_tip * (model_.robot.T_body_link(tip) * goal.T_tip_tool).inverse();
   CollisionState& state = *tool.state;
   for (const auto& [point, local] : tool.points)
     state.place(static_cast<std::size_t>(point), to_vec4(T_base_tool * local));
   state.place_frame(tool.body, to_frame(T_base_tool));
   // Within its tolerances the tool may still come clear of this much.
-  const double slack = options.clearance_tolerance + options.position_tolerance +
-                       options.rotation_tolerance * tool.arm;
+  const double off = std::max(options.position_tolerance, goal.position_tolerance),
+               turned = std::max(options.rotation_tolerance, goal.rotation_tolerance),
+               length = goal.T_tip_tool.translation().norm();
+  const double slack = options.clearance_tolerance + off + turned * (tool.arm + length);
   std::optional<WorstConstraint> worst;
   if (scene.within_reach() > 0) {
     const Clearance least = least_clearance_within(state, scene.obstacles(), 0.0, {-slack, -1, -1});
@@ -98,8 +102,8 @@ std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
     held_->place_solid(k, to_frame(T_base_tool));
     const double arm =
         std::sqrt(dot3(held.solid.centre(), held.solid.centre())) + held.solid.radius();
-    const double play = std::max(slack, options.clearance_tolerance + options.position_tolerance +
-                                            options.rotation_tolerance * (arm + tool.from_body));
+    const double play = std::max(
+        slack, options.clearance_tolerance + off + turned * (arm + tool.from_body + length));
     const auto add = [&](const std::optional<HeldNear>& near) {
       if (!near) return;
       const double violation = -near->distance - options.clearance_tolerance;
@@ -107,8 +111,7 @@ std::optional<WorstConstraint> ToolCheck::contact(Tool& tool, const Goal& goal,
         worst = {near->kind, near->held, near->other, violation};
     };
     add(held_->nearest_point(k, scene.obstacles(), -play));
-    for (int shape = 0; shape < scene.shapes().count(); ++shape)
-      add(held_->nearest_of_shape(k, scene.shapes(), shape, -play));
+    add(held_->nearest_shape(k, scene.shapes(), -play));
   }
   return worst;
 }

@@ -5,9 +5,7 @@
 namespace pdoik::detail {
 
 Touching::Touching(const Robot& robot, const TouchOptions& options)
-    : centres_(robot.tips().size()),
-      radius2_(options.radius * options.radius),
-      depth_(options.depth) {
+    : centres_(kMostGoals), radius2_(options.radius * options.radius), depth_(options.depth) {
   std::vector<bool> links(robot.link_names().size(), false);
   for (const std::string& name : options.links)
     links[static_cast<std::size_t>(robot.link_index(name))] = true;

@@ -359,6 +359,10 @@ const TrackerResult& Tracker::step(std::span<const Goal> goals) {
     impl_->hold(
         "a goal that stands is not for a tracker with max_acceleration: joints that brake "
         "each for itself would move it");
+  else if (std::ranges::any_of(goals, [](const Goal& goal) {
+             return goal.soft || goal.priority != Priority::Both;
+           }))
+    impl_->hold("a goal is soft or has a priority, which is for a Solver");
   else if (!impl_->cloud_complaint.empty())
     impl_->hold(impl_->cloud_complaint.text());
   else

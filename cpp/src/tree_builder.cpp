@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "detail/check_input.hpp"
+#include "detail/infinity.hpp"
 #include "detail/inertia_check.hpp"
 #include "detail/text.hpp"
 #include "pdoik/errors.hpp"
@@ -333,7 +334,6 @@ class TreeBuilder {
     if (low > high) std::swap(low, high);
     const auto d = static_cast<std::size_t>(body.dof);
     const double new_lower = std::max(lower[d], low), new_upper = std::min(upper[d], high);
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     // Also where dividing by the multiplier overflowed: no number is above infinity.
     if (!(new_lower <= new_upper) || new_lower == kInfinity || new_upper == -kInfinity) {
       fail("joint '" + follower.name + "' mimics '" + tree_.joint_names[d] +

@@ -33,6 +33,15 @@ LevenbergMarquardtOptions settling_options(LevenbergMarquardtOptions options) {
   return options;
 }
 
+/// Where wishes weigh so little that damping must be less still to let them count.
+LevenbergMarquardtOptions wishing_options(LevenbergMarquardtOptions options) {
+  options.first_damping = 1e-9;
+  options.stall_ratio = 0.9999;
+  options.max_iterations = std::max(options.max_iterations, 200);
+  options.stall_window = 3;
+  return options;
+}
+
 }  // namespace
 
 LevenbergMarquardtOptions patient(LevenbergMarquardtOptions options) {
@@ -53,7 +62,7 @@ void restore(const Result& earlier, Result& result) {
 
 Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
     : model_(std::move(model_in)),
-      judge_(model().robot, model().options, model().hulls),
+      judge_(model().robot, model().options, model().hulls, model().whole),
       augmented_lagrangian_(model().robot.dof(), lagrangian_options(model().options),
                             lbfgs_options(model())),
       problem(model(), scene),
@@ -63,6 +72,7 @@ Workspace::Workspace(std::shared_ptr<const Model> model_in, const Scene& scene)
       brisk(model().robot.dof(), model().options.levenberg_marquardt),
       patient(model().robot.dof(), detail::patient(model().options.levenberg_marquardt)),
       settling(model().robot.dof(), settling_options(model().options.levenberg_marquardt)),
+      wishing(model().robot.dof(), wishing_options(model().options.levenberg_marquardt)),
       lanes(model().robot, model().options),
       tool(model()) {
   omega.setZero(map.size());
@@ -119,13 +129,10 @@ double Workspace::minimise(LevenbergMarquardt& minimiser, Eigen::VectorXd& x,
 
 void Workspace::minimise_lagrangian(Result& result) {
   const Options& options = model().options;
-  const double p = options.position_tolerance, r = options.rotation_tolerance;
   const auto struck = [&] { return problem.deadline->passed(); };
   const auto stop = [&](const Eigen::VectorXd&, double) {
     if (lagrangian.last_max_constraint() <= 0.5 * options.clearance_tolerance &&
-        std::all_of(problem.goals.begin(), problem.goals.end(), [&](const GoalTerm& goal) {
-          return goal.position_distance() < p && goal.rotation_distance() < r;
-        })) {
+        std::ranges::all_of(problem.goals, &GoalTerm::is_met)) {
       return true;
     }
     return struck();

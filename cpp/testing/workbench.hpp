@@ -36,7 +36,7 @@ class Workbench {
     Goal goal;
     goal.type = options.goal;
     goal.axis = options.goal_axis;
-    problem.goals.emplace_back(robot, goal);
+    problem.goals.emplace_back(robot, options, goal);
     set_obstacles(ObstacleMatrix(0, 3));
   }
   Workbench(const Workbench&) = delete;

@@ -17,6 +17,7 @@ void bind_goal(py::module_& module);
 void bind_result(py::module_& module);
 void bind_solver(py::module_& module);
 void bind_tracker(py::module_& module);
+void bind_timing(py::module_& module);
 void bind_lagrangian(py::module_& module);
 void bind_point_cloud(py::module_& module);
 

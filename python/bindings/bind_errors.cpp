@@ -10,7 +10,7 @@ namespace pdoik::python {
 namespace {
 
 struct ErrorTypes {
-  py::object load_error, robot_warning, obstacle_warning;
+  py::object load_error, robot_warning, obstacle_warning, goal_warning;
 };
 
 /// The classes of pdoik/errors.py, looked up once.
@@ -20,7 +20,7 @@ const ErrorTypes& error_types() {
       .call_once_and_store_result([] {
         const py::module_ errors = py::module_::import("pdoik.errors");
         return ErrorTypes{errors.attr("LoadError"), errors.attr("RobotWarning"),
-                          errors.attr("ObstacleWarning")};
+                          errors.attr("ObstacleWarning"), errors.attr("GoalWarning")};
       })
       .get_stored();
 }
@@ -54,6 +54,8 @@ void warn(const std::string& message) { warn_by(error_types().robot_warning, mes
 void warn_of_obstacles(const std::string& message) {
   warn_by(error_types().obstacle_warning, message);
 }
+
+void warn_of_goal(const std::string& message) { warn_by(error_types().goal_warning, message); }
 
 void bind_errors(py::module_&) {
   error_types();

@@ -56,7 +56,7 @@ Raises:
       .def(
           "set_goals",
           [](P& self, const GoalsLike& goals) {
-            self.problem.set_goals(to_goals(goals, self.problem.robot(), self.problem.options()));
+            self.problem.set_goals(to_goals(goals, {self.problem.robot(), self.problem.options()}));
           },
           py::arg("goals"),
           R"(Take goals as Solver.solve does, without slack, and forget the multipliers.

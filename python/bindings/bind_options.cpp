@@ -105,6 +105,9 @@ void bind_options(py::module_& module) {
   py::class_<Options> options(module, "Options", "The C++ options, which pdoik.Options fills.");
   options.def(py::init<>())
       .def_readwrite("goal_axis", &Options::goal_axis)
+      .def_property(
+          "T_tip_tool", [](const Options& self) -> Matrix4 { return self.T_tip_tool.matrix(); },
+          [](Options& self, const Matrix4& T) { self.T_tip_tool.matrix() = T; })
       .def_readwrite("position_tolerance", &Options::position_tolerance)
       .def_readwrite("rotation_tolerance", &Options::rotation_tolerance)
       .def_readwrite("clearance", &Options::clearance)
@@ -131,6 +134,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("augmented_lagrangian", &Options::augmented_lagrangian)
       .def_readwrite("levenberg_marquardt", &Options::levenberg_marquardt);
   def_name<&Options::goal>(options, "goal");
+  def_name<&Options::priority>(options, "priority");
   def_name<&Options::method>(options, "method");
   def_name<&Options::inner>(options, "inner");
   def_name<&Options::prefer>(options, "prefer");

@@ -1,5 +1,7 @@
 #include <pybind11/stl.h>
 
+#include <optional>
+
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "errors.hpp"
@@ -66,7 +68,8 @@ AnyTuple result_state(const NamedResult& r) {
                         r.rotation_error, r.clearance, r.limit_violation, r.worst.violation,
                         r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time,
                         r.center_of_mass, r.balance_violation, r.self_distance, r.intake,
-                        r.late_evaluations, r.forgiven_contact, r.forgiven.violation);
+                        r.late_evaluations, r.forgiven_contact, r.forgiven.violation, r.goal_index,
+                        r.holds, r.message);
 }
 
 NamedResult from_state(const AnyTuple& t) {
@@ -91,6 +94,10 @@ NamedResult from_state(const AnyTuple& t) {
   r.late_evaluations = t[17].cast<int>();
   r.forgiven_contact = t[18].cast<std::string>();
   r.forgiven.violation = t[19].cast<double>();
+  if (t.size() < 23) return r;  // of before there were any
+  r.goal_index = t[20].cast<int>();
+  r.holds = t[21].cast<bool>();
+  r.message = t[22].cast<std::string>();
   return r;
 }
 
@@ -108,8 +115,36 @@ Every error is recomputed from q alone, so that a success can be judged without 
 `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
 tip; `base_collision`: an obstacle lies in a hull that no joint moves, and no answer exists; `blocked`: what is
 rigid to the tip is in an obstacle at the target, and no answer exists, or some fifty starts that reached the
-target all ended with the same hull in the same obstacle, and none is likely. In all but the first, q is the
-best found.)")
+target all ended with the same hull in the same obstacle, and none is likely; `nearest`: position and all
+constraints hold, and of a goal whose position comes first the orientation is as near as was found. In all but
+the first, q is the best found.)")
+      .def_readonly("message", &R::message,
+                    "How it went, in words: what gave, by how much, and what its tolerance is; '' "
+                    "of `judge` and steps.")
+      .def_readonly("goal_index", &R::goal_index,
+                    "Which of the goals of `solve_any` it meets, or comes nearest to.")
+      .def_property_readonly(
+          "dq_dT",
+          [](const R& r) -> std::optional<Eigen::MatrixXd> {
+            if (!r.derivatives) return std::nullopt;
+            return r.derivatives->dq_dT;
+          },
+          "How q follows its targets, shape (n, 6) a goal: see Derivatives. None unless "
+          "`derivatives=True`.")
+      .def_property_readonly(
+          "manipulability",
+          [](const R& r) -> std::optional<double> {
+            if (!r.derivatives) return std::nullopt;
+            return r.derivatives->manipulability;
+          },
+          "See Derivatives. None unless `derivatives=True`.")
+      .def_property_readonly(
+          "singular_distance",
+          [](const R& r) -> std::optional<double> {
+            if (!r.derivatives) return std::nullopt;
+            return r.derivatives->singular_distance;
+          },
+          "See Derivatives [m]. None unless `derivatives=True`.")
       .def_readonly("position_error", &R::position_error, "Largest over the goals [m].")
       .def_readonly(
           "rotation_error", &R::rotation_error,
@@ -202,6 +237,9 @@ A column is a new array each time it is asked for.)")
           [](const B& b) { return column<double>(b, [](const R& r) { return r.self_distance; }); },
           "Shape (B,) [m].")
       .def_property_readonly(
+          "message", [](const B& b) { return str_column(b, [](const R& r) { return r.message; }); },
+          "Shape (B,).")
+      .def_property_readonly(
           "worst_constraint",
           [](const B& b) { return str_column(b, [](const R& r) { return r.worst_constraint; }); },
           "Shape (B,).")
@@ -257,10 +295,75 @@ A column is a new array each time it is asked for.)")
       .def("__repr__", &batch_repr);
 }
 
+void bind_solutions(py::module_& module) {
+  using S = NamedSolutions;
+  py::class_<S>(
+      module, "Solutions",
+      R"(The distinct solutions of one request: a sequence of Result, the nearest first.)")
+      .def_property_readonly(
+          "q",
+          [](const S& s) {
+            RowMatrix q(static_cast<Eigen::Index>(s.results.size()), s.dof);
+            for (Eigen::Index i = 0; i < q.rows(); ++i)
+              q.row(i) = s.results[static_cast<std::size_t>(i)].q.transpose();
+            return q;
+          },
+          "Joint positions, shape (K, n) [rad] or [m].")
+      .def_readonly("turns", &S::turns,
+                    "In how many ways whole turns of joints leave each inside limits, 1 if in none "
+                    "but itself, K ints.")
+      .def_readonly("complete", &S::complete,
+                    "Whether it is known that there are no others: of six joints whose geometry is "
+                    "solved in closed form, away from singularities.")
+      .def_readonly("coverage", &S::coverage,
+                    "How likely it is that one more start that meets the goals comes to what was "
+                    "found already, clear or not; 1 where it is complete.")
+      .def_property_readonly(
+          "status",
+          [](const S& s) {
+            return py::reinterpret_borrow<StatusName>(py::str(to_string(s.status)));
+          },
+          "'solved' if there are any, else why not.")
+      .def_readonly("restarts", &S::restarts, "Starts beyond the first.")
+      .def_readonly("time", &S::time, "[s].")
+      .def("__len__", [](const S& s) { return s.results.size(); })
+      .def(
+          "__getitem__",
+          [](const S& s, py::ssize_t i) {
+            const auto size = static_cast<py::ssize_t>(s.results.size());
+            if (i < -size || i >= size)
+              throw py::index_error("solution " + std::to_string(i) + " of " +
+                                    std::to_string(size));
+            return s.results[static_cast<std::size_t>(i < 0 ? i + size : i)];
+          },
+          py::arg("index"))
+      .def(
+          "__iter__",
+          [](const S& s) { return py::make_iterator(s.results.begin(), s.results.end()); },
+          py::keep_alive<0, 1>())
+      .def("__repr__", [](const S& s) {
+        return py::str("<Solutions: {}{}, coverage={:.3g}>")
+            .format(s.results.size(), s.complete ? ", all there are" : "", s.coverage);
+      });
+  py::class_<Derivatives>(module, "Derivatives",
+                          "How a configuration follows its targets, and how near it is to a "
+                          "singularity.")
+      .def_property_readonly(
+          "dq_dT", [](const Derivatives& d) { return d.dq_dT; },
+          "Of q by each hard goal's target: its shift [m] and turn [rad] along the base frame's "
+          "axes, shape (n, 6 a goal). Joints at limits and contact stay as they are; of all that "
+          "remains the least motion.")
+      .def_readonly("manipulability", &Derivatives::manipulability,
+                    "Product of the singular values of the goals' Jacobian.")
+      .def_readonly("singular_distance", &Derivatives::singular_distance,
+                    "The least of them, turns in metres by Options.rotation_weight [m].");
+}
+
 }  // namespace
 
 void bind_result(py::module_& module) {
   bind_one(module);
+  bind_solutions(module);
   bind_batch(module);
 }
 

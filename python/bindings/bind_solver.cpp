@@ -2,16 +2,10 @@
 #include <pybind11/typing.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <limits>
-#include <memory>
-#include <mutex>
-#include <new>
 #include <span>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include "arrays.hpp"
@@ -20,154 +14,119 @@
 #include "pdoik/solver.hpp"
 #include "result.hpp"
 #include "scene.hpp"
+#include "shared_solver.hpp"
 #include "units.hpp"
 #include "without_gil.hpp"
 
 namespace pdoik::python {
 namespace {
 
-/// A solver belongs to one thread at a time: Python's threads wait for their turn.
-struct SharedSolver {
-  SharedSolver(const Robot& robot, const Options& options) : solver(robot, options) {
-    solver.set_interrupt(is_interrupted);
-  }
-  Solver solver;
-  ToldOfUnits told_of_units = false;  ///< with the GIL held
-
-  /// Of a thread, from when it is made. Without the GIL; Ctrl-C is heard while it waits.
-  class Turn {
-   public:
-    explicit Turn(SharedSolver& of) : of_(of) {
-      if (of.taken_by_.load() == std::this_thread::get_id()) {
-        throw std::runtime_error(
-            "the solver is solving in this very thread, which a signal's handler has interrupted: "
-            "a handler needs a solver of its own");
-      }
-      while (!of.mutex_.try_lock_for(std::chrono::milliseconds(100))) raise_if_interrupted();
-      of.taken_by_ = std::this_thread::get_id();
-    }
-    ~Turn() {
-      of_.taken_by_ = std::thread::id();
-      of_.mutex_.unlock();
-    }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-
-   private:
-    SharedSolver& of_;
-  };
-
-  /// Batches run beside solves and one another, each with a copy: of those of past batches one is
-  /// used again, for making its memory takes longer than a short batch.
-  /// @param generation  What give_back is to be told.
-  std::unique_ptr<Solver> take_copy(int& generation) {
-    {
-      const std::lock_guard lock(copies_mutex_);
-      generation = changes_;
-      if (!copies_.empty()) {
-        std::unique_ptr<Solver> copy = std::move(copies_.back());
-        copies_.pop_back();
-        return copy;
-      }
-    }
-    const Turn turn(*this);
-    auto copy = std::make_unique<Solver>(solver);
-    copy->set_interrupt(is_interrupted);
-    const std::lock_guard lock(copies_mutex_);
-    generation = changes_;
-    return copy;
-  }
-  /// Change what the solver carries, which copies of past batches know nothing of.
-  template <class Change>
-  void change(Change&& change) {
-    const WithoutGil release;
-    const Turn turn(*this);
-    change(solver);
-    const std::lock_guard lock(copies_mutex_);
-    copies_.clear();
-    ++changes_;
-  }
-  void give_back(std::unique_ptr<Solver> copy, int generation) {
-    copy->clear_obstacles();  // which may be a cloud that nobody else holds any more
-    const std::lock_guard lock(copies_mutex_);
-    if (generation == changes_) copies_.push_back(std::move(copy));
-  }
-
- private:
-  std::timed_mutex mutex_;  ///< of the solver
-  std::atomic<std::thread::id> taken_by_;
-  std::mutex copies_mutex_;  ///< never held for long
-  std::vector<std::unique_ptr<Solver>> copies_;
-  int changes_ = 0;
-};
-
-/// A copy of the solver, until the batch ends.
-class BatchSolver {
- public:
-  explicit BatchSolver(SharedSolver& of) : of_(of), solver_(of.take_copy(generation_)) {}
-  ~BatchSolver() {
-    try {
-      of_.give_back(std::move(solver_), generation_);
-    } catch (const std::bad_alloc&) {
-      // Another will be made.
-    }
-  }
-  BatchSolver(const BatchSolver&) = delete;
-  BatchSolver& operator=(const BatchSolver&) = delete;
-
-  Solver& operator*() { return *solver_; }
-
- private:
-  SharedSolver& of_;
-  int generation_ = 0;
-  std::unique_ptr<Solver> solver_;
-};
+NamedResult solved(Solver& solver, const Request& request, bool derivatives,
+                   Clock::time_point began) {
+  Result result;
+  solver.solve(request, result);
+  NamedResult told = named(solver, request, std::move(result));
+  if (derivatives)
+    told.derivatives = solver.derivatives(request.alternative(told.goal_index), told.q);
+  told.time = seconds_since(began);
+  return told;
+}
 
 NamedResult solve(SharedSolver& self, const GoalsLike& T_base_tip,
                   const std::optional<ArrayLike>& q0, const std::optional<ObstaclesLike>& obstacles,
-                  const std::optional<ArrayLike>& posture,
-                  const std::optional<ArrayLike>& max_step) {
+                  const std::optional<ArrayLike>& posture, const std::optional<ArrayLike>& max_step,
+                  const std::optional<py::object>& lock,
+                  const std::optional<py::object>& T_tip_tool,
+                  const std::optional<std::string>& priority, bool derivatives) {
   const Robot& robot = self.solver.robot();
-  const std::vector<Goal> goals = to_goals(T_base_tip, robot, self.solver.options());
-  const auto vector = [&](const std::optional<ArrayLike>& values, const char* name) {
-    std::optional<Eigen::VectorXd> result;
-    if (values) result = to_vector(*values, name, robot.dof());
-    return result;
-  };
-  const std::optional<Eigen::VectorXd> start = vector(q0, "q0"), near = vector(posture, "posture"),
-                                       step = vector(max_step, "max_step");
-  const auto address = [](const std::optional<Eigen::VectorXd>& v) { return v ? &*v : nullptr; };
-  const Request request{goals, address(start), address(near), address(step)};
-  const ObstaclesIn given(obstacles, "obstacles");
-  warn_of_units(given, self.solver.robot(), self.told_of_units);
-  NamedResult result;
-  {
-    const WithoutGil release;
-    const SharedSolver::Turn turn(self);
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point started = Clock::now();
-    given.give_to(self.solver);
-    Result solved;
-    self.solver.solve(request, solved);
-    solved.time = std::chrono::duration<double>(Clock::now() - started).count();  // with the cloud
-    result = named(self.solver, std::move(solved));
-  }
-  if (PyErr_Occurred() != nullptr) throw py::error_already_set();  // Ctrl-C ended it
-  return result;
+  const std::vector<Goal> goals =
+      to_goals(T_base_tip, {robot, self.solver.options(), T_tip_tool, priority});
+  const Asked asked(robot, q0, posture, max_step, lock);
+  Request request = asked.request();
+  request.goals = goals;
+  return in_turn(self, obstacles, [&](Solver& solver, Clock::time_point began) {
+    return solved(solver, request, derivatives, began);
+  });
+}
+
+NamedResult solve_any(SharedSolver& self, const py::object& goals,
+                      const std::optional<ArrayLike>& costs, const std::optional<ArrayLike>& q0,
+                      const std::optional<ObstaclesLike>& obstacles,
+                      const std::optional<ArrayLike>& posture,
+                      const std::optional<ArrayLike>& max_step,
+                      const std::optional<py::object>& lock,
+                      const std::optional<py::object>& T_tip_tool,
+                      const std::optional<std::string>& priority, bool derivatives) {
+  const Robot& robot = self.solver.robot();
+  const std::vector<std::vector<Goal>> any_of =
+      to_alternatives(goals, {robot, self.solver.options(), T_tip_tool, priority});
+  if (any_of.empty()) throw std::invalid_argument("goals is empty, expected at least one");
+  Eigen::VectorXd each;
+  if (costs) each = to_vector(*costs, "costs", static_cast<Eigen::Index>(any_of.size()));
+  const Asked asked(robot, q0, posture, max_step, lock);
+  Request request = asked.request();
+  request.any_of = any_of;
+  request.costs = {each.data(), static_cast<std::size_t>(each.size())};
+  return in_turn(self, obstacles, [&](Solver& solver, Clock::time_point began) {
+    return solved(solver, request, derivatives, began);
+  });
+}
+
+NamedSolutions solve_all(SharedSolver& self, const GoalsLike& T_base_tip,
+                         const std::optional<int>& limit, const std::optional<ArrayLike>& q0,
+                         const std::optional<ObstaclesLike>& obstacles,
+                         const std::optional<double>& distinct,
+                         const std::optional<ArrayLike>& posture,
+                         const std::optional<ArrayLike>& max_step,
+                         const std::optional<py::object>& lock,
+                         const std::optional<py::object>& T_tip_tool) {
+  const Robot& robot = self.solver.robot();
+  const std::vector<Goal> goals =
+      to_goals(T_base_tip, {robot, self.solver.options(), T_tip_tool, std::nullopt});
+  const Asked asked(robot, q0, posture, max_step, lock);
+  Request request = asked.request();
+  request.goals = goals;
+  if (limit && *limit < 1)
+    throw std::invalid_argument("limit is " + std::to_string(*limit) + ", expected at least 1");
+  const AllOptions wanted{limit.value_or(0), distinct.value_or(0.0)};
+  return in_turn(self, obstacles, [&](Solver& solver, Clock::time_point began) {
+    Solutions found = solver.solve_all(request, wanted);
+    NamedSolutions all;
+    for (Result& result : found.results)
+      all.results.push_back(named(solver, request, std::move(result)));
+    all.turns = std::move(found.turns);
+    all.complete = found.complete;
+    all.coverage = found.coverage;
+    all.status = found.status;
+    all.restarts = found.restarts;
+    all.dof = solver.robot().dof();
+    all.time = seconds_since(began);
+    return all;
+  });
+}
+
+Derivatives derivatives(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLike& q,
+                        const std::optional<ObstaclesLike>& obstacles,
+                        const std::optional<py::object>& T_tip_tool) {
+  const std::vector<Goal> goals =
+      to_goals(T_base_tip, {self.solver.robot(), self.solver.options(), T_tip_tool, std::nullopt});
+  const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
+  return in_turn(self, obstacles, [&](Solver& solver, Clock::time_point) {
+    return solver.derivatives(goals, configuration);
+  });
 }
 
 NamedResult judge(SharedSolver& self, const GoalsLike& T_base_tip, const ArrayLike& q,
-                  const std::optional<ObstaclesLike>& obstacles) {
-  const std::vector<Goal> goals = to_goals(T_base_tip, self.solver.robot(), self.solver.options());
+                  const std::optional<ObstaclesLike>& obstacles,
+                  const std::optional<py::object>& T_tip_tool) {
+  const std::vector<Goal> goals =
+      to_goals(T_base_tip, {self.solver.robot(), self.solver.options(), T_tip_tool, std::nullopt});
   const Eigen::VectorXd configuration = to_vector(q, "q", self.solver.robot().dof());
-  const ObstaclesIn given(obstacles, "obstacles");
-  warn_of_units(given, self.solver.robot(), self.told_of_units);
-  const WithoutGil release;
-  const SharedSolver::Turn turn(self);
-  given.give_to(self.solver);
-  Result result;
-  self.solver.judge(goals, configuration, result);
-  return named(self.solver, std::move(result));
+  return in_turn(self, obstacles, [&](Solver& solver, Clock::time_point) {
+    Result result;
+    solver.judge(goals, configuration, result);
+    return named(solver, std::move(result));
+  });
 }
 
 /// How near the robot is to one obstacle, by names.
@@ -212,22 +171,76 @@ void bind_clearance(py::module_& module) {
       });
 }
 
+/// One row for all of a batch, or one for each.
+class Rows {
+ public:
+  Rows(const std::optional<ArrayLike>& values, const std::string& name, int dof, std::size_t count,
+       bool may_be_infinite = false) {
+    if (!values) return;
+    if (may_be_infinite) {
+      const Array array = to_float64(*values, name);
+      if (array.ndim() == 1) {
+        rows_ = {Asked::to_step(*values, dof)};
+      } else {
+        for (py::ssize_t i = 0; i < array.shape(0); ++i)
+          rows_.push_back(Asked::to_step({array[py::int_(i)]}, dof));
+      }
+    } else {
+      rows_ = to_vectors(*values, name, dof);
+    }
+    if (rows_.size() != 1 && rows_.size() != count)
+      throw std::invalid_argument(name + " has " + std::to_string(rows_.size()) +
+                                  " rows, expected 1 or " + std::to_string(count));
+  }
+  const Eigen::VectorXd* of(std::size_t i) const {
+    return rows_.empty() ? nullptr : &rows_[rows_.size() == 1 ? 0 : i];
+  }
+
+ private:
+  std::vector<Eigen::VectorXd> rows_;
+};
+
+/// The locks of each of a batch: one mapping for all, or a list of them.
+std::vector<std::vector<Lock>> to_locks_batch(const std::optional<py::object>& values,
+                                              const Robot& robot, std::size_t count) {
+  if (!values || (!py::isinstance<py::list>(*values) && !py::isinstance<py::tuple>(*values)))
+    return {to_locks(values, robot)};
+  std::vector<std::vector<Lock>> all;
+  for (const auto& each : py::reinterpret_borrow<py::sequence>(*values))
+    all.push_back(to_locks(py::reinterpret_borrow<py::object>(each), robot));
+  if (all.size() != count)
+    throw std::invalid_argument("lock has " + std::to_string(all.size()) +
+                                " entries, expected one dict or " + std::to_string(count));
+  return all;
+}
+
 BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
                         const std::optional<ArrayLike>& q0,
-                        const std::optional<ObstaclesLike>& obstacles, int threads) {
-  using Clock = std::chrono::steady_clock;
+                        const std::optional<ObstaclesLike>& obstacles, int threads,
+                        const std::optional<ArrayLike>& posture,
+                        const std::optional<ArrayLike>& max_step,
+                        const std::optional<py::object>& lock,
+                        const std::optional<py::object>& T_tip_tool,
+                        const std::optional<std::string>& priority) {
+  const Robot& robot = self.solver.robot();
   const std::vector<std::vector<Goal>> goals =
-      to_goals_batch(T_base_tip, self.solver.robot(), self.solver.options());
-  std::vector<Eigen::VectorXd> starts;
-  if (q0) starts = to_vectors(*q0, "q0", self.solver.robot().dof());
-  if (q0 && starts.size() != 1 && starts.size() != goals.size()) {
-    throw std::invalid_argument("q0 has " + std::to_string(starts.size()) +
-                                " rows, expected 1 or " + std::to_string(goals.size()));
+      to_goals_batch(T_base_tip, {robot, self.solver.options(), T_tip_tool, priority});
+  const Rows starts(q0, "q0", robot.dof(), goals.size()),
+      postures(posture, "posture", robot.dof(), goals.size()),
+      steps(max_step, "max_step", robot.dof(), goals.size(), true);
+  const std::vector<std::vector<Lock>> locks = to_locks_batch(lock, robot, goals.size());
+  std::vector<Request> requests(goals.size());
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    requests[i].goals = goals[i];
+    requests[i].q0 = starts.of(i);
+    requests[i].posture = postures.of(i);
+    requests[i].max_step = steps.of(i);
+    requests[i].locks = locks[locks.size() == 1 ? 0 : i];
   }
   const ObstaclesIn given(obstacles, "obstacles");
-  warn_of_units(given, self.solver.robot(), self.told_of_units);
+  warn_of_units(given, robot, self.told_of_units);
   BatchResult batch;
-  batch.dof = self.solver.robot().dof();
+  batch.dof = robot.dof();
 
   const WithoutGil release;
   BatchSolver batch_solver(self);
@@ -237,12 +250,10 @@ BatchResult solve_batch(SharedSolver& self, const GoalsBatchLike& T_base_tip,
   do {
     const Clock::time_point started = Clock::now();
     const std::size_t count = std::min(slice, goals.size() - done);
-    const auto own_starts =
-        starts.size() > 1 ? std::span(starts).subspan(done, count) : std::span(starts);
-    for (Result& result :
-         solver.solve_goals_batch(std::span(goals).subspan(done, count), own_starts, threads)) {
-      batch.results.push_back(named(solver, std::move(result)));
-    }
+    const auto part = std::span<const Request>(requests).subspan(done, count);
+    std::vector<Result> results = solver.solve_requests(part, threads);
+    for (std::size_t i = 0; i < count; ++i)
+      batch.results.push_back(named(solver, part[i], std::move(results[i])));
     raise_if_interrupted();
     done += count;
     if (Clock::now() - started < std::chrono::milliseconds(100)) slice *= 2;
@@ -289,21 +300,24 @@ py::typing::Tuple<py::array_t<std::uint8_t>, py::array_t<float>> reach_poses(
 
 void bind_solver(py::module_& module) {
   bind_clearance(module);
-  py::class_<SharedSolver>(module, "Solver")
-      .def(py::init<const Robot&, const Options&>(), py::arg("robot"), py::arg("options"))
+  py::class_<SharedSolver> bound(module, "Solver");
+  bound.def(py::init<const Robot&, const Options&>(), py::arg("robot"), py::arg("options"))
       .def_property_readonly(
           "robot", [](const SharedSolver& self) { return self.solver.robot(); },
           "A copy of the robot this solver was made for, as it was then.")
       .def("solve", &solve, py::arg("T_base_tip"), py::arg("q0") = py::none(),
            py::arg("obstacles") = py::none(), py::arg("posture") = py::none(),
-           py::arg("max_step") = py::none(),
+           py::arg("max_step") = py::none(), py::kw_only(), py::arg("lock") = py::none(),
+           py::arg("T_tip_tool") = py::none(), py::arg("priority") = py::none(),
+           py::arg("derivatives") = false,
            R"(Find q so that the tips meet their goals, inside joint limits, clear of obstacles.
 
 Balance and distance from itself are kept where the options ask for them.
 
 Args:
     T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m]; or a
-        Goal; or for several tips a dict of such by tip link. Tips without a goal are free.
+        Goal, or a list of them that say whose they are; or for several tips a dict of such by tip link. Tips
+        without a goal are free.
     q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
         None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
         answers are within pi of it.
@@ -312,7 +326,14 @@ Args:
         conversion. None or empty: there are none, whatever the call before had.
     posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
         the first solution found, shape (n,) [rad] or [m].
-    max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
+    max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period. Infinity
+        for none.
+    lock: Joints that keep a position, by name [rad] or [m].
+    T_tip_tool: What of the tip has to be at the target, in the tip link's frame, shape (4, 4) [m], or by tip
+        link: a tool on the flange. Of goals that do not say it themselves; None for the options'.
+    priority: "position": the position first, then the orientation as near as can be, with the status
+        "nearest". Of goals that do not say it themselves; None for the options'.
+    derivatives: Whether the result tells how q follows the target, as `dq_dT`.
 
 Returns:
     The result; not being able to is a status, not an exception.
@@ -324,19 +345,79 @@ Raises:
     RuntimeError: A signal's handler asks the very solver that it has interrupted.
 
 Warns:
-    ObstacleWarning: Points are so far away, once for each solver, that they are in millimetres most likely.)")
+    ObstacleWarning: Points are so far away, once for each solver, that they are in millimetres most likely.
+    GoalWarning: q0 is outside limits; a rotation is off by rounding.)")
+      .def("solve_any", &solve_any, py::arg("goals"), py::arg("costs") = py::none(),
+           py::arg("q0") = py::none(), py::arg("obstacles") = py::none(), py::kw_only(),
+           py::arg("posture") = py::none(), py::arg("max_step") = py::none(),
+           py::arg("lock") = py::none(), py::arg("T_tip_tool") = py::none(),
+           py::arg("priority") = py::none(), py::arg("derivatives") = false,
+           R"(Find q for any one of many goals, a grasp set: `result.goal_index` says which.
+
+Starts are shared among the goals. It is the first that is found; with Options.prefer "nearest" the nearest of
+all to the posture or q0; with costs the cheapest that can be met.
+
+Args:
+    goals: Targets, shape (N, 4, 4) [m], or a list of whatever `solve` takes, as many as you like.
+    costs: What each costs, shape (N,). None for all alike.
+    q0: As all that follows, as in `solve`.
+
+Raises:
+    ValueError: As in `solve`, naming which; there is no goal.)")
+      .def("solve_all", &solve_all, py::arg("T_base_tip"), py::arg("limit") = py::none(),
+           py::arg("q0") = py::none(), py::arg("obstacles") = py::none(), py::kw_only(),
+           py::arg("distinct") = py::none(), py::arg("posture") = py::none(),
+           py::arg("max_step") = py::none(), py::arg("lock") = py::none(),
+           py::arg("T_tip_tool") = py::none(),
+           R"(Find all distinct solutions, the nearest first.
+
+Of arms of six joints with a wrist whose axes meet behind two parallel axes, or with three parallel axes
+(most industrial arms, UR), all that there are, by closed form and confirmed, and `complete` says so. Of others
+those that starts find until there are `limit`, max_time strikes or nothing new comes.
+
+Args:
+    T_base_tip: As in `solve`.
+    limit: No more than this many. None for no limit: for redundant arms max_time is one.
+    q0: What they are sorted by the distance to, as in `solve`.
+    obstacles: As in `solve`; solutions are clear of them.
+    distinct: Two differ if a joint does by more than this [rad] or [m]. None for 0.001 where they are known in
+        closed form and 0.1 else.
+    posture: What they are sorted by instead of q0, as all that follows as in `solve`.
+
+Raises:
+    ValueError: As in `solve`; limit or distinct is out of range.)")
+      .def("derivatives", &derivatives, py::arg("T_base_tip"), py::arg("q"),
+           py::arg("obstacles") = py::none(), py::kw_only(), py::arg("T_tip_tool") = py::none(),
+           R"(How a configuration follows its targets, and how near it is to a singularity.
+
+Args:
+    T_base_tip: As in `solve`.
+    q: Joint positions that meet it, shape (n,) [rad] or [m].
+    obstacles: As in `solve`: what touches stays as far.
+
+Raises:
+    ValueError: As in `solve`.)")
       .def("solve_batch", &solve_batch, py::arg("T_base_tip"), py::arg("q0") = py::none(),
-           py::arg("obstacles") = py::none(), py::arg("threads") = 0,
+           py::arg("obstacles") = py::none(), py::arg("threads") = 0, py::kw_only(),
+           py::arg("posture") = py::none(), py::arg("max_step") = py::none(),
+           py::arg("lock") = py::none(), py::arg("T_tip_tool") = py::none(),
+           py::arg("priority") = py::none(),
            R"(Solve many targets among the same obstacles, on several threads, each as `solve` does.
 
 The answers are the same on any number of threads, but for those that max_time strikes. Ctrl-C ends it
 between targets.
 
 Args:
-    T_base_tip: The targets, shape (B, 4, 4) [m], or a dict of such by tip link.
+    T_base_tip: The targets, shape (B, 4, 4) [m], or a dict of such by tip link; or a list of B of whatever
+        `solve` takes, of any kinds.
     q0: One start for all, shape (n,), or one each, shape (B, n). None as in `solve`.
     obstacles: As in `solve`.
     threads: 0 for one per processor.
+    posture: As in `solve`, one for all or one each, shape (B, n).
+    max_step: As in `solve`, one for all or one each, shape (B, n).
+    lock: As in `solve`, one dict for all or a list of B.
+    T_tip_tool: As in `solve`, for all.
+    priority: As in `solve`, for all.
 
 Raises:
     ValueError: As in `solve`.)")
@@ -383,6 +464,7 @@ Args:
 Raises:
     ValueError: As in `solve`.)")
       .def("judge", &judge, py::arg("T_base_tip"), py::arg("q"), py::arg("obstacles") = py::none(),
+           py::kw_only(), py::arg("T_tip_tool") = py::none(),
            R"(Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
 
 Args:
@@ -392,6 +474,7 @@ Args:
 
 Raises:
     ValueError: As in `solve`.)");
+  bind_paths(module, bound);
 }
 
 }  // namespace pdoik::python

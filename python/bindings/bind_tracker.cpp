@@ -81,7 +81,7 @@ NamedStep step(PythonTracker& self, const GoalsLike& T_base_tip,
         self.refuse_obstacles(refused.what());
       }
     }
-    return named(self, self.step(to_goals(T_base_tip, self.robot(), self.solver_options())));
+    return named(self, self.step(to_goals(T_base_tip, {self.robot(), self.solver_options()})));
   } catch (const std::invalid_argument& refused) {
     return named(self, self.hold(refused.what()));
   }

@@ -12,4 +12,7 @@ pybind11::str to_str(const std::string& text);
 /// warnings.warn(message, pdoik.RobotWarning), in the name of whoever called.
 void warn(const std::string& message);
 
+/// The same with pdoik.GoalWarning.
+void warn_of_goal(const std::string& message);
+
 }  // namespace pdoik::python

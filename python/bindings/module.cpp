@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, module) {
   bind_result(module);
   bind_solver(module);
   bind_tracker(module);
+  bind_timing(module);
   bind_lagrangian(module);
   bind_point_cloud(module);
   module.def("simd_name", &pdoik::simd_name,

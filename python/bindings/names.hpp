@@ -20,9 +20,13 @@ template <class Enum>
 inline constexpr std::array<std::pair<Enum, const char*>, 0> names{};
 
 template <>
-inline constexpr std::array names<GoalType>{std::pair{GoalType::Pose, "pose"},
-                                            std::pair{GoalType::Axis, "axis"},
-                                            std::pair{GoalType::Position, "position"}};
+inline constexpr std::array names<GoalType>{
+    std::pair{GoalType::Pose, "pose"}, std::pair{GoalType::Axis, "axis"},
+    std::pair{GoalType::Position, "position"}, std::pair{GoalType::LookAt, "look_at"},
+    std::pair{GoalType::CenterOfMass, "center_of_mass"}};
+template <>
+inline constexpr std::array names<Priority>{std::pair{Priority::Both, "both"},
+                                            std::pair{Priority::Position, "position"}};
 template <>
 inline constexpr std::array names<Method>{std::pair{Method::Default, "default"},
                                           std::pair{Method::Paper, "paper"}};
@@ -47,8 +51,9 @@ inline constexpr std::array names<JointType>{
 
 using JointTypeName =
     pybind11::typing::Literal<"'fixed'", "'revolute'", "'continuous'", "'prismatic'">;
-using StatusName = pybind11::typing::Literal<"'solved'", "'time_limit'", "'exhausted'",
-                                             "'out_of_reach'", "'base_collision'", "'blocked'">;
+using StatusName =
+    pybind11::typing::Literal<"'solved'", "'time_limit'", "'exhausted'", "'out_of_reach'",
+                              "'base_collision'", "'blocked'", "'nearest'">;
 
 template <class Enum>
 const char* to_name(Enum value) {

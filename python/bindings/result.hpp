@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace pdoik::python {
 struct NamedResult : Result {
   std::string worst_constraint;
   std::string forgiven_contact;  ///< empty if there is none
+  std::string message;
+  std::optional<Derivatives> derivatives;  ///< where they were asked for
 };
 
 /// @param by  Whose result it is.
@@ -24,10 +27,26 @@ void name_constraints(const Solves& by, NamedResult& result) {
 }
 
 inline NamedResult named(const Solver& solver, Result result) {
-  NamedResult named{std::move(result), {}, {}};
+  NamedResult named{std::move(result), {}, {}, {}, {}};
   name_constraints(solver, named);
   return named;
 }
+inline NamedResult named(const Solver& solver, const Request& request, Result result) {
+  NamedResult told = named(solver, std::move(result));
+  told.message = solver.explain(request, told);
+  return told;
+}
+
+struct NamedSolutions {
+  std::vector<NamedResult> results;
+  std::vector<int> turns;
+  bool complete = false;
+  double coverage = 0.0;
+  Status status = Status::Exhausted;
+  int restarts = 0;
+  double time = 0.0;
+  Eigen::Index dof = 0;
+};
 
 struct BatchResult {
   std::vector<NamedResult> results;

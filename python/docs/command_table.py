@@ -17,7 +17,9 @@ PAGE = Path(__file__).parent / "command_line.md"
 BEGIN, END = "<!-- commands -->\n", "<!-- end of commands -->\n"
 USEFUL = {  # at most four that most readers need, by command
     "view": ("--cloud", "--scene", "--replay", "--port"),
-    "solve": ("--target", "--cloud", "--scene", "--picture"),
+    "solve": ("--target", "--goals", "--scene", "--all"),
+    "path": ("--robot", "--free", "--scene", "--out"),
+    "place": ("--robot", "--x", "--yaw", "--picture"),
     "info": ("--tip-link", "--json"),
     "occupancy": ("--out", "--max-hulls"),
     "pairs": ("--occupancy", "--out"),

@@ -15,15 +15,20 @@ import pdoik._ways  # noqa: F401  # puts Robot.from_urdf and its like on Robot
 from pdoik._core import (
     BatchResult,
     Cloud,
+    Derivatives,
     DhRow,
     Goal,
     LatencyHistogram,
+    MotionResult,
     ObstacleClearance,
     Occupancy,
+    PathEnd,
+    PathResult,
     Result,
     Robot,
     Scene,
     Shape,
+    Solutions,
     TrackerResult,
     load_srdf_pairs,
     pairs_always_touching,
@@ -31,7 +36,14 @@ from pdoik._core import (
     simd_name,
     voxel_downsample,
 )
-from pdoik.errors import LoadError, ObstacleWarning, OverhangWarning, PdoikError, RobotWarning
+from pdoik.errors import (
+    GoalWarning,
+    LoadError,
+    ObstacleWarning,
+    OverhangWarning,
+    PdoikError,
+    RobotWarning,
+)
 from pdoik.lagrangian import Lagrangian
 from pdoik.options import (
     AugmentedLagrangianOptions,
@@ -47,21 +59,29 @@ from pdoik.tracker import Tracker
 __all__ = [
     "AugmentedLagrangianOptions",
     "Balance",
+    "BasePlace",
+    "BasePlaces",
     "BatchResult",
     "Cloud",
+    "Derivatives",
     "DhRow",
     "Goal",
+    "GoalWarning",
     "Grid",
     "Lagrangian",
     "LatencyHistogram",
     "LbfgsOptions",
     "LevenbergMarquardtOptions",
     "LoadError",
+    "MotionResult",
     "ObstacleClearance",
     "ObstacleWarning",
     "Occupancy",
     "Options",
     "OverhangWarning",
+    "PathEnd",
+    "PathFollower",
+    "PathResult",
     "PdoikError",
     "Reachability",
     "Replay",
@@ -70,41 +90,61 @@ __all__ = [
     "RobotWarning",
     "Scene",
     "Shape",
+    "Solutions",
     "Solver",
     "Touch",
     "Tracker",
     "TrackerResult",
+    "Trajectory",
     "load_robot",
     "load_scene",
     "load_srdf_pairs",
     "pairs_always_touching",
     "pairs_touching_at",
+    "place_base",
     "reachability",
     "replay_report",
+    "sample_path",
     "save_scene",
     "simd_name",
+    "solve_path",
+    "time_motion",
+    "time_path",
     "urdf_text",
     "voxel_downsample",
     "write_report",
 ]
 
 if TYPE_CHECKING:
+    from pdoik.base_search import BasePlace, BasePlaces, place_base
     from pdoik.descriptions import load_robot, urdf_text
+    from pdoik.follow import PathFollower
+    from pdoik.paths import sample_path, solve_path
     from pdoik.reach_map import Grid, Reachability, reachability
     from pdoik.reports import Replay, replay_report, write_report
     from pdoik.scenes import load_scene, save_scene
+    from pdoik.timing import Trajectory, time_motion, time_path
 
     __version__: str
 else:
     _LATER = {  # imported when asked for, so that a program that solves starts sooner
+        "BasePlace": "base_search",
+        "BasePlaces": "base_search",
         "Grid": "reach_map",
+        "PathFollower": "follow",
         "Reachability": "reach_map",
         "Replay": "reports",
+        "Trajectory": "timing",
         "load_robot": "descriptions",
         "load_scene": "scenes",
+        "place_base": "base_search",
         "reachability": "reach_map",
         "replay_report": "reports",
+        "sample_path": "paths",
         "save_scene": "scenes",
+        "solve_path": "paths",
+        "time_motion": "timing",
+        "time_path": "timing",
         "urdf_text": "descriptions",
         "write_report": "reports",
     }

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pdoik._addresses
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'ObstacleClearance', 'Occupancy', 'Options', 'Result', 'Robot', 'Scene', 'Shape', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
+__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'Derivatives', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'MotionResult', 'ObstacleClearance', 'Occupancy', 'Options', 'PathEnd', 'PathResult', 'Result', 'Robot', 'Scene', 'Shape', 'Solutions', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'fastest_squares', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -909,11 +909,18 @@ class Options:
     levenberg_marquardt: LevenbergMarquardtOptions
     method: str
     prefer: str
+    priority: str
     self_collision: bool | None
     touch: TouchOptions
     def __init__(self) -> None:
         ...
     def keeps_off_itself(self, robot: Robot) -> bool:
+        ...
+    @property
+    def T_tip_tool(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        ...
+    @T_tip_tool.setter
+    def T_tip_tool(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 4]"]) -> None:
         ...
     @property
     def clearance(self) -> float:
@@ -1013,36 +1020,107 @@ class Options:
         ...
 class Goal:
     """
-    What one tip has to match of its target.
+    One requirement: of a tip, or of the centre of mass.
     
-    A target given as a bare array is a goal of the options' type, with no slack and weight 1.
+    A solve takes one, a list of them, or a dict of them by tip. A target given as a bare array is a goal of the
+    options' type, with no slack and weight 1.
+    
+    >>> import numpy as np
+    >>> import pdoik
+    >>> robot = pdoik.Robot.builtin("panda")
+    >>> T = robot.fk(robot.mid_configuration())
+    >>> tilted = pdoik.Goal(T, type="axis", axis="z", rotation_slack=[0.1] * 3)  # free about z, 0.1 rad of tilt
+    >>> seam = pdoik.Goal.region(T, position=([-0.2, 0, 0], [0.2, 0, 0]))  # anywhere on a line of 0.4 m
+    >>> look = pdoik.Goal.look_at([0.6, 0.0, 0.2], soft=True)  # and, as far as that lets it, facing this
+    >>> pdoik.Solver(robot).solve([seam, look]).success
+    True
     """
-    def __init__(self, T_base_tip: numpy.typing.ArrayLike, *, type: str | None = None, axis: typing.Any | None = None, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, position_slack: numpy.typing.ArrayLike | None = None, rotation_slack: numpy.typing.ArrayLike | None = None, stands: bool = False) -> None:
+    @staticmethod
+    def center_of_mass(lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike) -> Goal:
+        """
+        A goal that the centre of mass of all that has mass is in a box along the base's axes.
+        
+        Args:
+            lower: Its lower corner, shape (3,) [m]; minus infinity for none.
+            upper: Its upper corner.
+        """
+    @staticmethod
+    def look_at(point: typing.Any, *, axis: typing.Any = 'z', cone: typing.SupportsFloat | typing.SupportsIndex = 0.0, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, stands: bool = False, relative_to: str | None = None, tip: str | None = None, T_tip_tool: numpy.typing.ArrayLike | None = None, soft: bool = False, rotation_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> Goal:
+        """
+        A goal that an axis of the tip points at a point from wherever it is.
+        
+        Args:
+            point: In the base frame, or in that of `relative_to`, shape (3,) [m].
+            axis: Of the tool: a letter or a vector.
+            cone: How far off it may point [rad].
+            weight: As all that follows, as of a Goal.
+        """
+    @staticmethod
+    def region(T_base_tip: typing.Any, *, position: typing.Any | None = None, rotation: typing.Any | None = None, type: str | None = None, axis: typing.Any | None = None, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, stands: bool = False, relative_to: str | None = None, tip: str | None = None, T_tip_tool: numpy.typing.ArrayLike | None = None, soft: bool = False, priority: str | None = None, position_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.0, rotation_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> Goal:
+        """
+        A goal that is met anywhere in a box about a target: a task-space region.
+        
+        Args:
+            T_base_tip: The frame of the box, as of a Goal.
+            position: Its lower and upper corner, shape (2, 3), along the frame's axes [m]; infinity frees an axis on
+                one side or both. None for the frame's origin alone.
+            rotation: How far the tip may be turned about the frame's axes, from and to, shape (2, 3) [rad], counted
+                as components of the rotation vector from the middle of the two; -pi and pi free an axis. None for not
+                at all.
+            **rest: As of a Goal.
+        
+        Raises:
+            ValueError: A lower bound is above its upper one; as for a Goal.
+        """
+    def __init__(self, T_base_tip: typing.Any, *, type: str | None = None, axis: typing.Any | None = None, weight: typing.SupportsFloat | typing.SupportsIndex = 1.0, position_slack: numpy.typing.ArrayLike | None = None, rotation_slack: numpy.typing.ArrayLike | None = None, stands: bool = False, relative_to: str | None = None, tip: str | None = None, T_tip_tool: numpy.typing.ArrayLike | None = None, soft: bool = False, priority: str | None = None, position_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.0, rotation_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         """
         A target and what of it counts.
         
         Args:
-            T_base_tip: The target, which takes tip points to the base frame, shape (4, 4) [m]; of a "position"
-                goal the position will do, shape (3,).
-            type: "pose", "axis" or "position"; None for the options' `goal`.
-            axis: In the tip frame, for type "axis": a letter or a vector. None for the options' `goal_axis`.
+            T_base_tip: The target, which takes tip points to the base frame, shape (4, 4) [m]; of "position" and
+                "look_at" goals the position will do, shape (3,).
+            type: "pose", "axis" (position, and the direction of one axis), "position", "look_at" (that one axis
+                points at the target's origin from wherever the tip is) or "center_of_mass"; None for the options'
+                `goal`.
+            axis: In the tool's frame, for "axis" and "look_at": a letter or a vector. None for the options'
+                `goal_axis`.
             weight: Of its squared errors against the other goals', where not all can be met.
-            position_slack: How far the tip may be off along each axis of the target frame, shape (3,) [m]. None
-                for not at all.
+            position_slack: How far the tip may be off along each axis of the target frame, shape (3,) [m];
+                infinity frees it. None for not at all.
             rotation_slack: How far it may be turned about each axis of the target frame, as components of the
-                rotation vector from target to tip, shape (3,) [rad]; pi frees an axis. Of an "axis" goal the
-                largest is half the angle of a cone.
+                rotation vector from target to tip, shape (3,) [rad]; pi frees an axis. Of "axis" and "look_at" goals
+                the largest is half the angle of a cone.
             stands: Whether a Tracker gives nothing of it up for goals that do not stand: a foot on the ground
                 whatever the hands are asked. Where it is met it stays so, to 0.05 mm, else it is left no farther.
                 A Solver weighs all goals alike. Not for trackers with `max_acceleration`.
+            relative_to: Another tip's link, in whose frame the target then is instead of the base's: two hands
+                on one box, wherever the box is. It is the link's frame, whatever tool it has. That tip may have a
+                goal of its own, with slack.
+            tip: Whose it is, where it stands in a list; None for the only tip.
+            T_tip_tool: What of the tip has to be at the target, in the tip link's frame, shape (4, 4) [m]: a tool on
+                the flange. None for that of the call, or the options'.
+            soft: Whether it is a wish: what is hard is met first, and then this as nearly as that lets it be, going
+                downhill from the first solution; with `prefer="nearest"` from all. Success does not look at it.
+            priority: "position": the position is met and the orientation as near as can be, with the status
+                "nearest" where that is not all of it. None for that of the call, or the options'.
+            position_tolerance: Largest error of a success [m]; 0 for the options'.
+            rotation_tolerance: Largest error of a success [rad]; 0 for the options'.
         
         Raises:
             ValueError: A shape is wrong, a str is not one of its choices, or something is NaN.
+        
+        Warns:
+            GoalWarning: A rotation is off by rounding, and the nearest one is taken; an angle is beyond pi.
         """
     def __repr__(self) -> str:
         ...
     @property
     def T_base_tip(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        Of a region the middle.
+        """
+    @property
+    def T_tip_tool(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"] | None:
         ...
     @property
     def axis(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
@@ -1051,10 +1129,28 @@ class Goal:
     def position_slack(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         ...
     @property
+    def position_tolerance(self) -> float:
+        ...
+    @property
+    def priority(self) -> str | None:
+        ...
+    @property
+    def relative_to(self) -> str | None:
+        ...
+    @property
     def rotation_slack(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         ...
     @property
+    def rotation_tolerance(self) -> float:
+        ...
+    @property
+    def soft(self) -> bool:
+        ...
+    @property
     def stands(self) -> bool:
+        ...
+    @property
+    def tip(self) -> str | None:
         ...
     @property
     def type(self) -> str | None:
@@ -1090,6 +1186,11 @@ class Result:
         Least distance from an obstacle (a point less its radius, a shape) to a hull: negative inside, infinite without obstacles or hulls [m].
         """
     @property
+    def dq_dT(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"] | None:
+        """
+        How q follows its targets, shape (n, 6) a goal: see Derivatives. None unless `derivatives=True`.
+        """
+    @property
     def evaluations(self) -> int:
         """
         Forward kinematics computed, in all.
@@ -1103,6 +1204,11 @@ class Result:
     def forgiven_depth(self) -> float:
         """
         How deep that is, beyond its tolerance, 0 if there is none: a success may be wrong by as much [m].
+        """
+    @property
+    def goal_index(self) -> int:
+        """
+        Which of the goals of `solve_any` it meets, or comes nearest to.
         """
     @property
     def intake(self) -> float:
@@ -1123,6 +1229,16 @@ class Result:
     def limit_violation(self) -> float:
         """
         Largest over the joints [rad] or [m].
+        """
+    @property
+    def manipulability(self) -> float | None:
+        """
+        See Derivatives. None unless `derivatives=True`.
+        """
+    @property
+    def message(self) -> str:
+        """
+        How it went, in words: what gave, by how much, and what its tolerance is; '' of `judge` and steps.
         """
     @property
     def position_error(self) -> float:
@@ -1150,7 +1266,12 @@ class Result:
         Least distance between hulls of links that are not adjacent, where self_collision is asked for: of the capsules that hold them, never more than that of the hulls [m].
         """
     @property
-    def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision', 'blocked']:
+    def singular_distance(self) -> float | None:
+        """
+        See Derivatives [m]. None unless `derivatives=True`.
+        """
+    @property
+    def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision', 'blocked', 'nearest']:
         """
         Why the solve ended.
         
@@ -1158,8 +1279,9 @@ class Result:
         `out_of_reach`: the target lies farther from the arm's root than its links stretch, or no joint moves its
         tip; `base_collision`: an obstacle lies in a hull that no joint moves, and no answer exists; `blocked`: what is
         rigid to the tip is in an obstacle at the target, and no answer exists, or some fifty starts that reached the
-        target all ended with the same hull in the same obstacle, and none is likely. In all but the first, q is the
-        best found.
+        target all ended with the same hull in the same obstacle, and none is likely; `nearest`: position and all
+        constraints hold, and of a goal whose position comes first the orientation is as near as was found. In all but
+        the first, q is the best found.
         """
     @property
     def success(self) -> bool:
@@ -1180,6 +1302,72 @@ class Result:
     def worst_violation(self) -> float:
         """
         By how much the worst constraint is missed beyond its tolerance, at most 0 if it holds [m] or [rad].
+        """
+class Solutions:
+    """
+    The distinct solutions of one request: a sequence of Result, the nearest first.
+    """
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> Result:
+        ...
+    def __iter__(self) -> collections.abc.Iterator[Result]:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def complete(self) -> bool:
+        """
+        Whether it is known that there are no others: of six joints whose geometry is solved in closed form, away from singularities.
+        """
+    @property
+    def coverage(self) -> float:
+        """
+        How likely it is that one more start that meets the goals comes to what was found already, clear or not; 1 where it is complete.
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        Joint positions, shape (K, n) [rad] or [m].
+        """
+    @property
+    def restarts(self) -> int:
+        """
+        Starts beyond the first.
+        """
+    @property
+    def status(self) -> typing.Literal['solved', 'time_limit', 'exhausted', 'out_of_reach', 'base_collision', 'blocked', 'nearest']:
+        """
+        'solved' if there are any, else why not.
+        """
+    @property
+    def time(self) -> float:
+        """
+        [s].
+        """
+    @property
+    def turns(self) -> list[int]:
+        """
+        In how many ways whole turns of joints leave each inside limits, 1 if in none but itself, K ints.
+        """
+class Derivatives:
+    """
+    How a configuration follows its targets, and how near it is to a singularity.
+    """
+    @property
+    def dq_dT(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        Of q by each hard goal's target: its shift [m] and turn [rad] along the base frame's axes, shape (n, 6 a goal). Joints at limits and contact stay as they are; of all that remains the least motion.
+        """
+    @property
+    def manipulability(self) -> float:
+        """
+        Product of the singular values of the goals' Jacobian.
+        """
+    @property
+    def singular_distance(self) -> float:
+        """
+        The least of them, turns in metres by Options.rotation_weight [m].
         """
 class BatchResult:
     """
@@ -1234,6 +1422,11 @@ class BatchResult:
     def limit_violation(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Shape (B,) [rad] or [m].
+        """
+    @property
+    def message(self) -> numpy.typing.NDArray[numpy.str_]:
+        """
+        Shape (B,).
         """
     @property
     def position_error(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1348,11 +1541,23 @@ class Solver:
         Raises:
             ValueError: As in `solve`.
         """
+    def derivatives(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, T_tip_tool: typing.Any | None = None) -> Derivatives:
+        """
+        How a configuration follows its targets, and how near it is to a singularity.
+        
+        Args:
+            T_base_tip: As in `solve`.
+            q: Joint positions that meet it, shape (n,) [rad] or [m].
+            obstacles: As in `solve`: what touches stays as far.
+        
+        Raises:
+            ValueError: As in `solve`.
+        """
     def detach(self, link: str | None = None) -> None:
         """
         Let a link, or without a name all of them, carry nothing any more.
         """
-    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> Result:
+    def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, T_tip_tool: typing.Any | None = None) -> Result:
         """
         Errors, clearance, limits and verdict of a configuration, by plain forward kinematics.
         
@@ -1364,7 +1569,28 @@ class Solver:
         Raises:
             ValueError: As in `solve`.
         """
-    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None) -> Result:
+    def plan_motion(self, q_from: numpy.typing.ArrayLike, goals: typing.Any | None = None, q_to: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, lock: typing.Any | None = None, T_tip_tool: typing.Any | None = None, max_time: typing.SupportsFloat | typing.SupportsIndex = 1.0, goal_count: typing.SupportsInt | typing.SupportsIndex = 16, shorten: bool = True) -> MotionResult:
+        """
+        Move from a configuration to another, or to any of some goals, clear of everything all along.
+        
+        Two trees grow towards each other (RRT-Connect, Kuffner and LaValle) on ways that are swept by intervals, then detours
+        are taken out.
+        
+        Args:
+            q_from: Where joints are, shape (n,) [rad] or [m].
+            goals: One as in `solve`, or many as in `solve_any`: whichever can be had.
+            q_to: Instead of goals: where joints are to be, shape (n,).
+            obstacles: As in `solve`.
+            lock: As in `solve`.
+            T_tip_tool: As in `solve`.
+            max_time: [s].
+            goal_count: So many configurations that meet goals are led to, at most.
+            shorten: Whether detours are taken out.
+        
+        Raises:
+            ValueError: As in `solve_any`; neither or both of goals and q_to; an option is out of range.
+        """
+    def solve(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None, *, lock: typing.Any | None = None, T_tip_tool: typing.Any | None = None, priority: str | None = None, derivatives: bool = False) -> Result:
         """
         Find q so that the tips meet their goals, inside joint limits, clear of obstacles.
         
@@ -1372,7 +1598,8 @@ class Solver:
         
         Args:
             T_base_tip: The target, which takes tip points to the base frame: shape (4, 4), rigid to 1e-6 [m]; or a
-                Goal; or for several tips a dict of such by tip link. Tips without a goal are free.
+                Goal, or a list of them that say whose they are; or for several tips a dict of such by tip link. Tips
+                without a goal are free.
             q0: Where to start, shape (n,) [rad] or [m], moved inside the limits; answers near it are preferred.
                 None for the middle of the ranges (method "paper": omega = 0), and any answer. Continuous joints'
                 answers are within pi of it.
@@ -1381,7 +1608,14 @@ class Solver:
                 conversion. None or empty: there are none, whatever the call before had.
             posture: A configuration that the answer comes as near to as goals and constraints let it, downhill from
                 the first solution found, shape (n,) [rad] or [m].
-            max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period.
+            max_step: Hard bounds on |q - q0| of each joint, shape (n,) [rad] or [m]: speed times period. Infinity
+                for none.
+            lock: Joints that keep a position, by name [rad] or [m].
+            T_tip_tool: What of the tip has to be at the target, in the tip link's frame, shape (4, 4) [m], or by tip
+                link: a tool on the flange. Of goals that do not say it themselves; None for the options'.
+            priority: "position": the position first, then the orientation as near as can be, with the status
+                "nearest". Of goals that do not say it themselves; None for the options'.
+            derivatives: Whether the result tells how q follows the target, as `dq_dT`.
         
         Returns:
             The result; not being able to is a status, not an exception.
@@ -1394,8 +1628,44 @@ class Solver:
         
         Warns:
             ObstacleWarning: Points are so far away, once for each solver, that they are in millimetres most likely.
+            GoalWarning: q0 is outside limits; a rotation is off by rounding.
         """
-    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> BatchResult:
+    def solve_all(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]], limit: typing.SupportsInt | typing.SupportsIndex | None = None, q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, distinct: typing.SupportsFloat | typing.SupportsIndex | None = None, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None, lock: typing.Any | None = None, T_tip_tool: typing.Any | None = None) -> Solutions:
+        """
+        Find all distinct solutions, the nearest first.
+        
+        Of arms of six joints with a wrist whose axes meet behind two parallel axes, or with three parallel axes
+        (most industrial arms, UR), all that there are, by closed form and confirmed, and `complete` says so. Of others
+        those that starts find until there are `limit`, max_time strikes or nothing new comes.
+        
+        Args:
+            T_base_tip: As in `solve`.
+            limit: No more than this many. None for no limit: for redundant arms max_time is one.
+            q0: What they are sorted by the distance to, as in `solve`.
+            obstacles: As in `solve`; solutions are clear of them.
+            distinct: Two differ if a joint does by more than this [rad] or [m]. None for 0.001 where they are known in
+                closed form and 0.1 else.
+            posture: What they are sorted by instead of q0, as all that follows as in `solve`.
+        
+        Raises:
+            ValueError: As in `solve`; limit or distinct is out of range.
+        """
+    def solve_any(self, goals: typing.Any, costs: numpy.typing.ArrayLike | None = None, q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None, lock: typing.Any | None = None, T_tip_tool: typing.Any | None = None, priority: str | None = None, derivatives: bool = False) -> Result:
+        """
+        Find q for any one of many goals, a grasp set: `result.goal_index` says which.
+        
+        Starts are shared among the goals. It is the first that is found; with Options.prefer "nearest" the nearest of
+        all to the posture or q0; with costs the cheapest that can be met.
+        
+        Args:
+            goals: Targets, shape (N, 4, 4) [m], or a list of whatever `solve` takes, as many as you like.
+            costs: What each costs, shape (N,). None for all alike.
+            q0: As all that follows, as in `solve`.
+        
+        Raises:
+            ValueError: As in `solve`, naming which; there is no goal.
+        """
+    def solve_batch(self, T_base_tip: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike] | collections.abc.Sequence[typing.Any], q0: numpy.typing.ArrayLike | None = None, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, *, posture: numpy.typing.ArrayLike | None = None, max_step: numpy.typing.ArrayLike | None = None, lock: typing.Any | None = None, T_tip_tool: typing.Any | None = None, priority: str | None = None) -> BatchResult:
         """
         Solve many targets among the same obstacles, on several threads, each as `solve` does.
         
@@ -1403,18 +1673,217 @@ class Solver:
         between targets.
         
         Args:
-            T_base_tip: The targets, shape (B, 4, 4) [m], or a dict of such by tip link.
+            T_base_tip: The targets, shape (B, 4, 4) [m], or a dict of such by tip link; or a list of B of whatever
+                `solve` takes, of any kinds.
             q0: One start for all, shape (n,), or one each, shape (B, n). None as in `solve`.
             obstacles: As in `solve`.
             threads: 0 for one per processor.
+            posture: As in `solve`, one for all or one each, shape (B, n).
+            max_step: As in `solve`, one for all or one each, shape (B, n).
+            lock: As in `solve`, one dict for all or a list of B.
+            T_tip_tool: As in `solve`, for all.
+            priority: As in `solve`, for all.
         
         Raises:
             ValueError: As in `solve`.
+        """
+    def solve_path(self, stations: numpy.typing.ArrayLike | collections.abc.Mapping[str, numpy.typing.ArrayLike] | collections.abc.Sequence[typing.Any], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, start: numpy.typing.ArrayLike | None = None, end: numpy.typing.ArrayLike | None = None, closed: bool = False, lock: typing.Any | None = None, T_tip_tool: typing.Any | None = None, max_time: typing.SupportsFloat | typing.SupportsIndex = 10.0, position_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.0001, rotation_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.001, max_joint_step: typing.SupportsFloat | typing.SupportsIndex = 0.12, costs: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex] | None = None, reconfigure: bool = True) -> PathResult:
+        """
+        Follow a whole path: a seam, a spray path, a scan.
+        
+        One motion meets all stations one after the other and the straight way between them, turning evenly, clear of
+        everything all along; the shortest that is found. Where there is none, `ends` says where it breaks and why, and the
+        answer is as few pieces as can be found, with clear moves between them.
+        
+        Args:
+            stations: Shape (N, 4, 4) [m], or a list of whatever `solve` takes, all of the same kind: poses, regions with a
+                free axis, a hand in the frame of the other. At least two, none soft, no two alike in a row.
+            obstacles: As in `solve`.
+            start: Joints at the first station, shape (n,) [rad] or [m]. None: any.
+            end: Joints at the last station, shape (n,). None: any.
+            closed: Whether it goes on from the last station to the first, and ends where it began.
+            lock: As in `solve`.
+            T_tip_tool: As in `solve`.
+            max_time: For all of it [s].
+            position_tolerance: How far the tool may be off between stations [m]. At stations the goals' own hold.
+            rotation_tolerance: The same of how it is turned [rad].
+            max_joint_step: Largest step of a joint from one row of the answer to the next [rad] or [m].
+            costs: What is least of all whole paths that are found: weights of `motion` (1), `limits`, `obstacles`,
+                `singularities` (0), and `room`, from which on contact and singularities are far [m].
+            reconfigure: Whether what cannot be one motion may be several.
+        
+        Raises:
+            ValueError: As in `solve`, naming the station; fewer than two stations, two alike in a row or of different kinds;
+                a start or end outside limits or that does not meet its station; an option is out of range.
         """
     @property
     def robot(self) -> Robot:
         """
         A copy of the robot this solver was made for, as it was then.
+        """
+class PathEnd:
+    """
+    Where a motion along a path ends, and against what.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def at(self) -> float:
+        """
+        Where on the path, in stations; or the first of some stations without a solution.
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        The last configuration on it, or what comes nearest to that station, shape (n,).
+        """
+    @property
+    def reason(self) -> str:
+        """
+        What a step further runs into.
+        """
+class PathResult:
+    """
+    The outcome of a whole path: see Solver.solve_path.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def at(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Where on the path each row is: 2.5 is half way from station 2 to 3, shape (m,).
+        """
+    @property
+    def clearance(self) -> float:
+        """
+        Least of all rows; beyond 0.6 m it is told as that much [m].
+        """
+    @property
+    def complete(self) -> bool:
+        """
+        Of a path that is not whole: whether all solutions where it breaks are known.
+        """
+    @property
+    def ends(self) -> list[PathEnd]:
+        """
+        Where it breaks: how far motions get at the place that fewest get beyond, and what ends them, one for each reason.
+        """
+    @property
+    def largest_step(self) -> float:
+        """
+        Of a joint, from one station to the next [rad] or [m].
+        """
+    @property
+    def length(self) -> float:
+        """
+        How far joints go: the sum of the norms of the steps from row to row [rad] or [m].
+        """
+    @property
+    def message(self) -> str:
+        """
+        How it went, for people.
+        """
+    @property
+    def moves(self) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+        """
+        Clear moves from each piece to the next, corners joined by straight lines, shape (k, n) each; without rows where none was found.
+        """
+    @property
+    def pieces(self) -> list[tuple[int, int]]:
+        """
+        The rows of each piece, [first, end): one, if the path is whole.
+        """
+    @property
+    def position_error(self) -> float:
+        """
+        Largest at stations [m].
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        Configurations one after the other, joined by straight lines, shape (m, n) [rad] or [m]. Of several pieces all.
+        """
+    @property
+    def rotation_error(self) -> float:
+        """
+        Largest at stations [rad].
+        """
+    @property
+    def self_distance(self) -> float:
+        """
+        The same of links among themselves [m].
+        """
+    @property
+    def status(self) -> typing.Literal['whole', 'pieces', 'impossible', 'not_found', 'time_limit']:
+        """
+        What became of it.
+        
+        `whole`: one motion; `pieces`: several, with moves between them where these were found; `impossible`: none, since all
+        solutions of the stations are known and none goes on; `not_found`; `time_limit`.
+        """
+    @property
+    def success(self) -> bool:
+        """
+        Whether one motion meets all of the path.
+        """
+    @property
+    def time(self) -> float:
+        """
+        Taking in the obstacles included [s].
+        """
+    @property
+    def unsolved(self) -> list[int]:
+        """
+        Stations for which no solution was found.
+        """
+class MotionResult:
+    """
+    The outcome of a move: see Solver.plan_motion.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def checks(self) -> int:
+        """
+        Looks at a configuration.
+        """
+    @property
+    def goal_index(self) -> int | None:
+        """
+        Which of the goals it ends at, or None.
+        """
+    @property
+    def length(self) -> float:
+        """
+        How far joints go: the sum of the norms of its steps [rad] or [m].
+        """
+    @property
+    def q(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        Corners of the way, joined by straight lines, shape (m, n) [rad] or [m].
+        """
+    @property
+    def reason(self) -> str:
+        """
+        What blocks its start or its goals, or ''.
+        """
+    @property
+    def status(self) -> typing.Literal['solved', 'blocked_start', 'blocked_goal', 'time_limit']:
+        """
+        What became of it.
+        
+        `solved`; `blocked_start`: it would begin in something or outside limits; `blocked_goal`: no configuration that meets a
+        goal is clear; `time_limit`: none was found.
+        """
+    @property
+    def success(self) -> bool:
+        """
+        Whether it is there.
+        """
+    @property
+    def time(self) -> float:
+        """
+        Taking in the obstacles included [s].
         """
 class LatencyHistogram:
     """
@@ -1506,7 +1975,7 @@ class Tracker:
         Raises:
             ValueError: It has another shape or holds NaN or infinity.
         """
-    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = ..., obstacle_velocity: numpy.typing.ArrayLike | None = None) -> TrackerResult:
+    def step(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]], obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = ..., obstacle_velocity: numpy.typing.ArrayLike | None = None) -> TrackerResult:
         """
         One step towards the goals, by the deadline. Raises nothing for bad numbers.
         
@@ -1577,7 +2046,7 @@ class Lagrangian:
         """
         Set all multipliers to zero.
         """
-    def set_goals(self, goals: numpy.typing.ArrayLike | Goal | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal]) -> None:
+    def set_goals(self, goals: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]]) -> None:
         """
         Take goals as Solver.solve does, without slack, and forget the multipliers.
         
@@ -1632,6 +2101,26 @@ class Lagrangian:
         """
         The number of variables.
         """
+def fastest_squares(s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], most: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    The fastest way from rest to rest along a grid.
+    
+    With x the square of ds/dt and u = x'/2, at both ends of each cell, on which u is constant,
+    
+        \\|a u + b x\\| <= 1,    0 <= x <= most
+    
+    Args:
+        s: Rising, shape (m,).
+        a: One column a constraint, shape (m, k).
+        b: The same.
+        most: Positive, shape (m,).
+    
+    Returns:
+        x, shape (m,), 0 at both ends.
+    
+    Raises:
+        ValueError: Shapes do not belong together, or s does not rise.
+    """
 def load_srdf_pairs(path_or_xml: str | os.PathLike[str], robot: Robot | None = None) -> list[tuple[str, str]]:
     """
     The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.

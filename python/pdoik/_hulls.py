@@ -103,6 +103,30 @@ def placed_hulls(robot: Robot, q: FloatArray) -> list[PlacedHull]:
     return [*spheroids, *capsules]
 
 
+def one_hull(robot: Robot, q: FloatArray, kind: str, number: int) -> PlacedHull:
+    """The hull that results call `kind number`, in the base frame."""
+
+    def place(link: str, local: Point) -> FloatArray:
+        T = robot.fk(q, link)
+        return np.asarray(T[:3, :3] @ np.array(local) + T[:3, 3])
+
+    occupancy = robot.occupancy
+    if kind == "capsule":
+        link, a, b, radius, _ = occupancy.capsules[number]
+        return PlacedCapsule(name=link, a=place(link, a), b=place(link, b), radius=radius)
+    if kind == "sphere":
+        link, xyz, radius = occupancy.spheres[number]
+        center = place(link, xyz)
+        return PlacedSpheroid(name=link, focus_a=center, focus_b=center, semi_major=radius)
+    link_a, xyz_a, link_b, xyz_b, semi_major = occupancy.spheroids[number]
+    return PlacedSpheroid(
+        name=link_a if link_a == link_b else f"{link_a} to {link_b}",
+        focus_a=place(link_a, xyz_a),
+        focus_b=place(link_b, xyz_b),
+        semi_major=semi_major,
+    )
+
+
 def wide_hulls(robot: Robot) -> frozenset[int]:
     """Numbers of the spheres and spheroids that are rigid to a link with capsules.
 

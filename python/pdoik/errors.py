@@ -24,5 +24,9 @@ class ObstacleWarning(UserWarning):
     """Obstacles are given in a way that is a mistake, most likely."""
 
 
+class GoalWarning(UserWarning):
+    """A goal or a start is given in a way that is a mistake, most likely; it is taken as told."""
+
+
 class OverhangWarning(UserWarning):
     """The capsules that hold a link stick out farther than they should."""

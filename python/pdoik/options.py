@@ -18,6 +18,7 @@ _DEFAULT = _core.Options()  # numbers are typed once, in cpp/include/pdoik/optio
 _LBFGS = _DEFAULT.lbfgs
 _LAGRANGIAN = _DEFAULT.augmented_lagrangian
 _LM = _DEFAULT.levenberg_marquardt
+_NO_TOOL = tuple(map(tuple, _DEFAULT.T_tip_tool.tolist()))
 _AXES: dict[Axis, tuple[float, float, float]] = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
 
@@ -171,6 +172,11 @@ class Options:
         goal: What the tip has to match of its target: "pose" all 6 degrees of freedom, "axis" its
             position and the direction of one axis, "position" nothing else.
         goal_axis: In the tip frame, for goal "axis": a letter or a vector of any length.
+        T_tip_tool: Of targets that are bare arrays: what of the tip has to be at the target, in the
+            tip link's frame, shape (4, 4) [m]: a tool on the flange.
+        priority: Of targets that are bare arrays: "position" meets the position first and the
+            orientation as nearly as can be, with the status "nearest" where that is not all of it;
+            "both" meets both or fails.
         method: "default" restarts from a low-discrepancy sequence; "paper" is Algorithm IK with its
             misprints corrected, from one start, ended as soon as the tolerances hold.
         position_tolerance: Largest position error of a success [m].
@@ -230,6 +236,8 @@ class Options:
 
     goal: Literal["pose", "axis", "position"] = "pose"
     goal_axis: Axis | Vector3 = "z"
+    T_tip_tool: Sequence[Sequence[float]] | NDArray[np.float64] = _NO_TOOL
+    priority: Literal["both", "position"] = "both"
     method: Literal["default", "paper"] = "default"
 
     position_tolerance: float = _DEFAULT.position_tolerance
@@ -275,6 +283,10 @@ class Options:
             object.__setattr__(self, "base_collision", heed_fixed_hulls)
         if not isinstance(self.goal_axis, str):
             object.__setattr__(self, "goal_axis", _to_vector(self.goal_axis, "goal_axis"))
+        tool = np.asarray(self.T_tip_tool, dtype=np.float64)
+        if tool.shape != (4, 4):
+            raise ValueError(f"T_tip_tool has shape {tool.shape}, expected (4, 4)")
+        object.__setattr__(self, "T_tip_tool", tuple(map(tuple, tool.tolist())))
         weights = np.asarray(self.joint_weights, dtype=np.float64)
         if weights.ndim != 1:
             raise ValueError(f"joint_weights has shape {weights.shape}, expected (n,)")
@@ -301,6 +313,8 @@ def _copy(source: Any, target: Any) -> None:
             if value not in _AXES:
                 raise ValueError(f"goal_axis is {value!r}, expected 'x', 'y', 'z' or a 3-vector")
             value = _AXES[value]
+        if each.name == "T_tip_tool":
+            value = np.asarray(value)
         if dataclasses.is_dataclass(each.type) and type(value) is each.type:
             _copy(value, getattr(target, each.name))
             continue

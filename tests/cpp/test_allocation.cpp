@@ -317,6 +317,11 @@ TEST(Allocation, a_tracker_takes_its_memory_at_construction) {
   EXPECT_GT(statuses[static_cast<int>(TrackerStatus::DeadlineStruck)], 0);
 }
 
+Goal moved_aside(Goal goal) {
+  goal.T_base_tip.translation().x() += 0.1;
+  return goal;
+}
+
 TEST(Allocation, a_tracker_that_is_given_what_makes_no_sense_says_so_without_allocating) {
   Random random(3);
   const Robot robot = roomy_tree(random);
@@ -332,7 +337,7 @@ TEST(Allocation, a_tracker_that_is_given_what_makes_no_sense_says_so_without_all
     EXPECT_EQ(step->q, tracker.q());
   };
   const Goal good = random_goals(robot, random, false).front();
-  std::vector<std::pair<Goal, const char*>> bad(9, {good, ""});
+  std::vector<std::pair<Goal, const char*>> bad(11, {good, ""});
   bad[0].first.T_base_tip.translation().x() = nan, bad[0].second = "NaN";
   bad[1].first.T_base_tip.linear() *= 1.5, bad[1].second = "not a rigid transform";
   bad[2].first.tip = 7, bad[2].second = "tip is 7";
@@ -342,9 +347,11 @@ TEST(Allocation, a_tracker_that_is_given_what_makes_no_sense_says_so_without_all
   bad[6].first.rotation_slack.x() = -1.0, bad[6].second = "rotation_slack";
   bad[7].first.weight = nan, bad[7].second = "weight";
   bad[8].first.T_base_tip.linear()(0, 0) = nan, bad[8].second = "NaN";
+  bad[9].first.relative_to = good.tip, bad[9].second = "relative to itself";
+  bad[10].first.relative_to = 9, bad[10].second = "relative to tip 9";
   for (const auto& [goal, word] : bad) expect_refused({goal}, word);
   expect_refused({}, "no goal");
-  expect_refused({good, good}, "two goals");
+  expect_refused({good, moved_aside(good)}, "contradict");
 
   const auto expect_cloud_refused = [&](const ObstacleMatrix& points, const char* word) {
     EXPECT_EQ(allocations([&] { EXPECT_FALSE(tracker.set_obstacles(points)); }), 0) << word;

@@ -104,7 +104,7 @@ TEST(Cloud, updates_and_removals_leave_the_points_and_distances_of_a_cloud_made_
     Rows4 points = surfaces(random, count, 0.02);
     Cloud cloud(points);
     int next_id = count;
-    for (int k = 0; k < 40; ++k) {
+    for (int k = 0; k < 24; ++k) {
       const Box box = random_box(random, k % 4 == 0 ? 2.0 : 0.4);
       const auto is_outside = [&](Eigen::Index i) {
         return !box.contains(Eigen::Vector3d(points.row(i).head<3>()));

@@ -221,9 +221,7 @@ TEST(Held, its_constraints_rows_are_central_differences_in_both_forms) {
     for (int k = 0; k < 3; ++k)
       shapes.push_back(
           random_shape(holding.random, holding.random.integer(0, 5), "shape " + std::to_string(k)));
-    auto set = std::make_shared<ShapeSet>();
-    for (const Shape& shape : shapes) set->solids.emplace_back(shape);
-    set->shapes = shapes;
+    const auto set = std::make_shared<const ShapeSet>(shapes);
     bench.set_obstacles(random_obstacles(holding.random, 30, 0.8));
     bench.scene.use(set);
     bench.scene.attach(holding.link, {&holding.held, 1}, {});

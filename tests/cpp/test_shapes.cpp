@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "arms.hpp"
 #include "detail/shape_clearance.hpp"
 #include "finite_differences.hpp"
@@ -44,6 +46,44 @@ TEST(Solid, distances_of_points_outside_are_those_to_their_projections) {
     }
   });
   EXPECT_GT(outside, 5000);
+}
+
+TEST(ShapeTree, visits_all_that_are_near_and_few_others_of_many) {
+  for (const int count : {0, 1, 8, 9, 300, 5000}) {
+    SCOPED_TRACE(count);
+    Random random(static_cast<std::uint64_t>(count) + 1);
+    std::vector<Solid> solids;
+    for (int k = 0; k < count; ++k) {
+      Shape shape = random_shape(random, k + 1);
+      shape.T_base_shape.translation() = random.point(3.0);
+      solids.emplace_back(shape);
+    }
+    const ShapeTree tree(solids);
+    std::size_t looks = 0, all = 0;
+    for (int trial = 0; trial < 50; ++trial) {
+      const Vec4 p = to_vec4(random.point(3.0));
+      const double reach = random.uniform(0.0, 0.5);
+      std::set<int> visited;
+      tree.near(p, reach, [&](int solid) {
+        EXPECT_TRUE(visited.insert(solid).second);
+        return reach;
+      });
+      double least = kInfinity, told = kInfinity;
+      for (int k = 0; k < count; ++k) {
+        const double distance = solids[static_cast<std::size_t>(k)].distance(p).distance;
+        least = std::min(least, distance);
+        EXPECT_TRUE(visited.contains(k) || distance > reach - 1e-12) << k;
+      }
+      tree.near(p, kInfinity, [&](int solid) {
+        ++looks;
+        told = std::min(told, solids[static_cast<std::size_t>(solid)].distance(p).distance);
+        return told;
+      });
+      all += static_cast<std::size_t>(count);
+      EXPECT_EQ(told, least);
+    }
+    EXPECT_LT(looks, count == 5000 ? all / 3 : all + 1);
+  }
 }
 
 TEST(Solid, inside_the_distance_is_the_way_out_and_the_gradient_points_along_it) {
@@ -276,9 +316,7 @@ TEST(Shapes, their_constraints_rows_are_central_differences_in_both_forms) {
     std::vector<Shape> shapes;
     for (int k = 0; k < 4; ++k)
       shapes.push_back(random_shape(random, random.integer(0, 5), "shape " + std::to_string(k)));
-    auto set = std::make_shared<ShapeSet>();
-    for (const Shape& shape : shapes) set->solids.emplace_back(shape);
-    set->shapes = shapes;
+    const auto set = std::make_shared<const ShapeSet>(shapes);
     bench.scene.use(set);
     ShapeConstraints& family = bench.problem.constraints.shapes;
     family.reserve(4);
@@ -425,14 +463,12 @@ TEST(Shapes, whoever_looks_at_many_looks_at_the_clock_meanwhile) {
   Random random(3);
   const Robot robot = Robot::builtin("panda");
   Workbench bench(robot, {});
-  const auto boxes = std::make_shared<ShapeSet>();
+  std::vector<Shape> boxes;
   for (int k = 0; k < 5000; ++k) {
     const Eigen::Isometry3d T(Eigen::Translation3d(random.point(0.7)));
-    boxes->shapes.push_back(
-        Shape::box("box" + std::to_string(k), T, Eigen::Vector3d::Constant(0.02)));
-    boxes->solids.emplace_back(boxes->shapes.back());
+    boxes.push_back(Shape::box("box" + std::to_string(k), T, Eigen::Vector3d::Constant(0.02)));
   }
-  bench.scene.use(boxes);
+  bench.scene.use(std::make_shared<const ShapeSet>(boxes));
   Constraints& constraints = bench.problem.constraints;
   constraints.shapes.reserve(bench.scene.shapes().count());
   const Eigen::VectorXd q = robot.mid_configuration();

@@ -57,7 +57,7 @@ TEST(Travel, no_part_of_a_hull_gets_farther_than_either_bound_says) {
       const double by_levers = levers.dot((to - q).cwiseAbs());
       for (std::size_t h = 0; h < model.moving.size(); ++h) {
         const Hull& hull = model.moving[h];
-        const double bound = travel_from(bench.problem.rollout, bench.moving, h, step);
+        const double bound = travel_from(bench.problem.rollout, bench.moving, hull, step);
         const auto from = points_of(model, hull, before), there = points_of(model, hull, after);
         for (std::size_t k = 0; k < from.size(); ++k) {
           const double got = (there[k] - from[k]).norm();

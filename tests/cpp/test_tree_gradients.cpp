@@ -29,7 +29,8 @@ Case random_case(int seed, bool slack) {
   options.self_clearance = random.uniform(0.0, 0.1);
   c.bench = std::make_unique<Workbench>(robot, options);
   c.bench->set_obstacles(random_obstacles(random, 15, 0.8));
-  c.bench->problem.set_goals(random_goals(robot, random, slack));
+  const std::vector<Goal> goals = random_goals(robot, random, slack);
+  c.bench->problem.set_goals(seed % 3 == 0 ? goals : one_after_the_other(goals));
   return c;
 }
 

@@ -50,6 +50,53 @@ TEST(Trees, several_goals_are_met_at_once_as_forward_kinematics_confirms) {
   EXPECT_GE(solved, 57);
 }
 
+TEST(Trees, a_goal_in_another_tip_s_frame_is_met_wherever_that_tip_is) {
+  for (const InnerMethod inner : {InnerMethod::LevenbergMarquardt, InnerMethod::Lbfgs}) {
+    int solved = 0;
+    for (int seed = 1; seed <= 40; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      Random random(static_cast<std::uint64_t>(seed));
+      const RobotKind kind{.joints = 14, .branches = true, .prismatic = 0.1, .mimic = 0.1};
+      const Robot robot = random_tree(random, 2, kind);
+      const bool slack = seed % 2 == 0 && inner == InnerMethod::LevenbergMarquardt;
+      std::vector<Goal> goals = one_after_the_other(random_goals(robot, random, slack));
+      if (seed % 3 == 0) goals.erase(goals.begin());  // the other tip may be anywhere
+      Solver solver(robot, {.max_time = 0.5, .inner = inner});
+      Result result;
+      solver.solve({.goals = goals}, result);
+      if (!result.success) continue;
+      ++solved;
+      for (Goal goal : goals) {
+        if (goal.relative_to >= 0) {
+          const int reference = robot.tips()[static_cast<std::size_t>(goal.relative_to)];
+          goal.T_base_tip = robot.fk(result.q, reference) * goal.T_base_tip;
+        }
+        expect_met(robot, goal, result.q, 1.5e-5);
+      }
+    }
+    EXPECT_GE(solved, 36);
+  }
+}
+
+TEST(Trees, goals_of_both_kinds_in_one_batch_have_the_answers_that_each_has_alone) {
+  Random random(8);
+  const RobotKind kind{.joints = 12, .branches = true};
+  const Robot robot = random_tree(random, 2, kind);
+  std::vector<std::vector<Goal>> asked;
+  for (int k = 0; k < 20; ++k) {
+    const std::vector<Goal> goals = random_goals(robot, random, false);
+    asked.push_back(k % 3 == 0 ? one_after_the_other(goals) : goals);
+  }
+  Solver solver(robot, {.max_time = 10.0, .max_restarts = 30});
+  const std::vector<Result> together = solver.solve_goals_batch(asked, {}, 2);
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    Result alone;
+    solver.solve({.goals = asked[k]}, alone);
+    EXPECT_EQ(alone.q, together[k].q) << k;
+    EXPECT_EQ(alone.success, together[k].success) << k;
+  }
+}
+
 TEST(Trees, a_tip_without_a_goal_is_free) {
   Random random(3);
   const Robot robot = random_tree(random, 3);

@@ -69,4 +69,13 @@ inline std::vector<Goal> random_goals(const Robot& robot, Random& random, bool s
   return goals;
 }
 
+/// The same goals, each but the first in the frame of the tip before.
+inline std::vector<Goal> one_after_the_other(std::vector<Goal> goals) {
+  for (std::size_t k = goals.size() - 1; k > 0; --k) {
+    goals[k].relative_to = goals[k - 1].tip;
+    goals[k].T_base_tip = goals[k - 1].T_base_tip.inverse() * goals[k].T_base_tip;
+  }
+  return goals;
+}
+
 }  // namespace pdoik::testing

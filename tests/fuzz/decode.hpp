@@ -298,6 +298,13 @@ inline std::vector<Goal> goals(Bytes& bytes, const Robot& robot, const Options& 
     if (bytes.one_in(6)) goal.weight = bytes.number(0.01, 10.0);
     if (bytes.one_in(6)) goal.position_slack = vector3(bytes, 0.1).cwiseAbs();
     if (bytes.one_in(6)) goal.rotation_slack = vector3(bytes, 3.2).cwiseAbs();
+    if (bytes.one_in(8)) goal.T_tip_tool = pose(bytes, 0.3);
+    if (bytes.one_in(8)) goal.type = GoalType::LookAt;
+    if (bytes.one_in(8)) goal.relative_to = bytes.integer(-1, tips);
+    if (bytes.one_in(12)) goal.soft = true;
+    if (bytes.one_in(12)) goal.priority = Priority::Position;
+    if (bytes.one_in(8)) goal.position_tolerance = bytes.number(1e-6, 1e-2);
+    if (bytes.one_in(24)) goal.position_slack[bytes.integer(0, 2)] = kInfinity;
     result.push_back(goal);
   }
   return result;

@@ -32,8 +32,14 @@ inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
                           (a.normalized() + b.normalized()).norm());
 }
 
-inline double rotation_error(const Goal& goal, const Eigen::Matrix3d& R) {
-  const Eigen::Matrix3d& target = goal.T_base_tip.linear();
+inline double rotation_error(const Goal& goal, const Eigen::Isometry3d& T,
+                             const Eigen::Isometry3d& T_base_target) {
+  const Eigen::Matrix3d R = T.linear(), target = T_base_target.linear();
+  if (goal.type == GoalType::LookAt) {
+    const Eigen::Vector3d way = T_base_target.translation() - T.translation();
+    if (way.norm() < 1e-6) return 0.0;  // nowhere to look
+    return std::max(0.0, angle_between(R * goal.axis, way) - goal.rotation_slack.maxCoeff());
+  }
   if (goal.type == GoalType::Position) return 0.0;
   if (goal.type == GoalType::Axis) {
     const double angle = angle_between(R * goal.axis, target * goal.axis);
@@ -57,14 +63,20 @@ inline void check_success(const Robot& robot, const Options& options, std::span<
   const double rounding = 1e-9 * scale;
   PDOIK_PROPERTY(!goals.empty());
   for (const Goal& goal : goals) {
-    const Eigen::Isometry3d T =
-        robot.fk(result.q, robot.tips()[static_cast<std::size_t>(goal.tip)]);
+    if (goal.soft) continue;
+    const auto at = [&](int tip) {
+      return robot.fk(result.q, robot.tips()[static_cast<std::size_t>(tip)]);
+    };
+    const Eigen::Isometry3d T = at(goal.tip) * goal.T_tip_tool;
+    Eigen::Isometry3d target = goal.T_base_tip;
+    if (goal.relative_to >= 0) target = at(goal.relative_to) * target;
     const Eigen::Vector3d off =
-        goal.T_base_tip.linear().transpose() * (T.translation() - goal.T_base_tip.translation());
-    const double position = beyond(off, goal.position_slack);
-    PDOIK_PROPERTY(position <= options.position_tolerance + rounding,
+        target.linear().transpose() * (T.translation() - target.translation());
+    const double position = goal.type == GoalType::LookAt ? 0.0 : beyond(off, goal.position_slack);
+    const double allowed = std::max(options.position_tolerance, goal.position_tolerance);
+    PDOIK_PROPERTY(position <= allowed + rounding,
                    "tip " << goal.tip << ": " << position << ", told " << result.position_error);
-    const double rotation = rotation_error(goal, T.linear());
+    const double rotation = rotation_error(goal, T, target);
     // A target may itself be off a rotation by 1e-6.
     PDOIK_PROPERTY(rotation <= options.rotation_tolerance + rounding + 4e-6,
                    "tip " << goal.tip << ": " << rotation << ", told " << result.rotation_error);

@@ -31,6 +31,7 @@ def is_picture(path: Path) -> bool:
     return path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n" and path.stat().st_size > 20_000
 
 
+@pytest.mark.long
 def test_the_first_experiment_in_small_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     folder = tmp_path / "s"
     small = ("--scenarios", "5", "--slow-scenarios", "1", "--most-objects", "3", *YCB)
@@ -106,6 +107,7 @@ def test_hard_scenes_in_small(tmp_path: Path) -> None:
     assert (trials.claimed <= trials.confirmed).all()
 
 
+@pytest.mark.long
 def test_tracking_in_small(tmp_path: Path) -> None:
     arguments = ("--runs", "1", "--slow-runs", "0", "--build", str(REPOSITORY / "build/bench"))
     run("tracking", tmp_path, *arguments)

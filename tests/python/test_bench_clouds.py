@@ -85,6 +85,7 @@ def test_peers_say_what_we_say_but_for_voxels_and_capsules(robot: str) -> None:
     assert (both.clearance <= both.our_clearance + 1e-5).all()
 
 
+@pytest.mark.long
 def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "bench.ik.clouds", "--quick", "--out", str(tmp_path / "c")]
     command += ["--most", "1000", "--configurations", "6", "--targets", "3"]

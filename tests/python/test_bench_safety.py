@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +16,7 @@ from bench.ik.safety import ball, carried, follow, humanoid, joints, steps, unre
 from bench.ik.safety.least import REACH, Errand
 from bench.ik.soak import tracking
 from bench.ik.soak.judge import Judge, random_configurations
-
-REPOSITORY = Path(__file__).parents[2]
-
+from bench_command import tables_of
 
 # --- Distances and descents -------------------------------------------------------------------
 
@@ -171,20 +167,7 @@ def test_a_goal_goes_as_fast_as_it_is_said_to() -> None:
 
 
 def test_the_command_makes_its_table_and_goes_on_where_it_was(tmp_path: Path) -> None:
-    out = tmp_path / "safety"
-    command = [sys.executable, "-m", "bench.ik.safety", "--quick", "--only", "follow"]
-    for done in ("", "3 of 3 jobs are done already"):
-        run = subprocess.run(
-            [*command, "--out", str(out)],
-            cwd=REPOSITORY,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=300,
-        )
-        assert run.returncode == 0, run.stdout + run.stderr
-        assert done in run.stdout
-    text = (tmp_path / "safety-quick" / "tables.md").read_text()
+    text = tables_of("bench.ik.safety", "follow", 3, tmp_path / "safety")
     assert "| follow | robots without hulls" in text
 
 

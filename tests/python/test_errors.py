@@ -235,6 +235,8 @@ def test_every_option_reaches_the_core() -> None:
                 result[field.name] = {"sole": [(0.1, 0.2, 0.3)]}
             elif field.name == "links":
                 result[field.name] = ("sole", "heel")
+            elif field.name == "T_tip_tool":
+                result[field.name] = np.diag([-1.0, -1.0, 1.0, 1.0])
             elif field.name == "goal_axis" or isinstance(field.default, tuple):
                 result[field.name] = (0.1, 0.2, 0.3)
             elif isinstance(field.default, str):

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import pdoik
+from conftest import ROBOTS
 from pdoik.reach_map import even_rotations
+from references import PinocchioRobot
 
 ROBOT = pdoik.Robot.builtin("panda")
 
@@ -44,6 +46,61 @@ def test_obstacles_take_poses_away_and_a_cloud_counts_like_its_points() -> None:
     assert solid.reached.sum() < 0.7 * free.reached.sum()
     same = pdoik.reachability(ROBOT, pdoik.Scene(slab), grid)
     assert np.array_equal(solid.statuses, same.statuses)
+
+
+def around_a_can(count: int) -> np.ndarray:
+    """Grasps that come from the side, all around, (N, 4, 4)."""
+    grasps = np.tile(np.eye(4), (count, 1, 1))
+    for T, angle in zip(grasps, np.linspace(0, 2 * np.pi, count, endpoint=False), strict=True):
+        z = np.array([np.cos(angle), np.sin(angle), 0.0])
+        T[:3, :3] = np.column_stack([np.cross([0, 0, 1], z), [0, 0, 1], z])
+        T[:3, 3] = -0.15 * z
+    return grasps
+
+
+def test_a_position_is_reached_by_any_grasp_that_is_met_at_it() -> None:
+    pinocchio = PinocchioRobot.from_xml((ROBOTS / "panda.urdf").read_text())
+    grid = pdoik.Grid.box([0.2, -0.4, 0.1], [0.8, 0.4, 0.7], 0.2)
+    wall = pdoik.Shape.box("wall", (0.02, 2.0, 0.3), np.eye(4) + np.eye(4, 4, 3) * 0.5)
+    grasps = around_a_can(6)
+    result = pdoik.reachability(ROBOT, [wall], grid, grasps=grasps)
+    assert result.met is not None
+    assert np.array_equal(result.reached_somehow, result.reached[:, 0])
+    assert np.array_equal(result.reached, result.met >= 0)
+    assert set(np.unique(result.met)) >= {-1, 0, 1}
+    alone = [pdoik.reachability(ROBOT, [wall], grid, grasps=grasps[k : k + 1]) for k in range(6)]
+    each = np.stack([one.reached[:, 0] for one in alone], axis=1)  # (P, N)
+    assert np.array_equal(each.any(axis=1), result.reached[:, 0])
+    assert np.array_equal(each[result.reached_somehow].argmax(axis=1), result.met[result.met >= 0])
+    for p in np.nonzero(result.reached_somehow)[0]:
+        pinocchio.set(dict(zip(ROBOT.joint_names, result.q[p, 0].tolist(), strict=True)))
+        T = pinocchio.pose(ROBOT.base_link, ROBOT.tip_links[0])
+        wanted = grid.poses(p, p + 1)[0] @ grasps[result.met[p, 0]]
+        assert np.abs(T - wanted).max() < 2e-3
+    chunked = pdoik.reachability(ROBOT, [wall], grid, grasps=grasps, chunk=7, threads=1)
+    assert np.array_equal(chunked.q, result.q, equal_nan=True)
+    assert np.array_equal(chunked.statuses, result.statuses)
+
+
+def test_grasps_are_in_the_file_and_what_are_none_is_refused(tmp_path: Path) -> None:
+    grid = pdoik.Grid.box([0.4, 0.0, 0.3], [3.4, 0.0, 0.3], 1.5)
+    result = pdoik.reachability(ROBOT, None, grid, grasps=around_a_can(3))
+    far = pdoik.reach_map.STATUSES.index("out_of_reach")
+    assert result.reached[:, 0].tolist() == [True, False, False]
+    assert result.statuses[1:, 0].tolist() == [far, far]
+    result.save(tmp_path / "map.npz")
+    again = pdoik.Reachability.load(tmp_path / "map.npz")
+    assert again.grasps is not None
+    assert np.array_equal(again.grasps, around_a_can(3))
+    assert np.array_equal(again.met, result.met)
+    for grasps, words in (
+        (np.eye(4), "grasps has shape"),
+        (np.zeros((0, 4, 4)), "none empty"),
+        (np.stack([np.eye(4), 2 * np.eye(4)]), r"grasps\[1\]"),
+        (np.full((1, 4, 4), np.nan), r"grasps\[0\]"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            pdoik.reachability(ROBOT, None, grid, grasps=grasps)
 
 
 def test_a_file_gives_back_what_was_saved_and_others_are_refused(tmp_path: Path) -> None:
@@ -92,6 +149,7 @@ def test_dask_workers_find_what_one_process_finds() -> None:
     wall = pdoik.Shape.half_space("wall", (-1, 0, 0), (0.5, 0, 0))
     scene = pdoik.Scene([wall], allowed=[("panda_link7", "wall")])
     alone = pdoik.reachability(ROBOT, scene, grid)
+    grasped = pdoik.reachability(ROBOT, scene, grid, grasps=around_a_can(3))
     with (
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
@@ -99,8 +157,12 @@ def test_dask_workers_find_what_one_process_finds() -> None:
         distributed.Client(cluster) as client,
     ):
         spread = pdoik.reachability(ROBOT, scene, grid, client=client, threads=1)
+        grasps = around_a_can(3)
+        there = pdoik.reachability(ROBOT, scene, grid, grasps=grasps, client=client, threads=1)
     assert np.array_equal(spread.statuses, alone.statuses)
     assert np.array_equal(spread.q, alone.q, equal_nan=True)
+    assert np.array_equal(there.met, grasped.met)
+    assert np.array_equal(there.q, grasped.q, equal_nan=True)
 
 
 def test_rotations_are_rotations_and_spread() -> None:

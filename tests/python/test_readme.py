@@ -72,9 +72,9 @@ def test_the_readme_is_read_in_minutes() -> None:
 
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
-    solving = ["getting_started", "solve", "obstacles", "humanoid", "your_robot"]
+    solving = ["getting_started", "solve", "goals", "paths", "obstacles", "humanoid", "your_robot"]
     assert pages == ["README", *solving, "diagnose", "watch"]
-    assert sum(len(blocks(page, "python")) for page in PAGES) == 21
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 50
     for name in (
         "first.png",
         "arm.urdf",
@@ -83,6 +83,33 @@ def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None
         "report/model.json",
     ):
         assert (examples / name).is_file(), name
+
+
+def test_the_goals_pictures_are_those_of_the_page_and_come_of_its_code(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="the extra plot is not installed")
+    names = ["five", "success"]
+    command = [sys.executable, str(DOCS / "goals_pictures.py"), str(tmp_path), *names]
+    subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    assert {path.name for path in tmp_path.iterdir()} == {f"goals_{name}.png" for name in names}
+    drawn = re.findall(
+        r'^    "(\w+)": \w+,$', (DOCS / "goals_pictures.py").read_text(), re.MULTILINE
+    )
+    shown = re.findall(r"\(pictures/goals_(\w+)\.png\)", (DOCS / "goals.md").read_text())
+    assert drawn == shown
+
+
+def test_the_paths_pictures_are_those_of_the_page_and_come_of_its_code(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="the extra plot is not installed")
+    names = ["closed", "costs"]
+    command = [sys.executable, str(DOCS / "paths_pictures.py"), str(tmp_path), *names]
+    subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    written = {path.name for path in tmp_path.glob("*.png")}
+    assert written == {f"paths_{name}.png" for name in names}
+    drawn = re.findall(
+        r'^    "(\w+)": \w+,$', (DOCS / "paths_pictures.py").read_text(), re.MULTILINE
+    )
+    shown = re.findall(r"\(pictures/paths_(\w+)\.png\)", (DOCS / "paths.md").read_text())
+    assert drawn == shown
 
 
 def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ def test_parts_of_one_file_follow_one_another(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "seed", [pytest.param(k, marks=() if k < 5 else pytest.mark.long) for k in range(10)]
+    "seed", [pytest.param(k, marks=() if k < 3 else pytest.mark.long) for k in range(10)]
 )
 def test_whatever_is_broken_in_a_description_nothing_is_lost(
     tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch

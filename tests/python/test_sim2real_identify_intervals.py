@@ -66,7 +66,7 @@ def repeated(folder: Path, colour: float) -> tuple[np.ndarray, np.ndarray, np.nd
     return np.array(values), np.array(halves), np.array(inside)
 
 
-@pytest.mark.parametrize("colour", [0.0, 0.95])
+@pytest.mark.parametrize("colour", [pytest.param(0.0, marks=pytest.mark.long), 0.95])
 def test_intervals_hold_the_truth_about_as_often_as_they_say(tmp_path: Path, colour: float) -> None:
     values, halves, inside = repeated(tmp_path, colour)
     assert inside.mean(axis=0) == pytest.approx(0.925, abs=0.0751)  # 85 to 100 %

@@ -333,6 +333,7 @@ def test_a_recording_that_moves_one_way_says_nothing_of_frictions_change(tmp_pat
     assert spreads_of(Fit(noisy, terms))[1] < 0.05
 
 
+@pytest.mark.long
 def test_days_that_differ_widen_the_interval(tmp_path: Path) -> None:
     inside, narrow = [], []
     rng = np.random.default_rng(3)

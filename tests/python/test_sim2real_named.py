@@ -119,7 +119,7 @@ def test_every_effect_of_the_worlds_is_tried() -> None:
     assert set(FIGURES) == set(SEEDS) == set(EFFECTS)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(k, marks=pytest.mark.long) for k in (3, 4))])
 def test_a_machine_that_is_as_its_model_has_no_mismatch(tmp_path: Path, seed: int) -> None:
     truth, diagnosis = world(tmp_path, "clean", seed)
     assert truth.effects == ()
@@ -131,7 +131,7 @@ def test_a_machine_that_is_as_its_model_has_no_mismatch(tmp_path: Path, seed: in
         assert each.before < 1.6 * each.noise_floor
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_physics_that_no_effect_describes_has_no_name_but_a_place(
     tmp_path: Path, seed: int
 ) -> None:
@@ -145,7 +145,7 @@ def test_physics_that_no_effect_describes_has_no_name_but_a_place(
     assert diagnosis.joints[joint].after < 0.7 * diagnosis.joints[joint].before
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_of_a_joint_that_never_moved_nothing_is_said(tmp_path: Path, seed: int) -> None:
     truth, diagnosis = world(tmp_path, "still", seed)
     assert truth.still
@@ -156,7 +156,7 @@ def test_of_a_joint_that_never_moved_nothing_is_said(tmp_path: Path, seed: int) 
     assert any(truth.still[0] in note and "moved too little" in note for note in diagnosis.notes)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_a_torque_of_the_wrong_sign_is_the_channels_fault(tmp_path: Path, seed: int) -> None:
     truth, diagnosis = world(tmp_path, "lying:tau_sign", seed)
     (joint,) = truth.effects[0]["joints"]

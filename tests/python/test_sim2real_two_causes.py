@@ -39,7 +39,7 @@ def identified(prepared: Prepared) -> tuple[Identified, list[str]]:
     return identify(prepared, lambda stage, text, share: said.append(text))[1], said
 
 
-@pytest.mark.parametrize("gain", [0.75, 1.3])
+@pytest.mark.parametrize("gain", [pytest.param(0.75, marks=pytest.mark.long), 1.3])
 def test_feet_press_by_what_a_motor_truly_gives(tmp_path: Path, gain: float) -> None:
     """Forces that follow from a reading that is wrong are wrong, and so is what goes by them."""
     prepared = prepare(study(tmp_path, Hidden(gain={KNEE: gain}), contact=False))

@@ -157,7 +157,8 @@ def test_a_start_that_solves_is_not_left(
 def test_starts_outside_the_limits_are_moved_inside(robot: pdoik.Robot) -> None:
     solver = pdoik.Solver(robot, pdoik.Options(max_restarts=0, max_time=60.0))
     for q0 in (robot.lower - 100.0, robot.upper + 100.0):
-        result = solver.solve(robot.fk(robot.mid_configuration()), q0=q0)
+        with pytest.warns(pdoik.GoalWarning, match="q0 has .* beyond its limit"):
+            result = solver.solve(robot.fk(robot.mid_configuration()), q0=q0)
         assert (robot.lower <= result.q).all()
         assert (result.q <= robot.upper).all()
 

@@ -45,6 +45,48 @@ def test_h1_s_feet_and_hands_reach_their_goals_at_once(
         assert max(r for _, r in off) <= 1e-5 + 1e-9
 
 
+def test_h1_s_hands_hold_one_box_wherever_it_is(h1: pdoik.Robot, rng: np.random.Generator) -> None:
+    """The box's own place is loosely given; the grip is not."""
+    reference = PinocchioRobot.from_xml(H1_XML)
+    tight = pdoik.Options(position_tolerance=1e-6, rotation_tolerance=1e-6, **PATIENT)
+    solver = pdoik.Solver(h1, tight)
+    left, right = TIPS[2:]
+    for _ in range(20):
+        wanted = near(h1, crouch(h1), rng, 0.3)
+        grip = np.linalg.inv(h1.fk(wanted, right)) @ h1.fk(wanted, left)
+        slack = {"position_slack": [0.1] * 3, "rotation_slack": [0.3] * 3}
+        place = near(h1, wanted, rng, 0.05)
+        goals = {
+            right: pdoik.Goal(h1.fk(place, right), **slack),
+            left: pdoik.Goal(grip, relative_to=right),
+        }
+        result = solver.solve(goals, q0=crouch(h1))
+        confirm_limits(h1, result)
+        assert result.success
+        reference.set(by_name(h1, result.q))
+        hands = {tip: reference.pose("pelvis", tip) for tip in (left, right)}
+        held = np.linalg.inv(hands[right]) @ hands[left]
+        assert max(errors(grip, held)) < 1e-6 + 1e-9
+        assert max(errors(h1.fk(place, right), hands[right], 0.1, 0.3)) < 1e-6 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("goals", "said"),
+    [
+        ({TIPS[2]: pdoik.Goal(np.eye(4), relative_to=TIPS[2])}, "relative to itself"),
+        (
+            {TIPS[2]: pdoik.Goal(np.eye(4), relative_to="hand")},
+            "relative to 'hand', which is no tip",
+        ),
+    ],
+)
+def test_a_goal_relative_to_nothing_is_refused(
+    h1: pdoik.Robot, goals: dict[str, pdoik.Goal], said: str
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        pdoik.Solver(h1).solve(goals)
+
+
 def solved_trees(urdf: RandomUrdf, robot: pdoik.Robot, rng: np.random.Generator) -> int:
     reference = PinocchioRobot.from_xml(urdf.xml)
     solver = pdoik.Solver(robot, pdoik.Options(goal="position", **PATIENT))

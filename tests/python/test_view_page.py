@@ -276,7 +276,7 @@ def test_the_capsules_are_drawn_and_the_wide_hull_around_them_on_a_switch(
     session.set_ball(T[:3, :3] @ (0.0, 0.1, 0.1) + T[:3, 3], 0.01)
     session.set_posture(in_capsules.q)  # it stays, and is judged anew
     in_capsules.viewer.worker.wake()
-    page.get_by_text("panda_link8 (capsule 0)").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("clearance of panda_link8 (capsule 0)").first.wait_for(timeout=1e3 * PATIENCE)
     for part in (tube, cap):
         in_capsules.wait(lambda part=part: most_blue(part) < -15, "red")
 
@@ -389,6 +389,56 @@ def test_a_map_is_computed_drawn_in_its_colours_cancelled_saved_and_taken_back(
     opened.upload("Map (", saved)
     opened.wait(lambda: tab.map.result is not result, "the file's map")
     page.get_by_text("from panda_reach.npz").wait_for(timeout=1e3 * PATIENCE)
+
+
+def test_alternatives_are_added_one_is_met_and_all_solutions_are_clicked_through(
+    opened: Page,
+) -> None:
+    opened.settled()
+    page, viewer, session = opened.page, opened.viewer, opened.viewer.session
+    opened.wait(lambda: viewer.nearest_scene._color is not None, "the line to the table")
+    page.get_by_text("Alternative targets").click()
+    page.get_by_role("button", name="add", exact=True).click()
+    opened.wait(lambda: len(session.tip_goals[TIP].targets) == 2, "another target")
+    page.get_by_text("goal 1 of 2 is met").wait_for(timeout=1e3 * PATIENCE)
+    T = session.targets[TIP]
+    T[0, 3] += 3.0
+    viewer.type_target(TIP, T)
+    page.get_by_text("goal 2 of 2 is met").wait_for(timeout=1e3 * PATIENCE)
+    second = viewer.targets.all_of(TIP)[1]
+    opened.drag(second, axis=2, pixels=30)
+    opened.settled()
+    np.testing.assert_allclose(session.robot.fk(opened.q), second.pose, atol=5e-5)
+
+    solutions = viewer.solve_tab.solutions
+    assert solutions is not None
+    page.get_by_text("All solutions").first.click()
+    page.get_by_label("At most").fill("5")
+    opened.wait(lambda: solutions.limit.value == 5, "the limit")
+    page.get_by_role("button", name="All solutions").click()
+    page.get_by_text("5 solutions of goal 2 of 2").wait_for(timeout=1e3 * PATIENCE)
+    opened.settled()
+    q = opened.q
+    page.get_by_role("button", name="next", exact=True).click()
+    page.get_by_text("No. 2: ").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("chosen solution").wait_for(timeout=1e3 * PATIENCE)
+    opened.settled()
+    assert np.abs(opened.q - q).max() > 0.09
+    np.testing.assert_allclose(session.robot.fk(opened.q), second.pose, atol=5e-5)
+    page.get_by_role("tab", name="Joints").click()
+    page.get_by_text("nearest limit: panda_joint").wait_for(timeout=1e3 * PATIENCE)
+    assert page.get_by_text("● panda_joint", exact=False).count() >= 1
+    viewer.type_target(TIP, session.tip_goals[TIP].targets[1], 1)
+    opened.wait(lambda: solutions.text == "something has moved since", "them to be forgotten")
+
+    page.get_by_role("tab", name="Solve").click()
+    page.get_by_role("button", name="remove last").click()
+    opened.wait(lambda: len(session.tip_goals[TIP].targets) == 1, "one target")
+    page.get_by_label("Goal", exact=True).click()
+    page.get_by_role("option", name="look at", exact=True).click()
+    opened.wait(lambda: session.goals[TIP] == "look_at", "the goal")
+    page.get_by_text("Cone [deg]").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("solved", exact=True).wait_for(timeout=1e3 * PATIENCE)
 
 
 def test_one_tip_of_the_h1_is_dragged_while_its_foot_stays_until_it_is_let_go(

@@ -15,8 +15,7 @@ from typing import Annotated
 import typer
 
 from bench.common import commands
-from bench.common.campaign import Campaign, dask_client
-from bench.ik.experiment import tell
+from bench.ik.rows import measure
 from bench.ik.safety import (
     ball,
     carried,
@@ -27,8 +26,7 @@ from bench.ik.safety import (
     steps,
     unreached,
 )
-from bench.ik.safety.report import report
-from bench.ik.soak.__main__ import core_digest, write_failures
+from bench.ik.soak.__main__ import write_failures
 
 ROWS: Mapping[str, ModuleType] = {
     "steps": steps,
@@ -59,27 +57,19 @@ def main(
     workers: commands.Workers = 1,
 ) -> None:
     """Measure, and make the table."""
-    chosen = list(only or ROWS)
-    if unknown := sorted(set(chosen) - ROWS.keys()):
-        raise typer.BadParameter(f"no row {', '.join(unknown)}; there are {', '.join(ROWS)}")
-    if quick:
-        out = out.with_name(out.name + "-quick")
-    found = {}
-    with commands.plain_errors(), dask_client(scheduler, workers) as client:
-        for name in (name for name in ROWS if name in chosen):
-            row = ROWS[name]
-            size = row.SIZES[0 if quick else 1]
-            if name == "steps":
-                size = number or size
-            elif name == "unreached":
-                size = cases or size
-            settings = {"experiment": f"safety {name}", "seed": seed, "core": core_digest()}
-            campaign = Campaign(out / name, settings)
-            commands.console.print(name)
-            trials = campaign.run(row.run_job, row.jobs(size, seed), client, commands.console)
-            write_failures(out / "failures", {name: trials})
-            found[name] = row.lines(trials)
-            tell(out, report(found, seed), shown="\n".join(map(str, found[name])))
+    failures = (out.with_name(out.name + "-quick") if quick else out) / "failures"
+    measure(
+        "safety",
+        ROWS,
+        only,
+        out,
+        quick=quick,
+        seed=seed,
+        scheduler=scheduler,
+        workers=workers,
+        sizes={"steps": number, "unreached": cases},
+        kept=lambda name, trials: write_failures(failures, {name: trials}),
+    )
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
     PDOIK_YCB=DIR python -m bench.ik.window reach FILE
     python -m bench.ik.window h1 FILE
     python -m bench.ik.window example WIDE.png NARROW.png
+    python -m bench.ik.window path FILE
     python -m bench.ik.window diagnosis REPORT FILE         (a folder that pdoik diagnose wrote)
 
 Targets are dragged at 60 poses a second while the page is open.
@@ -139,6 +140,34 @@ def example(wide: Path, narrow: Path) -> None:
         ):
             drag(viewer, TIP, way(session.targets[TIP], [0.03, 0.12, -0.16], 120))
             shoot(page, out)
+
+
+@app.command()
+def path(out: Path) -> None:
+    """A scan along a block that breaks at a post, at the last station that is met."""
+    session = Session(pdoik.Robot.builtin("panda"), pdoik.Options(max_time=0.02, clearance=0.003))
+    block = pdoik.Shape.box("block", (0.3, 0.7, 0.2), _upright(0.55, 0.0, 0.1))
+    post = pdoik.Shape.cylinder("post", 0.03, 0.4, _upright(0.55, 0.12, 0.4))
+    session.set_shapes([block, post])
+    corners = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (2, 1, 1))
+    corners[:, :3, 3] = [0.55, -0.32, 0.38], [0.55, 0.32, 0.38]
+    scan = [pdoik.Goal(T, type="axis", axis="z") for T in pdoik.sample_path(corners, 0.01)]
+    with served(shipped_model(session.robot), session) as viewer:
+        for target in viewer.targets.by_tip.values():
+            target.show(False)
+        viewer.camera.go_to(np.array([0.55, 0.05, 0.3]), np.array([1.35, -1.1, 0.95]))  # [m]
+        viewer.follow_path("scan.csv", scan)
+        with opened(viewer) as page:
+            page.get_by_role("tab", name="Replay").click()
+            viewer.replay_tab.seek(viewer.replay_tab.time.max)
+            page.wait_for_timeout(1000)
+            shoot(page, out)
+
+
+def _upright(x: float, y: float, z: float) -> FloatArray:
+    T = np.eye(4)
+    T[:3, 3] = x, y, z
+    return T
 
 
 @app.command()

@@ -77,7 +77,10 @@ struct Options {
 
   GoalType goal = GoalType::Pose;                        ///< of targets that are bare poses
   Eigen::Vector3d goal_axis = Eigen::Vector3d::UnitZ();  ///< in the tip frame, for GoalType::Axis
-  Method method = Method::Default;                       ///< which algorithm
+  /// Of targets that are bare poses: what of the tip has to be at the target, in its link's frame.
+  Eigen::Isometry3d T_tip_tool = Eigen::Isometry3d::Identity();
+  Priority priority = Priority::Both;  ///< of targets that are bare poses
+  Method method = Method::Default;     ///< which algorithm
 
   double position_tolerance = 1e-5;  ///< largest position error of a success [m]
   double rotation_tolerance = 1e-5;  ///< largest rotation (or axis) error of a success [rad]

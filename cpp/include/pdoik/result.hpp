@@ -22,6 +22,8 @@ enum class Status {
             ///< some fifty starts that reached it all ended with the same hull in the same
             ///< obstacle, so that none is likely. q is the best found, and the worst constraint
             ///< says what touches what
+  Nearest,  ///< position and all constraints hold; of a goal whose position comes first orientation
+            ///< cannot, and rotation_error is the least that was found
 };
 
 /// A status in lower case with underscores, as the Python module gives it.
@@ -69,9 +71,12 @@ struct ObstacleClearance {
 /// The outcome of a solve, with what is needed to judge it without trusting the solver: every error
 /// is recomputed from q alone.
 struct Result {
-  Eigen::VectorXd q;                  ///< [rad] or [m]
-  bool success = false;               ///< goals, limits and constraints hold to their tolerances
+  Eigen::VectorXd q;     ///< [rad] or [m]
+  bool success = false;  ///< goals, limits and constraints hold to their tolerances
+  /// The same, but for the orientation of goals whose position comes first (Priority::Position).
+  bool holds = false;
   Status status = Status::Exhausted;  ///< why the solve ended
+  int goal_index = 0;                 ///< which of Request::any_of it meets, or comes nearest to
   double position_error = std::numeric_limits<double>::infinity();  ///< largest over goals [m]
   double rotation_error =
       std::numeric_limits<double>::infinity();  ///< largest over goals [rad]; 0 for position goals

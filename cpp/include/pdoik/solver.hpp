@@ -9,6 +9,8 @@
 
 #include "pdoik/goal.hpp"
 #include "pdoik/options.hpp"
+#include "pdoik/path.hpp"
+#include "pdoik/request.hpp"
 #include "pdoik/result.hpp"
 #include "pdoik/robot.hpp"
 #include "pdoik/shapes.hpp"
@@ -23,18 +25,40 @@ using Obstacles =
 
 class Cloud;
 
-/// What one solve is asked. All is read where the caller keeps it.
-struct Request {
-  std::span<const Goal> goals = {};  ///< at most one a tip; tips without one are free
-  /// Where to start, shape (n,), moved inside the limits; answers near it are preferred. Null for
-  /// the middle of the ranges (Method::Paper: omega = 0), and any answer.
-  const Eigen::VectorXd* q0 = nullptr;
-  /// A posture, shape (n,), that the answer comes as near to as goals and constraints let it, by
-  /// going downhill from the first solution found. Null for none.
-  const Eigen::VectorXd* posture = nullptr;
-  /// Hard bounds on |q - q0| of each joint, shape (n,), not negative [rad] or [m]: speed times
-  /// period, for a step that a machine can make. Null for none. Needs q0.
-  const Eigen::VectorXd* max_step = nullptr;
+/// Which solutions are wanted of all that there are.
+struct AllOptions {
+  int limit = 0;  ///< no more than this many; 0 for all, of robots with finitely many
+  /// Two differ if a joint does by more than this [rad] or [m]; 0 for 0.001 where all are known in
+  /// closed form and 0.1 else.
+  double distinct = 0.0;
+};
+
+/// Solutions of one request, none twice.
+struct Solutions {
+  std::vector<Result> results;  ///< nearest to the start, or to the posture, first
+  /// In how many ways each can be turned by whole turns of joints inside their limits: 1 if not.
+  std::vector<int> turns;
+  /// Whether it is known that there are no others: of six joints whose geometry is solved in
+  /// closed form.
+  bool complete = false;
+  /// How likely it is that one more start that meets the goals comes to what was found already:
+  /// 1 less the share of starts whose end was met once (Good and Turing's estimate).
+  double coverage = 0.0;
+  Status status = Status::Exhausted;  ///< Solved if there are any, else why not
+  int restarts = 0;                   ///< starts beyond the first
+  double time = 0.0;                  ///< [s]
+};
+
+/// How an answer follows its targets.
+struct Derivatives {
+  /// Of q by each hard goal's target, 6 columns a goal: the target's shift and turn along the base
+  /// frame's axes, shape (n, 6 * goals) [rad or m, by m or rad]. Joints at their limits, locked
+  /// ones and contact stay as they are; of all that remains the least motion.
+  Eigen::MatrixXd dq_dT;
+  double manipulability = 0.0;  ///< product of the singular values of the goals' Jacobian
+  /// The least singular value of it, its turns in metres by Options::rotation_weight: how far from
+  /// a singularity [m].
+  double singular_distance = 0.0;
 };
 
 /// Constrained inverse kinematics among points (Sec. algorithm).
@@ -115,12 +139,41 @@ class Solver {
 
   /// Find q so that each goal's tip has its pose, axis or position, inside joint limits, clear of
   /// obstacles, balanced and off itself where the options say so. The real-time form: result.q is
-  /// resized at the first use only.
+  /// resized at the first use only, and room made for as many alternatives as ever.
   /// @throws std::invalid_argument on NaN, infinity, a target that is not rigid to 1e-6, a wrong
-  /// length, a tip that there is not or that has two goals, a negative slack or weight, no goal;
-  /// and, as everything here that looks at obstacles, where there are any, or the robot carries
-  /// something, and it has no hulls: see Options::ignore_obstacles_without_hulls.
+  /// length, a tip that there is not, goals that contradict one another, a negative slack or
+  /// weight, no goal, a lock outside limits; and, as everything here that looks at obstacles, where
+  /// there are any, or the robot carries something, and it has no hulls: see
+  /// Options::ignore_obstacles_without_hulls.
   void solve(const Request& request, Result& result);
+
+  /// The distinct solutions of a request: of an arm of six joints whose geometry allows it all
+  /// there are, by closed form; else those that starts find until a limit, max_time, or until
+  /// nothing new comes. Allocates.
+  /// @throws std::invalid_argument as `solve`; any_of; Method::Paper.
+  Solutions solve_all(const Request& request, const AllOptions& wanted = {});
+
+  /// A whole path as one question: joint positions that meet all stations one after the other and
+  /// the straight way between them, clear of everything all along, in one motion; the shortest
+  /// that is found. Where there is none: where it breaks and why, and as few motions as meet it,
+  /// with clear moves from one to the next. Solutions of stations, all of them where they are known
+  /// in closed form, are nodes of a graph in layers, which is searched for the best route; what
+  /// lies between two nodes is followed until it is as exact as the stations. Allocates.
+  /// @throws std::invalid_argument  As `solve` of a station, named by its number; fewer than two
+  /// stations; two that ask different kinds of things, or are the same one after the other; a soft
+  /// goal; a start or end of a wrong length, or outside limits, or that does not meet its station;
+  /// an option out of range; other methods than the default one.
+  PathResult solve_path(const PathRequest& request, const PathOptions& options = {});
+
+  /// A move from a configuration to another, or to any of some goals, that is clear of everything
+  /// all along: points, shapes, the robot itself, with what it carries. Allocates.
+  /// @throws std::invalid_argument  As `solve`; no start; neither a configuration to end at nor
+  /// goals, or both; an option out of range; other methods than the default one.
+  MotionResult plan_motion(const MotionRequest& request, const MotionOptions& options = {});
+
+  /// How a solution follows its targets: of q as it is, whether or not it solves. Allocates.
+  /// @throws std::invalid_argument as `judge`.
+  Derivatives derivatives(std::span<const Goal> goals, VectorIn q);
 
   /// The same for a robot with one tip, whose goal is of the options' type.
   /// @param q0  As in Request.
@@ -142,6 +195,8 @@ class Solver {
   std::vector<Result> solve_goals_batch(std::span<const std::vector<Goal>> goals,
                                         std::span<const Eigen::VectorXd> q0 = {},
                                         int threads = 0) const;
+  /// The same of whole requests.
+  std::vector<Result> solve_requests(std::span<const Request> requests, int threads = 0) const;
   /// @}
 
   /// @name Judging
@@ -162,6 +217,14 @@ class Solver {
   /// @throws std::invalid_argument on a wrong length, NaN or infinity.
   std::vector<ObstacleClearance> clearances(VectorIn q);
 
+  /// How it went and by how much it fell short, for people: "panda_hand is 0.12 mm off its target,
+  /// tolerance 0.01 mm", "goal 3 of 8: the target of panda_hand lies 12 mm farther away than its
+  /// links stretch". Alternatives are counted from 1 here.
+  std::string explain(const Request& request, const Result& result) const;
+  /// The same of a path: where it breaks, and why.
+  std::string explain(const PathRequest& request, const PathResult& result) const;
+  /// What ends a motion along a path: a limit, a contact, a singularity.
+  std::string explain(const PathEnd& end) const;
   /// "clearance of panda_link5, spheroid 12, to obstacle 17", for people.
   std::string describe(const WorstConstraint& worst) const;
   /// "panda_link5 (capsule 12)" or what is carried, of the nearest part; empty for none.

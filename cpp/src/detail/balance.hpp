@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "detail/frame.hpp"
 #include "detail/rollout.hpp"
+#include "pdoik/goal.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/robot.hpp"
 
@@ -25,7 +27,9 @@ class Balance {
   /// that is empty, an `up` of no direction, or a robot without mass.
   Balance(const Robot& robot, const BalanceOptions& options);
 
-  bool wanted() const { return wanted_; }
+  bool wanted() const { return wanted_ || is_asked_; }
+  /// What goals ask of the centre of mass from now on, beside the options.
+  void ask(std::span<const Goal> goals);
   int slots() const { return kBox + static_cast<int>(points_.size()); }
 
   /// Take the bodies from where a rollout or a judge has them: Frame frame(int body).
@@ -80,8 +84,7 @@ class Balance {
  private:
   double box_constraint(int side) const {
     const int axis = side / 2;
-    return side % 2 == 0 ? options_.com_lower[axis] - com_[axis]
-                         : com_[axis] - options_.com_upper[axis];
+    return side % 2 == 0 ? lower_[axis] - com_[axis] : com_[axis] - upper_[axis];
   }
   Term edge_constraint(int k) const;
   /// Of a polygon that is a line or a point: the distance from it, plus the margin.
@@ -89,7 +92,8 @@ class Balance {
   void find_polygon();
 
   BalanceOptions options_;
-  bool wanted_;
+  bool wanted_, is_asked_ = false;
+  Eigen::Vector3d lower_, upper_;  ///< of the box
   Vec4 up_;
   std::vector<double> mass_;          ///< of each body, as a fraction of the whole
   std::vector<Vec4> local_com_;       ///< in its frame

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "detail/balance.hpp"
@@ -14,8 +15,11 @@ namespace pdoik::detail {
 class BalanceConstraints {
  public:
   explicit BalanceConstraints(const Model& model) : balance_(model.robot, model.options.balance) {
-    terms_.reserve(static_cast<std::size_t>(groups()));
+    terms_.reserve(static_cast<std::size_t>(balance_.slots()));
   }
+
+  /// What goals ask of the centre of mass from now on, beside the options.
+  void ask(std::span<const Goal> goals) { balance_.ask(goals); }
 
   bool wants_points() const { return false; }
   int groups() const { return balance_.wanted() ? balance_.slots() : 0; }

@@ -19,8 +19,8 @@ class Candidates {
   bool empty() const { return count_ == 0; }
 
   /// @param shortfall  What the configuration falls short by; at least, unless it was `measured`.
-  /// Of equals the earlier is kept.
-  void add(const Eigen::VectorXd& q, double shortfall, bool measured) {
+  /// Of equals the earlier is kept. @param alternative  Whose goals.
+  void add(const Eigen::VectorXd& q, int alternative, double shortfall, bool measured) {
     Entry* place = nullptr;
     if (count_ < entries_.size()) {
       place = &entries_[count_++];
@@ -31,39 +31,40 @@ class Candidates {
       if (!(shortfall < place->shortfall)) return;
     }
     place->q = q;
+    place->alternative = alternative;
     place->shortfall = shortfall;
     place->measured = measured;
   }
 
-  /// Measure those that are not, by double(const VectorXd& q), the most promising first, until the
+  struct Entry {
+    Eigen::VectorXd q;
+    int alternative = 0;
+    double shortfall = 0.0;
+    bool measured = false;
+  };
+
+  /// Measure those that are not, by double(const Entry&), the most promising first, until the
   /// best of them is known or `stop`, bool(), holds.
   template <class Measure, class Stop>
   void measure(Measure&& measure, Stop&& stop) {
     for (Entry* next = most_promising(); next != nullptr && !stop(); next = most_promising()) {
-      next->shortfall = measure(next->q);
+      next->shortfall = measure(*next);
       next->measured = true;
     }
   }
 
   /// The least shortfall, where those that were not measured are taken for touching something as
   /// they usually do. There must be one.
-  const Eigen::VectorXd& best() const {
+  const Entry& best() const {
     const auto expected = [](const Entry& entry) {
       return entry.shortfall + (entry.measured ? 0.0 : kUsualTouch);
     };
-    return std::min_element(
-               entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(count_),
-               [&](const Entry& a, const Entry& b) { return expected(a) < expected(b); })
-        ->q;
+    return *std::min_element(
+        entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(count_),
+        [&](const Entry& a, const Entry& b) { return expected(a) < expected(b); });
   }
 
  private:
-  struct Entry {
-    Eigen::VectorXd q;
-    double shortfall = 0.0;
-    bool measured = false;
-  };
-
   template <class Counts>
   const Entry* least(Counts&& counts) const {
     const Entry* best = nullptr;

@@ -23,11 +23,15 @@ void check_robot(const Robot& robot);
 void check_set_up(const Robot& robot, const Options& options);
 /// One tip, for what takes a target without saying whose it is.
 void check_one_tip(const Robot& robot);
-/// Goals for tips that there are, one each; what the method cannot do is refused.
+/// Goals for tips that there are, which do not contradict one another; what the method cannot do is
+/// refused.
 bool accepts_goals(std::span<const Goal> goals, const Robot& robot, const Options& options,
                    Complaint& complaint);
 void check_goals(std::span<const Goal> goals, const Robot& robot, const Options& options);
-void check_request(const Request& request, const Robot& robot, const Options& options);
+/// @param which  Which of a batch it is; less than 0 for none.
+void check_request(const Request& request, const Robot& robot, const Options& options,
+                   int which = -1);
+void check_all(const Request& request, const AllOptions& wanted, const Options& options);
 /// Rigid to 1e-6.
 void check_target(const Eigen::Isometry3d& T, const std::string& name = "T_base_tip");
 /// Bounds on a step, one per joint, none negative; infinity is fine.

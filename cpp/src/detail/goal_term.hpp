@@ -5,7 +5,10 @@
 #include <cmath>
 
 #include "detail/frame.hpp"
+#include "detail/goal_of.hpp"
+#include "detail/rollout.hpp"
 #include "pdoik/goal.hpp"
+#include "pdoik/options.hpp"
 #include "pdoik/robot.hpp"
 
 namespace pdoik::detail {
@@ -71,19 +74,37 @@ inline Vec4 rotation_vector_rate(const Vec4& e, const Vec4& w) {
   return w - broadcast(0.5) * once + broadcast(k) * cross3(e, once);
 }
 
+/// What of a goal a term has: of one whose position comes first both in turn, the second as a wish.
+enum class GoalPart { Whole, Position, Rotation };
+
+/// How little a wish weighs of what is hard: as much as it may bend hard goals while it is gone
+/// after, before they are met once more.
+constexpr double kWish = 1e-3;
+
 /// One tip and its target (Sec. ee-pose), in both forms that the inner methods use.
 class GoalTerm {
  public:
-  GoalTerm(const Robot& robot, const Goal& goal)
-      : GoalTerm(robot.body_of_link(robot.tips()[static_cast<std::size_t>(goal.tip)]),
-                 robot.T_body_link(robot.tips()[static_cast<std::size_t>(goal.tip)]), goal.type,
-                 goal.axis) {
-    set_target(goal.T_base_tip);
-    weight_ = goal.weight;
+  GoalTerm(const Robot& robot, const Options& options, const Goal& goal,
+           GoalPart part = GoalPart::Whole)
+      : type_(part == GoalPart::Position ? GoalType::Position : goal.type),
+        axis_(to_vec4(goal.axis.normalized())),
+        target_(to_frame(goal.T_base_tip)) {
+    const int link = robot.tips()[static_cast<std::size_t>(goal.tip)];
+    body_ = robot.body_of_link(link);
+    T_body_tip_ = compose(to_frame(robot.T_body_link(link)), to_frame(goal.T_tip_tool));
+    if (goal.relative_to >= 0) {
+      const int reference = robot.tips()[static_cast<std::size_t>(goal.relative_to)];
+      reference_ = robot.body_of_link(reference);
+      T_reference_target_ = compose(to_frame(robot.T_body_link(reference)), target_);
+    }
+    is_placed_ = part != GoalPart::Rotation && goal.type != GoalType::LookAt;
+    weight_ = goal.weight * (goal.soft || part == GoalPart::Rotation ? kWish : 1.0);
     stands_ = goal.stands;
     position_slack_ = goal.position_slack;
     rotation_slack_ = goal.rotation_slack;
-    has_slack_ = !position_slack_.isZero(0.0) || !rotation_slack_.isZero(0.0);
+    has_slack_ = detail::has_slack(goal);
+    position_tolerance_ = position_tolerance(goal, options);
+    rotation_tolerance_ = rotation_tolerance(goal, options);
   }
   GoalTerm(int body, const Eigen::Isometry3d& T_body_tip, GoalType type,
            const Eigen::Vector3d& axis)
@@ -114,28 +135,59 @@ class GoalTerm {
     const Vec4 shift = broadcast(1.0 - share) * position_error();
     target_.p += shift;
     position_error_ -= shift;
+    if (is_relative()) T_reference_target_ = to_local(T_base_reference_, target_);
     return true;
+  }
+  /// Take the tip, and what the target is relative to, from where the robot is.
+  void place(const Rollout& rollout) {
+    if (is_relative()) {
+      T_base_reference_ = rollout.frame(reference_);
+      target_ = compose(T_base_reference_, T_reference_target_);
+    }
+    place(rollout.frame(body_));
   }
   /// Take the tip from its body's frame.
   void place(const Frame& T_base_body) {
     tip_ = compose(T_base_body, T_body_tip_);
     position_error_ = tip_.p - target_.p;
+    if (type_ != GoalType::LookAt) return;
+    distance_ = std::max(std::sqrt(dot3(position_error_, position_error_)), kNearest);
+    sight_ = broadcast(-1.0 / distance_) * position_error_;
   }
   /// The rotation vector from the target to the tip where it was placed [rad].
   Vec4 rotation_vector() const {
     if (type_ == GoalType::Pose) return rotation_error_vector(tip_, target_);
-    if (type_ == GoalType::Axis) return axis_error_vector(axis(), rotate(target_, axis_));
+    if (by_axis()) return axis_error_vector(axis(), wanted_axis());
     return Vec4{};
   }
 
   int body() const { return body_; }
+  /// Whether the target moves with another body, `reference`.
+  bool is_relative() const { return reference_ >= 0; }
+  int reference() const { return reference_; }
   GoalType type() const { return type_; }
+  bool turns() const { return type_ != GoalType::Position; }
+  /// Whether of the tip's orientation one axis counts, and which way it points and ought to, in
+  /// the base frame.
+  bool by_axis() const { return type_ == GoalType::Axis || type_ == GoalType::LookAt; }
+  Vec4 axis() const { return rotate(tip_, axis_); }
+  Vec4 wanted_axis() const { return type_ == GoalType::LookAt ? sight_ : rotate(target_, axis_); }
   double weight() const { return weight_; }
   bool stands() const { return stands_; }
   bool has_slack() const { return has_slack_; }
   const Frame& tip() const { return tip_; }
+  const Frame& target() const { return target_; }
+  bool is_met() const {
+    return position_distance() < position_tolerance_ && rotation_distance() < rotation_tolerance_;
+  }
+  /// The same of squared errors.
+  bool allows(double position2, double rotation2) const {
+    return position2 < position_tolerance_ * position_tolerance_ &&
+           rotation2 < rotation_tolerance_ * rotation_tolerance_;
+  }
   /// What of the errors the goal's slack does not forgive, in the base frame [m], [rad].
   Vec4 position_error() const {
+    if (!is_placed_) return Vec4{};
     return has_slack_ ? beyond(position_error_, target_, position_slack_) : position_error_;
   }
   Vec4 rotation_error() const {
@@ -148,14 +200,21 @@ class GoalTerm {
   /// The rotation error, computed once and kept until the tip is placed again.
   const Vec4& keep_rotation_error() { return kept_rotation_error_ = rotation_error(); }
   const Vec4& kept_rotation_error() const { return kept_rotation_error_; }
-  /// How the errors change with the tip's velocity and, for GoalType::Pose, angular velocity, where
-  /// there is slack.
-  Vec4 position_error_rate(const Vec4& velocity) const {
-    return beyond_derivative(velocity, position_error_, target_, position_slack_);
-  }
-  Vec4 rotation_error_rate(const Vec4& angular) const {
-    const Vec4 e = rotation_vector();
-    return beyond_derivative(rotation_vector_rate(e, angular), e, target_, rotation_slack_);
+  /// How the errors change as the tip moves and turns, as the target sees it: `linear` and
+  /// `angular`, in place. Of an axis, turning about itself changes nothing.
+  void to_error_rates(Vec4& linear, Vec4& angular) const {
+    if (by_axis()) {
+      angular -= broadcast(dot3(axis(), angular)) * axis();
+      // What is looked at goes by the other way.
+      if (type_ == GoalType::LookAt) angular += broadcast(1.0 / distance_) * cross3(sight_, linear);
+    } else if (has_slack_ && type_ == GoalType::Pose) {
+      const Vec4 e = rotation_vector();
+      angular = beyond_derivative(rotation_vector_rate(e, angular), e, target_, rotation_slack_);
+    }
+    if (!is_placed_)
+      linear = Vec4{};
+    else if (has_slack_)
+      linear = beyond_derivative(linear, position_error_, target_, position_slack_);
   }
   double position_distance() const {
     const Vec4 error = position_error();
@@ -165,12 +224,9 @@ class GoalTerm {
     const Vec4 error = rotation_error();
     return std::sqrt(dot3(error, error));
   }
-  /// The tip's constrained axis in the base frame (GoalType::Axis).
-  Vec4 axis() const { return rotate(tip_, axis_); }
-
   /// Eq. obj, the trace of (U_e - U*)^T (U_e - U*) halved and weighted, and its wrench at the
-  /// base's origin. The points are u_e and one at `distance` along x and y (Pose) or along the
-  /// named axis (Axis).
+  /// base's origin: the target's is against it, as the lines of both forces are one. The points are
+  /// u_e and one at `distance` along x and y (Pose) or along the named axis (Axis).
   double point_objective(double distance, Vec4& force, Vec4& moment) const {
     double sum = 0.0;
     force = moment = Vec4{};
@@ -195,14 +251,21 @@ class GoalTerm {
   }
 
  private:
-  int body_;
-  Frame T_body_tip_;
+  /// What is looked at is nowhere if it is nearer than this [m].
+  static constexpr double kNearest = 1e-9;
+
+  int body_ = 0, reference_ = -1;
+  Frame T_body_tip_{}, T_reference_target_{}, T_base_reference_{};
   GoalType type_;
   Vec4 axis_;
   Frame target_, tip_{};
   Vec4 position_error_{}, kept_rotation_error_{};
   double weight_ = 1.0;
+  double position_tolerance_ = 0.0, rotation_tolerance_ = 0.0;
   bool stands_ = false, has_slack_ = false;
+  bool is_placed_ = true;  ///< whether its position counts
+  Vec4 sight_{};           ///< to what is looked at, and how far that is
+  double distance_ = 1.0;
   Eigen::Vector3d position_slack_ = Eigen::Vector3d::Zero(),
                   rotation_slack_ = Eigen::Vector3d::Zero();
 };

@@ -50,7 +50,7 @@ class HeldClearance {
   }
 
   /// Calls visit(HeldNear) for the nearest point, and each shape, hull and other that is held,
-  /// within a distance of what is wanted, by ascending slots. @returns Whether it has looked at all
+  /// within a distance of what is wanted. @returns Whether it has looked at all
   /// before the deadline, which may be null.
   template <class Visit>
   bool find(const ObstacleView& points, const ShapePairs& shapes, double within,
@@ -66,10 +66,18 @@ class HeldClearance {
     };
     for (int k = 0; k < count(); ++k) {
       tell(nearest_point(k, points, within));
-      for (int shape = 0; shape < shapes.count(); ++shape) {
-        if (passed_in(shape, deadline, kBetweenLooks)) return false;
+      const int first = slot;
+      bool is_late = false;
+      int turn = 0;
+      shapes_near(k, shapes, within, [&](int shape) {
+        is_late = passed_in(turn++, deadline, kBetweenLooks);
+        if (is_late) return kNoMore;
+        slot = first + shape;
         tell(nearest_of_shape(k, shapes, shape, within));
-      }
+        return within;
+      });
+      if (is_late) return false;
+      slot = first + shapes.count();
       for (int hull = 0; hull < hull_capsules_.count(); ++hull)
         tell(nearest_of_hull(k, hull, within));
       for (int other = 0; other < k; ++other) tell(nearest_of_held(k, other, within));
@@ -81,10 +89,20 @@ class HeldClearance {
   std::optional<HeldNear> nearest_point(int k, const ObstacleView& points, double within);
   std::optional<HeldNear> nearest_of_shape(int k, const ShapePairs& shapes, int shape,
                                            double within) const;
+  /// The same of the nearest of all shapes.
+  std::optional<HeldNear> nearest_shape(int k, const ShapePairs& shapes, double within) const;
   std::optional<HeldNear> nearest_of_hull(int k, int hull, double within);
   std::optional<HeldNear> nearest_of_held(int k, int other, double within) const;
 
  private:
+  /// Visit the shapes that may be within a distance of a solid.
+  template <class Visit>
+  void shapes_near(int k, const ShapePairs& shapes, double within, Visit&& visit) const {
+    const Solid& solid = held_[k].solid;
+    const double size = solid.radius() + clearance_;
+    shapes.near(transform(frame(k), solid.centre()), size + within,
+                [&](int shape) { return size + visit(shape); });
+  }
   const Frame& frame(int k) const { return frames_[static_cast<std::size_t>(k)]; }
 
   const Held& held_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -62,6 +63,7 @@ class HeldConstraints : public ByPulls {
                  hulls_.frames());
     was_cut_ = !held_->find(scene_->obstacles(), scene_->shapes(), within, deadline_,
                             [&](const HeldNear& near) { near_.push_back({near, -near.distance}); });
+    std::ranges::sort(near_, {}, &HeldNear::slot);  // by keys
   }
 
   const Model& model_;

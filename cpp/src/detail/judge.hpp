@@ -21,7 +21,7 @@ namespace pdoik::detail {
 /// the rollout the solvers run on.
 class Judge {
  public:
-  Judge(const Robot& robot, const Options& options, const HullModel& hulls);
+  Judge(const Robot& robot, const Options& options, const HullModel& hulls, const HullModel& whole);
 
   /// What may touch obstacles at the target. Outlives it.
   void let_touch(const Touching* touching) {

@@ -49,6 +49,7 @@ class LagrangianProblem {
       Vec4 force, moment;
       value += goal.point_objective(problem_.model.options.point_distance, force, moment);
       rollout.add_wrench(goal.body(), force, moment);
+      if (goal.is_relative()) rollout.add_wrench(goal.reference(), -force, -moment);
     }
     max_constraint_ = 0.0;
     find(penalty);
@@ -100,7 +101,7 @@ class LagrangianProblem {
     Rollout& rollout = problem_.rollout;
     map_.forward(omega, state_, rollout.needs_angles());
     rollout.forward(state_.cosine.data(), state_.sine.data(), state_.q.data());
-    for (GoalTerm& goal : problem_.goals) goal.place(rollout.frame(goal.body()));
+    for (GoalTerm& goal : problem_.goals) goal.place(rollout);
   }
 
   void use_obstacles() {

@@ -15,7 +15,7 @@ namespace pdoik::detail {
 /// The same problem as least squares over joint positions: what LevenbergMarquardt minimises.
 ///
 ///     f(q) = 1/2 sum over goals g (|dp|^2 + w^2 |e|^2) + 1/2 v^2 sum over constraints max(0, c)^2
-///            + 1/2 sum over joints pull (q - q*)^2
+///            + 1/2 sum over joints pull (q - q*)^2, and wishes as goals, where these count
 /// with e the rotation vector to the target (or between the axes) and c in metres: of penetration,
 /// of the centre of mass beyond its region. Where a solution exists f without the pull to a posture
 /// q* is zero there and no multipliers are needed. Which obstacles count is for the caller to say:
@@ -35,6 +35,8 @@ class LeastSquaresProblem {
 
   void count_all_obstacles() { counted_ = Counted::All; }
   void count_no_obstacles() { counted_ = Counted::None; }
+  /// Not even the robot itself: no constraint but bounds.
+  void count_goals_alone() { counted_ = Counted::Goals; }
   /// Count those that are within `margin` of a hull where f was last evaluated [m]. Points with a
   /// radius are then held off by half_sum_constraint, which errs to the safe side.
   void count_obstacles_within(double margin) {
@@ -46,7 +48,8 @@ class LeastSquaresProblem {
   }
   int obstacle_count() const { return obstacles()->count(); }
 
-  PosturePull posture;  ///< of the evaluations that follow
+  PosturePull posture;        ///< of the evaluations that follow
+  double wishes_count = 0.0;  ///< in them: how much, of their weights; 0 for not at all
 
   /// Whether a hull touches one of the scene's shapes or near points or another hull, where f was
   /// last evaluated or the robot was last placed; or the clock has struck before that is known.
@@ -90,7 +93,7 @@ class LeastSquaresProblem {
     double sum = 2.0 * evaluate_goals(q);
     sum += options_.collision_weight * options_.collision_weight * violation();
     if (cut_) return std::numeric_limits<double>::infinity();
-    return 0.5 * sum + posture.value(q);
+    return 0.5 * sum + posture.value(q) + (wishes_count > 0.0 ? wishes_count * wishes() : 0.0);
   }
 
   /// f without constraints and without the pull to a posture.
@@ -99,28 +102,21 @@ class LeastSquaresProblem {
     at_ = q;
     double sum = 0.0;
     const double w2 = options_.rotation_weight * options_.rotation_weight;
-    position_error_ = rotation_error_ = 0.0;
+    reached_ = true;
     for (GoalTerm& goal : problem_.goals) {
-      goal.place(problem_.rollout.frame(goal.body()));
-      const Vec4 p = goal.position_error();
-      const double p2 = dot3(p, p);
-      const Vec4& e = goal.keep_rotation_error();
-      const double r2 = dot3(e, e);
+      double p2 = 0.0, r2 = 0.0;
+      place(goal, p2, r2);
       sum += goal.weight() * (p2 + w2 * r2);
-      position_error_ = std::max(position_error_, p2);
-      rotation_error_ = std::max(rotation_error_, r2);
+      reached_ = reached_ && goal.allows(p2, r2);
     }
     return 0.5 * sum;
   }
 
   /// Whether goals and constraints hold where f was last evaluated; a pull has no such end.
-  bool done() const { return holds() && !posture.wanted(); }
+  bool done() const { return holds() && !posture.wanted() && wishes_count == 0.0; }
   bool holds() const { return reached() && !touching_ && !cut_; }
   /// Whether the goals are, where f was last evaluated.
-  bool reached() const {
-    const double p = options_.position_tolerance, r = options_.rotation_tolerance;
-    return position_error_ < p * p && rotation_error_ < r * r;
-  }
+  bool reached() const { return reached_; }
 
   /// Of the goals alone.
   void linearise_goals(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
@@ -131,18 +127,49 @@ class LeastSquaresProblem {
 
   void linearise(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     linearise_goals(H, g);
-    const double v2 = options_.collision_weight * options_.collision_weight;
-    problem_.constraints.for_each([&](auto& family, std::size_t) {
-      for (int k = 0; k < family.count() && !problem_.is_late(k); ++k) {
-        const auto& at = family.at(k);
-        if (at.c <= -kContactGap) continue;
-        row_.setZero();
-        family.add_row(at, problem_.rollout, row_.data());
-        g += v2 * (at.c + kContactGap) * row_;
-        add_outer(v2, H);
-      }
-    });
+    if (counted_ != Counted::Goals) linearise_constraints(H, g);
     posture.linearise(at_, H, g);
+    if (wishes_count == 0.0) return;
+    for (const GoalTerm& goal : problem_.wishes) add_goal(goal, H, g, wishes_count);
+    // What is wished need not be had: errors stay, and with them how the chain bends.
+    for (const GoalTerm& goal : problem_.goals) add_curvature(goal, H, 1.0);
+    for (const GoalTerm& goal : problem_.wishes) add_curvature(goal, H, wishes_count);
+  }
+
+  /// How a tip moves and turns, in the base frame, with each joint; the fourth entries are zero.
+  struct Column {
+    Vec4 linear{}, angular{};
+  };
+  /// Of a goal's tip as its target sees it, where f was last evaluated: shape (n,).
+  void find_columns(const GoalTerm& goal, std::vector<Column>& columns) const {
+    for (Column& column : columns) column = Column{};
+    const auto move_with = [&](int body, double way) {
+      problem_.rollout.for_each_joint(
+          body, [&](int dof, double multiplier, bool prismatic, const Frame& frame) {
+            const Vec4 scaled = broadcast(way * multiplier) * frame.z;
+            Column& column = columns[static_cast<std::size_t>(dof)];
+            if (prismatic) {
+              column.linear += scaled;
+              return;
+            }
+            column.linear += cross3(scaled, goal.tip().p - frame.p);
+            if (goal.turns()) column.angular += scaled;
+          });
+    };
+    move_with(goal.body(), 1.0);
+    if (goal.is_relative()) move_with(goal.reference(), -1.0);
+  }
+
+  /// What the wishes cost where f was last evaluated or the robot was last placed.
+  double wishes() {
+    double sum = 0.0;
+    const double w2 = options_.rotation_weight * options_.rotation_weight;
+    for (GoalTerm& goal : problem_.wishes) {
+      double p2 = 0.0, r2 = 0.0;
+      place(goal, p2, r2);
+      sum += goal.weight() * (p2 + w2 * r2);
+    }
+    return 0.5 * sum;
   }
 
  private:
@@ -151,16 +178,27 @@ class LeastSquaresProblem {
   /// Aim this far beyond contact, so that reaching it to rounding is clear of it [m].
   static constexpr double kContactGap = 1e-8;
 
+  /// Take a goal to where the robot is; its squared errors there.
+  void place(GoalTerm& goal, double& p2, double& r2) const {
+    goal.place(problem_.rollout);
+    const Vec4 p = goal.position_error();
+    const Vec4& e = goal.keep_rotation_error();
+    p2 = dot3(p, p);
+    r2 = dot3(e, e);
+  }
+
   CollisionState& hulls() { return problem_.constraints.hulls; }
 
-  enum class Counted { All, Near, None };
+  enum class Counted { All, Near, None, Goals };
   ObstacleView obstacles() const {
     if (counted_ == Counted::All) return problem_.scene->obstacles();
-    return counted_ == Counted::None ? ObstacleView(none_) : nearby_.view();
+    return counted_ == Counted::Near ? nearby_.view() : ObstacleView(none_);
   }
 
   /// The sum of squares of what is violated.
   double violation() {
+    touching_ = cut_ = false;
+    if (counted_ == Counted::Goals) return 0.0;
     problem_.constraints.obstacles.use(obstacles(), counted_ == Counted::Near
                                                         ? ObstacleConstraints::Form::HalfSum
                                                         : ObstacleConstraints::Form::Distance);
@@ -186,33 +224,29 @@ class LeastSquaresProblem {
     return sum;
   }
 
-  void add_goal(const GoalTerm& goal, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    for (Column& column : columns_) column = Column{};
-    const Vec4 w = broadcast(options_.rotation_weight);
-    const Vec4 axis = goal.type() == GoalType::Axis ? goal.axis() : Vec4{};
-    const bool turns = goal.type() != GoalType::Position;
-    problem_.rollout.for_each_joint(
-        goal.body(), [&](int dof, double multiplier, bool prismatic, const Frame& frame) {
-          const Vec4 scaled = broadcast(multiplier) * frame.z;
-          Column& column = columns_[static_cast<std::size_t>(dof)];
-          if (prismatic) {
-            column.linear += scaled;
-            return;
-          }
-          column.linear += cross3(scaled, goal.tip().p - frame.p);
-          if (!turns) return;
-          // Turning about the constrained axis itself changes nothing.
-          column.angular += w * (scaled - broadcast(dot3(axis, scaled)) * axis);
-        });
-    if (goal.has_slack()) {
-      for (Column& column : columns_) {
-        column.linear = goal.position_error_rate(column.linear);
-        if (goal.type() == GoalType::Pose)
-          column.angular = goal.rotation_error_rate(column.angular);
+  void linearise_constraints(Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    const double v2 = options_.collision_weight * options_.collision_weight;
+    problem_.constraints.for_each([&](auto& family, std::size_t) {
+      for (int k = 0; k < family.count() && !problem_.is_late(k); ++k) {
+        const auto& at = family.at(k);
+        if (at.c <= -kContactGap) continue;
+        row_.setZero();
+        family.add_row(at, problem_.rollout, row_.data());
+        g += v2 * (at.c + kContactGap) * row_;
+        add_outer(v2, H);
       }
+    });
+  }
+
+  void add_goal(const GoalTerm& goal, Eigen::MatrixXd& H, Eigen::VectorXd& g, double share = 1.0) {
+    find_columns(goal, columns_);
+    const Vec4 w = broadcast(options_.rotation_weight);
+    for (Column& column : columns_) {
+      goal.to_error_rates(column.linear, column.angular);
+      column.angular *= w;
     }
     Vec4 p = goal.position_error(), e = w * goal.kept_rotation_error();
-    const double weight = goal.weight();
+    const double weight = share * goal.weight();
     if (weight != 1.0) {
       const Vec4 root = broadcast(std::sqrt(weight));
       p *= root;
@@ -233,6 +267,31 @@ class LeastSquaresProblem {
     }
   }
 
+  /// The errors times the second derivatives of the tip by pairs of joints: with them Gauss and
+  /// Newton's matrix is Newton's, next to. Of a target that moves its own are left out.
+  void add_curvature(const GoalTerm& goal, Eigen::MatrixXd& H, double share) {
+    const Vec4 p = broadcast(share * goal.weight()) * goal.position_error();
+    const double w2 = options_.rotation_weight * options_.rotation_weight;
+    // Of one axis it is another, and less of it.
+    const double turn = goal.by_axis() ? 0.0 : 0.5 * share * goal.weight() * w2;
+    const Vec4 e = broadcast(turn) * goal.kept_rotation_error();
+    const Rollout& rollout = problem_.rollout;
+    for (int body = goal.body(); body > 0; body = rollout.joint(body).parent) {
+      const RolloutJoint& joint = rollout.joint(body);
+      const Frame& frame = rollout.frame(body);
+      const Vec4 axis = broadcast(joint.multiplier) * frame.z;
+      const Column after = joint.prismatic ? Column{axis, Vec4{}}
+                                           : Column{cross3(axis, goal.tip().p - frame.p), axis};
+      rollout.for_each_joint(body, [&](int before, double times, bool prismatic, const Frame& at) {
+        if (prismatic) return;
+        const Vec4 z = broadcast(times) * at.z;
+        const double bend = dot3(p, cross3(z, after.linear)) + dot3(e, cross3(z, after.angular));
+        H(std::min(before, joint.dof), std::max(before, joint.dof)) +=
+            before == joint.dof && &at != &frame ? 2.0 * bend : bend;
+      });
+    }
+  }
+
   void add_outer(double weight, Eigen::MatrixXd& H) const {
     for (Eigen::Index i = 0; i < row_.size(); ++i) {
       const double scaled = weight * row_[i];
@@ -247,13 +306,8 @@ class LeastSquaresProblem {
   ObstacleSet none_;
   NearbyObstacles nearby_;
   Eigen::VectorXd cosine_, sine_, row_, at_;
-  /// How the tip's position and orientation (weighted) follow one joint; the fourth entries are
-  /// zero.
-  struct Column {
-    Vec4 linear{}, angular{};
-  };
   std::vector<Column> columns_;
-  double position_error_ = 0.0, rotation_error_ = 0.0;  // squared
+  bool reached_ = false;
   bool touching_ = false;
 };
 

@@ -24,14 +24,26 @@ struct Problem {
         scene(&scene_in) {
     constraints.hulls.let_touch(&touching);
     constraints.shapes.let_touch(&touching);
-    goals.reserve(model.robot.tips().size());
+    goals.reserve(kMostGoals);
+    wishes.reserve(2 * kMostGoals);
   }
   Problem(const Problem&) = delete;
 
   void set_goals(std::span<const Goal> asked) {
     touching.set_goals(asked);
+    constraints.balance.ask(asked);
     goals.clear();
-    for (const Goal& goal : asked) goals.emplace_back(model.robot, goal);
+    wishes.clear();
+    for (const Goal& goal : asked) {
+      if (goal.type == GoalType::CenterOfMass) continue;
+      if (goal.priority == Priority::Position) {
+        (goal.soft ? wishes : goals)
+            .emplace_back(model.robot, model.options, goal, GoalPart::Position);
+        wishes.emplace_back(model.robot, model.options, goal, GoalPart::Rotation);
+      } else {
+        (goal.soft ? wishes : goals).emplace_back(model.robot, model.options, goal);
+      }
+    }
   }
 
   /// Whether there is anything that hulls could touch.
@@ -45,7 +57,7 @@ struct Problem {
   const Model& model;
   Touching touching;
   Rollout rollout;
-  std::vector<GoalTerm> goals;
+  std::vector<GoalTerm> goals, wishes;  ///< what is hard, and what is soft
   Constraints constraints;
   const Scene* scene;
   /// Evaluations look at this now and then, and are cut short once it has struck: what they give is

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "detail/attempt.hpp"
@@ -14,6 +15,25 @@ class Requests {
   virtual ~Requests() = default;
   /// @returns Whether there is another. Both outlive its solve.
   virtual bool next(Request& request, Result*& result) = 0;
+  /// What else there is to be said to one that has begun.
+  virtual void prepare(Attempt&) {}
+};
+
+/// One, and no other.
+class OneRequest : public Requests {
+ public:
+  /// Both outlive it.
+  OneRequest(const Request& request, Result& result) : request_(request), result_(&result) {}
+
+  bool next(Request& request, Result*& result) override {
+    request = request_;
+    result = std::exchange(result_, nullptr);
+    return result != nullptr;
+  }
+
+ private:
+  const Request& request_;
+  Result* result_;
 };
 
 /// The default method. From the first start, then from those of a low-discrepancy sequence, until
@@ -37,6 +57,8 @@ class Restarts {
     int start = 0;
   };
 
+  /// Whether lanes know the goals, all of one kind.
+  bool is_for_lanes(const Request& request) const;
   void begin(Attempt& attempt, const Request& request, Result& result);
   /// Give each idle lane a start of who has the fewest.
   void fill_lanes();

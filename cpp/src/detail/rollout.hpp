@@ -92,10 +92,14 @@ class Rollout {
     row[joint.dof] += joint.multiplier * generalised_force(joint, frame(body), force, moment);
   }
 
-  /// Calls visit(dof, multiplier, prismatic, frame) for each joint between a body and the base.
+  /// What moves a body that is not the base.
+  const RolloutJoint& joint(int body) const { return joints_[static_cast<std::size_t>(body)]; }
+
+  /// Calls visit(dof, multiplier, prismatic, frame) for each joint between a body and the base, or
+  /// another that carries it.
   template <class Visit>
-  void for_each_joint(int body, Visit&& visit) const {
-    for (int b = body; b > 0; b = joints_[static_cast<std::size_t>(b)].parent) {
+  void for_each_joint(int body, Visit&& visit, int carrier = 0) const {
+    for (int b = body; b > carrier; b = joints_[static_cast<std::size_t>(b)].parent) {
       const Joint& joint = joints_[static_cast<std::size_t>(b)];
       visit(joint.dof, joint.multiplier, joint.prismatic, frame(b));
     }

@@ -67,6 +67,12 @@ class SelfCollision {
   /// much of their radii overlap, infinite if one holds nothing.
   double distance(int pair);
 
+  /// Whether a pair's capsules are nearer than this.
+  bool is_nearer(int k, double than) {
+    return glance(k).is_within(capsules_.middles(), than) &&
+           nearest(glance(k), than).one != nullptr;
+  }
+
   struct Least {
     double distance = std::numeric_limits<double>::infinity();
     int pair = -1;

@@ -15,7 +15,7 @@ class SelfConstraints : public ByPulls {
   /// The hulls outlive it.
   SelfConstraints(const Model& model, const CollisionState& hulls) : hulls_(hulls) {
     if (model.options.keeps_off_itself(model.robot))
-      self_.emplace(model.robot, HullModel(model.robot), model.options.self_clearance);
+      self_.emplace(model.robot, model.whole, model.options.self_clearance);
   }
 
   bool wants_points() const { return self_.has_value(); }

@@ -25,6 +25,11 @@ class ShapePairs {
   double allowed(int source, int shape) const {
     return allowed_.empty() ? 0.0 : allowed_[static_cast<std::size_t>(source * count() + shape)];
   }
+  /// See ShapeTree::near.
+  template <class Visit>
+  void near(const Vec4& p, double reach, Visit&& visit) const {
+    set_->tree.near(p, reach, visit);
+  }
   const std::shared_ptr<const ShapeSet>& set() const { return set_; }
 
  private:
@@ -44,6 +49,18 @@ struct ShapeClearance {
 /// The least distance of hull k to a shape, if less than `than`.
 ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int shape,
                               double than);
+
+/// Visit the shapes that may be nearer than this to hull k: see ShapeTree::near, but for
+/// @param visit  visit(shape) gives what distance is asked from then on, or kNoMore.
+template <class Visit>
+void shapes_near(const HullCapsules& hulls, int k, const ShapePairs& pairs, double than,
+                 Visit&& visit) {
+  const Vec4& middle = hulls.around(k).middle;
+  const double size = hulls.semi_major(k);
+  // Of a hull that is hollow, whose middle is not a number, nothing is near anything.
+  if (!(middle[0] == middle[0])) return;
+  pairs.near(middle, size + than, [&](int shape) { return size + visit(shape); });
+}
 
 /// The least of all hulls to all shapes, if less than `than`.
 ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "detail/collision_state.hpp"
@@ -27,9 +29,12 @@ class ShapeConstraints : public ByPulls {
     pairs_ = pairs.count() > 0 ? &pairs : nullptr;
     margin_ = margin;
   }
-  /// Room for so many shapes: called at set-up.
+  /// Room for so many shapes: called at set-up. Of more than kMost about one hull some are left to
+  /// the judge.
   void reserve(int shapes) {
-    near_.reserve(static_cast<std::size_t>(capsules_.count()) * static_cast<std::size_t>(shapes));
+    most_ = static_cast<std::size_t>(capsules_.count()) *
+            static_cast<std::size_t>(std::min(shapes, kMost));
+    near_.reserve(most_);
   }
 
   std::size_t most() const { return near_.capacity(); }
@@ -57,19 +62,15 @@ class ShapeConstraints : public ByPulls {
     int turn = 0;
     for (int k = 0; k < capsules_.count(); ++k) {
       const double within = margin_ + reach(k);
-      for (int shape = 0; shape < pairs_->count(); ++shape) {
-        if (passed_in(turn++, deadline_)) {
-          was_cut_ = true;
-          return;
-        }
-        const ShapeClearance found = hull_clearance(capsules_, k, *pairs_, shape, within);
-        if (found.shape < 0) continue;
-        Near& near = near_.emplace_back();
-        near.hull = k;
-        near.shape = shape;
-        near.c = margin_ - found.distance;
-        capsules_.pull(k, *found.capsule, found.t, -found.gradient, near.pulls);
-      }
+      const auto first = static_cast<std::ptrdiff_t>(near_.size());
+      shapes_near(capsules_, k, *pairs_, within, [&](int shape) {
+        was_cut_ = passed_in(turn++, deadline_);
+        if (was_cut_) return kNoMore;
+        add_if_near(k, shape, within);
+        return within;
+      });
+      if (was_cut_) return;
+      std::ranges::sort(near_.begin() + first, near_.end(), {}, &Near::shape);  // by keys
     }
   }
   int count() const { return static_cast<int>(near_.size()); }
@@ -83,11 +84,24 @@ class ShapeConstraints : public ByPulls {
   const Near& at(int k) const { return near_[static_cast<std::size_t>(k)]; }
 
  private:
+  static constexpr int kMost = 64;
+
+  void add_if_near(int hull, int shape, double within) {
+    const ShapeClearance found = hull_clearance(capsules_, hull, *pairs_, shape, within);
+    if (found.shape < 0 || near_.size() >= most_) return;
+    Near& near = near_.emplace_back();
+    near.hull = hull;
+    near.shape = shape;
+    near.c = margin_ - found.distance;
+    capsules_.pull(hull, *found.capsule, found.t, -found.gradient, near.pulls);
+  }
+
   HullCapsules capsules_;
   const ShapePairs* pairs_ = nullptr;
   const Deadline* deadline_ = nullptr;
   double margin_ = 0.0;
   bool was_cut_ = false;
+  std::size_t most_ = std::numeric_limits<std::size_t>::max();
   std::vector<Near> near_;
 };
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "detail/shape_tree.hpp"
 #include "detail/solid.hpp"
 #include "pdoik/shapes.hpp"
 
@@ -10,9 +11,13 @@ namespace pdoik::detail {
 
 /// What Shapes shares.
 struct ShapeSet {
+  ShapeSet() = default;
+  explicit ShapeSet(std::vector<Shape> shapes, std::vector<AllowedContact> allowed = {});
+
   std::vector<Shape> shapes;
   std::vector<AllowedContact> allowed;
   std::vector<Solid> solids;
+  ShapeTree tree;  ///< of the solids
 
   int count() const { return static_cast<int>(solids.size()); }
 };

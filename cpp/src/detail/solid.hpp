@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "detail/frame.hpp"
@@ -38,6 +41,27 @@ class Solid {
     if (kind_ == Shape::Kind::HalfSpace) return dot3(T_.z, p - T_.p) - radius;
     const Vec4 from = p - centre_;
     return std::sqrt(dot3(from, from)) - radius_ - radius;
+  }
+
+  /// At most the distance of all within `radius` of the segment middle + t half, -1 <= t <= 1: of a
+  /// box and a cylinder by what lies between along its axes.
+  double bound(const Vec4& middle, const Vec4& half, double radius) const {
+    if (kind_ != Shape::Kind::Box && kind_ != Shape::Kind::Cylinder)
+      return bound(middle, std::sqrt(dot3(half, half)) + radius);
+    const Vec4 from = middle - T_.p;
+    const auto gap = [](double along, double wide, double half_edge) {
+      return std::max(std::abs(along) - std::abs(wide) - half_edge, 0.0);
+    };
+    const double z = dot3(T_.z, from), hz = dot3(T_.z, half), x = dot3(T_.x, from),
+                 hx = dot3(T_.x, half), y = dot3(T_.y, from), hy = dot3(T_.y, half);
+    if (kind_ == Shape::Kind::Cylinder) {
+      const double aside = gap(std::hypot(x, y), std::hypot(hx, hy), half_[0]);
+      const double apart = std::hypot(aside, gap(z, hz, half_[1]));
+      return apart > 0.0 ? apart - radius : -std::numeric_limits<double>::infinity();
+    }
+    const double gx = gap(x, hx, half_[0]), gy = gap(y, hy, half_[1]), gz = gap(z, hz, half_[2]);
+    const double apart2 = gx * gx + gy * gy + gz * gz;
+    return apart2 > 0.0 ? std::sqrt(apart2) - radius : -std::numeric_limits<double>::infinity();
   }
 
   const Vec4& centre() const { return centre_; }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "detail/frame.hpp"
+#include "detail/goal_of.hpp"
 #include "pdoik/goal.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/robot.hpp"
@@ -18,11 +19,13 @@ class Touching {
   /// @throws std::invalid_argument  A link is not there.
   Touching(const Robot& robot, const TouchOptions& options);
 
-  /// Where the targets are from now on.
+  /// Where the targets are from now on; those that move with a tip are nowhere.
   void set_goals(std::span<const Goal> goals) {
-    count_ = std::min(goals.size(), centres_.size());
-    for (std::size_t k = 0; k < count_; ++k)
-      centres_[k] = to_vec4(goals[k].T_base_tip.translation());
+    count_ = 0;
+    for (const Goal& goal : goals) {
+      if (has_place(goal) && count_ < centres_.size())
+        centres_[count_++] = to_vec4(goal.T_base_tip.translation());
+    }
   }
   bool wanted() const { return !may_touch_.empty(); }
   /// Whether a hull may touch what is at a point, up to a depth.

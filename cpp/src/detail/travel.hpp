@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "detail/collision_state.hpp"
 #include "detail/hull_model.hpp"
@@ -13,9 +14,10 @@ namespace pdoik::detail {
 /// slides without bound.
 double farthest_travel(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& step);
 
-/// The same of one hull, from where a rollout has it and all are placed.
-double travel_from(const Rollout& rollout, const CollisionState& hulls, std::size_t hull,
-                   const Eigen::VectorXd& step);
+/// The same of one hull, from where a rollout has it and all are placed, when each joint makes up
+/// to a share of a step; seen from the base, or a body that carries all of the hull.
+double travel_from(const Rollout& rollout, const CollisionState& hulls, const Hull& hull,
+                   const Eigen::VectorXd& step, double share = 1.0, int carrier = 0);
 
 /// The same of the tips alone.
 double farthest_tip_travel(const Robot& robot, const Eigen::VectorXd& step);
@@ -24,6 +26,13 @@ double farthest_tip_travel(const Robot& robot, const Eigen::VectorXd& step);
 /// while all joints are between two configurations. Allocates nothing if `levers` has its size.
 void hull_levers(const Robot& robot, const HullModel& hulls, const Eigen::VectorXd& from,
                  const Eigen::VectorXd& to, Eigen::VectorXd& levers);
+
+/// Ways are cut into pieces so short that what a hull can touch inside one, and not where it is
+/// looked at, is no deeper than this: the sagitta of a piece on a hull as narrow as the thinnest
+/// [m].
+constexpr double kGraze = 5e-5;
+/// How long such a piece is, of what moves farthest, by half the width of the thinnest hull [m].
+inline double finest_piece(double narrowest) { return std::sqrt(8.0 * narrowest * kGraze); }
 
 /// Half the width of the thinnest moving hull, with every joint in the middle of its range where
 /// that changes it; infinite if there is none [m].

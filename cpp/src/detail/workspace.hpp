@@ -41,6 +41,10 @@ class Workspace {
     problem.constraints.watch(&deadline);
   }
 
+  /// What a solve may take [s]: by the options, but for one that is part of something longer.
+  double max_time() const { return max_time_ > 0.0 ? max_time_ : model_->options.max_time; }
+  /// Let solves take so long from now on; 0 for what the options say.
+  void give(double max_time) { max_time_ = max_time; }
   /// The clock of a solve that may take this long: time is kept for so many verdicts.
   Deadline deadline_in(double max_time, int verdicts = 1) const;
   /// How many verdicts there is time for.
@@ -63,6 +67,7 @@ class Workspace {
   std::shared_ptr<const Model> model_;
   Judge judge_;
   AugmentedLagrangian augmented_lagrangian_;
+  double max_time_ = 0.0;
   double verdict_time_ = 0.0;     ///< what a verdict takes, by the last ones [s]
   std::uint64_t held_stamp_ = 0;  ///< of what the scene holds that was last taken in
 
@@ -71,8 +76,9 @@ class Workspace {
   JointLimitMap map;
   LagrangianProblem lagrangian;
   LeastSquaresProblem least_squares;
-  /// Gives up soon, goes on while there is any progress, and while there is anything to gain.
-  LevenbergMarquardt brisk, patient, settling;
+  /// Gives up soon, goes on while there is any progress, and while there is anything to gain, with
+  /// a posture or with wishes.
+  LevenbergMarquardt brisk, patient, settling, wishing;
   LaneSearch lanes;
   ToolCheck tool;
   std::function<bool()> interrupt;  ///< whether somebody wants a solve to end

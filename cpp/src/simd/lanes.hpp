@@ -14,18 +14,27 @@ constexpr int kGoalRows = 18;  ///< that a goal's errors take
 
 /// What one tip is asked: the same kind of goal in all lanes, a target in each.
 struct LaneGoal {
-  bool turns;    ///< whether the tip's rotation, or that of one axis, is asked for
-  bool by_axis;  ///< of one axis
+  bool turns;      ///< whether the tip's rotation, or that of one axis, is asked for
+  bool by_axis;    ///< of one axis
+  bool yields;     ///< whether rotation counts in some lanes only, see `turning`
+  bool looks;      ///< which points at the target's origin, wherever the tip is
+  bool is_placed;  ///< whether the tip's position is asked for
   bool has_slack;
+  double position_tolerance2, rotation_tolerance2;  ///< squared [m^2], [rad^2]
   const int* chain;  ///< bodies from the tip's to the base, which is left out
   int chain_length;
+  /// The same of the body that the target moves with; none where it stands still.
+  const int* reference_chain;
+  int reference_chain_length;
   const int* dofs;  ///< those that move them, each once, ascending
   int dof_count;
   Frame T_body_tip;
-  Vec4 axis;       ///< in the tip frame, where by_axis
-  double* target;  ///< 12 rows: axes x, y, z and origin in the base frame
-  double* slack;   ///< 6 rows: of the position, of the rotation, along the target's axes
-  double* weight;  ///< 1 row
+  Vec4 axis;             ///< in the tip frame, where by_axis
+  double* target;        ///< 12 rows: axes x, y, z and origin in the base frame
+  double* in_reference;  ///< 12 rows: the same in its body's frame, where that moves
+  double* slack;         ///< 6 rows: of the position, of the rotation, along the target's axes
+  double* weight;        ///< 1 row
+  double* turning;       ///< 1 row: 1 where rotation counts, else 0; read where it `yields`
 };
 
 /// A state of a lane, held as a double.
@@ -40,8 +49,7 @@ struct LaneProblem {
   int bodies, dof;
   LaneGoal* goals;
   int goal_count;
-  double rotation_weight;                           ///< [m/rad]
-  double position_tolerance2, rotation_tolerance2;  ///< squared [m^2], [rad^2]
+  double rotation_weight;  ///< [m/rad]
   int max_iterations;
   double first_damping, damping_decrease, damping_increase, max_damping;
 

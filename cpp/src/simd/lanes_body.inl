@@ -234,6 +234,27 @@ inline void store_goal(double* rows, const GoalRows& goal) {
   store3(rows + 15 * kWidth, goal.axis);
 }
 
+/// Where a goal's target is: carried by its body, if it has one.
+inline FrameRows target_of(const LaneProblem& problem, const LaneGoal& goal) {
+  if (goal.reference_chain_length == 0) return load_frame(goal.target);
+  const FrameRows body = load_frame(problem.frames + 12 * kWidth * goal.reference_chain[0]);
+  const FrameRows local = load_frame(goal.in_reference);
+  const FrameRows target{from_axes(body, local.x), from_axes(body, local.y),
+                         from_axes(body, local.z), from_axes(body, local.p) + body.p};
+  store3(goal.target, target.x);
+  store3(goal.target + 3 * kWidth, target.y);
+  store3(goal.target + 6 * kWidth, target.z);
+  store3(goal.target + 9 * kWidth, target.p);
+  return target;
+}
+
+/// From a tip to what it looks at; how far that is, squared.
+inline Rows3 sight_of(const Rows3& off, Row& distance2) {
+  const Row d = most(root(dot(off, off)), all(1e-9));
+  distance2 = d * d;
+  return (all(-1.0) / d) * off;
+}
+
 inline GoalRows goal_errors(const LaneProblem& problem, const LaneGoal& goal,
                             const FrameRows& target) {
   const FrameRows body = load_frame(problem.frames + 12 * kWidth * goal.chain[0]);
@@ -255,7 +276,9 @@ inline GoalRows goal_errors(const LaneProblem& problem, const LaneGoal& goal,
                        goal.T_body_tip.y * broadcast(goal.axis[1]) +
                        goal.T_body_tip.z * broadcast(goal.axis[2]);
     g.axis = rotate(body, local);
-    const Rows3 wanted = rotate(target, goal.axis);
+    Row distance2;
+    const Rows3 wanted =
+        goal.looks ? sight_of(g.position_full, distance2) : rotate(target, goal.axis);
     const Row ax = size_of(wanted.x), ay = size_of(wanted.y), az = size_of(wanted.z);
     const Mask x_least = (ax <= ay) & (ax <= az), y_least = ay <= az;
     const Row zero = Row{}, one = all(1.0);
@@ -265,16 +288,20 @@ inline GoalRows goal_errors(const LaneProblem& problem, const LaneGoal& goal,
         rotation_vector(cross(wanted, g.axis), dot(wanted, g.axis), one, cross(wanted, aside));
   }
   g.rotation_full = g.rotation;
+  if (goal.yields) g.rotation = load(goal.turning) * g.rotation;
+  if (!goal.is_placed) g.position = Rows3{};
   if (!goal.has_slack) return g;
-  g.position = beyond_slack(target, g.position_full, load3(goal.slack));
+  if (goal.is_placed) g.position = beyond_slack(target, g.position_full, load3(goal.slack));
   const Rows3 slack = load3(goal.slack + 3 * kWidth);
-  if (goal.turns && !goal.by_axis) g.rotation = beyond_slack(target, g.rotation_full, slack);
+  const Row counts = goal.yields ? load(goal.turning) : all(1.0);
+  if (goal.turns && !goal.by_axis)
+    g.rotation = counts * beyond_slack(target, g.rotation_full, slack);
   if (goal.by_axis) {
     const Row angle = root(dot(g.rotation_full, g.rotation_full));
     const Row allowed = most(most(slack.x, slack.y), slack.z);
     const Mask inside = angle <= allowed;
     const Row left = choose(inside, Row{}, all(1.0) - allowed / choose(inside, all(1.0), angle));
-    g.rotation = left * g.rotation_full;
+    g.rotation = counts * (left * g.rotation_full);
   }
   return g;
 }
@@ -284,7 +311,9 @@ inline GoalRows goal_errors(const LaneProblem& problem, const LaneGoal& goal,
 inline void add_derivatives(const LaneProblem& problem, const LaneGoal& goal, const GoalRows& at,
                             const Mask& taken, bool is_first) {
   const FrameRows target = load_frame(goal.target);
-  const Row w = all(problem.rotation_weight), scale = root(load(goal.weight));
+  Row w = all(problem.rotation_weight);
+  const Row scale = root(load(goal.weight));
+  if (goal.yields) w = w * load(goal.turning);
   const auto add = [&](double* to, const Row& share) {
     const Row held = load(to);
     store(to, choose(taken, is_first ? share : held + share, held));
@@ -295,26 +324,43 @@ inline void add_derivatives(const LaneProblem& problem, const LaneGoal& goal, co
     double* const column = problem.columns + 6 * kWidth * goal.dofs[i];
     for (int r = 0; r < 6; ++r) store(column + r * kWidth, Row{});
   }
-  for (int c = 0; c < goal.chain_length; ++c) {
-    const int b = goal.chain[c];
-    const RolloutJoint& joint = problem.joints[b];
-    const double* const frame = problem.frames + 12 * kWidth * b;
-    double* const column = problem.columns + 6 * kWidth * joint.dof;
-    Rows3 z = load3(frame + 6 * kWidth);
-    if (!joint.plain) z = all(joint.multiplier) * z;
-    Rows3 linear = joint.prismatic ? z : cross(z, at.tip - load3(frame + 9 * kWidth));
-    if (goal.has_slack)
-      linear = beyond_slack_rate(target, linear, at.position_full, load3(goal.slack));
-    store3(column, load3(column) + scale * linear);
-    if (!goal.turns || joint.prismatic) continue;
-    Rows3 angular = z;
-    // Turning about the constrained axis itself changes nothing.
-    if (goal.by_axis) angular = z - dot(at.axis, z) * at.axis;
-    if (leans) {
-      angular = beyond_slack_rate(target, rotation_rate(at.rotation_full, k, angular),
-                                  at.rotation_full, load3(goal.slack + 3 * kWidth));
+  const int passes = goal.reference_chain_length > 0 ? 2 : 1;  // with the tip, and with its target
+  for (int pass = 0; pass < passes; ++pass) {
+    const int* const chain = pass == 0 ? goal.chain : goal.reference_chain;
+    const int length = pass == 0 ? goal.chain_length : goal.reference_chain_length;
+    for (int c = 0; c < length; ++c) {
+      const int b = chain[c];
+      const RolloutJoint& joint = problem.joints[b];
+      const double* const frame = problem.frames + 12 * kWidth * b;
+      double* const column = problem.columns + 6 * kWidth * joint.dof;
+      Rows3 z = load3(frame + 6 * kWidth);
+      if (!joint.plain) z = all(joint.multiplier) * z;
+      if (pass == 1) z = all(-1.0) * z;
+      Rows3 linear = joint.prismatic ? z : cross(z, at.tip - load3(frame + 9 * kWidth));
+      if (goal.has_slack && goal.is_placed)
+        linear = beyond_slack_rate(target, linear, at.position_full, load3(goal.slack));
+      store3(column, load3(column) + scale * linear);
+      if (!goal.turns || joint.prismatic) continue;
+      Rows3 angular = z;
+      // Turning about the constrained axis itself changes nothing.
+      if (goal.by_axis) angular = z - dot(at.axis, z) * at.axis;
+      if (leans) {
+        angular = beyond_slack_rate(target, rotation_rate(at.rotation_full, k, angular),
+                                    at.rotation_full, load3(goal.slack + 3 * kWidth));
+      }
+      store3(column + 3 * kWidth, load3(column + 3 * kWidth) + (scale * w) * angular);
     }
-    store3(column + 3 * kWidth, load3(column + 3 * kWidth) + (scale * w) * angular);
+  }
+  if (goal.looks) {
+    // What is looked at goes by the other way.
+    Row distance2;
+    const Rows3 sight = sight_of(at.position_full, distance2);
+    const Row share = w / root(distance2);
+    for (int i = 0; i < goal.dof_count; ++i) {
+      double* const column = problem.columns + 6 * kWidth * goal.dofs[i];
+      store3(column + 3 * kWidth, load3(column + 3 * kWidth) + share * cross(sight, load3(column)));
+      store3(column, Rows3{});
+    }
   }
   const Rows3 p = scale * at.position, e = (scale * w) * at.rotation;
   for (int i = 0; i < goal.dof_count; ++i) {
@@ -376,14 +422,14 @@ inline unsigned tick(const LaneProblem& problem) {
   const Row zero = Row{}, one = all(1.0);
   const Mask running = load(problem.state) == state_row(LaneState::Running);
   roll_out(problem);
-  Row value = zero, position = zero, rotation = zero;
+  Row value = zero;
+  Mask met = zero == zero;
   const Row w2 = all(problem.rotation_weight * problem.rotation_weight);
   for (int k = 0; k < problem.goal_count; ++k) {
     const LaneGoal& goal = problem.goals[k];
-    const GoalRows at = goal_errors(problem, goal, load_frame(goal.target));
+    const GoalRows at = goal_errors(problem, goal, target_of(problem, goal));
     const Row p2 = dot(at.position, at.position), r2 = dot(at.rotation, at.rotation);
-    position = most(position, p2);
-    rotation = most(rotation, r2);
+    met &= (p2 < all(goal.position_tolerance2)) & (r2 < all(goal.rotation_tolerance2));
     value += load(goal.weight) * (p2 + w2 * r2);
     store_goal(problem.errors + k * kGoalRows * kWidth, at);
   }
@@ -426,8 +472,7 @@ inline unsigned tick(const LaneProblem& problem) {
 
   // What has ended.
   Row state = load(problem.state);
-  const Mask done = taken & (position < all(problem.position_tolerance2)) &
-                    (rotation < all(problem.rotation_tolerance2));
+  const Mask done = taken & met;
   const Row since = load(problem.since_reference) + choose(taken & (fresh == 0), one, zero);
   const Mask window = taken & (since >= load(problem.stall_window));
   const Row reference = choose(fresh, kept, load(problem.reference));

@@ -19,6 +19,8 @@ from .info import info
 from .messages import fail, out
 from .occupancy import occupancy
 from .pairs import pairs
+from .path import path
+from .place import place
 from .predict import predict
 from .propose import propose
 from .replay import replay
@@ -53,6 +55,8 @@ app = typer.Typer(
 _ARM, _MACHINE, _WITHIN = "Inverse kinematics", "Simulation and machine", "What is behind it"
 app.command(rich_help_panel=_ARM)(view)
 app.command(rich_help_panel=_ARM)(solve)
+app.command(rich_help_panel=_ARM)(path)
+app.command(rich_help_panel=_ARM)(place)
 app.command(rich_help_panel=_ARM)(report)
 app.command(rich_help_panel=_ARM)(info)
 app.command(rich_help_panel=_ARM)(occupancy)

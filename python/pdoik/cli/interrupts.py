@@ -57,9 +57,14 @@ def end_now() -> NoReturn:
 
     An ordinary end would wait for them, and a Ctrl-C in the meantime would change the status.
     """
+    leave(0)
+
+
+def leave(status: int) -> NoReturn:
+    """The same with another status."""
     with contextlib.suppress(OSError, ValueError):  # nobody reads it any more
         sys.stdout.flush()
-    os._exit(0)
+    os._exit(status)
 
 
 def _leave(number: int, frame: FrameType | None) -> NoReturn:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+import warnings
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NoReturn
 
@@ -10,7 +12,7 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from pdoik.errors import LoadError
+from pdoik.errors import GoalWarning, LoadError
 
 out = Console(soft_wrap=True)
 err = Console(stderr=True, soft_wrap=True)
@@ -49,3 +51,27 @@ def misuse_fails(subject: str = "") -> Iterator[None]:
         if isinstance(error, OSError) and error.strerror:
             reason = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
         fail(f"{subject}: {reason}" if subject else reason)
+
+
+@contextmanager
+def warnings_told() -> Iterator[None]:
+    """Print what the library warns of as lines of this program."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", GoalWarning)
+        try:
+            yield
+        finally:
+            for each in said:
+                warn(str(each.message))
+
+
+def warn_of_degrees(subject: str, angles: Iterable[float]) -> None:
+    """Warn of finite angles beyond a whole turn, which are taken as they are [rad].
+
+    Args:
+        subject: The option or entry that has them.
+        angles: [rad].
+    """
+    most = max((abs(angle) for angle in angles if math.isfinite(angle)), default=0.0)
+    if most > 2.0 * math.pi + 1e-9:
+        warn(f"{subject}: {most:g} rad is more than a whole turn: degrees? It is taken as radians")

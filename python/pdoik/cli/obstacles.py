@@ -54,6 +54,17 @@ class Obstacles:
         return pdoik.Scene(self.shapes, cloud=points if len(points) else None, allowed=allowed)
 
 
+def check_hulls(robot: pdoik.Robot, cloud: Path | None, scene: Path | None) -> None:
+    """Leave with status 2 where there are obstacles, and the robot has nothing to keep off them."""
+    if len(robot.occupancy):
+        return
+    for option in ["--cloud"] * (cloud is not None) + ["--scene"] * (scene is not None):
+        fail(
+            f"{option}: {robot.name} has no hulls to keep clear; give --occupancy FILE.yaml"
+            " (pdoik occupancy ROBOT --out FILE.yaml makes one)"
+        )
+
+
 def load_obstacles(
     file: Path | None, leaf: float, radii: bool, scene_file: Path | None = None
 ) -> Obstacles | None:

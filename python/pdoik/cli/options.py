@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-ROBOT, GOAL, OBSTACLES = "Robot", "Goal", "Obstacles"  # panels
+ROBOT, GOAL, OBSTACLES, SEARCH = "Robot", "Goal", "Obstacles", "Search"  # panels
+OUTPUT = "Output"
 
 Goal = Literal["pose", "axis", "position"]
 Axis = Literal["x", "y", "z"]
@@ -81,4 +82,56 @@ BaseCollision = Annotated[
     typer.Option(
         help="Fail where a point is in a hull that no joint moves.", rich_help_panel=OBSTACLES
     ),
+]
+GoalsFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--goals",
+        help="Instead of --target: requirements of any kind that are all to be met, YAML.",
+        rich_help_panel=GOAL,
+    ),
+]
+AnyFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--any",
+        help="Instead of --target: poses any one of which will do, CSV with columns"
+        " x y z qw qx qy qz, and cost where a first row names them.",
+        rich_help_panel=GOAL,
+    ),
+]
+Tool = Annotated[
+    str | None,
+    typer.Option(
+        help="What of the tip has to be at the target, in the tip's frame, as --target:"
+        ' "x y z roll pitch yaw".',
+        metavar="POSE",
+        rich_help_panel=GOAL,
+    ),
+]
+Priority = Annotated[
+    Literal["both", "position"],
+    typer.Option(
+        help="'position': the orientation as near as can be where both cannot be met.",
+        rich_help_panel=GOAL,
+    ),
+]
+Locks = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--lock",
+        help="Joint that keeps a position, radians or metres; repeatable.",
+        metavar="JOINT=VALUE",
+        rich_help_panel=GOAL,
+    ),
+]
+All = Annotated[
+    bool,
+    typer.Option(
+        "--all", help="Find all distinct solutions, the nearest first.", rich_help_panel=SEARCH
+    ),
+]
+Limit = Annotated[
+    int | None,
+    typer.Option(help="Of --all no more than this many solutions.", rich_help_panel=SEARCH),
 ]

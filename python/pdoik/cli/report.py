@@ -1,36 +1,23 @@
-"""The outcome of a solve, for people and for programs."""
+"""The outcome of a solve for people: tables, and what to try."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
 
-import numpy as np
-import numpy.typing as npt
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-import pdoik
+from pdoik.reports.call import Call
+from pdoik.reports.requirements import Requirement
+from pdoik.reports.requirements import requirements as requirements_of
 
+from .advice import advice
 from .messages import out, warn
 from .obstacles import Obstacles
+from .solution import Solution
 from .tables import angle_text, length_text, time_text
-
-FloatArray = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Solution:
-    """A result beside what it is a result of."""
-
-    robot: pdoik.Robot
-    options: pdoik.Options
-    T_base_tip: FloatArray  # (4, 4)
-    result: pdoik.Result
-    obstacles: Obstacles | None = None
-    surface_clearance: float = math.inf  # with the cloud before it was thinned [m]
-
 
 _MEANING = {
     "solved": "solved: pose, limits and clearance hold to their tolerances",
@@ -39,58 +26,8 @@ _MEANING = {
     "out_of_reach": "not solved: the target is farther than the arm stretches; this is the nearest",
     "base_collision": "not solved: an obstacle is inside a hull that no joint moves",
     "blocked": "not solved: every start ends in the same obstacle",
+    "nearest": "not solved: the position is met, and the orientation as nearly as was found",
 }
-
-
-def facts(solution: Solution) -> dict[str, object]:
-    """Everything in a solution, for JSON; SI units."""
-    robot, options, result = solution.robot, solution.options, solution.result
-    obstacles = solution.obstacles
-    cloud = scene = None
-    if obstacles is not None and obstacles.scene is not None:
-        scene = {
-            "file": str(obstacles.scene.path),
-            "shapes": [shape.name for shape in obstacles.shapes],
-            "points": len(obstacles.scene.surface),
-        }
-    if obstacles is not None and len(obstacles.surface):
-        cloud = {
-            "file": str(obstacles.file),
-            "points": len(obstacles.surface),
-            "leaf": obstacles.leaf,
-            "obstacles": len(obstacles.cloud),
-            "clearance_before_thinning": solution.surface_clearance,
-        }
-    return {
-        "robot": robot.name,
-        "base_link": robot.base_link,
-        "tip_link": robot.tip_links[0],
-        "joint_names": list(robot.joint_names),
-        "goal": options.goal,
-        "T_base_tip": solution.T_base_tip,
-        "q": result.q,
-        "success": result.success,
-        "status": result.status,
-        "position_error": result.position_error,
-        "rotation_error": result.rotation_error,
-        "clearance": result.clearance,
-        "center_of_mass": result.center_of_mass,
-        "balance_violation": result.balance_violation,
-        "self_distance": result.self_distance,
-        "limit_violation": result.limit_violation,
-        "worst_constraint": result.worst_constraint,
-        "worst_violation": result.worst_violation,
-        "forgiven_contact": result.forgiven_contact,
-        "forgiven_depth": result.forgiven_depth,
-        "iterations": result.iterations,
-        "evaluations": result.evaluations,
-        "restarts": result.restarts,
-        "intake": result.intake,
-        "late_evaluations": result.late_evaluations,
-        "time": result.time,
-        "cloud": cloud,
-        "scene": scene,
-    }
 
 
 def print_report(solution: Solution) -> None:
@@ -98,6 +35,10 @@ def print_report(solution: Solution) -> None:
     result = solution.result
     color = "green" if result.success else "red"
     out.print(f"[bold {color}]{_MEANING.get(result.status, escape(result.status))}[/]")
+    if not result.success and result.message:
+        out.print(escape(result.message), highlight=False)
+    if solution.question.call == "solve_any":
+        out.print(_which(solution), highlight=False)
     out.print(_joints(solution))
     out.print(_errors(solution))
     for line in advice(solution):
@@ -151,14 +92,15 @@ def _errors(solution: Solution) -> Table:
     def add(what: str, value: str, remark: str = "") -> None:
         table.add_row(what, value, f"[dim]{escape(remark)}[/]")
 
-    add(
-        "position error",
-        length_text(result.position_error),
-        f"tolerance {length_text(options.position_tolerance)}",
-    )
-    if options.goal != "position":
-        tolerance = f"tolerance {angle_text(options.rotation_tolerance)}"
-        add("rotation error", angle_text(result.rotation_error), tolerance)
+    asked = requirements(solution)
+    lengths = {goal.position_tolerance for goal in asked if goal.kind != "look_at"}
+    angles = {goal.rotation_tolerance for goal in asked if goal.kind != "position"}
+    if lengths:
+        remark = f"tolerance {_range(lengths, length_text)}"
+        add("position error", length_text(result.position_error), remark)
+    if angles:
+        remark = f"tolerance {_range(angles, angle_text)}"
+        add("rotation error", angle_text(result.rotation_error), remark)
     if obstacles is not None:
         what = f"to {_counts(obstacles)}, wanted {length_text(options.clearance)}"
         add("clearance", length_text(result.clearance), what)
@@ -175,57 +117,27 @@ def _errors(solution: Solution) -> Table:
     return table
 
 
+def requirements(solution: Solution) -> list[Requirement]:
+    """The goals that have errors, with their tolerances."""
+    goals = solution.question.met(solution.result)
+    all_goals = requirements_of(goals, solution.robot.tip_links, solution.options, Call())
+    return [goal for goal in all_goals if not goal.is_wish and goal.kind != "center_of_mass"]
+
+
+def _range(values: set[float], text: Callable[[float], str]) -> str:
+    least, most = min(values), max(values)
+    return text(least) if least == most else f"{text(least)} to {text(most)}"
+
+
+def _which(solution: Solution) -> str:
+    """Of several poses the one that is met, or that it came nearest to."""
+    question, k = solution.question, solution.result.goal_index
+    cost = "" if question.costs is None else f", at a cost of {question.costs[k]:g}"
+    return f"pose {k + 1} of {len(question.goals)} in {escape(str(question.file))}{cost}"
+
+
 def _counts(obstacles: Obstacles) -> str:
     """How many points and shapes there are."""
     counts = {"points": len(obstacles.cloud), "shapes": len(obstacles.shapes)}
     named = [f"{n} {what if n > 1 else what[:-1]}" for what, n in counts.items() if n]
     return " and ".join(named) or "nothing"
-
-
-def advice(solution: Solution) -> list[str]:
-    """What may help after a failure, most promising first."""
-    result, options = solution.result, solution.options
-    if result.success:
-        return []
-    looser = {
-        "pose": "--goal axis or --goal position, if the tool may turn about its axis or freely",
-        "axis": "--goal position, if the tool's direction does not matter",
-    }
-    tips = []
-    if result.status == "out_of_reach":
-        tips.append(
-            "a target nearer to the robot; positions are in metres in the base link's frame"
-        )
-    elif result.status == "base_collision":
-        tips.append(
-            "removing the robot's own points from the cloud, and checking that obstacles are in the"
-            f" frame of {solution.robot.base_link}, in metres; or --no-base-collision, if the"
-            " robot stands on what it shows"
-        )
-    elif result.status == "blocked":
-        tips.append("another target, or the obstacles without what the tool is to touch")
-    else:
-        if options.method == "paper":
-            tips.append("--method default, which starts again where the paper's method gives up")
-        elif result.status == "time_limit":
-            tips.append(f"--max-time {10 * options.max_time:g}, ten times as long")
-        else:
-            n_starts = options.max_restarts + 1
-            tips.append(f"another target: after {n_starts} starts this one may have no solution")
-            tips.append(f"--max-restarts {10 * n_starts} with a longer --max-time")
-        if result.self_distance < options.self_clearance - options.clearance_tolerance:
-            tips.append(
-                "--srdf with the pairs of links that may touch (pdoik pairs finds them), or"
-                " --no-self-collision"
-            )
-        if options.goal in looser:
-            tips.append(looser[options.goal])
-    if result.status in {"base_collision", "blocked"} and not options.forgive_overhang:
-        tips.append(
-            "--forgive-overhang, if it touches by no more than its hulls stand beyond its links"
-        )
-    if solution.obstacles is not None and result.status not in {"out_of_reach", "base_collision"}:
-        given = "--cloud" if solution.obstacles.scene is None else "--scene"
-        tips.append(f"the same without {given}, which tells whether obstacles are in the way")
-    tips.append("--report case.json, if it should have been solved: a file to send with an issue")
-    return tips

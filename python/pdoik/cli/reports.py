@@ -64,6 +64,8 @@ def _facts(replay: pdoik.Replay) -> dict[str, object]:
         "differences": list(replay.differences),
         "reasons": list(replay.reasons),
         "clocked": list(replay.clocked),
+        "found": replay.found,
+        "found_again": replay.found_again,
         "faults": replay.faults,
         "unjudged": list(replay.unjudged),
         "answers": [dict(each) for each in replay.answers],
@@ -74,7 +76,13 @@ def _facts(replay: pdoik.Replay) -> dict[str, object]:
 
 def _print(file: Path, replay: pdoik.Replay) -> None:
     count = len(replay.answers)
-    asked = {"solve": "a solve", "batch": f"a batch of {count}", "steps": f"{count} steps"}
+    asked = {
+        "solve": "a solve",
+        "batch": f"a batch of {count}",
+        "any": "a solve for any of several goals",
+        "all": f"all solutions, {count},",
+        "steps": f"{count} steps",
+    }
     by = ", ".join(replay.by[name] for name in ("simd", "processor", "system") if name in replay.by)
     links = f"{replay.robot.base_link} to {', '.join(replay.robot.tip_links)}"
     say = f"{file.name}: {asked[replay.kind]} of {replay.robot.name}, {links}"
@@ -96,6 +104,9 @@ def _print(file: Path, replay: pdoik.Replay) -> None:
     else:
         out.print("[red]not the same answer[/]")
         _lines([*replay.differences, *(f"perhaps {reason}" for reason in replay.reasons)])
+    if replay.found is not None:
+        told, now = replay.found, replay.found_again or replay.found
+        out.print(f"{_whether_all(told)}; now {_whether_all(now)}", highlight=False)
     if replay.faults:
         out.print("[red]what it says does not hold[/]")
         _lines(replay.faults)
@@ -105,6 +116,10 @@ def _print(file: Path, replay: pdoik.Replay) -> None:
         out.print(f"[green]{what}[/], by other code than the solver's")
     if replay.unjudged:
         out.print(escape(f"not looked at by that: {'; '.join(replay.unjudged)}"), style="dim")
+
+
+def _whether_all(found: Any) -> str:
+    return "all there are" if found["complete"] else f"coverage {found['coverage']:.0%}"
 
 
 def _lines(lines: list[str]) -> None:
@@ -127,6 +142,7 @@ def _one(replay: pdoik.Replay) -> Table:
         ("clearance", length_text),
         ("self_distance", length_text),
         ("limit_violation", angle_text),
+        ("balance_violation", length_text),
     ):
         known = "" if judged[name] is None else text(judged[name])
         table.add_row(name.replace("_", " "), text(was[name]), text(now[name]), known)
@@ -134,6 +150,8 @@ def _one(replay: pdoik.Replay) -> Table:
     if was.get("forgiven_contact") or now["forgiven_contact"]:
         said = was.get("forgiven_contact", "")
         table.add_row("forgiven", escape(said), escape(now["forgiven_contact"]), "")
+    if replay.kind == "any":
+        table.add_row("goal", str(was["goal_index"]), str(now["goal_index"]), "")
     table.add_row("restarts", str(was["restarts"]), str(now["restarts"]), "")
     table.add_row("time", time_text(was["time"]), time_text(now["time"]), "")
     return table

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 import typer
 
 import pdoik
-from pdoik._extras import asks_for
 from pdoik.descriptions.text import shipped_name
-from pdoik.reports import ending_of
 
-from .messages import NOT_SOLVED, fail, misuse_fails, out, tell, warn
-from .obstacles import Obstacles, load_obstacles
+from .all_report import print_all
+from .facts import all_facts, facts
+from .goal_file import read_goal_file
+from .messages import NOT_SOLVED, fail, misuse_fails, out, warn_of_degrees, warnings_told
+from .obstacles import Obstacles, check_hulls, load_obstacles
 from .options import (
     GOAL,
+    OUTPUT,
     ROBOT,
+    SEARCH,
+    All,
+    AnyFile,
     BaseCollision,
     BaseLink,
     Clearance,
@@ -27,40 +31,38 @@ from .options import (
     ForgiveOverhang,
     Goal,
     GoalAxis,
+    GoalsFile,
     HullsFile,
     Leaf,
+    Limit,
+    Locks,
     Method,
+    Priority,
     Radii,
     SceneFile,
     SelfCollision,
     SrdfFile,
+    Tool,
 )
-from .report import Solution, facts, print_report
+from .question import Question, check_goals, question_of, robot_for, tool_of
+from .report import print_report
 from .robots import (
     ANY_ROBOT,
     PackageDirs,
     XacroArguments,
     described,
     load_robot,
-    numbers,
 )
+from .solution import AllSolutions, Solution
+from .solve_files import check_picture, check_report, draw, write_report
 from .tables import json_text
-from .target import FORMS, parse_target
+from .target import FORMS
 
 FloatArray = npt.NDArray[np.float64]
 _DEFAULTS = pdoik.Options()
-_SEARCH, _OUTPUT = "Search", "Output"  # panels
 
 
 def solve(
-    target: Annotated[
-        str,
-        typer.Option(
-            help=f"Where the tip is to go, in metres and radians: {FORMS}.",
-            metavar="TARGET",
-            rich_help_panel=GOAL,
-        ),
-    ],
     robot: Annotated[
         str | None, typer.Argument(help=f"{ANY_ROBOT}.", metavar="ROBOT", show_default=False)
     ] = None,
@@ -74,6 +76,19 @@ def solve(
     tip_link: Annotated[
         str | None, typer.Option(help="Last link; the only leaf otherwise.", rich_help_panel=ROBOT)
     ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Where the tip is to go, in metres and radians: {FORMS}.",
+            metavar="TARGET",
+            rich_help_panel=GOAL,
+        ),
+    ] = None,
+    goals: GoalsFile = None,
+    any_: AnyFile = None,
+    tool: Tool = None,
+    priority: Priority = "both",
+    lock: Locks = None,
     goal: Annotated[
         Goal, typer.Option(help="What of the target counts.", rich_help_panel=GOAL)
     ] = "pose",
@@ -98,71 +113,81 @@ def solve(
         str | None,
         typer.Option(
             help="Start, one number per joint; the middle of the ranges otherwise.",
-            rich_help_panel=_SEARCH,
+            rich_help_panel=SEARCH,
         ),
     ] = None,
     max_time: Annotated[
-        float, typer.Option(help="Deadline, seconds.", rich_help_panel=_SEARCH)
+        float, typer.Option(help="Deadline, seconds.", rich_help_panel=SEARCH)
     ] = _DEFAULTS.max_time,
     max_restarts: Annotated[
-        int, typer.Option(help="Starts after the first.", rich_help_panel=_SEARCH)
+        int, typer.Option(help="Starts after the first.", rich_help_panel=SEARCH)
     ] = _DEFAULTS.max_restarts,
     seed: Annotated[
-        int, typer.Option(help="Of the restarts' sequence.", rich_help_panel=_SEARCH)
+        int, typer.Option(help="Of the restarts' sequence.", rich_help_panel=SEARCH)
     ] = _DEFAULTS.seed,
+    all_: All = False,
+    limit: Limit = None,
     method: Annotated[
         Method,
         typer.Option(
             help="'paper' is the paper's algorithm: one start, nothing else.",
-            rich_help_panel=_SEARCH,
+            rich_help_panel=SEARCH,
         ),
     ] = "default",
     json: Annotated[
-        bool, typer.Option("--json", help="Print JSON instead of tables.", rich_help_panel=_OUTPUT)
+        bool, typer.Option("--json", help="Print JSON instead of tables.", rich_help_panel=OUTPUT)
     ] = False,
     picture: Annotated[
         Path | None,
-        typer.Option(help="Draw the outcome into this .png file.", rich_help_panel=_OUTPUT),
+        typer.Option(help="Draw the outcome into this .png file.", rich_help_panel=OUTPUT),
     ] = None,
     report: Annotated[
         Path | None,
         typer.Option(
             help="Write question and answer into this .json or .json.gz file, for pdoik report.",
-            rich_help_panel=_OUTPUT,
+            rich_help_panel=OUTPUT,
         ),
     ] = None,
 ) -> None:
     """Find joint positions that put the tip on a target, inside limits, clear of obstacles.
 
+    A tip may have a tool, and joints be locked; a file may have several goals of any kind, or poses
+    any one of which will do; and all solutions may be asked for.
+
     Exit status: 0 solved, 1 not solved, 2 misuse.
 
     [bold]Example[/]: pdoik solve panda --target "0.4 0.1 0.5 1 0 0 0" --cloud scan.pcd
     """
-    _check_picture(picture)
-    _check_report(report)
+    check_picture(picture)
+    check_report(report)
     if seed < 0:
         fail(f"--seed: expected a whole number, at least 0, got {seed}")
+    if limit is not None and not all_:
+        fail("--limit: expected with --all, of which it is")
     robot = _one_of(robot, robot_option)
-    loaded = load_robot(
-        robot, base_link, tip_link, occupancy, srdf, packages=package_dir, arguments=xacro_arg
-    )
-    with misuse_fails("--target"):
-        T_base_tip = parse_target(target, goal)
-    start = None
-    if q0 is not None:
-        with misuse_fails("--q0"):
-            start = numbers(q0, loaded)
-    if not len(loaded.occupancy):
-        for option in ["--cloud"] * (cloud is not None) + ["--scene"] * (scene is not None):
-            fail(
-                f"{option}: {loaded.name} has no hulls to keep clear; give --occupancy FILE.yaml"
-                " (pdoik occupancy ROBOT --out FILE.yaml makes one)"
-            )
-    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    check_goals(target, goals, any_, all_)
     with misuse_fails():
+        listed = None if goals is None else read_goal_file(goals)
+
+    def read(tips: list[str] | None) -> pdoik.Robot:
+        return load_robot(
+            robot, base_link, tips, occupancy, srdf, packages=package_dir, arguments=xacro_arg
+        )
+
+    loaded = robot_for(read, listed, goals, tip_link)
+    question = question_of(
+        target, listed, goals, any_, loaded, goal=goal, is_all=all_, limit=limit, q0=q0, lock=lock
+    )
+    T_tip_tool = tool_of(tool, loaded, "--goals")
+    warn_of_degrees("--rotation-tolerance", [rotation_tolerance])
+    check_hulls(loaded, cloud, scene)
+    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    with misuse_fails(), warnings_told():
         options = pdoik.Options(
             goal=goal,
             goal_axis=goal_axis,
+            T_tip_tool=T_tip_tool,
+            priority=priority,
             position_tolerance=position_tolerance,
             rotation_tolerance=rotation_tolerance,
             clearance=clearance,
@@ -174,95 +199,43 @@ def solve(
             seed=seed,
             method=method,
         )
-        solution = _solve(loaded, options, T_base_tip, start, obstacles)
+        solution = _solve(loaded, options, question, obstacles)
 
     if json:
-        out.print(json_text(facts(solution)), highlight=False, markup=False)
-    else:
+        told = facts(solution) if isinstance(solution, Solution) else all_facts(solution)
+        out.print(json_text(told), highlight=False, markup=False)
+    elif isinstance(solution, Solution):
         print_report(solution)
+    else:
+        print_all(solution)
     if picture is not None:
-        _draw(picture, solution)
+        draw(picture, solution)
     if report is not None:
         with misuse_fails():
             urdf = None if shipped_name(robot) else described(robot, package_dir, xacro_arg)
-        _write(report, solution, start, urdf)
-    if not solution.result.success:
+        write_report(report, solution, urdf)
+    if not solution.is_found:
         raise typer.Exit(NOT_SOLVED)
 
 
 def _solve(
-    robot: pdoik.Robot,
-    options: pdoik.Options,
-    T_base_tip: FloatArray,
-    q0: FloatArray | None,
-    obstacles: Obstacles | None,
-) -> Solution:
+    robot: pdoik.Robot, options: pdoik.Options, question: Question, obstacles: Obstacles | None
+) -> Solution | AllSolutions:
     solver = pdoik.Solver(robot, options)
     kept = None if obstacles is None else obstacles.kept()
-    result = solver.solve(T_base_tip, q0=q0, obstacles=kept)
-    surface_clearance = math.inf
+    answer = question.ask(solver, kept)
+    about: dict[str, Any] = {
+        "robot": robot,
+        "options": options,
+        "question": question,
+        "obstacles": obstacles,
+    }
+    if question.call == "solve_all":
+        return AllSolutions(answer=answer, **about)
     if obstacles is not None:
-        surface_clearance = solver.judge(
-            T_base_tip, result.q, obstacles=obstacles.whole()
-        ).clearance
-    return Solution(
-        robot=robot,
-        options=options,
-        T_base_tip=T_base_tip,
-        result=result,
-        obstacles=obstacles,
-        surface_clearance=surface_clearance,
-    )
-
-
-def _check_picture(picture: Path | None) -> None:
-    if picture is None:
-        return
-    if picture.suffix.lower() != ".png":
-        fail(f"--picture: expected a name that ends in .png, got {picture.name!r}")
-    if not picture.parent.is_dir():
-        fail(f"--picture: there is no folder {picture.parent}")
-
-
-def _check_report(report: Path | None) -> None:
-    if report is None:
-        return
-    with misuse_fails("--report"):
-        ending_of(report)
-    if not report.parent.is_dir():
-        fail(f"--report: there is no folder {report.parent}")
-
-
-def _write(report: Path, solution: Solution, q0: FloatArray | None, urdf: str | None) -> None:
-    with misuse_fails("--report"):
-        pdoik.write_report(
-            report,
-            pdoik.Solver(solution.robot, solution.options),
-            solution.T_base_tip,
-            q0=q0,
-            obstacles=None if solution.obstacles is None else solution.obstacles.kept(),
-            result=solution.result,
-            urdf=urdf,
-        )
-    tell(f"{report}: say in its note what is wrong, and send it; pdoik report {report} asks again")
-
-
-def _draw(picture: Path, solution: Solution) -> None:
-    with asks_for("plot"):
-        from pdoik.picture import draw_solution  # matplotlib takes longer to import than to solve
-
-    obstacles = solution.obstacles
-    if obstacles is not None and obstacles.shapes:
-        warn("--picture draws points, no shapes; pdoik view --scene shows them")
-    with misuse_fails("--picture"):
-        draw_solution(
-            picture,
-            solution.robot,
-            solution.result,
-            solution.T_base_tip,
-            cloud=None if obstacles is None else obstacles.cloud[:, :3],
-            surface=None if obstacles is None or obstacles.leaf == 0 else obstacles.surface,
-        )
+        judged = solver.judge(question.met(answer), answer.q, obstacles=obstacles.whole())
+        about["surface_clearance"] = judged.clearance
+    return Solution(result=answer, **about)
 
 
 def _one_of(argument: str | None, option: str | None) -> str:

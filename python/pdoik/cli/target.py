@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from .messages import warn_of_degrees
+
 FloatArray = npt.NDArray[np.float64]
 
 FORMS = (
@@ -17,14 +19,19 @@ FORMS = (
 _LOOSE = 1e-3  # how far numbers typed with few digits may be from a rotation
 
 
-def parse_target(text: str, goal: str) -> FloatArray:
-    """T_base_tip (4, 4) [m] from one of `FORMS`; what was rounded is made rigid again.
+def parse_target(text: str, goal: str, option: str = "--target") -> FloatArray:
+    """A pose (4, 4) [m] from one of `FORMS`; what was rounded is made rigid again.
+
+    Args:
+        text: As it was given.
+        goal: "position" may leave out the orientation.
+        option: Who gave it, for a warning of degrees.
 
     Raises:
         ValueError: It is none of them, is not finite, or is no rigid motion.
     """
     if Path(text).suffix.lower() in {".npy", ".json", ".txt"}:
-        return _rigid(_read_matrix(Path(text)), text)
+        return rigid(_read_matrix(Path(text)), text)
     try:
         numbers = np.array([float(word) for word in text.replace(",", " ").split()])
     except ValueError:
@@ -35,6 +42,7 @@ def parse_target(text: str, goal: str) -> FloatArray:
     if len(numbers) == 7:
         T[:3, :3] = rotation_of_xyzw(numbers[3:])
     elif len(numbers) == 6:
+        warn_of_degrees(option, numbers[3:])
         T[:3, :3] = rotation_of_rpy(*numbers[3:])
     elif len(numbers) == 3 and goal != "position":
         raise ValueError(
@@ -47,15 +55,19 @@ def parse_target(text: str, goal: str) -> FloatArray:
     return T
 
 
-def rotation_of_xyzw(xyzw: FloatArray) -> FloatArray:
+def rotation_of_xyzw(xyzw: FloatArray, order: str = "qx qy qz qw") -> FloatArray:
     """The rotation of a quaternion with its real part last, normalised.
+
+    Args:
+        xyzw: The quaternion, (4,).
+        order: In which it was given, for the error.
 
     Raises:
         ValueError: Its norm is not 1 to 1e-3.
     """
     norm = float(np.linalg.norm(xyzw))
     if abs(norm - 1) > _LOOSE:
-        raise ValueError(f"expected a quaternion qx qy qz qw of norm 1, got norm {norm:.4g}")
+        raise ValueError(f"expected a quaternion {order} of norm 1, got norm {norm:.4g}")
     x, y, z, w = xyzw / norm
     return np.array(
         [
@@ -95,7 +107,12 @@ def _read_matrix(path: Path) -> FloatArray:
         raise ValueError(f"{path}: expected a 4x4 matrix: {error}") from error
 
 
-def _rigid(matrix: FloatArray, name: str) -> FloatArray:
+def rigid(matrix: FloatArray, name: str) -> FloatArray:
+    """A (4, 4) matrix whose rotation was rounded, made rigid again.
+
+    Raises:
+        ValueError: It is none, by more than rounding; names it.
+    """
     if matrix.shape != (4, 4):
         raise ValueError(f"{name}: expected a 4x4 matrix, got shape {matrix.shape}")
     if not np.isfinite(matrix).all():

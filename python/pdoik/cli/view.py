@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -34,6 +35,7 @@ from .options import (
     SelfCollision,
     SrdfFile,
 )
+from .path_options import Closed, Free, Spacing
 from .report_folders import report_folder
 from .robots import (
     ANY_ROBOT,
@@ -110,6 +112,16 @@ def view(
             rich_help_panel=_PAGE,
         ),
     ] = None,
+    path: Annotated[
+        Path | None,
+        typer.Option(
+            help="Path to follow and to play, as pdoik path reads it: .csv or .yaml.",
+            rich_help_panel=_PAGE,
+        ),
+    ] = None,
+    free: Free = None,
+    spacing: Spacing = None,
+    closed: Closed = False,
     reach: Annotated[
         Path | None,
         typer.Option(
@@ -151,6 +163,7 @@ def view(
     [bold]Examples[/]:
     pdoik view
     pdoik view arm.urdf --scene table.yaml --cloud scan.pcd
+    pdoik view panda --scene table.yaml --path seam.csv --free z --spacing 0.01
     pdoik view report
     """
     with asks_for("view"):
@@ -171,7 +184,7 @@ def view(
         example = EXAMPLES[0]
         model, session = example.make()
         with _page(host, port, no_open=no_open) as (server, hold):
-            viewer = Viewer(server, model, session, example)
+            viewer = Viewer(server, model, session, example, read_path=_stations)
             hold()
             viewer.forget_uploads()
         return
@@ -209,16 +222,31 @@ def view(
                 session.set_shapes(obstacles.shapes, obstacles.scene.allowed)
     with misuse_fails("--replay" if replay is not None else ""):
         log = None if replay is None else load_log(replay, loaded.joint_names)
+    if path is not None:
+        with misuse_fails("--path"):
+            stations = _stations(path, free, spacing)
     with misuse_fails("--reach" if reach is not None else ""):
         reach_map = None if reach is None else load_map(reach, loaded)
     with _page(host, port, no_open=no_open) as (server, hold):
-        viewer = Viewer(server, model, session)
+        viewer = Viewer(
+            server, model, session, read_path=partial(_stations, free=free, spacing=spacing)
+        )
+        if path is not None:
+            with misuse_fails(f"--path {path}"):
+                viewer.follow_path(path.name, stations, closed=closed)
         if log is not None:
             viewer.replay_tab.load(log)
         if reach is not None and reach_map is not None:
             viewer.reach_tab.map.show(reach_map, f"from {reach.name}")
         hold()
         viewer.forget_uploads()  # all that would outlive the process
+
+
+def _stations(path: Path, free: str | None = None, spacing: float | None = None) -> Any:
+    """Of a path's file, as `pdoik.Solver.solve_path` takes them."""
+    from .path_file import read_path_file
+
+    return read_path_file(path, free).stations(free, spacing)
 
 
 def _nothing_asked(context: typer.Context) -> bool:

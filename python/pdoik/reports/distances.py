@@ -11,6 +11,7 @@ from .._core import Shape
 from .values import FloatArray
 
 _BISECTIONS = 48
+_FIRST_LOOK = 64  # points of a hull
 _SHRINKS = 60  # of an interval to 0.62 of itself: to 3e-13
 
 
@@ -46,6 +47,31 @@ def to_spheroid(points: FloatArray, a: FloatArray, b: FloatArray, semi_major: fl
     at = [0.5 * (low + high), np.zeros_like(x), np.full_like(x, np.pi / 2)]
     gap = np.min([np.hypot(x - A * np.cos(t), y - B * np.sin(t)) for t in at], axis=0)
     return np.asarray(np.where((x / A) ** 2 + (y / B) ** 2 < 1.0, -gap, gap))
+
+
+def to_hull(
+    points: FloatArray, a: FloatArray, b: FloatArray, size: float, swept: bool, least: float
+) -> float:
+    """Of points to a hull, if it is less than `least` [m].
+
+    Only points that may be so near are looked at.
+    """
+    if len(points) == 0:
+        return least
+    centres, radii = points[:, :3], points[:, 3]
+    if swept:
+        return float((to_capsule(centres, a, b, size) - radii).min())
+    if float(np.linalg.norm(b - a)) >= 2.0 * size:
+        return least
+    # Half the sum of distances to the foci, less the semi-major axis, is no more than the distance.
+    to = [np.linalg.norm(centres - focus, axis=1) for focus in (a, b)]
+    bound = 0.5 * (to[0] + to[1]) - size - radii
+    first = np.argsort(bound)[:_FIRST_LOOK]
+    near = min(least, float((to_spheroid(centres[first], a, b, size) - radii[first]).min()))
+    rest = (bound <= near) | (bound + radii <= 0.0)
+    return min(
+        near, float((to_spheroid(centres[rest], a, b, size) - radii[rest]).min(initial=np.inf))
+    )
 
 
 def segment_to_shape(a: FloatArray, b: FloatArray, shape: Shape, enough: float = np.inf) -> float:

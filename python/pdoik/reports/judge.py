@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from .._core import Goal, Robot
+from .._core import Robot
 from ..options import Options
-from .distances import segment_to_shape, to_capsule, to_spheroid
+from .call import Call
+from .distances import segment_to_shape, to_hull
 from .kinematics import Kinematics
+from .mass import MassBox
 from .obstacles import Obstacles
+from .requirements import Requirement, requirements
 from .self_distance import Capsule, SelfDistance
 from .values import FloatArray
 
 ROUNDING = 1e-8  # what two ways to compute one figure may differ by [m] or [rad]
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_FIRST_LOOK = 64  # points of a hull
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,11 +27,12 @@ class Judged:
     """The figures of one answer.
 
     Attributes:
-        position_error: The largest over the goals, beyond slack [m].
+        position_error: The largest over the goals that are no wishes, beyond slack [m].
         rotation_error: [rad].
         limit_violation: [rad] or [m].
         clearance: Least distance of an obstacle to a hull [m]; None if it is not judged.
         self_distance: Least distance between links, where it is asked for [m]; None likewise.
+        balance_violation: How far the centre of mass is outside its box [m]; None likewise.
         faults: What was claimed and does not hold, in words.
     """
 
@@ -39,6 +41,7 @@ class Judged:
     limit_violation: float
     clearance: float | None
     self_distance: float | None
+    balance_violation: float | None
     faults: tuple[str, ...]
 
 
@@ -66,6 +69,7 @@ class Judge:
         self._forgiven: list[tuple[Any, ...]] = []  # those of them that count as thinner, whole
         self._hulls = self._counted(hulls)
         self._self_distance: SelfDistance | None = None
+        self._mass_box = MassBox(robot, options)
         self._keeps_off_itself = options.keeps_off_itself(robot)
         capsules = [
             Capsule(link, a, b, size)
@@ -86,8 +90,7 @@ class Judge:
             "what links carry": carries,
             "distances between links, of spheroids": self._keeps_off_itself
             and self._self_distance is None,
-            "balance": bool(options.balance.contacts)
-            or bool(np.isfinite([*options.balance.com_lower, *options.balance.com_upper]).any()),
+            "balance": not self._mass_box.is_judged,
         }
         return tuple(what for what, is_so in found.items() if is_so)
 
@@ -120,8 +123,18 @@ class Judge:
         return counted
 
     @np.errstate(over="ignore", invalid="ignore")
-    def __call__(self, goals: Any, answer: Mapping[str, Any], obstacles: Obstacles) -> Judged:
-        """Of one answer to goals among obstacles."""
+    def __call__(
+        self, goals: Any, answer: Mapping[str, Any], obstacles: Obstacles, call: Call | None = None
+    ) -> Judged:
+        """Of one answer to goals among obstacles.
+
+        Args:
+            goals: Of a solve; of several that would do, the one that was met.
+            answer: By the names of a Result.
+            obstacles: That it was asked among.
+            call: What else was asked; None for nothing.
+        """
+        call = call or Call()
         q, refused = answer["q"], answer.get("tracking") == "invalid_input"
         if refused or not np.isfinite(q).all():
             beyond = self.kinematics.limit_violation(q)
@@ -132,33 +145,48 @@ class Judge:
                 limit_violation=beyond,
                 clearance=None,
                 self_distance=None,
+                balance_violation=None,
                 faults=fault,
             )
         poses = self.kinematics.poses(q)
-        tips = goals if isinstance(goals, Mapping) else {self.robot.tip_links[0]: goals}
-        errors = [self._goal_errors(goal, poses[link]) for link, goal in tips.items()]
+        asked = requirements(goals, self.robot.tip_links, self.options, call)
+        errors = [
+            (goal, *goal.errors(poses))
+            for goal in asked
+            if not goal.is_wish and goal.kind != "center_of_mass"
+        ]
+        mass = self._mass_box(asked, poses)
         figures: dict[str, Any] = {
-            "position_error": max(error[0] for error in errors),
-            "rotation_error": max(error[1] for error in errors),
+            "position_error": max((position for _, position, _ in errors), default=0.0),
+            "rotation_error": max((rotation for *_, rotation in errors), default=0.0),
             "limit_violation": self.kinematics.limit_violation(q),
             "clearance": self._clearance(self._hulls, poses, obstacles),
             "self_distance": None if self._self_distance is None else self._self_distance(poses),
+            "balance_violation": None if mass is None else mass[1],
         }
-        faults = self._faults(answer, figures) + self._unnamed(answer, poses, obstacles)
+        faults = [*_false_claims(answer, errors), *self._faults(answer, figures)]
+        if mass is not None and np.abs(mass[0] - answer["center_of_mass"]).max() > ROUNDING:
+            at = answer["center_of_mass"].tolist()
+            faults.append(f"says the centre of mass is at {at}; it is at {mass[0].tolist()}")
+        faults += self._unlocked(answer, call) + self._unnamed(answer, poses, obstacles)
         return Judged(**figures, faults=tuple(faults))
 
     def _faults(self, answer: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
-        options, faults = self.options, []
-        claims = answer.get("tracking", "tracking" if answer["success"] else "") == "tracking"
+        """Figures that are not what is said, and claims that they do not bear out."""
+        options, faults, claims = self.options, [], _claim(answer)
+        most_outside = options.clearance_tolerance
         for name, unit, most in (
-            ("position_error", "m", options.position_tolerance),
-            ("rotation_error", "rad", options.rotation_tolerance),
+            ("position_error", "m", np.inf),  # what is claimed of errors, goals say
+            ("rotation_error", "rad", np.inf),
             ("limit_violation", "rad or m", 0.0),
+            ("balance_violation", "m", most_outside),
         ):
             title = name.replace("_", " ")
+            if found[name] is None:
+                continue
             if claims and found[name] > most + ROUNDING:
                 faults.append(
-                    f"claims success, but {title} is {found[name]:.4g} {unit}, allowed {most:g}"
+                    f"claims {claims}, but {title} is {found[name]:.4g} {unit}, allowed {most:g}"
                 )
             if abs(found[name] - answer[name]) > ROUNDING * (1.0 + abs(found[name])):
                 faults.append(f"says {title} is {answer[name]:.9g} {unit}; it is {found[name]:.9g}")
@@ -170,7 +198,9 @@ class Judge:
             if distance is None:
                 continue
             if claims and distance < wanted - options.clearance_tolerance - ROUNDING:
-                faults.append(f"claims success, but {title} is {distance:.4g} m, wanted {wanted:g}")
+                faults.append(
+                    f"claims {claims}, but {title} is {distance:.4g} m, wanted {wanted:g}"
+                )
             far = "tracking" in answer and min(distance, said) >= 0.5 - ROUNDING  # told as 0.5
             near = np.isclose(said, distance, rtol=ROUNDING, atol=ROUNDING)
             both_off = min(distance, said) > ROUNDING  # depth can be measured in several ways
@@ -179,6 +209,15 @@ class Judge:
             ):
                 faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g}")
         return faults
+
+    def _unlocked(self, answer: Mapping[str, Any], call: Call) -> list[str]:
+        """Joints that were to keep a position and are elsewhere."""
+        at = dict(zip(self.robot.joint_names, answer["q"], strict=True))
+        return [
+            f"{joint} was to stay at {position:.9g}; it is at {at[joint]:.9g}"
+            for joint, position in call.lock.items()
+            if joint in at and abs(at[joint] - position) > ROUNDING
+        ]
 
     def _unnamed(
         self, answer: Mapping[str, Any], poses: Mapping[str, FloatArray], obstacles: Obstacles
@@ -196,35 +235,6 @@ class Judge:
         named = answer["forgiven_contact"] or "nothing"
         return [f"says that {named} is forgiven, by {said:.9g} m; it is {depth:.9g} m"]
 
-    def _goal_errors(self, goal: Any, T: FloatArray) -> tuple[float, float]:
-        """Beyond slack, position [m] and rotation [rad]."""
-        bare = not isinstance(goal, Goal)
-        given = np.asarray(goal if bare else goal.T_base_tip)
-        kind = self.options.goal if bare or goal.type is None else goal.type
-        position_slack, rotation_slack = np.zeros(3), np.zeros(3)
-        if not bare:
-            position_slack, rotation_slack = goal.position_slack, goal.rotation_slack
-        if not np.isfinite(given).all():
-            return np.inf, np.inf
-        target = np.eye(4)
-        if given.shape == (3,):
-            target[:3, 3] = given
-        else:
-            target = given
-        R = target[:3, :3]
-        off = np.maximum(np.abs(R.T @ (T[:3, 3] - target[:3, 3])) - position_slack, 0.0)
-        position = float(np.linalg.norm(off))
-        if kind == "position":
-            return position, 0.0
-        if kind == "axis":
-            axis = self.options.goal_axis if bare or goal.axis is None else goal.axis
-            axis = np.array(_AXES[axis] if isinstance(axis, str) else axis, dtype=np.float64)
-            is_at, wanted = T[:3, :3] @ axis, R @ axis
-            angle = np.arctan2(np.linalg.norm(np.cross(is_at, wanted)), is_at @ wanted)
-            return position, max(float(angle) - float(rotation_slack.max()), 0.0)
-        turn = np.maximum(np.abs(_rotation_vector(R.T @ T[:3, :3])) - rotation_slack, 0.0)
-        return position, float(np.linalg.norm(turn))
-
     def _clearance(
         self,
         hulls: list[tuple[Any, ...]],
@@ -237,7 +247,7 @@ class Judge:
         least = np.inf
         for link_a, a, link_b, b, size, swept in hulls:
             A, B = (poses[link] @ [*p, 1.0] for link, p in ((link_a, a), (link_b, b)))
-            least = min(least, _to_points(obstacles.points, A[:3], B[:3], size, swept, least))
+            least = min(least, to_hull(obstacles.points, A[:3], B[:3], size, swept, least))
             for shape in obstacles.shapes:
                 contacts = [c for c in obstacles.allowed if c[1] == shape.name]
                 mine = [c for c in contacts if c[0] in (link_a, link_b)]
@@ -251,39 +261,32 @@ class Judge:
         return least
 
 
-def _to_points(
-    points: FloatArray, a: FloatArray, b: FloatArray, size: float, swept: bool, least: float
-) -> float:
-    """Of a hull, if it is less than `least`: only points that may be so near are looked at."""
-    if len(points) == 0:
-        return least
-    centres, radii = points[:, :3], points[:, 3]
-    if swept:
-        return float((to_capsule(centres, a, b, size) - radii).min())
-    if float(np.linalg.norm(b - a)) >= 2.0 * size:
-        return least
-    # Half the sum of distances to the foci, less the semi-major axis, is no more than the distance.
-    to = [np.linalg.norm(centres - focus, axis=1) for focus in (a, b)]
-    bound = 0.5 * (to[0] + to[1]) - size - radii
-    first = np.argsort(bound)[:_FIRST_LOOK]
-    near = min(least, float((to_spheroid(centres[first], a, b, size) - radii[first]).min()))
-    rest = (bound <= near) | (bound + radii <= 0.0)
-    return min(
-        near, float((to_spheroid(centres[rest], a, b, size) - radii[rest]).min(initial=np.inf))
-    )
+def _claim(answer: Mapping[str, Any]) -> str:
+    """What an answer claims to be, in words; '' for nothing."""
+    if "tracking" in answer:
+        return "success" if answer["tracking"] == "tracking" else ""
+    nearest = "all but orientation" if answer["status"] == "nearest" else ""
+    return "success" if answer["success"] else nearest
 
 
-def _rotation_vector(R: FloatArray) -> FloatArray:
-    """Axis times angle of a rotation, by its quaternion, (3,) [rad]."""
-    K = np.array(
-        [
-            [R[0, 0] - R[1, 1] - R[2, 2], 0.0, 0.0, 0.0],
-            [R[0, 1] + R[1, 0], R[1, 1] - R[0, 0] - R[2, 2], 0.0, 0.0],
-            [R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], R[2, 2] - R[0, 0] - R[1, 1], 0.0],
-            [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], np.trace(R)],
-        ]
-    )
-    x, y, z, w = np.linalg.eigh(K, UPLO="L")[1][:, -1]
-    v = np.array([x, y, z]) * (1.0 if w >= 0 else -1.0)
-    sine = float(np.linalg.norm(v))
-    return v * (2.0 if sine < 1e-12 else 2.0 * np.arctan2(sine, abs(w)) / sine)
+def _false_claims(
+    answer: Mapping[str, Any], errors: list[tuple[Requirement, float, float]]
+) -> list[str]:
+    """Of errors beyond what goals allow, the largest of each kind."""
+    claims, faults = _claim(answer), []
+    if not claims:
+        return []
+    positions = [(error, goal.position_tolerance, goal.link) for goal, error, _ in errors]
+    rotations = [
+        (error, goal.rotation_tolerance, goal.link)
+        for goal, _, error in errors
+        if claims == "success" or not goal.position_first
+    ]
+    for title, unit, found in (("position", "m", positions), ("rotation", "rad", rotations)):
+        error, most, link = max(found, key=lambda f: f[0] - f[1], default=(0.0, 0.0, ""))
+        if error > most + ROUNDING:
+            of = f" of {link}" if len(errors) > 1 else ""
+            faults.append(
+                f"claims {claims}, but {title} error{of} is {error:.4g} {unit}, allowed {most:g}"
+            )
+    return faults

@@ -6,9 +6,6 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from .._core import Goal
 from ..carried import Carried
 from ..options import Options
 from .obstacles import read_shape, shape_entry
@@ -19,9 +16,13 @@ ANSWER = (  # what a replay has to give again
     *("limit_violation", "center_of_mass", "balance_violation", "self_distance"),
     *("worst_constraint", "worst_violation"),
 )
-FORGIVEN = ("forgiven_contact", "forgiven_depth")  # which older reports do not have
+LATER = (  # which older reports do not have
+    *("forgiven_contact", "forgiven_depth", "goal_index", "message"),
+)
 EFFORT = ("iterations", "evaluations", "restarts")
 OF_STEPS = ("tracking", "step_limited", "complaint")
+FOUND = ("turns", "complete", "coverage", "status", "restarts", "time")  # of all solutions
+_TEXTS = (*("status", "worst_constraint", "forgiven_contact", "message", "tracking", "complaint"),)
 CLOCK = ("time", "intake", "late_evaluations")  # what is another one each time
 
 
@@ -65,6 +66,8 @@ def _option(default: Any, entry: Entry) -> Any:
         return {name: entry[name].array(None, 3) for name in entry.names()}
     if entry.name.endswith(".links"):
         return tuple(each.text() for each in entry.items())
+    if entry.name.endswith(".T_tip_tool"):
+        return entry.array(4, 4)
     if isinstance(entry.value, list):
         return tuple(entry.array(None).tolist())
     if isinstance(default, float):
@@ -98,59 +101,11 @@ def read_carried(entry: Entry) -> list[Carried]:
     ]
 
 
-def goals_entry(goals: Any) -> dict[str, Any]:
-    """Of whatever a solve, a batch or a step takes as its target."""
-    if isinstance(goals, Mapping):
-        return {"tips": {str(link): goals_entry(goal) for link, goal in goals.items()}}
-    if not isinstance(goals, Goal):
-        return {"T_base_tip": plain(np.asarray(goals, dtype=np.float64))}
-    entry: dict[str, Any] = {"T_base_tip": plain(goals.T_base_tip)}
-    if goals.type is not None:
-        entry["type"] = goals.type
-    if goals.axis is not None:
-        entry["axis"] = plain(goals.axis)
-    slack = {"position_slack": goals.position_slack, "rotation_slack": goals.rotation_slack}
-    return entry | {"weight": goals.weight} | {name: plain(each) for name, each in slack.items()}
-
-
-def read_goals(entry: Entry, *, batch: bool = False, nan: bool = False) -> Any:
-    """The same again.
-
-    Args:
-        entry: Of the file.
-        batch: Of many targets.
-        nan: A tracker says what it makes of NaN.
-    """
-    if "tips" in entry.names():
-        tips = entry["tips"]
-        return {link: read_goals(tips[link], batch=batch, nan=nan) for link in tips.names()}
-    target = entry["T_base_tip"]
-    if batch:
-        return target.array(None, 4, 4)
-    is_point = isinstance(target.value, list) and len(target.value) == 3
-    T = target.array(*((3,) if is_point else (4, 4)), nan=nan)
-    if "weight" not in entry.names():
-        return T
-    try:
-        return Goal(
-            T,
-            type=None if entry.get("type").value is None else entry["type"].text(),
-            axis=entry.get("axis").array_or_none(3),
-            weight=entry["weight"].number(),
-            position_slack=entry["position_slack"].array(3),
-            rotation_slack=entry["rotation_slack"].array(3),
-        )
-    except ValueError as error:
-        if type(error) is not ValueError:
-            raise
-        raise entry.wrong(str(error)) from error
-
-
 def answer_entry(result: Any) -> dict[str, Any]:
     """Of a Result or a TrackerResult."""
     names = [
         *ANSWER,
-        *FORGIVEN,
+        *LATER,
         *EFFORT,
         *(name for name in OF_STEPS if hasattr(result, name)),
         *CLOCK,
@@ -173,9 +128,9 @@ def read_answer(entry: Entry, dof: int) -> dict[str, Any]:
             answer[name] = value.array(3)
         elif name == "success":
             answer[name] = value.boolean()
-        elif name in ("status", "worst_constraint", "forgiven_contact", "tracking", "complaint"):
+        elif name in _TEXTS:
             answer[name] = value.text()
-        elif name in ("iterations", "evaluations", "restarts", "late_evaluations"):
+        elif name in (*EFFORT, "late_evaluations", "goal_index"):
             answer[name] = value.whole()
         elif name == "step_limited":
             answer[name] = None if value.value is None else value.text()
@@ -184,3 +139,23 @@ def read_answer(entry: Entry, dof: int) -> dict[str, Any]:
     for name in (*ANSWER, *EFFORT, *CLOCK):
         entry[name]  # or it is missing
     return answer
+
+
+def found_entry(solutions: Any) -> dict[str, Any]:
+    """Of Solutions, what is none of its results'."""
+    return {name: plain(getattr(solutions, name)) for name in FOUND}
+
+
+def read_found(entry: Entry, count: int) -> dict[str, Any]:
+    """By name, of `count` solutions."""
+    turns = entry["turns"].items()
+    if len(turns) != count:
+        raise entry["turns"].wrong(f"expected {count}, one for each answer, got {len(turns)}")
+    return {
+        "turns": [each.whole() for each in turns],
+        "complete": entry["complete"].boolean(),
+        "coverage": entry["coverage"].number(),
+        "status": entry["status"].text(),
+        "restarts": entry["restarts"].whole(),
+        "time": entry["time"].number(),
+    }

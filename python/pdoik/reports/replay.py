@@ -7,39 +7,39 @@ import gzip
 import json
 import math
 import os
+import warnings
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from .._core import Robot
-from ..errors import LoadError
+from ..errors import GoalWarning, LoadError
 from ..options import Options
 from ..solver import Solver
+from .asker import Asker
+from .call import Call, calls_of, read_keywords
+from .differences import of_answers, of_found, reasons_for
+from .goals import each_of, read_goals
 from .judge import Judge, Judged
 from .obstacles import read_obstacles
 from .question import (
-    ANSWER,
-    EFFORT,
-    FORGIVEN,
-    OF_STEPS,
     answer_entry,
+    found_entry,
     read_answer,
     read_carried,
-    read_goals,
+    read_found,
     read_options,
 )
 from .robot import read_robot
 from .urdf import misread
 from .values import Entry, by_name
-from .write import FORMAT, Asker, ending_of, this_build
+from .write import FORMAT, ending_of, this_build
 
 PATIENCE = 60.0
 """Time for what the clock did not end where it was asked first, on a slower machine [s]."""
-KINDS = ("solve", "batch", "steps")
+KINDS = ("solve", "batch", "steps", "any", "all")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +47,7 @@ class Replay:
     """A report beside its replay.
 
     Attributes:
-        kind: "solve", "batch" or "steps".
+        kind: "solve", "batch", "any", "all" or "steps".
         note: Of who wrote it.
         by: Versions, processor and instructions there; `here` those of this process.
         here: See `by`.
@@ -55,6 +55,8 @@ class Replay:
         options: What was asked for.
         answers: What the report says, by the names of a Result.
         again: What this process answers to the same.
+        found: Of all solutions what is none of theirs: whether they are complete, and so on.
+        found_again: The same by this process.
         differences: Where the two are not the same to the bit, in words. Answers that the clock
             ended are left out.
         reasons: What may make them differ.
@@ -82,6 +84,8 @@ class Replay:
     misread: Sequence[str]
     written: str
     urdf: str | None
+    found: Mapping[str, Any] | None = None
+    found_again: Mapping[str, Any] | None = None
 
     @property
     def same(self) -> bool:
@@ -97,8 +101,9 @@ class Replay:
 
 
 def _title(kind: str, k: int) -> str:
-    """Of an answer of a batch or of steps."""
-    return {"solve": "", "batch": f"target {k}: ", "steps": f"step {k}: "}[kind]
+    """Of one of several answers."""
+    titles = {"batch": f"target {k}: ", "steps": f"step {k}: ", "all": f"solution {k}: "}
+    return titles.get(kind, "")
 
 
 def replay_report(path: str | os.PathLike[str]) -> Replay:
@@ -115,26 +120,27 @@ def replay_report(path: str | os.PathLike[str]) -> Replay:
     options = read_options(entry["options"])
     kind = entry["kind"].text(*KINDS)
     answers = [read_answer(each, robot.dof) for each in entry["answers"].items()]
-    targets = _targets(entry["question"], kind)
-    if len(answers) != len(targets):
-        what = f"expected {len(targets)}, one for each target, got {len(answers)}"
-        raise entry["answers"].wrong(what)
-    clocked = [k for k, answer in enumerate(answers) if _is_clocked(answer, options)]
-    deadline = math.inf if kind == "steps" else options.max_time
-    again = _ask(entry, robot, _patient(options, answers, clocked), kind)
+    found = read_found(entry["found"], len(answers)) if kind == "all" else None
+    asked = _asked(entry["question"], kind, answers, robot.dof)
+    clocked = _clocked(answers, options) if found is None else _all_clocked(found, options)
+    again, found_again = _ask(entry, robot, _patient(options, answers, clocked, kind), kind)
     by = {name: entry["by"][name].text() for name in entry["by"].names()}
     here = this_build()
     differences = []
-    for k, (was, now) in enumerate(zip(answers, again, strict=True)):
-        found = _differences(was, now, counts=kind != "batch")
-        if found and k not in clocked and was["time"] - was["intake"] >= 0.5 * deadline:
+    if found is not None and found_again is not None and not clocked:
+        differences += of_found(found, found_again)
+    deadline = math.inf if kind == "steps" else options.max_time
+    for k, (was, now) in enumerate(zip(answers, again, strict=False)):  # `found` tells how many
+        off = of_answers(was, now, counts=kind != "batch")
+        if off and k not in clocked and was["time"] - was["intake"] >= 0.5 * deadline:
             clocked.append(k)  # it may strike from there on, and cut what follows a solution, too
         if k not in clocked:
-            differences += [f"{_title(kind, k)}{each}" for each in found]
+            differences += [f"{_title(kind, k)}{each}" for each in off]
     judge = Judge(robot, options, carries=bool(entry["carried"].items()))
     obstacles = read_obstacles(entry["question"]["obstacles"])
     judged = [
-        judge(target, answer, obstacles) for target, answer in zip(targets, answers, strict=True)
+        judge(goals, answer, obstacles, call)
+        for (goals, call), answer in zip(asked, answers, strict=True)
     ]
     urdf = None if entry["urdf"].value is None else entry["urdf"].text()
     try:
@@ -154,10 +160,12 @@ def replay_report(path: str | os.PathLike[str]) -> Replay:
         answers=answers,
         again=again,
         differences=differences,
-        reasons=_reasons(by, here) if differences else [],
+        reasons=reasons_for(by, here) if differences else [],
         clocked=clocked,
         judged=judged,
         unjudged=judge.unjudged,
+        found=found,
+        found_again=found_again,
     )
 
 
@@ -182,31 +190,61 @@ def _read(path: str | os.PathLike[str]) -> Entry:
     return entry
 
 
-def _targets(question: Entry, kind: str) -> list[Any]:
-    """The goals of each answer."""
+def _asked(
+    question: Entry, kind: str, answers: Sequence[Mapping[str, Any]], dof: int
+) -> list[tuple[Any, Call]]:
+    """The goals of each answer, and what else was said of it."""
     if kind == "steps":
-        return [read_goals(each, nan=True) for each in question["targets"].items()]
-    if kind == "solve":
-        return [read_goals(question["target"])]
-    batch = read_goals(question["target"], batch=True)
-    if not isinstance(batch, Mapping):
-        return list(batch)
+        targets = [read_goals(each, nan=True) for each in question["targets"].items()]
+        calls = [Call()] * len(targets)
+    else:
+        goals = read_goals(question["target"], batch=kind in ("batch", "any"))
+        targets = each_of(goals) if kind in ("batch", "any") else [goals]
+        if kind == "any":
+            targets = [_met(targets, answer, question) for answer in answers[:1]]
+        if kind == "all":
+            targets *= len(answers)
+        calls = calls_of(read_keywords(question, dof, kind), len(targets))
+    if not len(answers) == len(targets) == len(calls):
+        what = f"expected {len(targets)}, one for each target, got {len(answers)}"
+        raise Entry(answers, question.file, "answers").wrong(what)
+    return list(zip(targets, calls, strict=True))
+
+
+def _met(targets: Sequence[Any], answer: Mapping[str, Any], question: Entry) -> Any:
+    """Of several that would do the one that an answer says it is about."""
+    index = answer.get("goal_index", -1)
+    if not 0 <= index < len(targets):
+        what = f"expected an answer to one of {len(targets)} goals, got goal_index {index}"
+        raise question["target"].wrong(what)
+    return targets[index]
+
+
+def _clocked(answers: Sequence[Mapping[str, Any]], options: Options) -> list[int]:
+    """Answers that the clock ended."""
     return [
-        dict(zip(batch, row, strict=True)) for row in zip(*batch.values(), strict=False)
-    ]  # of different lengths: the solver says so
+        k
+        for k, answer in enumerate(answers)
+        if answer["status"] == "time_limit"
+        or answer.get("tracking") == "deadline_struck"
+        or (options.prefer == "nearest" and answer["restarts"] < options.max_restarts)
+    ]
 
 
-def _is_clocked(answer: Mapping[str, Any], options: Options) -> bool:
-    if answer["status"] == "time_limit" or answer.get("tracking") == "deadline_struck":
-        return True
-    return options.prefer == "nearest" and answer["restarts"] < options.max_restarts
+def _all_clocked(found: Mapping[str, Any], options: Options) -> list[int]:
+    """The same of all solutions, of which none is as it was when the clock ended the search.
+
+    Where there is none -1 stands for the search.
+    """
+    struck = found["status"] == "time_limit" or found["time"] >= 0.5 * options.max_time
+    return list(range(len(found["turns"]))) or [-1] if struck else []
 
 
 def _patient(
-    options: Options, answers: Sequence[Mapping[str, Any]], clocked: Sequence[int]
+    options: Options, answers: Sequence[Mapping[str, Any]], clocked: Sequence[int], kind: str
 ) -> Options:
     """So much time that a slower machine comes to the same answer, and no further than that."""
-    if clocked and len(answers) > 1:
+    if clocked and (len(answers) > 1 or kind == "all"):
         return options
     patient = dataclasses.replace(options, max_time=max(options.max_time, PATIENCE))
     if not clocked:
@@ -214,7 +252,10 @@ def _patient(
     return dataclasses.replace(patient, max_restarts=answers[0]["restarts"])
 
 
-def _ask(entry: Entry, robot: Robot, options: Options, kind: str) -> list[dict[str, Any]]:
+def _ask(
+    entry: Entry, robot: Robot, options: Options, kind: str
+) -> tuple[list[dict[str, Any]], dict[str, Any] | None]:
+    """Answers, and of all solutions what is none of theirs."""
     tracker = None
     try:
         solver = Solver(robot, options)
@@ -226,10 +267,13 @@ def _ask(entry: Entry, robot: Robot, options: Options, kind: str) -> list[dict[s
                 solver.attach(*each)
         asker = Asker(solver, kind, tracker)
         asker.carried = tuple(carried)
-        return [
-            read_answer(Entry(answer_entry(each), entry.file), robot.dof)
-            for each in asker.ask(entry["question"])
-        ]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", GoalWarning)  # who asked was told
+            again = asker.ask(entry["question"])
+        answers = [read_answer(Entry(answer_entry(each), entry.file), robot.dof) for each in again]
+        if kind != "all":
+            return answers, None
+        return answers, read_found(Entry(found_entry(again), entry.file), len(answers))
     except ValueError as error:
         if type(error) is not ValueError:  # it names its entry already
             raise
@@ -245,43 +289,3 @@ def _settings(entry: Entry, dof: int) -> dict[str, Any]:
     settings["max_speed"] = entry["max_speed"].array_or_none(dof)
     settings["max_time"] = max(settings["max_time"], 1.0)
     return settings
-
-
-def _differences(was: Mapping[str, Any], now: Mapping[str, Any], *, counts: bool) -> list[str]:
-    """What is not the same to the bit, in words.
-
-    Args:
-        was: The report's answer.
-        now: This process's.
-        counts: Compare effort, too; in a batch it depends on which thread solved what before.
-    """
-    found = []
-    forgiven = [name for name in FORGIVEN if name in was]
-    for name in (*ANSWER, *forgiven, *(EFFORT if counts else ()), *OF_STEPS):
-        a, b = was.get(name), now.get(name)
-        if name == "q":
-            a, b = np.asarray(a), np.asarray(b)
-            if a.tobytes() != b.tobytes():
-                found.append(f"q differs by up to {np.abs(a - b).max():.3g}")
-        elif isinstance(a, np.ndarray):
-            if a.tobytes() != np.asarray(b).tobytes():
-                found.append(f"{name} was {a.tolist()}, is {np.asarray(b).tolist()}")
-        elif a != b and not (a != a and b != b):  # NaN
-            found.append(f"{name} was {a!r}, is {b!r}")
-    return found
-
-
-def _reasons(by: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
-    """What of the two builds and machines is not the same."""
-    reasons = []
-    if by.get("simd") != here["simd"]:
-        simd = by.get("simd")
-        reasons.append(
-            f"other instructions: {simd} there, {here['simd']} here; PDOIK_SIMD={simd} takes those"
-        )
-    if by.get("core") != here["core"]:
-        versions = f"pdoik {by.get('pdoik')} there, {here['pdoik']} here"
-        reasons.append(f"another build: {versions}, compiled modules differ")
-    if by.get("processor") != here["processor"]:
-        reasons.append(f"another processor: {by.get('processor')} there, {here['processor']} here")
-    return reasons

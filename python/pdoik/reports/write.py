@@ -10,22 +10,25 @@ import platform
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._core import BatchResult, Result
+from .._core import BatchResult, Result, Solutions
 from .._files import write_whole
 from ..solver import Solver
 from ..tracker import Tracker
-from .obstacles import obstacles_entry, read_obstacles
-from .question import answer_entry, carried_entry, goals_entry, options_entry, read_goals
+from .asker import Asker
+from .call import CALLS, call_entry
+from .goals import alternatives_entry, goals_entry, is_list_of_goals
+from .obstacles import obstacles_entry
+from .question import answer_entry, carried_entry, found_entry, options_entry
 from .robot import robot_entry
 from .values import Entry, json_lines, plain
 
-FORMAT = 1
+FORMAT = 2
 """Of the file; a reader of this version reads all up to it."""
 ENDINGS = (".json", ".json.gz")
 
@@ -39,6 +42,13 @@ def write_report(
     obstacles: Any = None,
     posture: ArrayLike | None = None,
     max_step: ArrayLike | None = None,
+    lock: Any = None,
+    T_tip_tool: Any = None,
+    priority: str | None = None,
+    call: Literal["solve", "solve_batch", "solve_any", "solve_all"] | None = None,
+    costs: ArrayLike | None = None,
+    limit: int | None = None,
+    distinct: float | None = None,
     result: Any = None,
     note: str = "",
     urdf: str | None = None,
@@ -51,14 +61,22 @@ def write_report(
     Args:
         path: To write, NAME.json or NAME.json.gz; one that is there is replaced.
         solver: What was asked, with what its links carry. Or a Tracker.
-        T_base_tip: As in `Solver.solve`, or shape (B, 4, 4) as in `Solver.solve_batch`. Of a
-            Tracker the targets of its steps, a list of what `Tracker.step` takes.
+        T_base_tip: What the method takes that was called. Of a Tracker the targets of its steps, a
+            list of what `Tracker.step` takes.
         q0: As in `Solver.solve`. Of a Tracker where it was reset to before the first step.
         obstacles: As in `Solver.solve`, the same for all steps of a Tracker.
         posture: As in `Solver.solve` and `Tracker.set_posture`.
         max_step: As in `Solver.solve`.
-        result: What was answered: a Result, a BatchResult, or a list of TrackerResult, one a step.
-            None asks now; a Tracker's steps are then made by another one like it.
+        lock: As in `Solver.solve`.
+        T_tip_tool: As in `Solver.solve`.
+        priority: As in `Solver.solve`.
+        call: The method that was called. None for `solve`, or `solve_batch` where there are targets
+            of several solves, or what the result is of.
+        costs: As in `Solver.solve_any`, for that alone.
+        limit: As in `Solver.solve_all`, for that alone.
+        distinct: As in `Solver.solve_all`, for that alone.
+        result: What was answered: a Result, a BatchResult, Solutions, or a list of TrackerResult,
+            one a step. None asks now; a Tracker's steps are then made by another one like it.
         note: What is wrong with the answer, in words.
         urdf: The text that the robot was read from, for other tools; see `pdoik.urdf_text`.
 
@@ -67,26 +85,33 @@ def write_report(
         OSError: It cannot be written.
     """
     ending_of(path)
-    asked: dict[str, Any] = {"obstacles": obstacles_entry(obstacles)}
     vectors = {"q0": q0, "posture": posture, "max_step": max_step}
-    asked |= {
-        name: None if value is None else plain(np.asarray(value, dtype=np.float64))
-        for name, value in vectors.items()
-    }
+    asked: dict[str, Any] = {"obstacles": obstacles_entry(obstacles)}
+    asked |= call_entry(vectors=vectors, lock=lock, T_tip_tool=T_tip_tool, priority=priority)
+    kind = _kind(solver, T_base_tip, call, result)
+    if costs is not None and kind != "any":
+        raise ValueError("costs are of call='solve_any'")
+    if not (limit is distinct is None) and kind != "all":
+        raise ValueError("limit and distinct are of call='solve_all'")
     settings = None
     if isinstance(solver, Tracker):
-        if q0 is None or max_step is not None:
+        others = (max_step, lock, T_tip_tool, priority)
+        if q0 is None or any(each is not None for each in others):
             raise ValueError(
-                "q0 is where a tracker was reset to, which has to be told; no max_step"
+                "q0 is where a tracker was reset to, which has to be told; no max_step, lock,"
+                " T_tip_tool or priority"
             )
-        kind, settings = "steps", plain(solver.settings)
+        settings = plain(solver.settings)
         asked["targets"] = [goals_entry(target) for target in T_base_tip]
-    elif is_batch(T_base_tip):
-        if posture is not None or max_step is not None:
-            raise ValueError("a batch takes neither posture nor max_step")
-        kind, asked["target"] = "batch", goals_entry(T_base_tip)
+    elif kind == "any":
+        asked["target"] = alternatives_entry(T_base_tip)
+        asked["costs"] = None if costs is None else plain(np.asarray(costs, dtype=np.float64))
     else:
-        kind, asked["target"] = "solve", goals_entry(T_base_tip)
+        asked["target"] = goals_entry(T_base_tip)
+    if kind == "all":
+        if priority is not None:
+            raise ValueError("solve_all takes no priority; the options have one")
+        asked |= {"limit": limit, "distinct": distinct}
     asker = Asker.of(solver, kind)
     question = Entry(asked, os.fspath(path))
     answers = asker.ask(question) if result is None else _listed(result, kind)
@@ -102,6 +127,7 @@ def write_report(
         "carried": carried_entry(solver.carried),
         "question": asked,
         "answers": [answer_entry(each) for each in answers],
+        "found": found_entry(answers) if kind == "all" else None,
         "urdf": urdf,
     }
     text = (json_lines(content) + "\n").encode()
@@ -122,74 +148,49 @@ def ending_of(path: str | os.PathLike[str]) -> str:
 
 
 def is_batch(target: Any) -> bool:
-    """Whether these are targets of a batch."""
+    """Whether these are targets of several solves."""
     if hasattr(target, "values"):
         return any(is_batch(each) for each in target.values())
+    if is_list_of_goals(target):
+        return any(hasattr(each, "values") or is_list_of_goals(each) for each in target)
     return not isinstance(target, _core.Goal) and np.ndim(target) == 3
 
 
-def _listed(result: Any, kind: str) -> Sequence[Result]:
-    if kind == "solve" and isinstance(result, Result):
+def _kind(solver: Solver | Tracker, target: Any, call: str | None, result: Any) -> str:
+    """One of a report's."""
+    if isinstance(solver, Tracker):
+        if call is not None:
+            raise ValueError(f"call is {call!r}, expected none of a Tracker")
+        return "steps"
+    if call is not None:
+        if call not in CALLS:
+            raise ValueError(f"call is {call!r}, expected one of {', '.join(CALLS)}")
+        return CALLS[call]
+    if isinstance(result, Solutions):
+        return "all"
+    many = is_list_of_goals(target) and isinstance(result, BatchResult)
+    return "batch" if many or is_batch(target) else "solve"
+
+
+def _listed(result: Any, kind: str) -> Any:
+    """Answers, one after the other."""
+    if kind in ("solve", "any") and isinstance(result, Result):
         return [result]
     if kind == "batch" and isinstance(result, BatchResult):
         return list(result)
+    if kind == "all" and isinstance(result, Solutions):
+        return result
     is_list = isinstance(result, Sequence) and not isinstance(result, BatchResult)
     if kind == "steps" and is_list and all(isinstance(r, _core.TrackerResult) for r in result):
         return list(result)
-    wanted = {"solve": "a Result", "batch": "a BatchResult", "steps": "a list of TrackerResult"}
+    wanted = {
+        "solve": "a Result",
+        "any": "a Result",
+        "batch": "a BatchResult",
+        "all": "Solutions",
+        "steps": "a list of TrackerResult",
+    }
     raise ValueError(f"result is {type(result).__name__}, expected {wanted[kind]}")
-
-
-class Asker:
-    """Asks a report's question.
-
-    Args:
-        solver: To ask.
-        kind: "solve", "batch" or "steps".
-        tracker: Of steps: made anew for each question.
-    """
-
-    def __init__(self, solver: Solver, kind: str, tracker: dict[str, Any] | None = None) -> None:
-        self.solver = solver
-        self.kind = kind
-        self.tracker = tracker
-        self.carried = solver.carried
-
-    @classmethod
-    def of(cls, solver: Solver | Tracker, kind: str) -> Asker:
-        """With a tracker's solver and settings."""
-        if isinstance(solver, Solver):
-            return cls(solver, kind)
-        asker = cls(solver.solver, kind, solver.settings)
-        asker.carried = solver.carried
-        return asker
-
-    def ask(self, question: Entry) -> Sequence[Result]:
-        """One answer for each target, asked among the obstacles as they are in the file."""
-        dof = self.solver.robot.dof
-        obstacles = read_obstacles(question["obstacles"]).given
-        q0 = question["q0"]
-        posture, max_step = (question[name].array_or_none(dof) for name in ("posture", "max_step"))
-        if self.kind == "solve":
-            target = read_goals(question["target"])
-            return [self.solver.solve(target, q0.array_or_none(dof), obstacles, posture, max_step)]
-        if self.kind == "batch":
-            many = isinstance(q0.value, list) and any(isinstance(row, list) for row in q0.value)
-            starts = q0.array_or_none(*((None, dof) if many else (dof,)))
-            targets = read_goals(question["target"], batch=True)
-            return list(self.solver.solve_batch(targets, starts, obstacles))
-        assert self.tracker is not None
-        tracker = Tracker(
-            self.solver, **{**self.tracker, "max_time": self.tracker["max_time"] or None}
-        )
-        for each in self.carried:
-            tracker.attach(*each)
-        tracker.reset(q0.array(dof))
-        tracker.set_posture(posture)
-        return [
-            tracker.step(read_goals(target, nan=True), obstacles)
-            for target in question["targets"].items()
-        ]
 
 
 def this_build() -> dict[str, str]:

@@ -6,7 +6,8 @@ The parts that need no browser are here; `pdoik.view.server` needs viser (`pip i
 
 from .log import Log, load_log
 from .obstacles import Obstacles
-from .session import Session, Shown
+from .session import Session
+from .shown import Shown
 from .worker import Worker
 
 __all__ = ["Log", "Obstacles", "Session", "Shown", "Worker", "load_log"]

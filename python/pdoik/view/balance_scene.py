@@ -9,7 +9,7 @@ import numpy.typing as npt
 import viser
 
 from .humanoid import support_polygon
-from .session import Shown
+from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,14 +1,13 @@
-"""What can be dragged: a target per tip, the ball, and the cloud as a whole."""
+"""What can be dragged: arrows, arcs and squares at a frame."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
-from .session import GoalKind, Shown
 from .shapes import pose_of, wxyz_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -68,41 +67,3 @@ class Gizmo:
 
     def remove(self) -> None:
         self._handle.remove()
-
-
-class TargetGizmos:
-    """A gizmo for each tip link that is not free, below /targets."""
-
-    def __init__(
-        self,
-        server: viser.ViserServer,
-        targets: dict[str, FloatArray],
-        scale: float,
-        on_drag: Callable[[str, FloatArray], None],
-    ) -> None:
-        self.by_tip = {
-            tip: Gizmo(
-                server,
-                f"/targets/{tip.replace('/', '_')}",
-                T,
-                scale,
-                lambda T, tip=tip: on_drag(tip, T),  # type: ignore[misc]
-            )
-            for tip, T in targets.items()
-        }
-
-    def show(self, shown: Shown) -> None:
-        """Jump to the tips where the posture was given; a dragged gizmo is not touched."""
-        for tip, T in shown.targets.items():
-            if shown.origin != "target" or shown.goals[tip] == "free":
-                self.by_tip[tip].place(T)
-
-    def follow(self, goals: Mapping[str, GoalKind]) -> None:
-        """Free tips have nothing to drag, positions no arcs."""
-        for tip, kind in goals.items():
-            self.by_tip[tip].show(kind != "free")
-            self.by_tip[tip].turn(kind != "position")
-
-    def remove(self) -> None:
-        for gizmo in self.by_tip.values():
-            gizmo.remove()

@@ -3,50 +3,93 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
+import numpy as np
 import viser
 
-from .session import GOALS, Session
+from .goals import GOALS, WITH_CONE, GoalKind
+from .session import Session
+
+_WIDEST = 90.0  # of a cone [deg]
 
 
 class GoalsPanel:
-    """A dropdown for each tip, above everything else in its container.
+    """A dropdown for each tip, above everything else in its container, and the axis' cone.
 
     Args:
         gui: Where; call it inside the container.
         session: Whose tips.
         on_change: Told the tip and its kind of goal, "free" for none.
+        on_cone: Told the tip and how far its axis may point off [rad].
     """
 
     def __init__(
-        self, gui: viser.GuiApi, session: Session, on_change: Callable[[str, str], None]
+        self,
+        gui: viser.GuiApi,
+        session: Session,
+        on_change: Callable[[str, GoalKind], None],
+        on_cone: Callable[[str, float], None],
     ) -> None:
-        kinds = session.goals
-        several = len(kinds) > 1
-        self.by_tip: dict[str, Any] = {
-            tip: gui.add_dropdown(
-                tip.removesuffix("_link").replace("_", " ") if several else "Goal",
-                GOALS if several else GOALS[:-1],
-                initial_value=kind,
-                hint=f"What {tip} has to match of its target" + "; free: nothing" * several,
+        goals = session.tip_goals
+        several = len(goals) > 1
+        kinds = [kind.replace("_", " ") for kind in GOALS]
+        self.by_tip: dict[str, Any] = {}
+        self.cones: dict[str, Any] = {}
+        for i, (tip, goal) in enumerate(goals.items()):
+            name = tip.removesuffix("_link").replace("_", " ")
+            self.by_tip[tip] = gui.add_dropdown(
+                name if several else "Goal",
+                kinds if several else kinds[:-1],
+                initial_value=goal.kind.replace("_", " "),
+                hint=f"What {tip} has to match of its target; axis: the position and where an axis"
+                " points; look at: only that the axis points at it" + "; free: nothing" * several,
                 order=i - 100.0,
             )
-            for i, (tip, kind) in enumerate(kinds.items())
-        }
-        for tip, control in self.by_tip.items():
-            control.on_update(self._callback(tip, on_change))
+            self.cones[tip] = gui.add_slider(
+                f"Cone of {name} [deg]" if several else "Cone [deg]",
+                0.0,
+                _WIDEST,
+                1.0,
+                min(float(np.degrees(goal.cone)), _WIDEST),
+                hint="How far the axis may point off; it may turn about itself anyway",
+                order=i - 99.5,
+            )
+            self.by_tip[tip].on_update(self._chosen(tip, on_change))
+            self.cones[tip].on_update(self._widened(tip, on_cone))
+        self._show_cones()
 
     @property
     def has_axis(self) -> bool:
-        return any(control.value == "axis" for control in self.by_tip.values())
+        return any(self._kind(tip) in WITH_CONE for tip in self.by_tip)
+
+    @property
+    def turns(self) -> bool:
+        """Whether an orientation is asked for that the position may come before."""
+        return any(self._kind(tip) in ("pose", "axis") for tip in self.by_tip)
 
     def remove(self) -> None:
-        for control in self.by_tip.values():
+        for control in (*self.by_tip.values(), *self.cones.values()):
             control.remove()
 
-    @staticmethod
-    def _callback(
-        tip: str, on_change: Callable[[str, str], None]
+    def _kind(self, tip: str) -> GoalKind:
+        return cast(GoalKind, self.by_tip[tip].value.replace(" ", "_"))
+
+    def _show_cones(self) -> None:
+        for tip, cone in self.cones.items():
+            cone.visible = self._kind(tip) in WITH_CONE
+
+    def _chosen(
+        self, tip: str, on_change: Callable[[str, GoalKind], None]
     ) -> Callable[[viser.GuiEvent[Any]], None]:
-        return lambda event: on_change(tip, event.target.value)
+        def chosen(_: viser.GuiEvent[Any]) -> None:
+            self._show_cones()
+            on_change(tip, self._kind(tip))
+
+        return chosen
+
+    @staticmethod
+    def _widened(
+        tip: str, on_cone: Callable[[str, float], None]
+    ) -> Callable[[viser.GuiEvent[Any]], None]:
+        return lambda event: on_cone(tip, float(np.radians(event.target.value)))

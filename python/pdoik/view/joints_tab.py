@@ -11,9 +11,13 @@ import viser
 
 import pdoik
 
+from .message import Message
+from .nearest import limit_text, nearest_limit
+
 FloatArray = npt.NDArray[np.float64]
 
 _STEP = 1e-3  # [rad] or [m]
+_MARK = "● "  # before the name of the joint that is nearest to a limit
 
 
 class JointsTab:
@@ -28,7 +32,10 @@ class JointsTab:
     def __init__(
         self, gui: viser.GuiApi, robot: pdoik.Robot, on_slide: Callable[[int, float], None]
     ) -> None:
+        self._robot = robot
         self._kinds = robot.joint_types
+        self._marked: int | None = None
+        self.limit = Message(gui)
         self.lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
         self.upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
         middle = robot.mid_configuration()
@@ -54,7 +61,23 @@ class JointsTab:
                 value = (value + np.pi) % (2 * np.pi) - np.pi
             slider.value = round(float(np.clip(value, self.lower[i], self.upper[i])), 4)
 
+    def show_limit(self, q: FloatArray) -> None:
+        """Say which joint is nearest to a limit, and mark its slider."""
+        nearest = nearest_limit(self._robot, q)
+        joint = None if nearest is None else nearest.joint
+        if nearest is not None:
+            text = f"{_MARK}nearest limit: {limit_text(nearest, self._robot)}"
+            if text != self.limit.text:
+                self.limit.say(text)
+        if joint == self._marked:
+            return
+        for which, mark in ((self._marked, ""), (joint, _MARK)):
+            if which is not None:
+                self.sliders[which].label = mark + self._robot.joint_names[which]
+        self._marked = joint
+
     def remove(self) -> None:
+        self.limit.remove()
         for slider in self.sliders:
             slider.remove()
 

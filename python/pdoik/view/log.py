@@ -32,7 +32,9 @@ class Log:
             [rad] or [m], speeds, torques [N m] or forces [N].
         object_pose: T_base_object, the H1's T_pelvis_object, (T, 4, 4); None without the object's
             columns.
-        expected: Of a proposed motion, what it is expected to settle, as Markdown.
+        expected: Of a proposed motion, what it is expected to settle; of a path, what came of it;
+            as Markdown.
+        row_notes: What to say of each row instead of its number, () or T of them.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Log:
     signals: dict[str, FloatArray]
     object_pose: FloatArray | None
     expected: str = ""
+    row_notes: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:

@@ -16,6 +16,9 @@ class Message:
         self._html = gui.add_html("")
         self.text = ""
 
+    def remove(self) -> None:
+        self._html.remove()
+
     def say(self, text: str, *, bad: bool = False) -> None:
         self.text = text
         self._html.content = (

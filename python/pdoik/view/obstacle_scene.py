@@ -12,8 +12,8 @@ from pdoik._hulls import placed_hulls
 
 from .binding import binding
 from .gizmos import Dragged, Gizmo
-from .session import Shown
 from .shapes import gap_colors, wxyz_of
+from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,7 +12,9 @@ import numpy.typing as npt
 import viser
 
 from .examples import Example
+from .goals import GoalKind
 from .model import Model
+from .nearest_scene import NearestScene
 from .obstacle_scene import ObstacleScene
 from .scene import RobotScene
 from .session import Session
@@ -30,15 +34,29 @@ class Page(Protocol):
     robot_scene: RobotScene
     obstacle_scene: ObstacleScene
     shape_scene: ShapeScene
+    nearest_scene: NearestScene
+    read_path: Callable[[Path], Any] | None
 
     def change_options(self, **changes: Any) -> None:
         """Other options of the solver."""
 
-    def change_goal(self, tip: str, kind: Any) -> None:
+    def change_goal(self, tip: str, kind: GoalKind) -> None:
         """Another kind of goal for a tip."""
 
-    def type_target(self, tip: str, T_base_tip: FloatArray) -> None:
-        """Another target for a tip, (4, 4)."""
+    def change_cone(self, tip: str, cone: float) -> None:
+        """How far a tip's axis may point off [rad]."""
+
+    def type_target(self, tip: str, T_base_tip: FloatArray, which: int = 0) -> None:
+        """Another pose for one of a tip's targets, (4, 4)."""
+
+    def add_target(self, tip: str) -> None:
+        """One more target for a tip, beside the last."""
+
+    def drop_target(self, tip: str) -> None:
+        """One target less for a tip."""
+
+    def show_solution(self, q: FloatArray) -> None:
+        """A posture that meets the targets, (n,)."""
 
     def show_ball(self, on: bool, radius: float) -> None:
         """Put the ball where its gizmo is, or take it away [m]."""
@@ -81,6 +99,12 @@ class Page(Protocol):
 
     def take_log(self, file: viser.UploadedFile) -> None:
         """A log to replay."""
+
+    def take_path(self, file: viser.UploadedFile) -> None:
+        """A path to follow."""
+
+    def follow_again(self) -> None:
+        """The path once more, among the obstacles as they are now."""
 
     def take_map(self, file: viser.UploadedFile) -> None:
         """A reachability map to show."""

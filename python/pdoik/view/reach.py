@@ -55,13 +55,13 @@ class ReachRequest:
         if len(session.robot.tip_links) != 1:
             raise ValueError("a reachability map is of one tip: choose one in Files")
         (goal,) = session.goals.values()
-        if goal == "free":
-            raise ValueError("the tip is free, so that there is nothing to reach")
+        if goal == "free" or goal == "look_at":  # mypy narrows by these
+            raise ValueError("the tip is free to be anywhere, so that there is nothing to reach")
         obstacles = session.obstacles
         counts = with_obstacles and obstacles.there and len(session.robot.occupancy) > 0
         return cls(
             robot=session.robot,
-            options=replace(session.options, goal=goal, **SEARCH),
+            options=replace(session.options, goal=goal, priority="both", **SEARCH),
             obstacles=obstacles if counts else None,
             grid=grid,
         )

@@ -29,6 +29,20 @@ class ReplayTab:
         self.player = Player(self.seek)
         self.upload = gui.add_upload_button("Log (.csv)", icon=viser.Icon.UPLOAD)
         self.upload.on_upload(lambda event: page.take_log(event.target.value))
+        self.path = gui.add_upload_button(
+            "Path (.csv .yaml)",
+            icon=viser.Icon.UPLOAD,
+            hint="Poses of the tool, or goals: the robot follows them as one motion",
+            visible=page.read_path is not None,
+        )
+        self.path.on_upload(lambda event: page.take_path(event.target.value))
+        self.again = gui.add_button(
+            "Follow the path again",
+            icon=viser.Icon.ROUTE,
+            hint="Among the obstacles as they are now",
+            visible=False,
+        )
+        self.again.on_click(lambda _: page.follow_again())
         self.play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, disabled=True)
         self.play.on_click(lambda _: self._toggle())
         self.time: Any = gui.add_slider("Time [s]", 0.0, 1.0, 0.001, 0.0, disabled=True)
@@ -61,6 +75,7 @@ class ReplayTab:
         self.player.pause()
         self._loaded = None
         self._drop_marker()
+        self.again.visible = False
         self.time.disabled = self.play.disabled = True
         self.facts.content = "No log."
 
@@ -100,7 +115,8 @@ class ReplayTab:
 def facts(log: Log, elapsed: float, joint_names: list[str]) -> str:
     """The row, the joint that tracks worst, and the highest speed and torque, as Markdown."""
     row = log.row(elapsed)
-    lines = [f"**{log.name}**, row {row + 2} of {len(log.time) + 1}"]
+    note = log.row_notes[row] if log.row_notes else f"row {row + 2} of {len(log.time) + 1}"
+    lines = [f"**{log.name}**, {note}"]
     if "q" in log.signals and "q_des" in log.signals:
         error = log.signals["q_des"][row] - log.signals["q"][row]
         i = int(np.argmax(np.abs(error)))

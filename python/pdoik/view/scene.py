@@ -17,8 +17,8 @@ from .hull_scene import HullScene
 from .humanoid import first_posture
 from .instances import add_instances
 from .model import Model
-from .session import Shown
 from .shapes import segments, turns_of_x, wxyz_of
+from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -81,7 +81,7 @@ class RobotScene:
         self._pose_skeleton(poses)
         shapes = [shape.name for shape in shown.cloud.shapes]
         tight = binding(shown.result, self._robot, shapes).hulls
-        self._hulls.show(shown.q, tight, fails=not shown.result.success)
+        self._hulls.show(shown.q, tight, fails=not shown.met_to_tolerance)
 
     def _drawn_links(self) -> set[str]:
         return {*self._links, *self._axes, *(link for way in self._ways for link in way)}

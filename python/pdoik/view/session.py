@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Literal, cast, get_args
+from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,34 +14,28 @@ import numpy.typing as npt
 import pdoik
 from pdoik.scenes.pieces import AllowedContact
 
-from .humanoid import first_posture, is_h1
+from .followed_path import FollowedPath, follow_path
+from .follower import Follower
+from .goals import (
+    GOALS,
+    MOST_REQUESTS,
+    GoalKind,
+    TipGoal,
+    choice_of,
+    choice_text,
+    count_requests,
+    default_goals,
+    home,
+    request_of,
+    requests,
+)
+from .humanoid import first_posture
+from .nearest import nearest_obstacle
 from .obstacles import Ball, Obstacles
 from .shapes import moved_shape
+from .shown import AllSolutions, Origin, Shown
 
 FloatArray = npt.NDArray[np.float64]
-Origin = Literal["target", "joints", "log"]
-GoalKind = Literal["pose", "axis", "position", "free"]
-
-GOALS: tuple[GoalKind, ...] = get_args(GoalKind)
-_NEEDS = {"pose": 6, "axis": 5}  # joints
-_DRAGGED_WEIGHT = 0.05  # against the other tips' 1: where not all can be had, they hold
-_ANYWHERE = [1e3, 1e3, 1e3]  # [m]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Shown:
-    """What there is to show after a wish was granted."""
-
-    robot: pdoik.Robot
-    q: FloatArray  # (n,), the posture
-    targets: dict[str, FloatArray]  # T_base_tip (4, 4) of each tip link
-    goals: dict[str, GoalKind]  # of each tip link; a free one's target is where it is
-    options: pdoik.Options  # of the solver
-    result: pdoik.Result  # of q: the solver's, or its judge's where q was given
-    found: pdoik.Result  # what the search said: `result`, unless it went far and found nothing
-    obstacles: FloatArray  # (K, 4), points kept off, base frame; the ball is the last row [m]
-    cloud: Obstacles  # what they were made from, and the shapes
-    origin: Origin  # what the wish was for
 
 
 class Session:
@@ -73,12 +67,16 @@ class Session:
         self.robot = robot
         self._lock = threading.Lock()
         self._options = options if options is not None else pdoik.Options()
-        self._solver = _Follower(robot, self._options)
-        self._goals = default_goals(robot, self._options.goal) if goals is None else dict(goals)
+        self._solver = Follower(robot, self._options)
         self._dragged: str | None = None
         self._q = first_posture(robot) if q0 is None else _configuration(q0, robot)
         self._origin: Origin = "joints"  # of the latest wish; if not "target", _q is the wish
-        self._targets = self._tip_poses(self._q)
+        kinds = default_goals(robot, self._options.goal) if goals is None else dict(goals)
+        self._goals = {
+            tip: TipGoal(kind=kinds[tip], targets=(self._home(kinds[tip], tip),))
+            for tip in robot.tip_links
+        }
+        self._met = dict.fromkeys(self._goals, 0)  # which target of each tip is followed
         self._obstacles = obstacles if obstacles is not None else Obstacles()
         self._thinned: list[tuple[Obstacles, FloatArray]] = []  # the last two
         self._wish = 1  # counts wishes
@@ -102,18 +100,27 @@ class Session:
 
     @property
     def targets(self) -> dict[str, FloatArray]:
-        """T_base_tip of each tip link, as wished for last."""
+        """The first T_base_tip of each tip link, as wished for last."""
         with self._lock:
-            return {tip: T.copy() for tip, T in self._targets.items()}
+            return {tip: goal.targets[0].copy() for tip, goal in self._goals.items()}
 
     @property
     def goals(self) -> dict[str, GoalKind]:
-        """What is asked of each tip link."""
+        """The kind of what is asked of each tip link."""
+        with self._lock:
+            return {tip: goal.kind for tip, goal in self._goals.items()}
+
+    @property
+    def tip_goals(self) -> dict[str, TipGoal]:
+        """All that is asked of each tip link."""
         with self._lock:
             return dict(self._goals)
 
     def set_goal(self, tip: str, kind: GoalKind) -> None:
         """Ask for a tip's pose, axis or position where it is now, or let it go free.
+
+        A tip that was free, or looked at a point, has one target then: where it is now; and one
+        that is to look at a point has that point straight ahead.
 
         Raises:
             ValueError: The robot has no such tip, or there is no such kind.
@@ -122,30 +129,66 @@ class Session:
             raise ValueError(f"goal of {tip}: expected one of {', '.join(GOALS)}; got {kind!r}")
         with self._lock:
             self._check_tip(tip)
-            if "free" in (kind, self._goals[tip]):
-                self._targets = self._targets | {tip: self.robot.fk(self._q, tip)}
-            self._goals = self._goals | {tip: kind}
-            self._origin = "target"
-            self._wish += 1
+            before = self._goals[tip]
+            targets = before.targets
+            if kind != before.kind and {kind, before.kind} & {"free", "look_at"}:
+                targets = (self._home(kind, tip),)
+            self._wish_goal(tip, replace(before, kind=kind, targets=targets))
 
-    def set_target(self, tip: str, T_base_tip: npt.ArrayLike) -> None:
-        """Wish for a tip's pose; the other tips keep theirs.
+    def set_cone(self, tip: str, cone: float) -> None:
+        """How far the axis of a tip may point off its target's [rad].
 
         Raises:
-            ValueError: The robot has no such tip, or the pose is not a finite 4x4 matrix.
+            ValueError: The robot has no such tip.
         """
-        T = np.array(T_base_tip, dtype=np.float64)
-        if T.shape != (4, 4) or not np.isfinite(T).all():
-            raise ValueError(f"target of {tip}: expected a finite (4, 4) matrix, got {T.tolist()}")
         with self._lock:
             self._check_tip(tip)
-            self._targets = self._targets | {tip: T}
+            self._wish_goal(tip, replace(self._goals[tip], cone=cone))
+
+    def set_target(self, tip: str, T_base_tip: npt.ArrayLike, which: int = 0) -> None:
+        """Wish for a tip's pose; its other targets stay, and the other tips keep theirs.
+
+        Raises:
+            ValueError: The robot has no such tip, or the tip has not so many targets, or the pose
+                is not a finite 4x4 matrix.
+        """
+        T = _pose(T_base_tip, tip)
+        with self._lock:
+            self._check_tip(tip)
+            targets = list(self._goals[tip].targets)
+            if which >= len(targets):
+                raise ValueError(f"{tip} has {len(targets)} targets, there is no {which + 1}")
+            targets[which] = T
             self._dragged = tip
-            self._origin = "target"
-            self._wish += 1
+            self._wish_goal(tip, replace(self._goals[tip], targets=tuple(targets)))
+
+    def add_target(self, tip: str, T_base_tip: npt.ArrayLike) -> None:
+        """Another target of a tip, instead of which the others will do as well.
+
+        Raises:
+            ValueError: As `set_target`, or there would be too many ways to choose.
+        """
+        T = _pose(T_base_tip, tip)
+        with self._lock:
+            self._check_tip(tip)
+            goal = replace(self._goals[tip], targets=(*self._goals[tip].targets, T))
+            if count_requests(self._goals | {tip: goal}) > MOST_REQUESTS:
+                raise ValueError(f"more than {MOST_REQUESTS} ways to choose targets")
+            self._wish_goal(tip, goal)
+
+    def drop_target(self, tip: str) -> None:
+        """Without the target of a tip that was added last; the first one stays.
+
+        Raises:
+            ValueError: The robot has no such tip.
+        """
+        with self._lock:
+            self._check_tip(tip)
+            goal = self._goals[tip]
+            self._wish_goal(tip, replace(goal, targets=goal.targets[:-1] or goal.targets))
 
     def set_posture(self, q: npt.ArrayLike, origin: Literal["joints", "log"] = "joints") -> None:
-        """Wish for a posture; the targets jump to the tips.
+        """Wish for a posture; the targets that are met, or were last, jump to the tips.
 
         Raises:
             ValueError: Not one finite number per joint.
@@ -161,6 +204,47 @@ class Session:
             posture[index] = position
             self._wish_posture(posture, "joints")
 
+    def show_solution(self, q: npt.ArrayLike) -> None:
+        """Wish for a posture that meets the targets, which stay.
+
+        Raises:
+            ValueError: Not one finite number per joint.
+        """
+        posture = _configuration(q, self.robot)
+        with self._lock:
+            self._q, self._origin = posture, "solution"
+            self._wish += 1
+
+    def find_all(self, limit: int) -> AllSolutions:
+        """All ways to meet the targets that are met now; may be called from any thread.
+
+        Raises:
+            ValueError: As `solve_once`, or limit is not positive.
+        """
+        with self._lock:
+            goals, met, q = self._goals, self._met, self._q
+            solver, obstacles = self._solver, self._obstacles
+        scene = self._scene(obstacles)
+        asked = requests(goals, None)[request_of(goals, met)]
+        found = solver.solve_all(asked, limit, q, scene)
+        return AllSolutions(robot=self.robot, found=found, choice=choice_text(goals, met))
+
+    def follow(self, name: str, stations: Any, **asked: Any) -> FollowedPath:
+        """Follow a whole path among the obstacles there are; may be called from any thread.
+
+        Args:
+            name: Of the path.
+            stations: As `pdoik.Solver.solve_path` takes them.
+            **asked: The same: closed, costs, ...
+
+        Raises:
+            ValueError: As `pdoik.Solver.solve_path`.
+        """
+        with self._lock:
+            options, obstacles = self._options, self._obstacles
+        scene = self._scene(obstacles)
+        return follow_path(name, pdoik.Solver(self.robot, options), stations, scene, **asked)
+
     def set_options(self, **changes: Any) -> None:
         """Change fields of the options; `goal` is then asked of every tip.
 
@@ -168,10 +252,12 @@ class Session:
             TypeError, ValueError: As `pdoik.Options` and `pdoik.Solver` raise them.
         """
         options = dataclasses.replace(self.options, **changes)
-        solver = _Follower(self.robot, options)
+        solver = Follower(self.robot, options)
         with self._lock:
             if "goal" in changes:
-                self._goals = dict.fromkeys(self._goals, options.goal)
+                self._goals = {
+                    tip: replace(goal, kind=options.goal) for tip, goal in self._goals.items()
+                }
             self._options, self._solver, self._origin = options, solver, "target"
             self._wish += 1
 
@@ -256,48 +342,66 @@ class Session:
             ValueError: The cloud cannot be thinned so finely, or the solver refuses the problem.
         """
         with self._lock:
-            wish, targets, obstacles = self._wish, self._targets, self._obstacles
+            wish, goals, obstacles = self._wish, self._goals, self._obstacles
             origin, q, solver = self._origin, self._q, self._solver
-            kinds, dragged = self._goals, self._dragged
+            met, dragged = self._met, self._dragged
             if wish == self._granted:
                 return None
             self._granted = wish  # even if it cannot be: it would fail again
         points = obstacles.placed(self._thin(obstacles))
         scene = obstacles.scene(points, self.robot)
-        goals = _goals(targets, kinds, dragged)
+        asked = requests(goals, dragged)
         if origin == "target":
-            result, found = solver.solve(goals, q, scene)
-            q = np.asarray(result.q)
-            free = {tip: self.robot.fk(q, tip) for tip, kind in kinds.items() if kind == "free"}
+            result, found, number = solver.solve(asked, request_of(goals, met), q, scene)
+            q, met = np.asarray(result.q), choice_of(goals, number)
+            free = {tip: self._at_rest(q, tip) for tip in goals if goals[tip].kind == "free"}
             with self._lock:
                 if self._origin == "target":
-                    self._q = q
-                    still = {tip for tip in free if self._goals[tip] == "free"}
-                    self._targets = self._targets | {tip: free[tip] for tip in still}
-            targets = targets | free
+                    self._q, self._met = q, met
+                    still = {tip for tip in free if self._goals[tip].kind == "free"}
+                    self._goals = self._goals | {tip: free[tip] for tip in still}
+            goals = goals | free
         else:
-            result = found = solver.judge(goals, q, scene)
+            result, number = solver.judge(asked, q, scene)
+            found, met = result, choice_of(goals, number)
         return Shown(
             robot=self.robot,
             q=q,
-            targets=targets,
-            goals=kinds,
+            goals=goals,
+            met=met,
             options=solver.options,
             result=result,
             found=found,
             obstacles=points,
             cloud=obstacles,
+            nearest=nearest_obstacle(
+                solver.clearances(q, scene),
+                self.robot,
+                q,
+                points,
+                obstacles.shapes,
+                None if obstacles.ball is None else len(points) - 1,
+            ),
             origin=origin,
         )
 
     def _check_tip(self, tip: str) -> None:
-        if tip not in self._targets:
-            raise ValueError(f"{tip!r} is no tip of {self.robot.name}: {list(self._targets)}")
+        if tip not in self._goals:
+            raise ValueError(f"{tip!r} is no tip of {self.robot.name}: {list(self._goals)}")
+
+    def _wish_goal(self, tip: str, goal: TipGoal) -> None:
+        self._goals = self._goals | {tip: goal}
+        self._met = self._met | {tip: min(self._met[tip], len(goal.targets) - 1)}
+        self._origin = "target"
+        self._wish += 1
 
     def _wish_posture(self, posture: FloatArray, origin: Origin) -> None:
         self._q = posture
         self._origin = origin
-        self._targets = self._tip_poses(posture)
+        for tip, goal in self._goals.items():
+            targets = list(goal.targets)
+            targets[self._met[tip]] = self._home(goal.kind, tip)
+            self._goals = self._goals | {tip: replace(goal, targets=tuple(targets))}
         self._wish += 1
 
     def _change_obstacles(self, **changes: Any) -> None:
@@ -306,8 +410,14 @@ class Session:
             self._origin = "target"  # the arm gives way
             self._wish += 1
 
-    def _tip_poses(self, q: FloatArray) -> dict[str, FloatArray]:
-        return {tip: self.robot.fk(q, tip) for tip in self.robot.tip_links}
+    def _home(self, kind: GoalKind, tip: str) -> FloatArray:
+        return home(kind, self.robot, self._q, tip, self._options.goal_axis)
+
+    def _at_rest(self, q: FloatArray, tip: str) -> TipGoal:
+        return TipGoal(kind="free", targets=(self.robot.fk(q, tip),))
+
+    def _scene(self, obstacles: Obstacles) -> pdoik.Scene | FloatArray:
+        return obstacles.scene(obstacles.placed(self._thin(obstacles)), self.robot)
 
     def _thin(self, obstacles: Obstacles) -> FloatArray:
         """The thinned cloud; thinning takes longer than solving, moving the cloud does not."""
@@ -320,67 +430,11 @@ class Session:
         return thinned
 
 
-class _Follower:
-    """Looks near the posture shown last; far from it only where nothing is to be had nearby.
-
-    Where the far search fails, too, the nearby answer stays: a robot that cannot do what it is
-    asked should lean towards it, not flicker between postures.
-    """
-
-    def __init__(self, robot: pdoik.Robot, options: pdoik.Options) -> None:
-        self.options = options
-        # The page says so where a robot without hulls cannot keep off what it shows.
-        options = replace(options, ignore_obstacles_without_hulls=True)
-        self._near = pdoik.Solver(robot, replace(options, max_restarts=0))
-        self._several = len(robot.tip_links) > 1  # limbs that no goal moves would drift
-        far = replace(options, prefer="nearest") if self._several else options
-        self._far = pdoik.Solver(robot, far)
-
-    def solve(
-        self, goals: dict[str, pdoik.Goal], q: FloatArray, scene: pdoik.Scene | FloatArray
-    ) -> tuple[pdoik.Result, pdoik.Result]:
-        """What to show, and what the search said."""
-        posture = q if self._several and self.options.method == "default" else None
-        near = self._near.solve(goals, q0=q, obstacles=scene, posture=posture)
-        hopeless = near.status in ("out_of_reach", "base_collision", "blocked")
-        if near.success or hopeless or self.options.method == "paper":  # which has no restarts
-            return near, near
-        far = self._far.solve(goals, q0=q, obstacles=scene, posture=posture)
-        return (far if far.success else near), far
-
-    def judge(
-        self, goals: dict[str, pdoik.Goal], q: FloatArray, scene: pdoik.Scene | FloatArray
-    ) -> pdoik.Result:
-        return self._near.judge(goals, q, obstacles=scene)
-
-
-def default_goals(robot: pdoik.Robot, goal: str) -> dict[str, GoalKind]:
-    """The goal for tips that have the joints for it, the position for others and H1's elbows."""
-    q = robot.mid_configuration()
-
-    def kind(tip: str) -> GoalKind:
-        movers = int((np.abs(robot.jacobian(q, tip)).max(axis=0) > 1e-12).sum())
-        short = movers < _NEEDS.get(goal, 0)
-        return "position" if short or (is_h1(robot) and "elbow" in tip) else cast(GoalKind, goal)
-
-    return {tip: kind(tip) for tip in robot.tip_links}
-
-
-def _goals(
-    targets: dict[str, FloatArray], kinds: dict[str, GoalKind], dragged: str | None
-) -> dict[str, pdoik.Goal]:
-    """What the solver takes: goals by tip, without the free ones."""
-    asked = {tip: kind for tip, kind in kinds.items() if kind != "free"}
-    if not asked:  # the solver wants one: anywhere
-        tip, T = next(iter(targets.items()))
-        return {tip: pdoik.Goal(T, type="position", position_slack=_ANYWHERE)}
-    several = len(asked) > 1
-    return {
-        tip: pdoik.Goal(
-            targets[tip], type=kind, weight=_DRAGGED_WEIGHT if several and tip == dragged else 1.0
-        )
-        for tip, kind in asked.items()
-    }
+def _pose(T_base_tip: npt.ArrayLike, tip: str) -> FloatArray:
+    T = np.array(T_base_tip, dtype=np.float64)
+    if T.shape != (4, 4) or not np.isfinite(T).all():
+        raise ValueError(f"target of {tip}: expected a finite (4, 4) matrix, got {T.tolist()}")
+    return T
 
 
 def _configuration(q: npt.ArrayLike, robot: pdoik.Robot) -> FloatArray:

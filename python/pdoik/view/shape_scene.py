@@ -12,8 +12,8 @@ import viser
 import pdoik
 
 from .binding import binding
-from .session import Shown
 from .shapes import wxyz_of
+from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class ShapeScene:
         for name, node in self._nodes.items():
             color = _SHAPE
             if name == tight:
-                color = _SHAPE_TIGHT if shown.result.success else _SHAPE_BROKEN
+                color = _SHAPE_TIGHT if shown.met_to_tolerance else _SHAPE_BROKEN
             if tuple(node.color) != color:
                 node.color = color
 

@@ -102,6 +102,10 @@ def moved_shape(shape: pdoik.Shape, T_base_shape: FloatArray) -> pdoik.Shape:
 
 def gap_colors(hulls: list[PlacedHull], obstacles: FloatArray) -> ByteArray:
     """A colour for each obstacle (K, 4) that tells its gap to the nearest hull, (K, 3)."""
-    gap = gaps(hulls, obstacles[:, :3]) - obstacles[:, 3]
-    shown = np.clip(gap, _GAPS[0], _GAPS[-1])
+    return room_colors(gaps(hulls, obstacles[:, :3]) - obstacles[:, 3])
+
+
+def room_colors(room: FloatArray) -> ByteArray:
+    """A colour for each distance (K,) from red at 0 to blue at 0.25 m and more, (K, 3)."""
+    shown = np.clip(room, _GAPS[0], _GAPS[-1])
     return np.stack([np.interp(shown, _GAPS, c) for c in _GAP_COLORS.T], axis=1).astype(np.uint8)

@@ -9,13 +9,17 @@ import viser
 import pdoik
 from pdoik._hulls import wide_hulls
 
+from .alternatives_panel import AlternativesPanel
+from .goals import GoalKind
 from .goals_panel import GoalsPanel
 from .humanoid import balance_over_feet, can_balance
+from .solutions_panel import SolutionsPanel
 from .targets_panel import TargetsPanel
 
 if TYPE_CHECKING:
     from .page import Page
-    from .session import Session, Shown
+    from .session import Session
+from .shown import Shown
 
 AXES = ("x", "y", "z")
 METHODS = ("default", "paper")
@@ -31,8 +35,18 @@ class SolveTab:
         self._page = page
         self._gui = gui
         self.goals: GoalsPanel | None = None  # see `follow_robot`
+        self.alternatives: AlternativesPanel | None = None
+        self.solutions: SolutionsPanel | None = None
         self.targets: TargetsPanel | None = None
-        self.goal_axis = gui.add_dropdown("Axis", AXES, initial_value=axis)
+        self.position_first: Any = gui.add_checkbox(
+            "Position first",
+            options.priority == "position",
+            hint="The position has to be met, and the orientation as near as it can be",
+            order=-95.0,
+        )
+        self.goal_axis = gui.add_dropdown(
+            "Axis", AXES, initial_value=axis, hint="Of the tip, which is to point", order=-99.0
+        )
         self.method = gui.add_dropdown("Method", METHODS, initial_value=options.method)
         self.clearance = gui.add_slider(
             "Clearance [mm]", 0.0, 100.0, 1.0, min(1e3 * options.clearance, 100.0)
@@ -68,12 +82,16 @@ class SolveTab:
             self.skeleton: Any = gui.add_checkbox("Skeleton", False, hint="Inside the links")
             self.cloud = gui.add_checkbox("Cloud", True)
             self.shapes = gui.add_checkbox("Shapes", True)
+            self.nearest: Any = gui.add_checkbox(
+                "Nearest obstacle", True, hint="A line to it from the robot"
+            )
 
         def on_options(event: viser.GuiEvent[Any]) -> None:
             if event.client is None:  # not a hand, but `follow_robot`
                 return
             page.change_options(
                 goal_axis=self.goal_axis.value,
+                priority="position" if self.position_first.value else "both",
                 method=self.method.value,
                 clearance=self.clearance.value / 1e3,
                 base_collision=self.fixed.value,
@@ -82,6 +100,7 @@ class SolveTab:
             )
 
         for control in (
+            self.position_first,
             self.goal_axis,
             self.method,
             self.clearance,
@@ -122,6 +141,7 @@ class SolveTab:
             self.skeleton,
             self.cloud,
             self.shapes,
+            self.nearest,
         ):
             control.on_update(on_parts)
 
@@ -129,12 +149,14 @@ class SolveTab:
         """Fit what depends on the robot; call it inside the tab."""
         session = self._page.session
         robot = session.robot
-        for panel in (self.goals, self.targets):
+        for panel in (self.goals, self.alternatives, self.solutions, self.targets):
             if panel is not None:
                 panel.remove()
-        self.goals = GoalsPanel(self._gui, session, self._goal_chosen)
+        self.goals = GoalsPanel(self._gui, session, self._goal_chosen, self._page.change_cone)
+        self.alternatives = AlternativesPanel(self._gui, self._page)
+        self.solutions = SolutionsPanel(self._gui, self._page)
         self.targets = TargetsPanel(self._gui, session, self._page.type_target)
-        self.goal_axis.visible = self.goals.has_axis
+        self._fit_to_goals(self.goals)
         self.self_collision.visible = len(robot.occupancy) > 0
         self.wide_hulls.visible = len(wide_hulls(robot)) > 0
         self.self_collision.value = session.options.keeps_off_itself(robot)
@@ -150,16 +172,26 @@ class SolveTab:
         self.move_shape.visible = bool(names)
 
     def show(self, shown: Shown) -> None:
-        """Follow the targets."""
+        """Follow the targets, and which are met."""
+        for panel in (self.alternatives, self.solutions):
+            if panel is not None:
+                panel.show(shown)
         if self.targets is not None:
-            self.targets.show(shown.targets)
+            self.targets.show(shown.goals)
 
-    def _goal_chosen(self, tip: str, kind: str) -> None:
+    def follow_goals(self) -> None:
+        """Fit what depends on what is asked of the tips."""
+        if self.targets is not None:
+            self.targets.follow(self._page.session.tip_goals)
+
+    def _goal_chosen(self, tip: str, kind: GoalKind) -> None:
         assert self.goals is not None
-        assert self.targets is not None
-        self.goal_axis.visible = self.goals.has_axis
+        self._fit_to_goals(self.goals)
         self._page.change_goal(tip, kind)
-        self.targets.follow(self._page.session.goals)
+
+    def _fit_to_goals(self, goals: GoalsPanel) -> None:
+        self.goal_axis.visible = goals.has_axis
+        self.position_first.visible = goals.turns
 
     def apply_parts(self, page: Page) -> None:
         """Show what is ticked."""
@@ -171,3 +203,4 @@ class SolveTab:
         )
         page.obstacle_scene.show_cloud(self.cloud.value)
         page.shape_scene.show_shapes(self.shapes.value)
+        page.nearest_scene.show_line(self.nearest.value)

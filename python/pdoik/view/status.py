@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections import deque
 from html import escape
@@ -13,10 +14,13 @@ import pdoik
 
 from .binding import margin_text
 from .message import Message
-from .session import Shown
+from .nearest import limit_text, nearest_limit
+from .shown import Shown
 
 _WINDOW = 2.0  # [s]
-_GOOD, _BAD, _POSED = "#1b7f3b", "#b3261e", "#4a5568"
+_GOOD, _NEAR, _BAD, _POSED = "#1b7f3b", "#b26a00", "#b3261e", "#4a5568"
+_WHICH_GOAL = re.compile(r"^goal \d+ of \d+: ")
+_POSED_BY = {"log": "posed by the log", "joints": "posed by hand", "solution": "chosen solution"}
 
 
 class Meter:
@@ -68,16 +72,17 @@ def status_html(shown: Shown, meter: Meter) -> str:
     result, robot = shown.result, shown.robot
     if shown.origin == "target":
         word = shown.found.status.replace("_", " ")
-        badge = word, _GOOD if result.success else _BAD
+        good = _NEAR if result.status == "nearest" else _GOOD
+        badge = word, good if shown.met_to_tolerance else _BAD
         clock = f"{1e3 * shown.found.time:.3f} ms"
     else:
-        word = "posed by the log" if shown.origin == "log" else "posed by hand"
-        badge = word, _POSED if result.success else _BAD
+        badge = _POSED_BY[shown.origin], _POSED if result.success else _BAD
         clock = ""
     rows = [
         ("position error", f"{1e3 * result.position_error:.4f} mm"),
         ("rotation error", f"{1e3 * result.rotation_error:.4f} mrad"),
         ("clearance", _clearance(result, shown)),
+        *_nearest(shown),
         *_extras(shown),
         ("worst constraint", escape(result.worst_constraint)),
         ("", margin_text(result, robot)),
@@ -95,8 +100,29 @@ def status_html(shown: Shown, meter: Meter) -> str:
         f'<div style="display:flex;align-items:baseline"><span style="background:{badge[1]};'
         f'color:white;border-radius:4px;padding:0.1em 0.6em;font-weight:600">{badge[0]}</span>'
         f'<span style="margin-left:auto;font-size:1.25em;font-weight:600">{clock}</span></div>'
+        f"{_words(shown, badge[0])}"
         f'<table style="margin-top:0.4em;border-spacing:0">{cells}</table></div>'
     )
+
+
+def _words(shown: Shown, badge: str) -> str:
+    """Which goal is met, and how it went where the badge does not say it all."""
+    message = _WHICH_GOAL.sub("", shown.found.message)  # the view names it
+    words = [shown.choice, "" if message == badge else message]
+    text = ": ".join(each for each in words if each)
+    return f'<div style="margin-top:0.3em;overflow-wrap:anywhere">{escape(text)}</div>'
+
+
+def _nearest(shown: Shown) -> list[tuple[str, str]]:
+    """What the robot is nearest to: an obstacle, and a limit."""
+    rows = []
+    if shown.nearest is not None:
+        nearest = shown.nearest
+        rows.append(("nearest obstacle", escape(f"{nearest.obstacle}, from {nearest.part}")))
+    limit = nearest_limit(shown.robot, shown.q)
+    if limit is not None:
+        rows.append(("nearest limit", escape(limit_text(limit, shown.robot))))
+    return rows
 
 
 def _clearance(result: pdoik.Result, shown: Shown) -> str:

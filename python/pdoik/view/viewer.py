@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -26,13 +26,16 @@ from .camera import FittedCamera, View
 from .examples import Example
 from .examples_menu import ExamplesMenu
 from .files_tab import FilesTab
-from .gizmos import Gizmo, TargetGizmos
+from .gizmos import Gizmo
+from .goals import GoalKind
 from .humanoid import floor_height
 from .joints_tab import JointsTab
 from .log import load_log
 from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
+from .nearest_scene import NearestScene
 from .obstacle_scene import ObstacleScene
 from .pages import PagesLine
+from .path_scene import PathScene
 from .reach import load_map
 from .reach_tab import ReachTab
 from .replay_tab import ReplayTab
@@ -41,6 +44,7 @@ from .session import Session
 from .shape_scene import ShapeScene
 from .solve_tab import SolveTab
 from .status import Status
+from .target_gizmos import TargetGizmos
 from .worker import Worker
 
 FloatArray = npt.NDArray[np.float64]
@@ -55,6 +59,7 @@ class Viewer:
         server: Of the page.
         model: The robot that is drawn.
         session: What is solved; another one for each robot.
+        read_path: Gives the stations in a file, as `pdoik.Solver.solve_path` takes them.
         worker: The thread that solves and draws.
         targets: The gizmos of the tips.
 
@@ -68,8 +73,10 @@ class Viewer:
         model: Model,
         session: Session,
         example: Example | None = None,
+        read_path: Callable[[Path], Any] | None = None,
     ) -> None:
         self.server = server
+        self.read_path = read_path
         self.session = session
         self.model = model
         self._folder = tempfile.TemporaryDirectory(
@@ -90,6 +97,9 @@ class Viewer:
         self.balance_scene = BalanceScene(server)
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.shape_scene = ShapeScene(server)
+        self.nearest_scene = NearestScene(server)
+        self.path_scene = PathScene(server)
+        self._path: tuple[str, Any, dict[str, Any]] | None = None  # that is followed
         self._drawing = threading.Lock()  # the robot is replaced by a hand, or posed by the worker
         self._gripping = threading.Lock()  # choices come from threads of their own
         self._gripped: tuple[str, Gizmo] | None = None  # a shape and what it is dragged by
@@ -144,15 +154,18 @@ class Viewer:
             self.shape_scene.show(shown)
             self.targets.show(shown)
             self.balance_scene.show(shown)
+            self.nearest_scene.show(shown)
             self.solve_tab.show(shown)
-            if shown.origin != "joints" and self.joints_tab is not None:
-                self.joints_tab.show(shown.q)
+            if self.joints_tab is not None:
+                if shown.origin != "joints":
+                    self.joints_tab.show(shown.q)
+                self.joints_tab.show_limit(shown.q)
             self.status.show(shown)
 
     # What is dragged. These run on the page's event loop and only note the wish.
 
-    def _drag_target(self, session: Session, tip: str, T_base_tip: FloatArray) -> None:
-        session.set_target(tip, T_base_tip)
+    def _drag_target(self, session: Session, tip: str, T_base_tip: FloatArray, which: int) -> None:
+        session.set_target(tip, T_base_tip, which)
         self.worker.wake()
 
     def _drag_ball(self, T: FloatArray) -> None:
@@ -204,18 +217,48 @@ class Viewer:
             self.session.set_options(**changes)
             self.worker.wake()
 
-    def change_goal(self, tip: str, kind: Any) -> None:
+    def change_goal(self, tip: str, kind: GoalKind) -> None:
         with self.complaints():
             self.session.set_goal(tip, kind)
-            self.targets.by_tip[tip].place(self.session.targets[tip])
-            self.targets.follow(self.session.goals)
+            self._follow_goals()
+            self.targets.place(self.session.tip_goals, tip)
             self.worker.wake()
 
-    def type_target(self, tip: str, T_base_tip: FloatArray) -> None:
+    def change_cone(self, tip: str, cone: float) -> None:
         with self.complaints():
-            self.session.set_target(tip, T_base_tip)
-            self.targets.by_tip[tip].place(T_base_tip)
+            self.session.set_cone(tip, cone)
             self.worker.wake()
+
+    def type_target(self, tip: str, T_base_tip: FloatArray, which: int = 0) -> None:
+        with self.complaints():
+            self.session.set_target(tip, T_base_tip, which)
+            self.targets.all_of(tip)[which].place(T_base_tip)
+            self.worker.wake()
+
+    def add_target(self, tip: str) -> None:
+        with self.complaints():
+            T = self.session.tip_goals[tip].targets[-1].copy()
+            T[1, 3] += 1.2 * self._gizmo_size()
+            self.session.add_target(tip, T)
+            self._follow_goals()
+            self.worker.wake()
+
+    def drop_target(self, tip: str) -> None:
+        with self.complaints():
+            self.session.drop_target(tip)
+            self._follow_goals()
+            self.worker.wake()
+
+    def show_solution(self, q: FloatArray) -> None:
+        with self.complaints():
+            self.session.show_solution(q)
+            self.worker.wake()
+
+    def _follow_goals(self) -> None:
+        """Fit gizmos and numbers to what is asked of the tips."""
+        with self._drawing, self.server.atomic():
+            self.targets.follow(self.session.tip_goals)
+            self.solve_tab.follow_goals()
 
     def show_ball(self, on: bool, radius: float) -> None:
         """Put the ball where its gizmo is, or take it away [m]."""
@@ -316,6 +359,39 @@ class Viewer:
         with self.complaints():
             self.replay_tab.load(load_log(self._keep(file), self.session.robot.joint_names))
 
+    def take_path(self, file: viser.UploadedFile) -> None:
+        if self.read_path is None:
+            return
+        with self.complaints():
+            self.follow_path(file.name, self.read_path(self._keep(file)))
+
+    def follow_path(self, name: str, stations: Any, **asked: Any) -> None:
+        """Find the motion along a path, as `Session.follow` does, and play it.
+
+        Raises:
+            ValueError: As `Session.follow`.
+        """
+        session = self.session
+        self.status.say(f"{name}: looking for a motion ...")
+        followed = session.follow(name, stations, **asked)
+        with self._drawing, self.server.atomic():
+            if session is not self.session:  # another robot was chosen meanwhile
+                return
+            self._path = name, stations, asked
+            self.path_scene.show(followed)
+        if followed.log is None:
+            self.replay_tab.unload()
+        else:
+            self.replay_tab.load(followed.log)
+        self.replay_tab.again.visible = True
+        self.status.say(f"{name}: {followed.result.message}", bad=not followed.result.success)
+
+    def follow_again(self) -> None:
+        if self._path is not None:
+            name, stations, asked = self._path
+            with self.complaints():
+                self.follow_path(name, stations, **asked)
+
     def take_map(self, file: viser.UploadedFile) -> None:
         with self.complaints():
             path = self._keep(file)
@@ -350,6 +426,8 @@ class Viewer:
             self.balance_scene.remove()
             self.robot_scene.remove()
             self.replay_tab.unload()
+            self.path_scene.remove()
+            self._path = None
             self.model, self.session = model, session
             self._add_robot()
             self._follow_robot()
@@ -360,11 +438,10 @@ class Viewer:
         self.robot_scene = RobotScene(self.server, self.model, robot_size(self.model))
         self.targets = TargetGizmos(
             self.server,
-            self.session.targets,
+            self.session.tip_goals,
             self._gizmo_size(),
             partial(self._drag_target, self.session),  # of this robot, even if it is gone by then
         )
-        self.targets.follow(self.session.goals)
         self._floor.position = np.array([0.0, 0.0, floor_height(self.model.robot)])
 
     def _gizmo_size(self) -> float:

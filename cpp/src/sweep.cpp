@@ -1,0 +1,194 @@
+#include "detail/sweep.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include "detail/clearance.hpp"
+#include "detail/travel.hpp"
+
+namespace pdoik::detail {
+namespace {
+
+/// A way is halved so often, at most: into pieces of a millionth.
+constexpr std::size_t kDeepest = 20;
+
+}  // namespace
+
+Sweep::Sweep(Workspace& workspace)
+    : workspace_(workspace),
+      model_(workspace.model()),
+      state_(model_.hulls, model_.hulls.moving),
+      capsules_(model_.robot, model_.hulls, model_.hulls.moving),
+      finest_(finest_piece(model_.narrowest)),
+      left_(kDeepest + 1),
+      levers_(model_.levers) {
+  state_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
+  state_.let_touch(&workspace.problem.touching);
+  capsules_.let_touch(&workspace.problem.touching);
+  for (Eigen::VectorXd* each : {&probe_.q, &fault_.q, &at_, &step_, &held_levers_, &fault_q_})
+    each->setZero(model_.robot.dof());
+  const bool keeps_off = model_.options.keeps_off_itself(model_.robot);
+  all_ = keeps_off ? model_.whole.all() : model_.hulls.all();
+  if (keeps_off) {
+    self_.emplace(model_.robot, model_.whole, model_.options.self_clearance);
+    for (int k = 0; k < self_->pair_count(); ++k) {
+      const auto& [one, other] = self_->pair(k).hull;
+      pairs_.push_back({{one, other}, common_body(one, other)});
+    }
+  }
+  const Held& held = workspace.scene().held();
+  if (held.count() > 0) held_.emplace(model_.robot, model_.hulls, model_.options, held);
+  everything_.resize(model_.hulls.moving.size() + pairs_.size() +
+                     static_cast<std::size_t>(held.count()));
+  std::iota(everything_.begin(), everything_.end(), 0);
+}
+
+int Sweep::common_body(int one, int other) const {
+  // Bodies come after those that carry them.
+  std::vector<int> bodies;
+  for (const int k : {one, other}) {
+    const Hull& hull = all_[static_cast<std::size_t>(k)];
+    if (hull.has_capsules())
+      bodies.push_back(hull.body);
+    else
+      for (const int point : {hull.a, hull.b})
+        bodies.push_back(model_.hulls.points[static_cast<std::size_t>(point)].body);
+  }
+  for (;;) {
+    auto last = std::ranges::max_element(bodies);
+    if (std::ranges::all_of(bodies, [&](int body) { return body == *last; })) return *last;
+    *last = model_.robot.bodies()[static_cast<std::size_t>(*last)].parent;
+  }
+}
+
+Sweep::Room Sweep::room(const Result& verdict) const {
+  return {verdict.clearance - model_.options.clearance,
+          verdict.self_distance - model_.options.self_clearance};
+}
+
+Sweep::Room Sweep::room_at(std::span<const Goal> goals, const Eigen::VectorXd& q) {
+  ++looks_;
+  workspace_.judge(goals, q, probe_, kLook);
+  return room(probe_);
+}
+
+const Result& Sweep::fault() {
+  workspace_.judge(goals_, fault_q_, fault_, kLook);
+  return fault_;
+}
+
+void Sweep::place(double at) {
+  ++looks_;
+  at_ = *from_ + at * (*to_ - *from_);
+  workspace_.least_squares.place(at_);
+  const Rollout& rollout = workspace_.problem.rollout;
+  state_.place(rollout);
+  capsules_.place(state_.positions(), state_.frames());
+  if (self_) self_->place(state_.positions(), state_.frames());
+  if (held_)
+    held_->place([&](int body) { return rollout.frame(body); }, state_.positions(),
+                 state_.frames());
+}
+
+double Sweep::way_of(int hull, int carrier, double share) const {
+  return travel_from(workspace_.problem.rollout, state_, all_[static_cast<std::size_t>(hull)],
+                     step_, share, carrier);
+}
+
+template <class IsNear>
+Sweep::Answer Sweep::told_by(double way, double reach, IsNear&& is_near) const {
+  if (way > 0.0 && !is_near(reach)) return Answer::Clear;
+  if (is_near(-model_.options.clearance_tolerance)) return Answer::Touches;
+  return way > finest_ ? Answer::Near : Answer::Clear;
+}
+
+Sweep::Answer Sweep::of_hull(int hull, double way) {
+  const Scene& scene = workspace_.scene();
+  return told_by(way, way, [&](double than) {
+    if (scene.obstacles()->count() > 0 &&
+        any_nearer(state_, static_cast<std::size_t>(hull), scene.obstacles(), than))
+      return true;
+    const double apart = than + model_.options.clearance;
+    bool is_any = false;
+    shapes_near(capsules_, hull, scene.shapes(), apart, [&](int shape) {
+      is_any = hull_clearance(capsules_, hull, scene.shapes(), shape, apart).shape >= 0;
+      return is_any ? kNoMore : apart;
+    });
+    return is_any;
+  });
+}
+
+Sweep::Answer Sweep::of_pair(int pair, double way) {
+  return told_by(way, way, [&](double than) {
+    return self_->is_nearer(pair, model_.options.self_clearance + than);
+  });
+}
+
+Sweep::Answer Sweep::of_held(int held, double way) {
+  const Scene& scene = workspace_.scene();
+  // Of what moves against it as much is asked again.
+  return told_by(way, 2.0 * way, [&](double than) {
+    if (held_->nearest_point(held, scene.obstacles(), than)) return true;
+    if (held_->nearest_shape(held, scene.shapes(), than)) return true;
+    for (int hull = 0; hull < held_->hulls(); ++hull)
+      if (held_->nearest_of_hull(held, hull, than)) return true;
+    for (int other = 0; other < held; ++other)
+      if (held_->nearest_of_held(held, other, than)) return true;
+    return false;
+  });
+}
+
+Sweep::Answer Sweep::answer(int asked, double share) {
+  const int hulls = static_cast<int>(model_.hulls.moving.size()),
+            pairs = static_cast<int>(pairs_.size());
+  if (asked < hulls) return of_hull(asked, way_of(asked, 0, share));
+  if (asked < hulls + pairs) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(asked - hulls)];
+    double way = 0.0;
+    for (const int hull : pair.hulls) way += way_of(hull, pair.common, share);
+    return of_pair(asked - hulls, way);
+  }
+  return of_held(asked - hulls - pairs, share * held_levers_.dot(step_));
+}
+
+bool Sweep::is_clear_within(double middle, double half, const Asked& asked, std::size_t depth) {
+  if (workspace_.problem.deadline->passed()) return false;
+  place(middle);
+  Asked& left = left_[depth];
+  left.clear();
+  for (const int each : asked) {
+    const Answer told = answer(each, half);
+    if (told == Answer::Touches) {
+      fault_q_ = at_;
+      return false;
+    }
+    if (told == Answer::Near) left.push_back(each);
+  }
+  if (left.empty() || depth == kDeepest) return true;
+  return is_clear_within(middle - 0.5 * half, 0.5 * half, left, depth + 1) &&
+         is_clear_within(middle + 0.5 * half, 0.5 * half, left, depth + 1);
+}
+
+bool Sweep::is_clear_between(std::span<const Goal> goals, const Eigen::VectorXd& from,
+                             const Eigen::VectorXd& to) {
+  goals_ = goals;
+  from_ = &from;
+  to_ = &to;
+  step_ = (to - from).cwiseAbs();
+  if (held_) hull_levers(model_.robot, workspace_.scene().held().balls(), from, to, held_levers_);
+  workspace_.problem.touching.set_goals(goals);
+  return is_clear_within(0.5, 0.5, everything_, 0);
+}
+
+bool Sweep::is_clear_between(std::span<const Goal> goals, const Eigen::VectorXd& from,
+                             const Eigen::VectorXd& to, const Room& one, const Room& other) {
+  // Distances change no faster than hulls move, of two hulls no faster than both.
+  step_ = (to - from).cwiseAbs();
+  const double way = levers_.dot(step_);
+  const bool is_far = way <= std::max(one.obstacles, 0.0) + std::max(other.obstacles, 0.0) &&
+                      2.0 * way <= std::max(one.self, 0.0) + std::max(other.self, 0.0);
+  if (is_far && !held_) return true;
+  return is_clear_between(goals, from, to);
+}
+
+}  // namespace pdoik::detail

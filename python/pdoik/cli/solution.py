@@ -1,0 +1,65 @@
+"""What pdoik solve found, beside what it was asked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+import pdoik
+
+from .obstacles import Obstacles
+from .question import Question
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A result beside what it is a result of."""
+
+    robot: pdoik.Robot
+    options: pdoik.Options
+    question: Question
+    result: pdoik.Result
+    obstacles: Obstacles | None = None
+    surface_clearance: float = math.inf  # with the cloud before it was thinned [m]
+
+    @property
+    def answer(self) -> pdoik.Result:
+        """As the solver gave it."""
+        return self.result
+
+    @property
+    def nearest(self) -> pdoik.Result:
+        return self.result
+
+    @property
+    def is_found(self) -> bool:
+        return bool(self.result.success)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AllSolutions:
+    """The same of --all."""
+
+    robot: pdoik.Robot
+    options: pdoik.Options
+    question: Question
+    answer: pdoik.Solutions  # as the solver gave it
+    obstacles: Obstacles | None = None
+
+    @property
+    def nearest(self) -> pdoik.Result | None:
+        """To the start, or to the middle of the ranges where there was none."""
+        return self.answer[0] if len(self.answer) else None
+
+    @property
+    def is_found(self) -> bool:
+        return len(self.answer) > 0
+
+
+def distance_to(solution: AllSolutions, result: pdoik.Result) -> float:
+    """Of a result from the start, or from the middle of the ranges [rad] (and [m])."""
+    q0 = solution.question.q0
+    start = solution.robot.mid_configuration() if q0 is None else q0
+    return float(np.linalg.norm(result.q - start))

@@ -1,0 +1,108 @@
+"""How far a point is from a solid, and the place on the solid's surface that is nearest to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+
+import pdoik
+
+FloatArray = npt.NDArray[np.float64]
+Surface = Callable[[FloatArray], tuple[float, FloatArray]]
+"""Of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
+
+
+def ball_surface(center: FloatArray, radius: float) -> Surface:
+    def to_ball(point: FloatArray) -> tuple[float, FloatArray]:
+        distance = float(np.linalg.norm(point - center))
+        way = (point - center) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
+        return distance - radius, center + radius * way
+
+    return to_ball
+
+
+def shape_surface(shape: pdoik.Shape) -> Surface:
+    """In the base frame."""
+    T = np.asarray(shape.T_base_shape)
+    R, t, size = T[:3, :3], T[:3, 3], np.array(shape.size)
+    match shape.kind:
+        case "box":
+            local = _box(size / 2)
+        case "sphere":
+            local = ball_surface(np.zeros(3), size[0])
+        case "cylinder":
+            local = _cylinder(size[0], size[1] / 2)
+        case "capsule":
+            local = _capsule(size[0], size[1] / 2)
+        case "half_space":
+            local = _half_space
+        case _:
+            local = _mesh(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
+
+    def to_shape(point: FloatArray) -> tuple[float, FloatArray]:
+        distance, place = local(R.T @ (point - t))
+        return distance, R @ place + t
+
+    return to_shape
+
+
+def _box(half: FloatArray) -> Surface:
+    def to_box(point: FloatArray) -> tuple[float, FloatArray]:
+        place = np.clip(point, -half, half)
+        distance = float(np.linalg.norm(point - place))
+        if distance > 0:
+            return distance, place
+        depth = half - np.abs(point)
+        axis = int(depth.argmin())
+        place[axis] = np.copysign(half[axis], point[axis])
+        return -float(depth[axis]), place
+
+    return to_box
+
+
+def _cylinder(radius: float, half: float) -> Surface:
+    section = _box(np.array([radius, half]))  # in the plane through the axis
+
+    def to_cylinder(point: FloatArray) -> tuple[float, FloatArray]:
+        out = float(np.hypot(point[0], point[1]))
+        way = point[:2] / out if out > 0 else np.array([1.0, 0.0])
+        distance, (r, z) = section(np.array([out, point[2]]))
+        return distance, np.array([*(r * way), z])
+
+    return to_cylinder
+
+
+def _capsule(radius: float, half: float) -> Surface:
+    def to_capsule(point: FloatArray) -> tuple[float, FloatArray]:
+        on_axis = np.array([0.0, 0.0, np.clip(point[2], -half, half)])
+        return ball_surface(on_axis, radius)(point)
+
+    return to_capsule
+
+
+def _half_space(point: FloatArray) -> tuple[float, FloatArray]:
+    return float(point[2]), np.array([point[0], point[1], 0.0])
+
+
+def _mesh(triangles: FloatArray) -> Surface:
+    """Of a closed convex one, (T, 3, 3)."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+
+    def to_mesh(point: FloatArray) -> tuple[float, FloatArray]:
+        heights = ((point - triangles[:, 0]) * normals).sum(axis=1)
+        highest = int(heights.argmax())
+        if heights[highest] <= 0:
+            return float(heights[highest]), point - heights[highest] * normals[highest]
+        points = np.tile(point, (len(triangles), 1))
+        places: FloatArray = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
+            triangles, points
+        )
+        distances = np.linalg.norm(places - point, axis=1)
+        nearest = int(distances.argmin())
+        return float(distances[nearest]), places[nearest]
+
+    return to_mesh
