@@ -8,7 +8,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kMostBarriers = 48;           ///< constraints of a step where it begins
+constexpr int kMostBarriers = 48;   ///< constraints of a step where it begins
 constexpr int kCuts = 64;           ///< and where it was found to be in something
 constexpr double kAbout = 1e-3;     ///< what is so near there is cut off as well [m]
 constexpr double kGrazes = 5e-5;    ///< so deep, what is about to be cut off is left a little [m]

@@ -9,7 +9,7 @@ namespace pdoik::detail {
 namespace {
 
 constexpr double kSpeedRounding = 1e-9;  ///< of a speed
-constexpr double kOfPlace = 1e-15;  ///< of where a joint is
+constexpr double kOfPlace = 1e-15;       ///< of where a joint is
 
 }  // namespace
 

@@ -13,7 +13,7 @@ constexpr double kBetter = 1e-6;  ///< relative decrease from which something is
 /// The same for going as far as a step may: a robot at full speed for a second, at 1 kHz, has to
 /// make good a hundredth of what it falls short of, or it rests.
 constexpr double kWorthMoving = 1e-5;
-constexpr double kFarOff = 50.0;     ///< ways of a step: of what is farther off as much is asked
+constexpr double kFarOff = 50.0;  ///< ways of a step: of what is farther off as much is asked
 constexpr double kDistanceRounding = 1e-12;  ///< of a distance [m]
 
 }  // namespace
@@ -55,7 +55,8 @@ double Gate::stance_at(const Eigen::VectorXd& q) {
 }
 
 bool Gate::is_deeper(const Room& room, double stance) {
-  if (floor_.obstacles - room.obstacles > kDistanceRounding || floor_.self - room.self > kDistanceRounding ||
+  if (floor_.obstacles - room.obstacles > kDistanceRounding ||
+      floor_.self - room.self > kDistanceRounding ||
       floor_.balance - room.balance > kDistanceRounding)
     return true;
   return gives_way_ = stance - room.stance > kDistanceRounding;
@@ -228,7 +229,8 @@ bool Gate::consider(const Eigen::VectorXd& q, double share) {
   missed_ = least < -kDistanceRounding ? -least : 0.0;
   if (is_deeper(end, floor_.stance) || is_deeper(rest, floor_.stance)) return false;
   // First of all out of what it is in, and not back.
-  if (rest.least() < std::min(room_.least() + kDistanceRounding, -model_.options.clearance_tolerance))
+  if (rest.least() <
+      std::min(room_.least() + kDistanceRounding, -model_.options.clearance_tolerance))
     return false;
   if (!is_clear_to_end(end) || !is_clear_to_rest(end, rest)) return false;
   std::swap(incumbent_, candidate_);

@@ -99,7 +99,8 @@ bool Step::look(const StepRequest& step, const Eigen::VectorXd& about, double st
   most_ = *step.from + stride * (*step.upper - *step.from) - about;
   workspace_.least_squares.place(about);
   next_ = most_.cwiseMax(-least_);
-  if (late() || !barriers_.find(workspace_.problem, std::min(kShareOfReach * step.margin, kFarthestBarrier), next_))
+  if (late() || !barriers_.find(workspace_.problem,
+                                std::min(kShareOfReach * step.margin, kFarthestBarrier), next_))
     return false;
   barriers_.come_to_terms(least_, most_);
   return true;

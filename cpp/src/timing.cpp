@@ -13,7 +13,7 @@ namespace {
 
 using Rows = TimedMotion::Rows;
 
-constexpr double kOneRow = 1e-9;            ///< rows no farther apart are one [rad] or [m]
+constexpr double kOneRow = 1e-9;          ///< rows no farther apart are one [rad] or [m]
 constexpr double kLeastDeviation = 1e-9;  ///< of what is straight but for this
 
 void check_size(Eigen::Index size, Eigen::Index wanted, const char* name) {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "detail/check_input.hpp"
-#include "detail/infinity.hpp"
 #include "detail/inertia_check.hpp"
+#include "detail/infinity.hpp"
 #include "detail/text.hpp"
 #include "pdoik/errors.hpp"
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "arms.hpp"
 #include "pdoik/path.hpp"
 #include "pdoik/solver.hpp"
 #include "pdoik/timing.hpp"
-#include "arms.hpp"
 
 namespace pdoik {
 namespace {
