@@ -76,6 +76,8 @@ void check_options(const Options& o) {
           "at least 0 unless method is 'default' with inner 'levenberg_marquardt'");
   require(o.clearance_tolerance >= 0.0 && std::isfinite(o.clearance_tolerance),
           "clearance_tolerance", o.clearance_tolerance, "a finite length of at least 0 [m]");
+  require(o.report_clearance >= 0.0, "report_clearance", o.report_clearance,
+          "a length of at least 0 [m]");
   require(o.touch.radius >= 0.0 && std::isfinite(o.touch.radius), "touch.radius", o.touch.radius,
           "a finite length of at least 0 [m]");
   require(o.touch.depth >= 0.0, "touch.depth", o.touch.depth, "a length of at least 0 [m]");

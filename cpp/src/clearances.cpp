@@ -28,15 +28,25 @@ std::vector<ObstacleClearance> clearances(const Model& model, const Scene& scene
     if (nearest.shape >= 0) nearest.point = -1;
     result.push_back(nearest);
   };
-  for (int shape = 0; shape < scene.shapes().count(); ++shape) {
+  const ShapePairs& shapes = scene.shapes();
+  for (int part = 0; part < shapes.parts();) {
+    const int shape = shapes.owner(part), first = part;
     ObstacleClearance nearest{shape, std::numeric_limits<double>::infinity(), -1, -1, -1};
-    for (int k = 0; k < capsules.count(); ++k) {
-      const ShapeClearance found =
-          hull_clearance(capsules, k, scene.shapes(), shape, nearest.distance);
-      if (found.shape >= 0) nearest = {shape, found.distance, found.source, -1, -1};
+    for (; part < shapes.parts() && shapes.owner(part) == shape; ++part) {
+      for (int k = 0; k < capsules.count(); ++k) {
+        const ShapeClearance found = hull_clearance(capsules, k, shapes, part, nearest.distance);
+        if (found.shape >= 0) nearest = {shape, found.distance, found.source, -1, -1};
+      }
     }
     add(nearest, [&](int k, double within) {
-      return held.nearest_of_shape(k, scene.shapes(), shape, within);
+      std::optional<HeldNear> least;
+      for (int of = first; of < part; ++of) {
+        if (auto near = held.nearest_of_part(k, shapes, of, within)) {
+          within = near->distance;
+          least = near;
+        }
+      }
+      return least;
     });
   }
   if (scene.obstacles()->count() > 0) {

@@ -19,14 +19,14 @@ struct Corner {
 /// The difference of two solids' insides: all a - b.
 class Difference {
  public:
-  Difference(const Solid& moving, const Frame& T, const Solid& still)
-      : moving_(moving), T_(T), still_(still) {}
+  Difference(const Solid& moving, const Frame& T, const Solid& still, int piece)
+      : moving_(moving), T_(T), still_(still), piece_(piece) {}
 
   Corner support(const Vector3d& direction) const {
     const Vec4 d = to_vec4(direction);
     const Vec4 local{dot3(T_.x, d), dot3(T_.y, d), dot3(T_.z, d), 0.0};
     const Vector3d a = to_vector3(transform(T_, moving_.support(local)));
-    return {a - to_vector3(still_.support(-d)), a};
+    return {a - to_vector3(still_.support_of(piece_, -d)), a};
   }
   Vector3d middle() const { return to_vector3(transform(T_, moving_.centre()) - still_.centre()); }
   double size() const { return moving_.radius() + still_.radius(); }
@@ -35,6 +35,7 @@ class Difference {
   const Solid& moving_;
   const Frame& T_;
   const Solid& still_;
+  int piece_;
 };
 
 /// A tetrahedron whose volume is less than this of what its edges' lengths allow is flat.
@@ -274,11 +275,8 @@ ConvexDistance from_half_space(const Solid& moving, const Frame& T, const Solid&
 constexpr double kTouching = 1e-10;
 constexpr int kMostSteps = 100;
 
-}  // namespace
-
-ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still) {
-  if (still.is_half_space()) return from_half_space(moving, T, still);
-  const Difference difference(moving, T, still);
+ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& still, int piece) {
+  const Difference difference(moving, T, still, piece);
   const double rounding = moving.rounding() + still.rounding(),
                touching = kTouching * difference.size();
   Vector3d v = difference.middle();
@@ -323,6 +321,18 @@ ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid&
   const Vector3d on_moving =
       weights[0] * polytope.at(i).a + weights[1] * polytope.at(j).a + weights[2] * polytope.at(k).a;
   return {-std::max(face.offset, 0.0) - rounding, to_vec4(on_moving), to_vec4(-face.normal)};
+}
+
+}  // namespace
+
+ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still) {
+  if (still.is_half_space()) return from_half_space(moving, T, still);
+  ConvexDistance nearest = piece_distance(moving, T, still, 0);
+  for (int piece = 1; piece < still.pieces(); ++piece) {
+    const ConvexDistance found = piece_distance(moving, T, still, piece);
+    if (found.distance < nearest.distance) nearest = found;
+  }
+  return nearest;
 }
 
 }  // namespace pdoik::detail

@@ -66,9 +66,9 @@ WorstConstraint ForgivenContact::deepest(const std::vector<Eigen::Isometry3d>& T
     const Clearance point =
         least_clearance_of(state_, static_cast<std::size_t>(k), scene.obstacles(), within());
     if (point.source >= 0) note(Kind::Clearance, point.source, point.obstacle, point.distance);
-    shapes_near(capsules_, k, scene.shapes(), within() + options_.clearance, [&](int shape) {
+    shapes_near(capsules_, k, scene.shapes(), within() + options_.clearance, [&](int part) {
       const ShapeClearance found =
-          hull_clearance(capsules_, k, scene.shapes(), shape, within() + options_.clearance);
+          hull_clearance(capsules_, k, scene.shapes(), part, within() + options_.clearance);
       if (found.shape >= 0)
         note(Kind::Shape, found.source, found.shape, found.distance - options_.clearance);
       return within() + options_.clearance;

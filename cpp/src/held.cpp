@@ -8,6 +8,12 @@ namespace pdoik::detail {
 namespace {
 
 Shape in_body(const Robot& robot, const std::string& link, Shape shape) {
+  check_shape(shape);
+  if (shape.kind == Shape::Kind::HalfSpace)
+    throw std::invalid_argument("'" + shape.name + "' is a half-space, which no link can hold");
+  if (shape.kind == Shape::Kind::Mesh || shape.kind == Shape::Kind::Boxes)
+    throw std::invalid_argument("'" + shape.name +
+                                "' is not convex: what a link holds is given as convex pieces");
   shape.T_base_shape = robot.T_body_link(robot.link_index(link)) * shape.T_base_shape;
   return shape;
 }
@@ -24,8 +30,6 @@ HeldSolid::HeldSolid(const Robot& robot, std::string link_in, Shape shape_in,
   if (body == 0) {
     throw std::invalid_argument("no joint moves '" + link + "': what it holds is an obstacle");
   }
-  if (solid.is_half_space())
-    throw std::invalid_argument("'" + shape.name + "' is a half-space, which no link can hold");
 }
 
 Held::Held(Solids solids, const Robot& robot, const HullModel& hulls, const ShapePairs& shapes)

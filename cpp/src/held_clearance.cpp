@@ -46,10 +46,11 @@ std::optional<HeldNear> HeldClearance::nearest_point(int k, const ObstacleView& 
   return least;
 }
 
-std::optional<HeldNear> HeldClearance::nearest_of_shape(int k, const ShapePairs& shapes, int shape,
-                                                        double within) const {
+std::optional<HeldNear> HeldClearance::nearest_of_part(int k, const ShapePairs& shapes, int part,
+                                                       double within) const {
+  const int shape = shapes.owner(part);
   if (!held_.heeds_shape(k, shape)) return std::nullopt;
-  const Solid &solid = held_[k].solid, &still = shapes.solid(shape);
+  const Solid &solid = held_[k].solid, &still = shapes.part(part);
   if (still.bound(transform(frame(k), solid.centre()), solid.radius()) - clearance_ >= within)
     return std::nullopt;
   const ConvexDistance found = convex_distance(solid, frame(k), still);
@@ -62,8 +63,8 @@ std::optional<HeldNear> HeldClearance::nearest_of_shape(int k, const ShapePairs&
 std::optional<HeldNear> HeldClearance::nearest_shape(int k, const ShapePairs& shapes,
                                                      double within) const {
   std::optional<HeldNear> nearest;
-  shapes_near(k, shapes, within, [&](int shape) {
-    const std::optional<HeldNear> near = nearest_of_shape(k, shapes, shape, within);
+  shapes_near(k, shapes, within, [&](int part) {
+    const std::optional<HeldNear> near = nearest_of_part(k, shapes, part, within);
     if (near) {
       nearest = near;
       within = near->distance;

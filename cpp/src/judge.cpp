@@ -143,6 +143,26 @@ void Judge::judge_balance(Verdict& verdict, Result& result) {
                     });
 }
 
+void Judge::judge_points(const Scene& scene, double look, Verdict& verdict, Result& result) {
+  result.clearance = std::numeric_limits<double>::infinity();
+  if (scene.obstacles()->count() == 0) return;
+  const double wanted = options_.clearance;  // which radii include
+  const bool is_known =
+      fixed_stamp_ == scene.points_stamp() && (fixed_.source >= 0 || look - wanted <= fixed_look_);
+  if (!is_known) {
+    fixed_look_ = look - wanted;
+    fixed_ = least_clearance(fixed_hulls_, scene.obstacles(), {fixed_look_, -1, -1});
+    fixed_stamp_ = scene.points_stamp();
+  }
+  const Clearance known =
+      fixed_.distance < look - wanted ? fixed_ : Clearance{look - wanted, -1, -1};
+  const Clearance least = least_clearance(collision_, scene.obstacles(), known);
+  result.clearance = least.distance + wanted;
+  if (least.source < 0) return;  // nothing is within `look`
+  verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
+              least.source, least.obstacle);
+}
+
 void Judge::judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result) {
   if (scene.shapes().count() == 0) return;
   capsules_.place(collision_.positions(), collision_.frames());
@@ -205,6 +225,7 @@ void Judge::judge_hulls(Verdict& verdict, Result& result) {
 
 void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
                        Result& result, double look) {
+  look = std::max(look, options_.clearance);
   result.q = q;
   robot_.body_poses(q, T_base_body_);
   collision_.place(T_base_body_);
@@ -213,14 +234,7 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   const bool somewhere = are_somewhere(T_base_body_);
   result.success = result.success && somewhere;
   result.holds = result.holds && somewhere;
-  const Clearance least = scene.clearance(collision_, fixed_hulls_, look);
-  const bool empty = scene.obstacles()->count() == 0;
-  result.clearance = empty ? std::numeric_limits<double>::infinity()
-                           : least.distance + options_.clearance;  // radii include what is wanted
-  if (least.source >= 0) {  // nobody's, where nothing is within `look`
-    verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
-                least.source, least.obstacle);
-  }
+  judge_points(scene, look, verdict, result);
   judge_shapes(scene, look, verdict, result);
   result.position_error = result.rotation_error = 0.0;
   for (const Goal& goal : goals) {

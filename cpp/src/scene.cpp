@@ -131,6 +131,7 @@ CloudState::Reading Scene::read(Complaint& complaint) {
 
 void Scene::refresh() {
   changed_ = true;
+  points_stamp_ = new_stamp();
   const ObstacleSet& points = *points_;
   padded_points_ = points.padded();
   within_reach_ =
@@ -138,11 +139,6 @@ void Scene::refresh() {
           ? points.count_within(hulls_.reach_centre, hulls_.reach + 2.0 * std::max(margin_, 0.0))
           : points.count();
   fixed_ = least_clearance_within(fixed_hulls_, obstacles(), 0.0, {});
-}
-
-Clearance Scene::clearance(CollisionState& moving, CollisionState& fixed_hulls, double look) const {
-  const Clearance least = least_clearance(moving, obstacles(), {look, -1, -1});
-  return least_clearance(fixed_hulls, obstacles(), least);
 }
 
 }  // namespace pdoik::detail

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "detail/cell_grid.hpp"
 #include "detail/check_input.hpp"
 
 namespace pdoik {
@@ -24,15 +25,21 @@ void check_length(const Shape& shape, const char* name, double length) {
                     ", expected a positive length of at most 1e6 m");
 }
 
-void check_indices(const Shape& shape) {
-  const auto count = static_cast<int>(shape.vertices.size());
-  if (count < 4 || shape.triangles.size() < 4)
-    refuse(shape, "a mesh of " + std::to_string(count) + " vertices and " +
-                      std::to_string(shape.triangles.size()) + " triangles, expected 4 at least");
+void check_vertices(const Shape& shape) {
   for (const Eigen::Vector3d& vertex : shape.vertices) {
     if (!vertex.allFinite() || vertex.cwiseAbs().maxCoeff() > detail::kLargestNumber)
       refuse(shape, "a vertex is not finite or beyond 1e6 m");
   }
+}
+
+/// @param least  Vertices and triangles that there have to be.
+void check_indices(const Shape& shape, std::size_t least) {
+  const auto count = static_cast<int>(shape.vertices.size());
+  if (shape.vertices.size() < std::max<std::size_t>(least, 3) || shape.triangles.size() < least)
+    refuse(shape, "a mesh of " + std::to_string(count) + " vertices and " +
+                      std::to_string(shape.triangles.size()) + " triangles, expected " +
+                      std::to_string(least) + " at least");
+  check_vertices(shape);
   for (const auto& triangle : shape.triangles) {
     for (const int k : triangle) {
       if (k < 0 || k >= count)
@@ -53,6 +60,26 @@ void check_closed(const Shape& shape) {
     if (count != 1 || back == edges.end())
       refuse(shape, "the mesh has a hole, or triangles that turn different ways, at vertices " +
                         std::to_string(edge.first) + " and " + std::to_string(edge.second));
+  }
+}
+
+void check_area(const Shape& shape) {
+  for (const auto& [i, j, k] : shape.triangles) {
+    const auto at = [&](int n) { return shape.vertices[static_cast<std::size_t>(n)]; };
+    const Eigen::Vector3d ab = at(j) - at(i), ac = at(k) - at(i);
+    if (ab.cross(ac).norm() > 1e-6 * std::max(ab.squaredNorm(), ac.squaredNorm())) return;
+  }
+  refuse(shape, "no triangle of the mesh has an area");
+}
+
+void check_boxes(const Shape& shape) {
+  if (shape.vertices.empty() || shape.vertices.size() % 2 != 0)
+    refuse(shape, std::to_string(shape.vertices.size()) +
+                      " corners, expected a lowest and a highest one of each box");
+  check_vertices(shape);
+  for (std::size_t k = 0; k < shape.vertices.size(); k += 2) {
+    if (!(shape.vertices[k].array() < shape.vertices[k + 1].array()).all())
+      refuse(shape, "box " + std::to_string(k / 2) + " has no room inside");
   }
 }
 
@@ -97,9 +124,16 @@ void check_shape(const Shape& shape) {
     case Shape::Kind::HalfSpace:
       break;
     case Shape::Kind::ConvexMesh:
-      check_indices(shape);
+      check_indices(shape, 4);
       check_closed(shape);
       check_convex(shape);
+      break;
+    case Shape::Kind::Mesh:
+      check_indices(shape, 1);
+      check_area(shape);
+      break;
+    case Shape::Kind::Boxes:
+      check_boxes(shape);
       break;
   }
 }
@@ -141,6 +175,44 @@ Shape Shape::convex_mesh(std::string name, const Eigen::Isometry3d& T_base_shape
                          std::vector<std::array<int, 3>> triangles) {
   return {std::move(name),         Kind::ConvexMesh,    T_base_shape,
           Eigen::Vector3d::Zero(), std::move(vertices), std::move(triangles)};
+}
+
+Shape Shape::mesh(std::string name, const Eigen::Isometry3d& T_base_shape,
+                  std::vector<Eigen::Vector3d> vertices,
+                  std::vector<std::array<int, 3>> triangles) {
+  Shape shape =
+      convex_mesh(std::move(name), T_base_shape, std::move(vertices), std::move(triangles));
+  shape.kind = Kind::Mesh;
+  return shape;
+}
+
+Shape Shape::boxes(std::string name, const Eigen::Isometry3d& T_base_shape,
+                   std::span<const Eigen::AlignedBox3d> boxes) {
+  Shape shape{std::move(name), Kind::Boxes, T_base_shape};
+  for (const Eigen::AlignedBox3d& box : boxes) {
+    shape.vertices.push_back(box.min());
+    shape.vertices.push_back(box.max());
+  }
+  return shape;
+}
+
+Shape Shape::grid(std::string name, const Eigen::Isometry3d& T_base_shape,
+                  std::span<const std::uint8_t> taken, const std::array<int, 3>& counts,
+                  double edge) {
+  Shape shape{std::move(name), Kind::Boxes, T_base_shape};
+  check_length(shape, "edge", edge);
+  std::size_t cells = 1;
+  for (const int count : counts) cells *= static_cast<std::size_t>(std::max(count, 0));
+  if (cells != taken.size())
+    refuse(shape, std::to_string(taken.size()) + " cells, expected " + std::to_string(cells));
+  detail::CellGrid grid(counts);
+  for (std::size_t k = 0; k < cells; ++k) grid.taken[k] = taken[k] != 0;
+  for (const detail::CellBox& box : grid.take_boxes()) {
+    shape.vertices.push_back(edge * box.low.cast<double>());
+    shape.vertices.push_back(edge * box.high.cast<double>());
+  }
+  if (shape.vertices.empty()) refuse(shape, "no cell of the grid is taken");
+  return shape;
 }
 
 }  // namespace pdoik

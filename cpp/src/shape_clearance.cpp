@@ -28,11 +28,12 @@ ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot)
   }
 }
 
-ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int shape,
+ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int part,
                               double than) {
   ShapeClearance least;
   least.distance = than;
-  const Solid& solid = pairs.solid(shape);
+  const Solid& solid = pairs.part(part);
+  const int shape = pairs.owner(part);
   const Touching* const touching = hulls.touching();
   const PlacedCapsule& around = hulls.around(k);
   // Nothing of a hull that is hollow, whose middle is not a number, is near anything.
@@ -57,7 +58,8 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
       continue;
     const double t =
         length > 0.0 ? dot3(found.point - capsule.middle, capsule.half) / (length * length) : 0.0;
-    least = {distance, capsule.source, shape, &capsule, t, found.gradient};
+    least = {distance, capsule.source, shape,          part,        &capsule,
+             t,        found.gradient, found.distance, found.facing};
   }
   return least;
 }
@@ -66,8 +68,8 @@ ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs, dou
   ShapeClearance least;
   least.distance = than;
   for (int k = 0; k < hulls.count(); ++k) {
-    shapes_near(hulls, k, pairs, least.distance, [&](int shape) {
-      const ShapeClearance found = hull_clearance(hulls, k, pairs, shape, least.distance);
+    shapes_near(hulls, k, pairs, least.distance, [&](int part) {
+      const ShapeClearance found = hull_clearance(hulls, k, pairs, part, least.distance);
       if (found.shape >= 0) least = found;
       return least.distance;
     });
@@ -80,9 +82,9 @@ bool any_nearer(HullCapsules& hulls, const ShapePairs& pairs, double than,
   int turn = 0;
   bool is_any = false;
   for (int k = 0; k < hulls.count() && !is_any; ++k) {
-    shapes_near(hulls, k, pairs, than, [&](int shape) {
+    shapes_near(hulls, k, pairs, than, [&](int part) {
       is_any =
-          passed_in(turn++, deadline) || hull_clearance(hulls, k, pairs, shape, than).shape >= 0;
+          passed_in(turn++, deadline) || hull_clearance(hulls, k, pairs, part, than).shape >= 0;
       return is_any ? kNoMore : than;
     });
   }

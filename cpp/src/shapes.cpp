@@ -1,8 +1,11 @@
 #include "pdoik/shapes.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 
+#include "detail/shape_parts.hpp"
 #include "detail/shape_set.hpp"
 
 namespace pdoik {
@@ -11,8 +14,11 @@ namespace detail {
 
 ShapeSet::ShapeSet(std::vector<Shape> shapes_in, std::vector<AllowedContact> allowed_in)
     : shapes(std::move(shapes_in)), allowed(std::move(allowed_in)) {
-  for (const Shape& shape : shapes) solids.emplace_back(shape);
-  tree = ShapeTree(solids);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    std::ranges::move(parts_of(shapes[k]), std::back_inserter(parts));
+    owners.resize(parts.size(), static_cast<int>(k));
+  }
+  tree = ShapeTree(parts);
 }
 
 std::shared_ptr<const ShapeSet> no_shapes() {

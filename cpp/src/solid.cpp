@@ -46,7 +46,6 @@ constexpr double kUneven = 2.5e-4;
 }  // namespace
 
 Solid::Solid(const Shape& shape) : kind_(shape.kind), T_(to_frame(shape.T_base_shape)) {
-  check_shape(shape);
   centre_ = T_.p;
   switch (kind_) {
     case Shape::Kind::Sphere:
@@ -80,19 +79,49 @@ Solid::Solid(const Shape& shape) : kind_(shape.kind), T_(to_frame(shape.T_base_s
         radius_ = std::max(radius_, (vertex - box.center()).norm());
       for (const auto& [i, j, k] : shape.triangles) {
         const auto at = [&](int n) { return vertices[static_cast<std::size_t>(n)]; };
-        const Eigen::Vector3d ab = at(j) - at(i), ac = at(k) - at(i), across = ab.cross(ac);
-        if (!(across.norm() > 1e-12 * radius_ * radius_)) continue;  // of no area
-        const Eigen::Vector3d normal = across.normalized();
-        faces_.push_back({to_vec4(at(i)), to_vec4(ab), to_vec4(ac), to_vec4(normal),
-                          normal.dot(at(i)), ab.squaredNorm(), ab.dot(ac), ac.squaredNorm(),
-                          across.squaredNorm()});
+        const double area2 = (at(j) - at(i)).cross(at(k) - at(i)).norm();
+        if (area2 > 1e-12 * radius_ * radius_) faces_.emplace_back(at(i), at(j), at(k));
       }
       break;
     }
+    case Shape::Kind::Mesh:
+    case Shape::Kind::Boxes:
+      break;
   }
 }
 
+Solid::Solid(std::vector<Triangle> triangles, bool is_closed)
+    : kind_(Shape::Kind::Mesh),
+      T_(to_frame(Eigen::Isometry3d::Identity())),
+      faces_(std::move(triangles)),
+      is_closed_(is_closed) {
+  Vec4 low = faces_[0].a, high = low;
+  const auto for_corners = [&](auto&& visit) {
+    for (const Triangle& face : faces_) {
+      for (const Vec4& corner : {face.a, face.a + face.ab, face.a + face.ac}) visit(corner);
+    }
+  };
+  for_corners([&](const Vec4& corner) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], corner[i]);
+      high[i] = std::max(high[i], corner[i]);
+    }
+  });
+  centre_ = broadcast(0.5) * (low + high);
+  double square = 0.0;
+  for_corners([&](const Vec4& corner) {
+    const Vec4 from = corner - centre_;
+    square = std::max(square, dot3(from, from));
+  });
+  radius_ = std::sqrt(square);
+}
+
 SolidDistance Solid::distance(const Vec4& p) const {
+  if (is_surface()) {
+    const SegmentSolidDistance found =
+        surface_distance(p, Vec4{}, std::numeric_limits<double>::infinity());
+    return {found.distance, found.gradient};
+  }
   if (kind_ == Shape::Kind::ConvexMesh) return mesh_distance(p);
   SolidDistance result = local_distance(to_local(T_, p));
   result.gradient = rotate(T_, result.gradient);
@@ -111,6 +140,14 @@ Vec4 Solid::support(const Vec4& direction) const {
     }
     return *farthest;
   }
+  if (is_surface()) {
+    Vec4 farthest = support_of(0, direction);
+    for (int piece = 1; piece < pieces(); ++piece) {
+      const Vec4 other = support_of(piece, direction);
+      if (dot3(other, direction) > dot3(farthest, direction)) farthest = other;
+    }
+    return farthest;
+  }
   const Vec4 d{dot3(T_.x, direction), dot3(T_.y, direction), dot3(T_.z, direction), 0.0};
   const auto side = [](double along, double half) { return along < 0.0 ? -half : half; };
   Vec4 local{};
@@ -127,12 +164,18 @@ Vec4 Solid::support(const Vec4& direction) const {
     case Shape::Kind::Capsule:
       local[2] = side(d[2], half_[1]);
       break;
-    case Shape::Kind::Sphere:
-    case Shape::Kind::HalfSpace:
-    case Shape::Kind::ConvexMesh:
+    default:  // a sphere is its centre
       break;
   }
   return transform(T_, local);
+}
+
+Vec4 Solid::support_of(int piece, const Vec4& direction) const {
+  if (!is_surface()) return support(direction);
+  const Triangle& face = faces_[static_cast<std::size_t>(piece)];
+  const double one = dot3(face.ab, direction), other = dot3(face.ac, direction);
+  if (one <= 0.0 && other <= 0.0) return face.a;
+  return face.a + (one > other ? face.ab : face.ac);
 }
 
 SolidDistance Solid::local_distance(const Vec4& p) const {
@@ -159,18 +202,17 @@ SolidDistance Solid::local_distance(const Vec4& p) const {
       const Vec4 from{p[0], p[1], p[2] - std::clamp(p[2], -half_[1], half_[1]), 0.0};
       return {std::sqrt(dot3(from, from)) - half_[0], unit(from, x)};
     }
-    case Shape::Kind::HalfSpace:
-    case Shape::Kind::ConvexMesh:
+    default:
       break;
   }
-  return {p[2], z};
+  return {p[2], z};  // of a half-space
 }
 
 SolidDistance Solid::mesh_distance(const Vec4& p) const {
   double deepest = -std::numeric_limits<double>::infinity();
-  const Face* nearest = nullptr;
-  for (const Face& face : faces_) {
-    const double above = dot3(face.normal, p) - face.offset;
+  const Triangle* nearest = nullptr;
+  for (const Triangle& face : faces_) {
+    const double above = face.above(p);
     if (above <= deepest) continue;
     deepest = above;
     nearest = &face;
@@ -190,14 +232,11 @@ SolidDistance Solid::mesh_distance(const Vec4& p) const {
   const auto try_edge = [&](const Vec4& a, const Vec4& ab, double ab2) {
     try_point(a + broadcast(std::clamp(dot3(p - a, ab) / ab2, 0.0, 1.0)) * ab);
   };
-  for (const Face& face : faces_) {
-    const double above = dot3(face.normal, p) - face.offset;
+  for (const Triangle& face : faces_) {
+    const double above = face.above(p);
     // Triangles of one flat face differ by rounding, those of a mesh that is not quite convex more.
     if (!(above > -kUneven * radius_) || above * std::abs(above) >= least) continue;
-    const Vec4 ap = p - face.a;
-    const double d1 = dot3(ap, face.ab), d2 = dot3(ap, face.ac);
-    const double u = face.ac2 * d1 - face.abac * d2, v = face.ab2 * d2 - face.abac * d1;
-    if (u >= 0.0 && v >= 0.0 && u + v <= face.determinant) {
+    if (face.is_below(p)) {
       try_point(p - broadcast(above) * face.normal);
       continue;
     }
@@ -210,7 +249,27 @@ SolidDistance Solid::mesh_distance(const Vec4& p) const {
   return {distance, distance > 1e-12 ? broadcast(1.0 / distance) * from : nearest->normal};
 }
 
+SegmentSolidDistance Solid::surface_distance(const Vec4& middle, const Vec4& half,
+                                             double than) const {
+  SegmentSolidDistance nearest{std::numeric_limits<double>::infinity(), middle, {}};
+  for (const Triangle& face : faces_) {
+    const SegmentSolidDistance found = distance_to(face, middle, half, than);
+    // Of triangles that share the nearest edge or corner the one that faces it most says which side
+    // of the surface it is on.
+    const double margin = kPrecise + 1e-9 * std::abs(found.distance);
+    if (found.distance < nearest.distance - margin ||
+        (found.distance < nearest.distance + margin &&
+         std::abs(found.facing) > std::abs(nearest.facing))) {
+      nearest = found;
+      than = std::min(than, found.distance + margin);
+    }
+  }
+  if (!is_closed_) nearest.facing = 1.0;
+  return nearest;
+}
+
 SegmentSolidDistance Solid::distance(const Vec4& middle, const Vec4& half, double than) const {
+  if (is_surface()) return surface_distance(middle, half, than);
   const auto at = [&](double t) { return middle + broadcast(t) * half; };
   const auto ending = [&](double t, const SolidDistance& found) -> SegmentSolidDistance {
     return {found.distance, at(t), found.gradient};

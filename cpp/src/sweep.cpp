@@ -110,8 +110,8 @@ Sweep::Answer Sweep::of_hull(int hull, double way) {
       return true;
     const double apart = than + model_.options.clearance;
     bool is_any = false;
-    shapes_near(capsules_, hull, scene.shapes(), apart, [&](int shape) {
-      is_any = hull_clearance(capsules_, hull, scene.shapes(), shape, apart).shape >= 0;
+    shapes_near(capsules_, hull, scene.shapes(), apart, [&](int part) {
+      is_any = hull_clearance(capsules_, hull, scene.shapes(), part, apart).shape >= 0;
       return is_any ? kNoMore : apart;
     });
     return is_any;

@@ -181,9 +181,8 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
 
 double Verdicts::cost_of_all() const {
   const Scene& scene = workspace_.scene();
-  const double pairs = static_cast<double>(
-      scene.shapes().count() *
-      (model_.hulls.moving.size() + static_cast<std::size_t>(scene.held().count())));
+  const double hulls = static_cast<double>(model_.hulls.moving.size()) + scene.held().count();
+  const double pairs = hulls * ShapeTree::usually_seen(scene.shapes().parts());
   // Of a cloud in order most is passed by in blocks.
   return pairs / kShapesPerEvaluation +
          (scene.obstacles()->in_order()

@@ -88,7 +88,7 @@ void Workspace::use(const Scene& scene) {
   const int padded =
       std::max(scene.padded_points(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
-  problem.constraints.shapes.reserve(scene.shapes().count());
+  problem.constraints.shapes.reserve(scene.shapes().parts());
   if (held_stamp_ != scene.held_stamp()) {
     held_stamp_ = scene.held_stamp();
     problem.constraints.held.hold(scene);

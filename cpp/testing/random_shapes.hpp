@@ -76,6 +76,9 @@ inline Eigen::Vector3d projected(const Shape& shape, const Eigen::Vector3d& p) {
     case Shape::Kind::HalfSpace:
       q.z() = std::min(q.z(), 0.0);
       break;
+    case Shape::Kind::Mesh:
+    case Shape::Kind::Boxes:  // are not convex
+      break;
   }
   return shape.T_base_shape * q;
 }

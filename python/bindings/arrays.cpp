@@ -114,20 +114,37 @@ py::array checked_numbers(const ArrayLike& values, const std::string& name) {
   return array;
 }
 
+/// The rows of an image of points, (H, W, 3) or (H, W, 4), that are numbers: cameras write NaN where
+/// they saw nothing. Whatever else as it is.
+py::array without_image(const py::array& array, const std::string& name) {
+  if (array.ndim() != 3 || (array.shape(2) != 3 && array.shape(2) != 4)) return array;
+  const py::object rows = array.attr("reshape")(-1, array.shape(2));
+  const py::object numpy = py::module_::import("numpy");
+  const py::array kept =
+      rows[numpy.attr("isfinite")(rows).attr("all")(py::arg("axis") = 1)].cast<py::array>();
+  if (kept.shape(0) == 0 && array.size() > 0) {
+    throw std::invalid_argument(name + " of shape " + shape_of(array) +
+                                " has NaN or infinity in each pixel: a camera that saw nothing, "
+                                "perhaps, which does not say that nothing is there");
+  }
+  return kept;
+}
+
 }  // namespace
 
 PointsView::PointsView(const std::optional<ArrayLike>& points, const std::string& name) {
   if (!points) return;
-  py::array array = checked_numbers(*points, name);
-  if (!has_rows_of<float>(array) && !has_rows_of<double>(array)) array = to_float64(*points, name);
+  py::array array = without_image(checked_numbers(*points, name), name);
+  if (!has_rows_of<float>(array) && !has_rows_of<double>(array))
+    array = to_float64(ArrayLike{array}, name);
   take(array, name);
 }
 
 PointsView PointsView::float64(const std::optional<ArrayLike>& points, const std::string& name) {
   PointsView view;
   if (!points) return view;
-  py::array array = checked_numbers(*points, name);
-  if (!has_rows_of<double>(array)) array = to_float64(*points, name);
+  py::array array = without_image(checked_numbers(*points, name), name);
+  if (!has_rows_of<double>(array)) array = to_float64(ArrayLike{array}, name);
   view.take(array, name);
   return view;
 }
@@ -135,7 +152,7 @@ PointsView PointsView::float64(const std::optional<ArrayLike>& points, const std
 void PointsView::take(const py::array& array, const std::string& name) {
   array_ = array;
   if (array.ndim() >= 1 && array.shape(0) == 0) return;
-  if (array.ndim() != 2) fail_shape(array, name, "(N, 3) or (N, 4)");
+  if (array.ndim() != 2) fail_shape(array, name, "(N, 3) or (N, 4), or (H, W, 3) of a camera");
   is_single_ = py::isinstance<py::array_t<float>>(array);
   const auto rows = array.shape(0), columns = array.shape(1);
   const auto stride = array.strides(0) / array.itemsize();

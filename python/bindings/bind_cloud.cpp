@@ -97,6 +97,7 @@ True)")
 Args:
     points: x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float32 and float64 are
         read without a conversion where a row's numbers lie side by side. With no rows: a cloud to be updated.
+        Or as a depth camera has them, (H, W, 3): pixels with NaN or infinity are left out, but not all.
     leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
         voxel_downsample; rows with NaN or infinity are then left out, but not all of them. None keeps all.
     radii: Give each kept point the radius of a ball such that the balls hold every point there was.

@@ -112,6 +112,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("rotation_tolerance", &Options::rotation_tolerance)
       .def_readwrite("clearance", &Options::clearance)
       .def_readwrite("clearance_tolerance", &Options::clearance_tolerance)
+      .def_readwrite("report_clearance", &Options::report_clearance)
       .def_readwrite("max_time", &Options::max_time)
       .def_readwrite("max_restarts", &Options::max_restarts)
       .def_readwrite("seed", &Options::seed)

@@ -14,12 +14,14 @@ inline constexpr std::array names<Shape::Kind>{std::pair{Shape::Kind::Sphere, "s
                                                std::pair{Shape::Kind::Cylinder, "cylinder"},
                                                std::pair{Shape::Kind::Capsule, "capsule"},
                                                std::pair{Shape::Kind::HalfSpace, "half_space"},
-                                               std::pair{Shape::Kind::ConvexMesh, "convex_mesh"}};
+                                               std::pair{Shape::Kind::ConvexMesh, "convex_mesh"},
+                                               std::pair{Shape::Kind::Mesh, "mesh"},
+                                               std::pair{Shape::Kind::Boxes, "boxes"}};
 
 namespace {
 
 using KindName = py::typing::Literal<"'sphere'", "'box'", "'cylinder'", "'capsule'", "'half_space'",
-                                     "'convex_mesh'">;
+                                     "'convex_mesh'", "'mesh'", "'boxes'">;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
@@ -36,10 +38,70 @@ std::vector<Eigen::Vector3d> to_vertices(const ArrayLike& values) {
   const Array array = to_float64(values, "vertices");
   if (array.ndim() != 2 || array.shape(1) != 3)
     throw std::invalid_argument("vertices has another shape than (N, 3)");
+  const Eigen::Map<const Vertices> rows(array.data(), array.shape(0), 3);
   std::vector<Eigen::Vector3d> vertices;
-  for (py::ssize_t i = 0; i < array.shape(0); ++i)
-    vertices.emplace_back(array.at(i, 0), array.at(i, 1), array.at(i, 2));
+  vertices.reserve(static_cast<std::size_t>(rows.rows()));
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) vertices.emplace_back(rows.row(i).transpose());
   return vertices;
+}
+
+std::vector<std::array<int, 3>> to_triangles(const ArrayLike& values) {
+  const auto array = py::array::ensure(values.value);
+  if (!array || array.ndim() != 2 || array.shape(1) != 3 ||
+      std::string("iu").find(array.dtype().kind()) == std::string::npos)
+    throw std::invalid_argument("triangles is no array of whole numbers of shape (T, 3)");
+  const auto numbers = array.cast<py::array_t<std::int64_t, py::array::c_style>>();
+  const auto at = numbers.unchecked<2>();
+  std::vector<std::array<int, 3>> triangles(static_cast<std::size_t>(at.shape(0)));
+  for (py::ssize_t i = 0; i < at.shape(0); ++i) {
+    for (py::ssize_t k = 0; k < 3; ++k) {
+      // What is no int is no vertex's place either.
+      const bool fits = at(i, k) >= 0 && at(i, k) <= std::numeric_limits<int>::max();
+      triangles[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
+          fits ? static_cast<int>(at(i, k)) : -1;
+    }
+  }
+  return triangles;
+}
+
+Shape mesh(const std::string& name, const ArrayLike& vertices, const ArrayLike& triangles,
+           const std::optional<ArrayLike>& T_base_shape) {
+  Shape shape = checked(
+      Shape::mesh(name, pose(T_base_shape), to_vertices(vertices), to_triangles(triangles)));
+  if (const int open = open_edges(shape); open > 0) {
+    warn_of_obstacles(
+        py::str("mesh '{}' is not closed: {} of its edges have a triangle on one side only. Its "
+                "surface is kept off, and what lies behind it is free: close it, with "
+                "trimesh.repair.fill_holes for instance, if it stands for a solid")
+            .format(name, open)
+            .cast<std::string>());
+  }
+  return shape;
+}
+
+Shape boxes(const std::string& name, const ArrayLike& low, const ArrayLike& high,
+            const std::optional<ArrayLike>& T_base_shape) {
+  const std::vector<Eigen::Vector3d> lows = to_vertices(low), highs = to_vertices(high);
+  if (lows.size() != highs.size())
+    throw std::invalid_argument("low and high are of different lengths");
+  std::vector<Eigen::AlignedBox3d> all;
+  for (std::size_t k = 0; k < lows.size(); ++k) all.emplace_back(lows[k], highs[k]);
+  return checked(Shape::boxes(name, pose(T_base_shape), all));
+}
+
+Shape grid(const std::string& name, const ArrayLike& taken, double edge,
+           const std::optional<ArrayLike>& T_base_shape) {
+  const auto array = py::array::ensure(taken.value);
+  if (!array || array.ndim() != 3 || array.dtype().kind() != 'b')
+    throw std::invalid_argument(
+        "taken is no array of bool of shape (I, J, K): of probabilities or distances compare them "
+        "first, as in occupancy > 0.5");
+  const auto cells = array.cast<py::array_t<bool, py::array::c_style>>();
+  std::array<int, 3> counts;
+  for (std::size_t i = 0; i < 3; ++i)
+    counts[i] = static_cast<int>(cells.shape(static_cast<py::ssize_t>(i)));
+  std::vector<std::uint8_t> bytes(cells.data(), cells.data() + cells.size());
+  return checked(Shape::grid(name, pose(T_base_shape), bytes, counts, edge));
 }
 
 Shape convex_mesh(const std::string& name, const ArrayLike& vertices,
@@ -78,8 +140,7 @@ std::vector<double> size_of(const Shape& shape) {
     case Shape::Kind::Cylinder:
     case Shape::Kind::Capsule:
       return {shape.size[0], shape.size[1]};
-    case Shape::Kind::HalfSpace:
-    case Shape::Kind::ConvexMesh:
+    default:
       break;
   }
   return {};
@@ -106,7 +167,7 @@ void bind_shape(py::module_& module) {
   };
   py::class_<Shape>(
       module, "Shape",
-      R"(A convex solid that the robot has to keep off, beside points. It does not change.)")
+      R"(A solid, or a surface, that the robot has to keep off, beside points. It does not change.)")
       .def_static(
           "sphere",
           [](const std::string& name, const ArrayLike& center, double radius) {
@@ -169,6 +230,37 @@ void bind_shape(py::module_& module) {
               " hull of the vertices.\n",
               true)
               .c_str())
+      .def_static(
+          "mesh", &mesh, py::arg("name"), py::arg("vertices"), py::arg("triangles"),
+          py::arg("T_base_shape") = py::none(),
+          (doc("A surface of triangles of any form, such as a part, a bin or a scanned room.\n\n"
+               "Where it is closed what is inside counts too, by the winding number: of what has a "
+               "radius of a\nfortieth of its longest side everywhere inside, of thinner parts of a "
+               "robot where they come near the\nsurface. It is made ready whenever a Scene is "
+               "made of it: a second for some 400,000 triangles.",
+               "    vertices: In its frame, shape (N, 3) [m]. Those at one place count as one.\n"
+               "    triangles: Each three places in `vertices`, shape (T, 3); of a closed mesh all "
+               "clockwise or all\n        counter-clockwise seen from outside.\n",
+               true) +
+           "\n\nWarns:\n    ObstacleWarning: It is not closed: its surface alone is kept off.")
+              .c_str())
+      .def_static("boxes", &boxes, py::arg("name"), py::arg("low"), py::arg("high"),
+                  py::arg("T_base_shape") = py::none(),
+                  doc("Several boxes along its frame's axes, under one name.",
+                      "    low: The lowest corner of each, shape (N, 3) [m].\n"
+                      "    high: The highest, shape (N, 3) [m].\n",
+                      true)
+                      .c_str())
+      .def_static(
+          "grid", &grid, py::arg("name"), py::arg("taken"), py::arg("edge"),
+          py::arg("T_base_shape") = py::none(),
+          doc("The cells of a grid that are taken, put together to few boxes: an occupancy grid, "
+              "voxels.",
+              "    taken: Bool, shape (I, J, K). Cell (i, j, k) goes from edge (i, j, k) to "
+              "edge (i + 1, j + 1, k + 1)\n        in its frame.\n"
+              "    edge: Of a cell [m].\n",
+              true)
+              .c_str())
       .def_readonly("name", &Shape::name, "What results call it.")
       .def_property_readonly(
           "kind", [](const Shape& self) { return KindName(py::str(to_name(self.kind))); },
@@ -178,7 +270,10 @@ void bind_shape(py::module_& module) {
           "Its frame in the base frame, shape (4, 4) [m].")
       .def_property_readonly("size", &size_of,
                              "Edges of a box; radius, and length if it has one [m]. Else empty.")
-      .def_property_readonly("vertices", &vertices_of, "Of a mesh, shape (N, 3) [m]; else empty.")
+      .def_property_readonly(
+          "vertices", &vertices_of,
+          "Of a mesh, shape (N, 3) [m]; of boxes the lowest and the highest corner of each; else "
+          "empty.")
       .def_property_readonly("triangles", &triangles_of, "Of a mesh, shape (T, 3); else empty.")
       .def(
           "moved",

@@ -1,5 +1,7 @@
 """The ways to a robot that `Robot` itself offers; what they do is that of `pdoik.descriptions`.
 
+And that to a `Cloud` from a depth image.
+
 That is imported when one is taken, for a program that takes none starts sooner without it.
 Their types are written with their modules, as the stub of the compiled module has them.
 """
@@ -15,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy.typing
 
-from ._core import Robot
+from ._core import Cloud, Robot
 from .errors import LoadError
 
 if TYPE_CHECKING:
@@ -227,6 +229,50 @@ def _check(given: Given, name: str, *kinds: Kind) -> None:
         raise LoadError(f"{name} is {_SAYS[given.kind]}")
 
 
+def from_depth(
+    image: numpy.typing.ArrayLike,
+    K: numpy.typing.ArrayLike,
+    T_base_camera: numpy.typing.ArrayLike | None = None,
+    max_range: float | None = None,
+    *,
+    scale: float | None = None,
+    leaf: float | None = None,
+    radii: bool = False,
+    solid: bool = False,
+) -> Cloud:
+    """Take in what a depth camera has seen.
+
+    Args:
+        image: Depths along the optical axis, shape (H, W). Floats are metres and whole numbers
+            millimetres, unless scale says otherwise; 0, NaN and infinity where nothing was seen.
+        K: The camera's matrix, shape (3, 3), or fx, fy, cx, cy, shape (4,) [pixels].
+        T_base_camera: Its optical frame, x to the right of the image, y down, z forward, in the
+            base frame, shape (4, 4) [m]. None for the base frame itself.
+        max_range: What is farther along the axis is left out [m]. None for nothing.
+        scale: The metres of one unit of the image.
+        leaf: As for `Cloud`.
+        radii: As there.
+        solid: As there; the cloud is seen from the camera.
+
+    Returns:
+        The cloud; without points where all that was seen is beyond max_range.
+
+    Raises:
+        ValueError: Names what is wrong: a shape, a matrix that is no camera's or of another image
+            size, units that cannot be, an image in which nothing was seen.
+    """
+    from ._depth import points_of_depth
+
+    points = points_of_depth(image, K, T_base_camera, max_range, scale)
+    if not len(points):
+        return Cloud(numpy.empty((0, 3)), leaf=leaf, radii=radii, solid=solid)
+    eye = numpy.zeros(3) if T_base_camera is None else numpy.asarray(T_base_camera)[:3, 3]
+    viewpoint = eye if solid else None
+    return Cloud(points, leaf=leaf, radii=radii, solid=solid, viewpoint=viewpoint)
+
+
 for way in (from_urdf, from_xacro, from_mjcf, from_description):
     way.__doc__ = inspect.cleandoc(way.__doc__ or "")  # as it stands in the stub
     setattr(Robot, way.__name__, staticmethod(way))
+from_depth.__doc__ = inspect.cleandoc(from_depth.__doc__ or "")
+Cloud.from_depth = staticmethod(from_depth)

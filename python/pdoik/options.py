@@ -184,6 +184,9 @@ class Options:
         clearance: Least distance wanted between obstacle points and hulls; negative: how deep they
             may lie inside, for method "default" with inner "levenberg_marquardt" [m].
         clearance_tolerance: By how much a success may miss `clearance` [m].
+        report_clearance: How far obstacles are looked for to tell a result's clearance: beyond
+            this it is told as this, or as `clearance` where that is more. Far ones take time among
+            points that change with each solve; whether an answer holds does not depend on it [m].
         base_collision: Whether an obstacle in a hull that no joint moves, about which no answer
             can do anything, makes a solve fail. False for clouds that show the table the robot
             stands on; clearance is then that of the other hulls.
@@ -244,6 +247,7 @@ class Options:
     rotation_tolerance: float = _DEFAULT.rotation_tolerance
     clearance: float = _DEFAULT.clearance
     clearance_tolerance: float = _DEFAULT.clearance_tolerance
+    report_clearance: float = _DEFAULT.report_clearance
 
     base_collision: bool = _DEFAULT.base_collision
     forgive_overhang: bool = _DEFAULT.forgive_overhang

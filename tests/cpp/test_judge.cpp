@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "arms.hpp"
+#include "pdoik/cloud.hpp"
 
 namespace pdoik {
 namespace {
@@ -154,6 +155,55 @@ TEST(Judge, success_turns_exactly_at_each_tolerance) {
     EXPECT_NEAR(judged(solver, T, q).clearance, -depth, 1e-12);
     solver.clear_obstacles();
   }
+}
+
+TEST(Judge, looks_again_at_what_stands_still_whenever_the_cloud_is_another) {
+  Random random(7);
+  for (int turn = 0; turn < 20; ++turn) {
+    SCOPED_TRACE(turn);
+    const Robot robot = Robot::builtin(arm_names()[static_cast<std::size_t>(turn % 3)]);
+    Solver kept(robot, timeless());
+    const Eigen::VectorXd q = random_configuration(robot, random);
+    Cloud cloud(random_obstacles(random, 3000, 1.5, 0.0));
+    for (int change = 0; change < 6; ++change) {
+      kept.set_obstacles(cloud);
+      Solver fresh(robot, timeless());
+      fresh.set_obstacles(cloud);
+      for (int look = 0; look < 2; ++look)
+        EXPECT_EQ(judged(kept, robot.fk(q), q).clearance, judged(fresh, robot.fk(q), q).clearance);
+      const double half = random.uniform(0.05, 0.8);
+      cloud.remove({Eigen::Vector3d::Constant(-half), Eigen::Vector3d::Constant(half)});
+      if (change % 2 == 0) kept.set_obstacles(random_obstacles(random, 40, 0.3, 0.0));
+      judged(kept, robot.fk(q), q);
+    }
+  }
+}
+
+TEST(Judge, results_tell_clearance_up_to_where_that_is_asked_for) {
+  int less = 0, as_much = 0;
+  for (int seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(static_cast<std::uint64_t>(seed));
+    const Robot robot = Robot::builtin(arm_names()[static_cast<std::size_t>(seed % 3)]);
+    const Eigen::VectorXd q = random_configuration(robot, random, 0.02);
+    Options asked = timeless(), all = timeless();
+    asked.max_restarts = all.max_restarts = 20;
+    asked.report_clearance = 0.06;
+    asked.clearance = all.clearance = seed % 5 == 0 ? 0.1 : 0.0;  // which counts if it is more
+    Solver some(robot, asked), every(robot, all);
+    const ObstacleMatrix points = 0.6 * random_obstacles(random, 30, 1.2, 0.0);
+    for (Solver* solver : {&some, &every}) {
+      solver->set_obstacles(points);
+      if (seed % 2 == 0) solver->set_shapes(Shapes({Shape::sphere("ball", {0.5, 0.1, 0.4}, 0.1)}));
+    }
+    const Result told = some.solve(robot.fk(q)), whole = every.solve(robot.fk(q));
+    EXPECT_EQ(told.success, whole.success);
+    EXPECT_EQ(told.q, whole.q);
+    EXPECT_EQ(told.clearance, std::min(whole.clearance, std::max(0.06, asked.clearance)));
+    (told.clearance < 0.06 ? less : as_much) += 1;
+  }
+  EXPECT_GT(less, 5);
+  EXPECT_GT(as_much, 5);
 }
 
 TEST(Judge, every_status_and_kind_has_a_word_of_its_own) {

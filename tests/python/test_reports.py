@@ -56,6 +56,18 @@ SHAPES = [
     pdoik.Shape.convex_mesh(
         "stone", np.random.default_rng(5).normal(size=(12, 3)) * 0.05, placed(0.2, -0.6, 0.3)
     ),
+    pdoik.Shape.boxes(
+        "bricks",
+        [[0, 0, 0], [0.1, 0, 0]],
+        [[0.1, 0.1, 0.1], [0.2, 0.1, 0.2]],
+        placed(-0.6, 0.3, 0.2),
+    ),
+    pdoik.Shape.mesh(
+        "sheet",
+        [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0.05]],
+        [[0, 1, 2], [1, 3, 2]],
+        placed(-0.6, -0.3, 0.2),
+    ),
 ]
 
 

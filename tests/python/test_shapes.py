@@ -6,9 +6,12 @@ from collections.abc import Callable, Iterable
 import coal
 import numpy as np
 import pytest
+import trimesh
 from numpy.typing import NDArray
 
 import pdoik
+from bench.ik.judges.triangles import tree_of
+from pdoik.view.shape_scene import shape_mesh
 
 FloatArray = NDArray[np.float64]
 
@@ -26,6 +29,8 @@ def random_shapes(rng: np.random.Generator) -> list[pdoik.Shape]:
         return rng.uniform(0.05, 0.4, count)
 
     corners = rng.uniform(-0.2, 0.2, (12, 3))
+    ring = trimesh.creation.torus(0.25, 0.04, major_sections=16, minor_sections=8)
+    low = rng.uniform(-0.4, 0.4, (5, 3))
     return [
         pdoik.Shape.sphere("ball", rng.uniform(-0.6, 0.6, 3), *lengths(1)),
         pdoik.Shape.box("box", lengths(3), random_pose(rng)),
@@ -33,6 +38,8 @@ def random_shapes(rng: np.random.Generator) -> list[pdoik.Shape]:
         pdoik.Shape.capsule("pill", *lengths(2), random_pose(rng)),
         pdoik.Shape.half_space("floor", rng.normal(size=3), rng.uniform(-1, 1, 3)),
         pdoik.Shape.convex_mesh("rock", corners, random_pose(rng)),
+        pdoik.Shape.mesh("ring", ring.vertices, ring.faces, random_pose(rng)),
+        pdoik.Shape.boxes("crumbs", low, low + rng.uniform(0.01, 0.06, (5, 3)), random_pose(rng)),
     ]
 
 
@@ -47,6 +54,9 @@ def coal_geometry(shape: pdoik.Shape) -> object:
         return coal.Capsule(*shape.size)
     if shape.kind == "half_space":
         return coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
+    if shape.kind in ("mesh", "boxes"):  # thinner than any capsule, none of which fits inside
+        mesh, _ = shape_mesh(shape)
+        return tree_of(np.asarray(mesh.vertices), np.asarray(mesh.faces))
     points = coal.StdVec_Vec3s()
     points.extend(list(shape.vertices))
     triangles = coal.StdVec_Triangle()

@@ -92,6 +92,10 @@ struct Options {
   /// inside, for Method::Default with InnerMethod::LevenbergMarquardt [m].
   double clearance = 0.0;
   double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
+  /// How far obstacles are looked for to tell Result::clearance: beyond this it is told as this, or
+  /// as `clearance` where that is more. Far ones take time among points that change with each
+  /// solve; whether an answer holds does not depend on it [m].
+  double report_clearance = std::numeric_limits<double>::infinity();
 
   /// Whether an obstacle in a hull that no joint moves, about which no answer can do anything,
   /// makes a solve fail. Off for clouds that show the table the robot stands on.

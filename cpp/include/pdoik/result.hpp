@@ -80,7 +80,8 @@ struct Result {
   double position_error = std::numeric_limits<double>::infinity();  ///< largest over goals [m]
   double rotation_error =
       std::numeric_limits<double>::infinity();  ///< largest over goals [rad]; 0 for position goals
-  double clearance = std::numeric_limits<double>::infinity();  ///< [m]; infinite without obstacles
+  /// [m]; infinite without obstacles, at most Options::report_clearance else.
+  double clearance = std::numeric_limits<double>::infinity();
   double limit_violation = 0.0;  ///< [rad] or [m], largest over joints
   /// In the base frame, where balance is asked for [m].
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();

@@ -2,13 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace pdoik {
 
-/// A convex solid that the robot has to keep off, beside points. Lengths in metres, in the base
-/// frame.
+/// A solid, or a surface, that the robot has to keep off, beside points. Lengths in metres, in the
+/// base frame.
 struct Shape {
   /// What it is, about its own frame.
   enum class Kind {
@@ -18,6 +20,8 @@ struct Shape {
     Capsule,     ///< a cylinder between two half balls: all within `radius` of a part of the z axis
     HalfSpace,   ///< all below the frame's xy plane: a table, a floor, a wall
     ConvexMesh,  ///< a closed surface of triangles
+    Mesh,        ///< a surface of triangles of any form, and what is inside if it is closed
+    Boxes,       ///< several boxes along the frame's axes, such as the cells of a grid
   };
 
   std::string name;                                                ///< in results, not empty
@@ -26,7 +30,8 @@ struct Shape {
   /// Box: the lengths of its edges. Sphere: its radius, twice nothing. Cylinder and Capsule: radius
   /// and length, a capsule's without its half balls. Unused otherwise.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> vertices = {};      ///< of a mesh, in the shape's frame
+  /// Of a mesh, in the shape's frame; of boxes the lowest and the highest corner of each.
+  std::vector<Eigen::Vector3d> vertices = {};
   std::vector<std::array<int, 3>> triangles = {};  ///< counter-clockwise seen from outside
 
   /// @name Making one
@@ -56,14 +61,39 @@ struct Shape {
   static Shape convex_mesh(std::string name, const Eigen::Isometry3d& T_base_shape,
                            std::vector<Eigen::Vector3d> vertices,
                            std::vector<std::array<int, 3>> triangles);
+  /// A surface of any form: concave, in several bodies, open. Where each edge has a triangle on
+  /// both sides (open_edges() is 0) what is inside counts too, by the winding number; of an open
+  /// one the surface alone is kept off. A part of the robot whose radius is less than a fortieth of
+  /// the mesh's longest side is noticed inside only if it comes near the surface.
+  /// @param vertices  In the shape's frame [m]. Those at one place count as one.
+  /// @param triangles  Of a closed mesh, all clockwise or all counter-clockwise seen from outside.
+  static Shape mesh(std::string name, const Eigen::Isometry3d& T_base_shape,
+                    std::vector<Eigen::Vector3d> vertices,
+                    std::vector<std::array<int, 3>> triangles);
+  /// Several boxes along its frame's axes.
+  /// @param boxes  Each by its lowest and its highest corner [m].
+  static Shape boxes(std::string name, const Eigen::Isometry3d& T_base_shape,
+                     std::span<const Eigen::AlignedBox3d> boxes);
+  /// The cells of a grid that are taken, put together to few boxes: an occupancy grid, an octree's
+  /// leaves of one size. Cell (i, j, k) goes from (i, j, k) to (i + 1, j + 1, k + 1) edges.
+  /// @param taken  Of cell (i, j, k) at (i counts[1] + j) counts[2] + k; 0 where it is free.
+  /// @param edge  Of a cell [m].
+  /// @throws std::invalid_argument  Another number of cells, or none is taken.
+  static Shape grid(std::string name, const Eigen::Isometry3d& T_base_shape,
+                    std::span<const std::uint8_t> taken, const std::array<int, 3>& counts,
+                    double edge);
   /// @}
 };
+
+/// How many edges of a mesh do not have as many triangles on one side as on the other: 0 of a
+/// closed one. Vertices at one place count as one.
+int open_edges(const Shape& mesh);
 
 /// Says whether a shape may be used.
 /// @throws std::invalid_argument  naming the shape and what is wrong with it: no name, a pose that
 /// is not rigid to 1e-6, NaN or infinity, a number beyond 1e6 m, a size that is not positive; a
-/// mesh with a hole, with triangles that turn the wrong way, or that is not convex to a ten
-/// thousandth of its extent.
+/// convex mesh with a hole, with triangles that turn the wrong way, or that is not convex to a ten
+/// thousandth of its extent; a mesh of no area.
 void check_shape(const Shape& shape);
 
 }  // namespace pdoik

@@ -29,7 +29,7 @@ class CommonContacts {
 
  private:
   struct Pair {
-    int hull, shape;  ///< a place among the moving hulls, and -1 for points
+    int hull, part;  ///< a place among the moving hulls; of a shape, and -1 for points
   };
   /// More are not needed: each start leaves fewer.
   static constexpr std::size_t kMost = 256;

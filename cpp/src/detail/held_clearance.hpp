@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -35,7 +36,10 @@ class HeldClearance {
   /// The robot's.
   int hulls() const { return hull_capsules_.count(); }
   /// At most so many are found at once.
-  int most(int shapes) const { return count() * (1 + shapes + hull_capsules_.count() + count()); }
+  /// @param parts  Of shapes that there are.
+  int most(int parts) const {
+    return count() * (1 + std::min(parts, kMostParts) + hull_capsules_.count() + count());
+  }
 
   /// Where the bodies' frames and the robot's attached points are, which are read until the next.
   template <class FrameOf>
@@ -49,8 +53,9 @@ class HeldClearance {
     balls_.place(static_cast<std::size_t>(k), transform(frame, held_[k].solid.centre()));
   }
 
-  /// Calls visit(HeldNear) for the nearest point, and each shape, hull and other that is held,
-  /// within a distance of what is wanted. @returns Whether it has looked at all
+  /// Calls visit(HeldNear) for the nearest point, and each part of shapes, hull and other that is
+  /// held, within a distance of what is wanted; of more than kMostParts some are left to the judge.
+  /// @returns Whether it has looked at all
   /// before the deadline, which may be null.
   template <class Visit>
   bool find(const ObstacleView& points, const ShapePairs& shapes, double within,
@@ -68,40 +73,44 @@ class HeldClearance {
       tell(nearest_point(k, points, within));
       const int first = slot;
       bool is_late = false;
-      int turn = 0;
-      shapes_near(k, shapes, within, [&](int shape) {
+      int turn = 0, told = 0;
+      shapes_near(k, shapes, within, [&](int part) {
         is_late = passed_in(turn++, deadline, kBetweenLooks);
-        if (is_late) return kNoMore;
-        slot = first + shape;
-        tell(nearest_of_shape(k, shapes, shape, within));
+        if (is_late || told == kMostParts) return kNoMore;
+        slot = first + part;
+        const std::optional<HeldNear> near = nearest_of_part(k, shapes, part, within);
+        told += near ? 1 : 0;
+        tell(near);
         return within;
       });
       if (is_late) return false;
-      slot = first + shapes.count();
+      slot = first + shapes.parts();
       for (int hull = 0; hull < hull_capsules_.count(); ++hull)
         tell(nearest_of_hull(k, hull, within));
       for (int other = 0; other < k; ++other) tell(nearest_of_held(k, other, within));
     }
     return true;
   }
-  /// The nearest point to a solid, if within a distance; the same of a shape, of a hull, and of
-  /// what another link holds.
+  /// The nearest point to a solid, if within a distance; the same of a part of a shape, of a hull,
+  /// and of what another link holds.
   std::optional<HeldNear> nearest_point(int k, const ObstacleView& points, double within);
-  std::optional<HeldNear> nearest_of_shape(int k, const ShapePairs& shapes, int shape,
-                                           double within) const;
+  std::optional<HeldNear> nearest_of_part(int k, const ShapePairs& shapes, int part,
+                                          double within) const;
   /// The same of the nearest of all shapes.
   std::optional<HeldNear> nearest_shape(int k, const ShapePairs& shapes, double within) const;
   std::optional<HeldNear> nearest_of_hull(int k, int hull, double within);
   std::optional<HeldNear> nearest_of_held(int k, int other, double within) const;
 
  private:
-  /// Visit the shapes that may be within a distance of a solid.
+  static constexpr int kMostParts = 64;
+
+  /// Visit the parts of shapes that may be within a distance of a solid.
   template <class Visit>
   void shapes_near(int k, const ShapePairs& shapes, double within, Visit&& visit) const {
     const Solid& solid = held_[k].solid;
     const double size = solid.radius() + clearance_;
     shapes.near(transform(frame(k), solid.centre()), size + within,
-                [&](int shape) { return size + visit(shape); });
+                [&](int part) { return size + visit(part); });
   }
   const Frame& frame(int k) const { return frames_[static_cast<std::size_t>(k)]; }
 

@@ -30,7 +30,7 @@ class HeldConstraints : public ByPulls {
   bool was_cut() const { return was_cut_; }
   void use(bool wanted) { wanted_ = wanted; }
   std::size_t most() const {
-    return held_ ? static_cast<std::size_t>(held_->most(scene_->shapes().count())) : 0;
+    return held_ ? static_cast<std::size_t>(held_->most(scene_->shapes().parts())) : 0;
   }
 
   bool wants_points() const { return wanted_ && held_.has_value(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -34,7 +35,8 @@ class Judge {
 
   /// Fills q, errors, clearance, limit violation, worst constraint, what was forgiven and success.
   /// Allocates nothing when result.q has its size.
-  /// @param look  Clearance beyond this is told as this: to find how far the far is takes time [m].
+  /// @param look  Clearance beyond this is told as this, or as what is wanted if that is more: to
+  /// find how far the far is takes time [m].
   void operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
                   Result& result, double look = std::numeric_limits<double>::infinity());
 
@@ -45,6 +47,7 @@ class Judge {
   void judge_limits(const Eigen::VectorXd& q, Result& result) const;
   void judge_balance(Verdict& verdict, Result& result);
   void judge_hulls(Verdict& verdict, Result& result);
+  void judge_points(const Scene& scene, double look, Verdict& verdict, Result& result);
   void judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result);
   void judge_held(const Scene& scene, double look, Verdict& verdict, Result& result);
 
@@ -53,6 +56,11 @@ class Judge {
   const HullModel& hulls_;
   std::vector<Eigen::Isometry3d> T_base_body_;
   CollisionState collision_, fixed_hulls_;
+  /// What of the hulls that no joint moves is nearest to the points of that stamp, if anything is
+  /// nearer than was looked.
+  Clearance fixed_;
+  std::uint64_t fixed_stamp_ = 0;
+  double fixed_look_ = 0.0;
   HullCapsules capsules_;
   Balance balance_;
   std::optional<SelfCollision> self_;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -67,6 +66,8 @@ class Scene {
   ObstacleView obstacles() const { return {points_, margin_}; }
   /// The places for points, whole lanes of them, when `read` was last asked.
   int padded_points() const { return padded_points_; }
+  /// Another number whenever the points are others, and in each scene.
+  std::uint64_t points_stamp() const { return points_stamp_; }
   const ShapePairs& shapes() const { return shapes_; }
   const Held& held() const { return held_; }
   /// Another number whenever what is held, or the shapes it is held among, are others, and in each
@@ -83,12 +84,6 @@ class Scene {
   bool base_collides() const {
     return fixed_.distance < -tolerance_ || fixed_to_shapes_.distance - margin_ < -tolerance_;
   }
-
-  /// Clearance of every hull, the margin included, where the states are placed. Leaves their near
-  /// pairs changed.
-  /// @param look  What is farther is not looked for: the distance is then this, and nobody's [m].
-  Clearance clearance(CollisionState& moving, CollisionState& fixed_hulls,
-                      double look = std::numeric_limits<double>::infinity()) const;
 
   double intake = 0.0;  ///< what taking the points in took [s]
 
@@ -108,7 +103,7 @@ class Scene {
   ShapePairs shapes_;
   ShapeClearance fixed_to_shapes_;
   Held held_;
-  std::uint64_t held_stamp_;
+  std::uint64_t held_stamp_, points_stamp_ = 0;
   int within_reach_ = 0, version_ = -1, padded_points_ = 0;
   bool changed_ = true;
 };

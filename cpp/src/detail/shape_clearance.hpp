@@ -17,15 +17,19 @@ class ShapePairs {
   /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
   ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot);
 
-  int count() const { return set_->count(); }
-  const Solid& solid(int shape) const { return set_->solids[static_cast<std::size_t>(shape)]; }
+  int count() const { return static_cast<int>(set_->shapes.size()); }
   const Shape& shape(int k) const { return set_->shapes[static_cast<std::size_t>(k)]; }
+  /// Shapes are made of parts, all numbered on from shape to shape.
+  int parts() const { return static_cast<int>(set_->parts.size()); }
+  const Solid& part(int k) const { return set_->parts[static_cast<std::size_t>(k)]; }
+  /// The shape that a part belongs to.
+  int owner(int part) const { return set_->owners[static_cast<std::size_t>(part)]; }
   /// How deep a hull may lie in a shape; infinite if that does not matter [m].
   /// @param source  A hull's or capsule's place in the occupancy.
   double allowed(int source, int shape) const {
     return allowed_.empty() ? 0.0 : allowed_[static_cast<std::size_t>(source * count() + shape)];
   }
-  /// See ShapeTree::near.
+  /// Visit parts: see ShapeTree::near.
   template <class Visit>
   void near(const Vec4& p, double reach, Visit&& visit) const {
     set_->tree.near(p, reach, visit);
@@ -41,17 +45,20 @@ class ShapePairs {
 struct ShapeClearance {
   double distance = std::numeric_limits<double>::infinity();
   int source = -1, shape = -1;  ///< -1: nothing is nearer than was asked
+  int part = -1;                ///< of the shape
   const PlacedCapsule* capsule = nullptr;
-  double t = 0.0;   ///< where on its segment, -1 to 1
-  Vec4 gradient{};  ///< of the distance by that point
+  double t = 0.0;       ///< where on its segment, -1 to 1
+  Vec4 gradient{};      ///< of the distance by that point
+  double gap = 0.0;     ///< of its segment, at most by how much that lies within the part [m]
+  double facing = 1.0;  ///< see SegmentSolidDistance
 };
 
-/// The least distance of hull k to a shape, if less than `than`.
-ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int shape,
+/// The least distance of hull k to a part of a shape, if less than `than`.
+ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int part,
                               double than);
 
-/// Visit the shapes that may be nearer than this to hull k: see ShapeTree::near, but for
-/// @param visit  visit(shape) gives what distance is asked from then on, or kNoMore.
+/// Visit the parts of shapes that may be nearer than this to hull k: see ShapeTree::near, but for
+/// @param visit  visit(part) gives what distance is asked from then on, or kNoMore.
 template <class Visit>
 void shapes_near(const HullCapsules& hulls, int k, const ShapePairs& pairs, double than,
                  Visit&& visit) {
@@ -59,7 +66,7 @@ void shapes_near(const HullCapsules& hulls, int k, const ShapePairs& pairs, doub
   const double size = hulls.semi_major(k);
   // Of a hull that is hollow, whose middle is not a number, nothing is near anything.
   if (!(middle[0] == middle[0])) return;
-  pairs.near(middle, size + than, [&](int shape) { return size + visit(shape); });
+  pairs.near(middle, size + than, [&](int part) { return size + visit(part); });
 }
 
 /// The least of all hulls to all shapes, if less than `than`.

@@ -16,10 +16,9 @@ struct ShapeSet {
 
   std::vector<Shape> shapes;
   std::vector<AllowedContact> allowed;
-  std::vector<Solid> solids;
-  ShapeTree tree;  ///< of the solids
-
-  int count() const { return static_cast<int>(solids.size()); }
+  std::vector<Solid> parts;  ///< of all shapes, one after the other
+  std::vector<int> owners;   ///< of the parts: their places in `shapes`
+  ShapeTree tree;            ///< of the parts
 };
 
 /// The one without any.

@@ -21,6 +21,13 @@ class ShapeTree {
   ShapeTree() = default;
   explicit ShapeTree(const std::vector<Solid>& solids);
 
+  /// How many of so many solids are looked at about a point: all of a few, of many a few more each
+  /// time their number is doubled.
+  static double usually_seen(int solids) {
+    constexpr double kFew = 32.0, kMore = 4.0;
+    return solids <= kFew ? solids : kFew + kMore * std::log2(solids / kFew);
+  }
+
   /// Visit every solid that may be within `reach` of a point, nearer boxes first, and a few more.
   /// Signed distances count: whose box the point is in is visited whatever the reach.
   /// @param visit  visit(solid) gives how far is asked from then on: as far, less, or kNoMore.

@@ -7,29 +7,21 @@
 #include <vector>
 
 #include "detail/frame.hpp"
+#include "detail/solid_distance.hpp"
+#include "detail/triangle.hpp"
 #include "pdoik/shape.hpp"
 
 namespace pdoik::detail {
 
-/// The signed distance of a point from a solid's surface, negative inside, and its derivative.
-struct SolidDistance {
-  double distance;
-  Vec4 gradient;  ///< a unit vector, away from the solid
-};
-
-/// Where a segment comes nearest to a solid, or lies deepest in it by the signed distance of its
-/// points: exact outside; inside, no less deep than a way out of the solid for each of its points.
-struct SegmentSolidDistance {
-  double distance;
-  Vec4 point;     ///< on the segment
-  Vec4 gradient;  ///< how the distance changes as the segment's body moves that point
-};
-
-/// A shape made ready for distances.
+/// A convex shape, or a part of another, made ready for distances.
 class Solid {
  public:
-  /// @throws std::invalid_argument  As check_shape.
+  /// @param shape  One that check_shape lets by, neither a mesh of any form nor several boxes.
   explicit Solid(const Shape& shape);
+  /// A part of a surface, of no thickness.
+  /// @param triangles  One at least.
+  /// @param is_closed  Whether what is behind them is inside.
+  Solid(std::vector<Triangle> triangles, bool is_closed);
 
   SolidDistance distance(const Vec4& p) const;
   /// @param middle, half  The segment's points are middle + t half, -1 <= t <= 1.
@@ -65,6 +57,11 @@ class Solid {
   }
 
   const Vec4& centre() const { return centre_; }
+  /// Whether it is a part of a surface, from which distances have no sign.
+  bool is_surface() const { return kind_ == Shape::Kind::Mesh; }
+  /// The convex pieces that it is made of.
+  int pieces() const { return is_surface() ? static_cast<int>(faces_.size()) : 1; }
+
   /// Of a ball about its centre that holds it; infinite for a half-space [m].
   double radius() const { return radius_; }
   bool is_half_space() const { return kind_ == Shape::Kind::HalfSpace; }
@@ -74,27 +71,25 @@ class Solid {
   /// The farthest point along a direction, of any length but 0, of what lies this much within the
   /// solid's surface: a ball's centre, a capsule's segment, all of the others. Not of a half-space.
   Vec4 support(const Vec4& direction) const;
+  /// The same of one of its pieces.
+  Vec4 support_of(int piece, const Vec4& direction) const;
   double rounding() const {
     return kind_ == Shape::Kind::Sphere || kind_ == Shape::Kind::Capsule ? half_[0] : 0.0;
   }
 
  private:
-  struct Face {
-    Vec4 a, ab, ac;  ///< a corner and two edges
-    Vec4 normal;     ///< out of the solid, of length 1
-    double offset;   ///< normal . a
-    double ab2, abac, ac2, determinant;
-  };
   SolidDistance local_distance(const Vec4& p) const;
   SolidDistance mesh_distance(const Vec4& p) const;
+  SegmentSolidDistance surface_distance(const Vec4& middle, const Vec4& half, double than) const;
 
   Shape::Kind kind_;
   Frame T_;        ///< its frame, or the base's for a mesh
   Vec4 half_{};    ///< half the edges; or radius and half length
   Vec4 centre_{};  ///< of a ball that holds it
   double radius_ = 0.0;
-  std::vector<Face> faces_;
-  std::vector<Vec4> vertices_;  ///< of a mesh
+  std::vector<Triangle> faces_;
+  std::vector<Vec4> vertices_;  ///< of a convex mesh
+  bool is_closed_ = true;
 };
 
 }  // namespace pdoik::detail

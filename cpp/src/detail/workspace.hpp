@@ -50,8 +50,11 @@ class Workspace {
   /// How many verdicts there is time for.
   double verdicts_left() const { return problem.deadline->left() / std::max(verdict_time_, 1e-9); }
   /// Judge a configuration, a pass over what is near. Counts as late once the clock has struck.
-  void judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result,
-             double look = std::numeric_limits<double>::infinity());
+  void judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result, double look);
+  /// The same for a result that is returned.
+  void judge(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result) {
+    judge(asked, at, result, model_->options.report_clearance);
+  }
   /// The same, of no solve.
   void judge_unwatched(std::span<const Goal> asked, const Eigen::VectorXd& at, Result& result) {
     problem.touching.set_goals(asked);

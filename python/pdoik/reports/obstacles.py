@@ -11,7 +11,9 @@ import numpy as np
 from .._core import Cloud, Scene, Shape
 from .values import Entry, FloatArray, plain
 
-SHAPE_KINDS = ("sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh")  # C++'s order
+SHAPE_KINDS = (  # in C++'s order
+    "sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes"
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +96,7 @@ def shape_entry(shape: Shape) -> dict[str, Any]:
         "T_base_shape": plain(shape.T_base_shape),
         "size": plain(shape.__getstate__()[3]),
     }
-    if shape.kind == "convex_mesh":
+    if len(shape.vertices):
         entry |= {"vertices": plain(shape.vertices), "triangles": plain(shape.triangles)}
     return entry
 
@@ -103,7 +105,7 @@ def read_shape(entry: Entry) -> Shape:
     """The same shape again; a scene or a solver looks whether it makes sense."""
     kind = entry["kind"].text(*SHAPE_KINDS)
     vertices, triangles = np.empty((0, 3)), np.empty((0, 3), np.int32)
-    if kind == "convex_mesh":
+    if kind in ("convex_mesh", "mesh", "boxes"):
         vertices = entry["vertices"].array(None, 3)
         places = entry["triangles"].array(None, 3)
         if places.size and not (places.min() >= 0 and places.max() < len(vertices)):

@@ -67,7 +67,7 @@ def load_scene(
     Read are MoveIt's .scene files, MoveIt's PlanningScene as YAML, and pdoik's own YAML (see
     `pdoik.scenes.own_yaml`). An object of several shapes becomes shapes named id, id/1, id/2 ...
     Planes are solid on the side away from their normal, cones become pyramids of 48 sides around
-    them, and meshes their convex hulls, which must not be larger by more than a hundredth.
+    them, and MoveIt's meshes their convex hulls where those are larger by no more than a hundredth.
 
     Args:
         path: .scene, .yaml or .yml.

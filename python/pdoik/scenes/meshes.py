@@ -1,4 +1,4 @@
-"""Triangle meshes of scenes: found by their address, read, and checked to be convex."""
+"""Triangle meshes of scenes: found by their address, read, and asked whether they are convex."""
 
 from __future__ import annotations
 
@@ -71,7 +71,16 @@ def check_convex(vertices: FloatArray, faces: Faces, file: Path, entry: str) -> 
     if share < 1 - _HOLLOW:
         raise EntryError(
             file,
-            f"the mesh is not convex: it fills {share:.1%} of its convex hull; decompose it into"
-            " convex parts (CoACD, V-HACD), one shape each",
+            f"the mesh is not convex: it fills {share:.1%} of its convex hull; give it as a mesh"
+            " of any form (mesh), or in convex parts (CoACD, V-HACD), one shape each",
             entry,
         )
+
+
+def is_convex(vertices: FloatArray, faces: Faces) -> bool:
+    """Whether `check_convex` lets it by."""
+    try:
+        check_convex(vertices, faces, Path(), "")
+    except EntryError:
+        return False
+    return True

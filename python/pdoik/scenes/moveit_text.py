@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from pdoik.scenes.pieces import Kind, Piece, Thing, cone, plane
+from pdoik.scenes.pieces import Kind, Piece, Thing, cone, mesh, plane
 from pdoik.scenes.values import EntryError, read_text, rotation
 
 FloatArray = npt.NDArray[np.float64]
@@ -143,7 +143,7 @@ def _read_shape(text: _Words, T_base_object: FloatArray) -> Piece:
     except ValueError as error:
         raise EntryError(text.file, str(error), entry) from error
     if kind == "mesh":
-        return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, entry=entry)
+        return mesh(vertices, faces, T, entry)
     return Piece(kind=_SOLIDS[kind], size=tuple(size.tolist()), T=T, entry=entry)
 
 

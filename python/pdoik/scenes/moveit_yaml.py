@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pdoik._addresses import Packages, Places
 from pdoik.scenes.meshes import find_mesh, read_mesh
-from pdoik.scenes.pieces import Kind, Piece, Thing, cone, plane
+from pdoik.scenes.pieces import Kind, Piece, Thing, cone, mesh, plane
 from pdoik.scenes.values import EntryError, numbers, read_pose, rows
 
 FloatArray = npt.NDArray[np.float64]
@@ -182,7 +182,7 @@ def _mesh(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, places
         points, corners = read_mesh(path, file, entry)
         if item.get("dimensions"):
             points = points * numbers(item["dimensions"], "xyz", file, f"{entry}.dimensions")
-        return Piece(kind="mesh", T=T, vertices=points, faces=corners, entry=entry)
+        return mesh(points, corners, T, entry)
     faces = [
         face.get("vertex_indices") if isinstance(face, Mapping) else face
         for face in item.get("triangles") or []
@@ -193,7 +193,7 @@ def _mesh(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, places
         raise EntryError(file, "a mesh without triangles", entry)
     if not (corners.min() >= 0 and corners.max() < len(points)):
         raise EntryError(file, "a triangle has a vertex that is not there", entry)
-    return Piece(kind="mesh", T=T, vertices=points, faces=corners, entry=entry)
+    return mesh(points, corners, T, entry)
 
 
 def _plane(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _: Places) -> Piece:

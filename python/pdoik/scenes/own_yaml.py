@@ -5,6 +5,7 @@ shapes:
   - {name: can, cylinder: {radius: 0.03, length: 0.12}, position: [0.5, 0, 0.06]}
   - {name: wall, half_space: {normal: [-1, 0, 0], point: [1, 0, 0]}}
   - {name: part, convex_mesh: {file: part.stl}, xyzw: [0, 0, 0, 1]}
+  - {name: bin, mesh: {file: bin.stl}, position: [0.4, 0, 0]}
 cloud: scan.pcd
 leaf: 0.02
 radii: true
@@ -16,7 +17,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +33,7 @@ from pdoik.scenes.values import EntryError, numbers, rotation, rows
 FloatArray = npt.NDArray[np.float64]
 
 TOP_KEYS = ("shapes", "cloud", "leaf", "radii", "allowed")
-_KINDS = ("box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh")
+_KINDS = ("box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes")
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
 
 
@@ -126,8 +127,10 @@ def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places)
         except ValueError as error:
             raise EntryError(file, "the normal is zero", f"{where}.normal") from error
     T = _read_pose(item, file, entry)
-    if kind == "convex_mesh":
-        return _read_mesh(value, T, file, where, places)
+    if kind == "convex_mesh" or kind == "mesh":
+        return _read_mesh(kind, value, T, file, where, places)
+    if kind == "boxes":
+        return _read_boxes(value, T, file, where)
     size = _read_size(kind, value, file, where)
     solid: dict[str, Kind] = {
         "box": "box", "sphere": "sphere", "cylinder": "cylinder", "capsule": "capsule"
@@ -168,20 +171,38 @@ def _read_pose(item: Mapping[str, Any], file: Path, entry: str) -> FloatArray:
     return T
 
 
-def _read_mesh(value: Any, T: FloatArray, file: Path, entry: str, places: Places) -> Piece:
+def _read_boxes(value: Any, T: FloatArray, file: Path, entry: str) -> Piece:
+    given = _fields(value, ("low", "high"), (), file, entry)
+    low, high = (rows(given[key], "xyz", file, f"{entry}.{key}") for key in ("low", "high"))
+    if len(low) != len(high):
+        raise EntryError(file, f"{len(low)} lowest corners and {len(high)} highest", entry)
+    corners = np.stack([low, high], axis=1).reshape(-1, 3)
+    return Piece(kind="boxes", T=T, vertices=corners, entry=entry)
+
+
+def _read_mesh(
+    kind: Literal["convex_mesh", "mesh"],
+    value: Any,
+    T: FloatArray,
+    file: Path,
+    entry: str,
+    places: Places,
+) -> Piece:
     if isinstance(value, Mapping) and "file" in value:
         given = _fields(value, ("file",), (), file, entry)
         path = find_mesh(str(given["file"]), places, file, entry)
         vertices, faces = read_mesh(path, file, entry)
-        return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, entry=entry)
-    given = _fields(value, ("vertices",), ("triangles",), file, entry)
+        return Piece(kind=kind, T=T, vertices=vertices, faces=faces, entry=entry)
+    optional = ("triangles",) if kind == "convex_mesh" else ()
+    needed = ("vertices",) if optional else ("vertices", "triangles")
+    given = _fields(value, needed, optional, file, entry)
     vertices = rows(given["vertices"], "xyz", file, f"{entry}.vertices")
     if given.get("triangles") is None:
-        return Piece(kind="mesh", T=T, vertices=vertices, entry=entry)
+        return Piece(kind=kind, T=T, vertices=vertices, entry=entry)
     faces = rows(given["triangles"], "abc", file, f"{entry}.triangles").astype(np.int64)
     if faces.size and not (faces.min() >= 0 and faces.max() < len(vertices)):
         raise EntryError(file, "a triangle has a vertex that is not there", entry)
-    return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, exact=True, entry=entry)
+    return Piece(kind=kind, T=T, vertices=vertices, faces=faces, exact=True, entry=entry)
 
 
 def _fields(
@@ -217,6 +238,8 @@ def _size_of(shape: Shape) -> Any:
             return size
         case "sphere":
             return {"radius": size[0]}
-        case "convex_mesh":
+        case "boxes":
+            return {"low": shape.vertices[0::2].tolist(), "high": shape.vertices[1::2].tolist()}
+        case "convex_mesh" | "mesh":
             return {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}
     return {"radius": size[0], "length": size[1]}

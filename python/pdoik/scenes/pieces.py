@@ -11,14 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._core import Shape
-from pdoik.scenes.meshes import check_convex
+from pdoik.scenes.meshes import check_convex, is_convex
 from pdoik.scenes.values import EntryError
 
 FloatArray = npt.NDArray[np.float64]
 Faces = npt.NDArray[np.int64]
 AllowedContact = tuple[str, str] | tuple[str, str, float]
 """A link and a shape that may touch, to any depth or to one [m]."""
-Kind = Literal["box", "sphere", "cylinder", "capsule", "half_space", "mesh"]
+Kind = Literal["box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes"]
 
 _CONE_SIDES = 48
 
@@ -31,9 +31,10 @@ class Piece:
         kind: What it is.
         size: Edges of a box; radius, and length if it has one [m].
         T: Takes its points to the base frame, (4, 4); a half-space is below z = 0.
-        vertices: Of a mesh, (V, 3) in its own frame [m].
+        vertices: Of a mesh, (V, 3) in its own frame [m]; of boxes the lowest and the highest
+            corner of each, by turns.
         faces: Of a mesh, (F, 3) places in `vertices`; none for the hull of its vertices.
-        exact: Whether the faces are the surface itself, to be convex exactly.
+        exact: Of a convex mesh, whether the faces are the surface itself, to be convex exactly.
         entry: Where in the file it is, for messages.
     """
 
@@ -63,8 +64,8 @@ def shapes_of(things: Sequence[Thing], file: Path) -> tuple[Shape, ...]:
     """The shapes of a file's objects.
 
     Raises:
-        EntryError: Two have one name, a size is not positive, a pose is not rigid, or a mesh is
-            not closed or not convex.
+        EntryError: Two have one name, a size is not positive, a pose is not rigid, or a convex mesh
+            is not closed or not convex.
     """
     shapes: dict[str, Shape] = {}
     for thing in things:
@@ -93,11 +94,21 @@ def _shape(name: str, piece: Piece, file: Path) -> Shape:
             return Shape.capsule(name, piece.size[0], piece.size[1], T)
         case "half_space":
             return Shape.half_space(name, T[:3, 2], T[:3, 3])
-        case "mesh":
+        case "convex_mesh":
             triangles = piece.faces.tolist() if piece.exact else None
             if len(piece.faces) and not piece.exact:
                 check_convex(piece.vertices, piece.faces, file, piece.entry)
             return Shape.convex_mesh(name, piece.vertices, T, triangles)
+        case "mesh":
+            return Shape.mesh(name, piece.vertices, piece.faces, T)
+        case "boxes":
+            return Shape.boxes(name, piece.vertices[0::2], piece.vertices[1::2], T)
+
+
+def mesh(vertices: FloatArray, faces: Faces, T: FloatArray, entry: str) -> Piece:
+    """A mesh of any form, by its convex hull if that is hardly larger."""
+    kind: Kind = "convex_mesh" if is_convex(vertices, faces) else "mesh"
+    return Piece(kind=kind, T=T, vertices=vertices, faces=faces, entry=entry)
 
 
 def cone(radius: float, length: float, T: FloatArray, entry: str) -> Piece:
@@ -117,7 +128,7 @@ def cone(radius: float, length: float, T: FloatArray, entry: str) -> Piece:
     bottom = np.column_stack([following, ring, np.full_like(ring, _CONE_SIDES)])
     side = np.column_stack([ring, following, np.full_like(ring, _CONE_SIDES + 1)])
     faces = np.asarray(np.concatenate([bottom, side]), dtype=np.int64)
-    return Piece(kind="mesh", T=T, vertices=vertices, faces=faces, entry=entry)
+    return Piece(kind="convex_mesh", T=T, vertices=vertices, faces=faces, entry=entry)
 
 
 def half_space(normal: FloatArray, point: FloatArray, entry: str) -> Piece:

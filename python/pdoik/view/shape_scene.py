@@ -71,8 +71,8 @@ class ShapeScene:
                 np.asarray(mesh.faces),
                 color=_SHAPE,
                 opacity=0.2 if flat else None,  # solids that are not opaque hide each other
-                flat_shading=shape.kind in ("box", "convex_mesh"),
-                side="double" if flat else "front",
+                flat_shading=shape.kind in ("box", "convex_mesh", "mesh", "boxes"),
+                side="double" if flat or shape.kind == "mesh" else "front",
                 cast_shadow=not flat,
                 wxyz=wxyz_of(T[:3, :3]),
                 position=T[:3, 3],
@@ -86,7 +86,11 @@ def _alike(a: pdoik.Shape, b: pdoik.Shape) -> bool:
         return True
     if (a.name, a.kind) != (b.name, b.kind) or a.kind == "half_space":
         return False
-    return np.array_equal(a.size, b.size) and np.array_equal(a.vertices, b.vertices)
+    return (
+        np.array_equal(a.size, b.size)
+        and np.array_equal(a.vertices, b.vertices)
+        and np.array_equal(a.triangles, b.triangles)
+    )
 
 
 def shape_mesh(shape: pdoik.Shape) -> tuple[trimesh.Trimesh, FloatArray]:
@@ -112,5 +116,12 @@ def shape_mesh(shape: pdoik.Shape) -> tuple[trimesh.Trimesh, FloatArray]:
             corners = [[x, y, 0.0] for x in (-1, 1) for y in (-1, 1)]
             vertices = _PLANE_EDGE / 2 * np.array(corners)
             return trimesh.Trimesh(vertices, [[0, 2, 1], [1, 2, 3]]), T
+        case "boxes":
+            low, high = np.asarray(shape.vertices)[0::2], np.asarray(shape.vertices)[1::2]
+            unit = trimesh.creation.box(bounds=[[0, 0, 0], [1, 1, 1]])
+            vertices = low[:, None] + unit.vertices[None] * (high - low)[:, None]
+            places = len(unit.vertices) * np.arange(len(low))[:, None, None]
+            faces = (unit.faces[None] + places).reshape(-1, 3)
+            return trimesh.Trimesh(vertices.reshape(-1, 3), faces, process=False), T
         case _:
             return trimesh.Trimesh(shape.vertices, shape.triangles, process=False), T

@@ -82,22 +82,9 @@ def moved_shape(shape: pdoik.Shape, T_base_shape: FloatArray) -> pdoik.Shape:
     Raises:
         ValueError: It is a half-space.
     """
-    size = list(shape.size)
-    match shape.kind:
-        case "box":
-            return pdoik.Shape.box(shape.name, size, T_base_shape)
-        case "sphere":
-            return pdoik.Shape.sphere(shape.name, T_base_shape[:3, 3], size[0])
-        case "cylinder":
-            return pdoik.Shape.cylinder(shape.name, size[0], size[1], T_base_shape)
-        case "capsule":
-            return pdoik.Shape.capsule(shape.name, size[0], size[1], T_base_shape)
-        case "convex_mesh":
-            return pdoik.Shape.convex_mesh(
-                shape.name, shape.vertices, T_base_shape, np.asarray(shape.triangles).tolist()
-            )
-        case _:
-            raise ValueError(f"{shape.name}: a {shape.kind} cannot be moved")
+    if shape.kind == "half_space":
+        raise ValueError(f"{shape.name}: a {shape.kind} cannot be moved")
+    return shape.moved(T_base_shape)
 
 
 def gap_colors(hulls: list[PlacedHull], obstacles: FloatArray) -> ByteArray:

@@ -39,6 +39,10 @@ def shape_surface(shape: pdoik.Shape) -> Surface:
             local = _capsule(size[0], size[1] / 2)
         case "half_space":
             local = _half_space
+        case "boxes":
+            local = _boxes(np.asarray(shape.vertices))
+        case "mesh":
+            local = _sheet(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
         case _:
             local = _mesh(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
 
@@ -87,6 +91,34 @@ def _half_space(point: FloatArray) -> tuple[float, FloatArray]:
     return float(point[2]), np.array([point[0], point[1], 0.0])
 
 
+def _boxes(corners: FloatArray) -> Surface:
+    """Of several, by the lowest and the highest corner of each, (2 N, 3)."""
+    middles, halves = (corners[1::2] + corners[0::2]) / 2, (corners[1::2] - corners[0::2]) / 2
+
+    def to_boxes(point: FloatArray) -> tuple[float, FloatArray]:
+        outside = np.maximum(np.abs(point - middles) - halves, 0)
+        nearest = int((outside**2).sum(axis=1).argmin())
+        distance, place = _box(halves[nearest])(point - middles[nearest])
+        return distance, place + middles[nearest]
+
+    return to_boxes
+
+
+def _sheet(triangles: FloatArray) -> Surface:
+    """Of a surface of no thickness, (T, 3, 3)."""
+
+    def to_sheet(point: FloatArray) -> tuple[float, FloatArray]:
+        points = np.tile(point, (len(triangles), 1))
+        places: FloatArray = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
+            triangles, points
+        )
+        distances = np.linalg.norm(places - point, axis=1)
+        nearest = int(distances.argmin())
+        return float(distances[nearest]), places[nearest]
+
+    return to_sheet
+
+
 def _mesh(triangles: FloatArray) -> Surface:
     """Of a closed convex one, (T, 3, 3)."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -97,12 +129,6 @@ def _mesh(triangles: FloatArray) -> Surface:
         highest = int(heights.argmax())
         if heights[highest] <= 0:
             return float(heights[highest]), point - heights[highest] * normals[highest]
-        points = np.tile(point, (len(triangles), 1))
-        places: FloatArray = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
-            triangles, points
-        )
-        distances = np.linalg.norm(places - point, axis=1)
-        nearest = int(distances.argmin())
-        return float(distances[nearest]), places[nearest]
+        return _sheet(triangles)(point)
 
     return to_mesh
