@@ -103,6 +103,30 @@ class Cloud:
     >>> cloud.remove([[-1, -1, 2], [1, 1, 3]]) > 40_000
     True
     """
+    @staticmethod
+    def from_depth(image: numpy.typing.ArrayLike, K: numpy.typing.ArrayLike, T_base_camera: numpy.typing.ArrayLike | None = None, max_range: float | None = None, *, scale: float | None = None, leaf: float | None = None, radii: bool = False, solid: bool = False) -> Cloud:
+        """
+        Take in what a depth camera has seen.
+        
+        Args:
+            image: Depths along the optical axis, shape (H, W). Floats are metres and whole numbers
+                millimetres, unless scale says otherwise; 0, NaN and infinity where nothing was seen.
+            K: The camera's matrix, shape (3, 3), or fx, fy, cx, cy, shape (4,) [pixels].
+            T_base_camera: Its optical frame, x to the right of the image, y down, z forward, in the
+                base frame, shape (4, 4) [m]. None for the base frame itself.
+            max_range: What is farther along the axis is left out [m]. None for nothing.
+            scale: The metres of one unit of the image.
+            leaf: As for `Cloud`.
+            radii: As there.
+            solid: As there; the cloud is seen from the camera.
+        
+        Returns:
+            The cloud; without points where all that was seen is beyond max_range.
+        
+        Raises:
+            ValueError: Names what is wrong: a shape, a matrix that is no camera's or of another image
+                size, units that cannot be, an image in which nothing was seen.
+        """
     def __init__(self, points: numpy.typing.ArrayLike, leaf: typing.SupportsFloat | typing.SupportsIndex | None = None, radii: bool = False, solid: bool = False, viewpoint: numpy.typing.ArrayLike | None = None) -> None:
         """
         Take points in.
@@ -110,6 +134,7 @@ class Cloud:
         Args:
             points: x y z, or x y z radius, in the base frame, shape (N, 3) or (N, 4) [m]. Float32 and float64 are
                 read without a conversion where a row's numbers lie side by side. With no rows: a cloud to be updated.
+                Or as a depth camera has them, (H, W, 3): pixels with NaN or infinity are left out, but not all.
             leaf: Thin the points out first: one, the mean, for each cell of a grid with this edge [m], see
                 voxel_downsample; rows with NaN or infinity are then left out, but not all of them. None keeps all.
             radii: Give each kept point the radius of a ball such that the balls hold every point there was.
@@ -172,7 +197,7 @@ class Cloud:
         """
 class Shape:
     """
-    A convex solid that the robot has to keep off, beside points. It does not change.
+    A solid, or a surface, that the robot has to keep off, beside points. It does not change.
     """
     @staticmethod
     def box(name: str, size: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
@@ -182,6 +207,20 @@ class Shape:
         Args:
             name: What results call it.
             size: The lengths of its edges, shape (3,) [m].
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def boxes(name: str, low: numpy.typing.ArrayLike, high: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        Several boxes along its frame's axes, under one name.
+        
+        Args:
+            name: What results call it.
+            low: The lowest corner of each, shape (N, 3) [m].
+            high: The highest, shape (N, 3) [m].
             T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
         
         Raises:
@@ -231,6 +270,21 @@ class Shape:
             ValueError: Names the shape and what is wrong with it.
         """
     @staticmethod
+    def grid(name: str, taken: numpy.typing.ArrayLike, edge: typing.SupportsFloat | typing.SupportsIndex, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        The cells of a grid that are taken, put together to few boxes: an occupancy grid, voxels.
+        
+        Args:
+            name: What results call it.
+            taken: Bool, shape (I, J, K). Cell (i, j, k) goes from edge (i, j, k) to edge (i + 1, j + 1, k + 1)
+                in its frame.
+            edge: Of a cell [m].
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
     def half_space(name: str, normal: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike) -> Shape:
         """
         All behind a plane: a table, a floor, a wall.
@@ -242,6 +296,28 @@ class Shape:
         
         Raises:
             ValueError: Names the shape and what is wrong with it.
+        """
+    @staticmethod
+    def mesh(name: str, vertices: numpy.typing.ArrayLike, triangles: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        A surface of triangles of any form, such as a part, a bin or a scanned room.
+        
+        Where it is closed what is inside counts too, by the winding number: of what has a radius of a
+        fortieth of its longest side everywhere inside, of thinner parts of a robot where they come near the
+        surface. It is made ready whenever a Scene is made of it: a second for some 400,000 triangles.
+        
+        Args:
+            name: What results call it.
+            vertices: In its frame, shape (N, 3) [m]. Those at one place count as one.
+            triangles: Each three places in `vertices`, shape (T, 3); of a closed mesh all clockwise or all
+                counter-clockwise seen from outside.
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it.
+        
+        Warns:
+            ObstacleWarning: It is not closed: its surface alone is kept off.
         """
     @staticmethod
     def sphere(name: str, center: numpy.typing.ArrayLike, radius: typing.SupportsFloat | typing.SupportsIndex) -> Shape:
@@ -272,7 +348,7 @@ class Shape:
         Its frame in the base frame, shape (4, 4) [m].
         """
     @property
-    def kind(self) -> typing.Literal['sphere', 'box', 'cylinder', 'capsule', 'half_space', 'convex_mesh']:
+    def kind(self) -> typing.Literal['sphere', 'box', 'cylinder', 'capsule', 'half_space', 'convex_mesh', 'mesh', 'boxes']:
         """
         What it is, by the name of what makes it.
         """
@@ -294,7 +370,7 @@ class Shape:
     @property
     def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
-        Of a mesh, shape (N, 3) [m]; else empty.
+        Of a mesh, shape (N, 3) [m]; of boxes the lowest and the highest corner of each; else empty.
         """
 class Scene:
     """

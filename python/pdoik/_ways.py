@@ -275,4 +275,4 @@ for way in (from_urdf, from_xacro, from_mjcf, from_description):
     way.__doc__ = inspect.cleandoc(way.__doc__ or "")  # as it stands in the stub
     setattr(Robot, way.__name__, staticmethod(way))
 from_depth.__doc__ = inspect.cleandoc(from_depth.__doc__ or "")
-Cloud.from_depth = staticmethod(from_depth)
+setattr(Cloud, from_depth.__name__, staticmethod(from_depth))

@@ -63,9 +63,9 @@ SHAPES = [
         placed(-0.6, 0.3, 0.2),
     ),
     pdoik.Shape.mesh(
-        "sheet",
-        [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0.05]],
-        [[0, 1, 2], [1, 3, 2]],
+        "wedge",
+        [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]],
+        [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
         placed(-0.6, -0.3, 0.2),
     ),
 ]
@@ -309,7 +309,7 @@ def test_whatever_entry_is_spoiled_the_complaint_is_a_load_error(kind: str, case
     if kind == "solve":
         solver.attach("link2", [pdoik.Shape.box("cup", [0.1, 0.1, 0.1])])
         allowed = [("link1", "stone", 0.1)]
-        scene = pdoik.Scene(SHAPES[-1:], cloud=points()[:3], allowed=allowed)
+        scene = pdoik.Scene([SHAPES[5]], cloud=points()[:3], allowed=allowed)
         pdoik.write_report(case, solver, pdoik.Goal(np.eye(4)), q0=[0.1, 0.2], obstacles=scene)
     else:
         steps = {"q0": [0.1, 0.2], "obstacles": points()[:3]}

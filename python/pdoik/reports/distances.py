@@ -75,13 +75,24 @@ def to_hull(
 
 
 def segment_to_shape(a: FloatArray, b: FloatArray, shape: Shape, enough: float = np.inf) -> float:
-    """Least signed distance of a segment's points, along which it is convex, to a solid [m].
+    """Least signed distance of a segment's points to a solid [m].
 
     Where it is certainly no less than `enough`, it is some number that is no less.
     """
     T = np.linalg.inv(shape.T_base_shape)
     a, b = T[:3, :3] @ a + T[:3, 3], T[:3, :3] @ b + T[:3, 3]
-    distance = _signed_distance(shape)
+    if shape.kind == "mesh":
+        return _segment_to_mesh(a, b, shape.vertices[shape.triangles])
+    if shape.kind == "boxes":
+        boxes = zip(shape.vertices[0::2], shape.vertices[1::2], strict=True)
+        return min(_least_along(a, b, _to_box(low, high), enough) for low, high in boxes)
+    return _least_along(a, b, _signed_distance(shape), enough)
+
+
+def _least_along(
+    a: FloatArray, b: FloatArray, distance: Callable[[FloatArray], float], enough: float
+) -> float:
+    """Of a segment's points, along which a distance is convex."""
     bound = distance(0.5 * (a + b)) - 0.5 * float(np.linalg.norm(b - a))
     if bound >= enough:
         return bound
@@ -115,6 +126,82 @@ def _signed_distance(shape: Shape) -> Callable[[FloatArray], float]:
             end = np.array([0.0, 0.0, 0.5 * size[1]])
             return lambda p: float(to_capsule(p[None], -end, end, size[0])[0])
     return _to_mesh(shape.vertices, shape.triangles)
+
+
+def _to_box(low: FloatArray, high: FloatArray) -> Callable[[FloatArray], float]:
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    return lambda p: _corner(np.abs(p - middle) - half)
+
+
+def _segment_to_mesh(a: FloatArray, b: FloatArray, corners: FloatArray) -> float:
+    """Of a segment to triangles (T, 3, 3): negative where it goes through one, or is inside."""
+    A, B, C = corners.transpose(1, 0, 2)
+    normals = np.cross(B - A, C - A)
+    lengths = np.linalg.norm(normals, axis=1)
+    A, B, C, normals = (each[lengths > 0.0] for each in (A, B, C, normals))
+    normals /= lengths[lengths > 0.0][:, None]
+
+    def below(points: FloatArray) -> NDArray[np.bool_]:
+        """Whether points (T, 3) have their feet in the triangles."""
+        inside = np.ones(len(A), dtype=bool)
+        for start, end in ((A, B), (B, C), (C, A)):
+            across = np.cross(end - start, points - start)
+            inside &= np.einsum("ti,ti->t", across, normals) >= 0.0
+        return inside
+
+    above = [np.einsum("ti,ti->t", end - A, normals) for end in (a, b)]
+    through = (above[0] < 0.0) != (above[1] < 0.0)
+    share = above[0] / np.where(through, above[0] - above[1], 1.0)
+    through &= below(a + np.where(through, share, 0.0)[:, None] * (b - a))
+    if through.any():
+        return -float(np.minimum(*np.abs(above))[through].max())
+    edges = [_segments_apart(a, b, one, two).min() for one, two in ((A, B), (B, C), (C, A))]
+    ends = [
+        np.abs(height)[below(np.tile(end, (len(A), 1)))].min(initial=np.inf)
+        for end, height in zip((a, b), above, strict=True)
+    ]
+    least = float(min(*edges, *ends))
+    return -least if abs(_windings(a, A, B, C)) > 0.5 else least
+
+
+def _segments_apart(
+    a: FloatArray, b: FloatArray, starts: FloatArray, ends: FloatArray
+) -> FloatArray:
+    """From one segment to others (T, 3), (T,): inside of both, or from an end of one."""
+    u, v, w = b - a, ends - starts, a - starts
+    uu, uv, vv = float(u @ u), v @ u, np.einsum("ti,ti->t", v, v)
+    uw, vw = w @ u, np.einsum("ti,ti->t", v, w)
+    size = uu * vv - uv * uv
+    flat = size <= 1e-14 * uu * vv
+    s = np.clip(np.where(flat, 0.0, (uv * vw - vv * uw) / np.where(flat, 1.0, size)), 0.0, 1.0)
+    t = np.clip(np.where(flat, 0.0, (uu * vw - uv * uw) / np.where(flat, 1.0, size)), 0.0, 1.0)
+    lines = np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1)
+    of_ends = [
+        np.linalg.norm(
+            p
+            - starts
+            - np.clip(np.einsum("ti,ti->t", p - starts, v) / np.maximum(vv, 1e-300), 0, 1)[:, None]
+            * v,
+            axis=1,
+        )
+        for p in (a, b)
+    ]
+    of_others = [to_capsule(points, a, b, 0.0) for points in (starts, ends)]
+    return np.asarray(np.min([lines, *of_ends, *of_others], axis=0))
+
+
+def _windings(p: FloatArray, A: FloatArray, B: FloatArray, C: FloatArray) -> float:
+    """How often triangles go round a point (van Oosterom and Strackee, 1983)."""
+    a, b, c = A - p, B - p, C - p
+    la, lb, lc = (np.linalg.norm(each, axis=1) for each in (a, b, c))
+    volume = np.einsum("ti,ti->t", a, np.cross(b, c))
+    rest = (
+        la * lb * lc
+        + np.einsum("ti,ti->t", a, b) * lc
+        + np.einsum("ti,ti->t", b, c) * la
+        + np.einsum("ti,ti->t", c, a) * lb
+    )
+    return float(np.arctan2(volume, rest).sum() / (2.0 * np.pi))
 
 
 def _corner(beyond: FloatArray) -> float:

@@ -201,7 +201,8 @@ class Judge:
                 faults.append(
                     f"claims {claims}, but {title} is {distance:.4g} m, wanted {wanted:g}"
                 )
-            far = "tracking" in answer and min(distance, said) >= 0.5 - ROUNDING  # told as 0.5
+            told = _told_up_to(answer, options)  # and more as that
+            far = min(distance, said) >= told - ROUNDING
             near = np.isclose(said, distance, rtol=ROUNDING, atol=ROUNDING)
             both_off = min(distance, said) > ROUNDING  # depth can be measured in several ways
             if (both_off and not far and not near) or (
@@ -259,6 +260,11 @@ class Judge:
                     near = segment_to_shape(A[:3], B[:3], shape, least + size)
                     least = min(least, near - size)
         return least
+
+
+def _told_up_to(answer: Mapping[str, Any], options: Options) -> float:
+    """How far an answer's clearance is told [m]."""
+    return max(0.5 if "tracking" in answer else options.report_clearance, options.clearance)
 
 
 def _claim(answer: Mapping[str, Any]) -> str:

@@ -127,8 +127,10 @@ def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places)
         except ValueError as error:
             raise EntryError(file, "the normal is zero", f"{where}.normal") from error
     T = _read_pose(item, file, entry)
-    if kind == "convex_mesh" or kind == "mesh":
-        return _read_mesh(kind, value, T, file, where, places)
+    if kind == "convex_mesh":
+        return _read_mesh("convex_mesh", value, T, file, where, places)
+    if kind == "mesh":
+        return _read_mesh("mesh", value, T, file, where, places)
     if kind == "boxes":
         return _read_boxes(value, T, file, where)
     size = _read_size(kind, value, file, where)

@@ -1,0 +1,1 @@
+"""Ten thousand shapes, meshes of a million triangles, a hundred thousand points."""
