@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pdoik::detail {
 
@@ -67,13 +68,22 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
 ShapeClearance least_clearance(HullCapsules& hulls, const ShapePairs& pairs, double than) {
   ShapeClearance least;
   least.distance = than;
-  for (int k = 0; k < hulls.count(); ++k) {
-    shapes_near(hulls, k, pairs, least.distance, [&](int part) {
-      const ShapeClearance found = hull_clearance(hulls, k, pairs, part, least.distance);
-      if (found.shape >= 0) least = found;
-      return least.distance;
-    });
-  }
+  const auto look = [&](int most) {
+    // The last ones, which reach farthest, are nearest to something as a rule.
+    for (int k = hulls.count() - 1; k >= 0; --k) {
+      int left = most;
+      shapes_near(hulls, k, pairs, least.distance, [&](int part) {
+        const ShapeClearance found = hull_clearance(hulls, k, pairs, part, least.distance);
+        if (found.shape >= 0) least = found;
+        return --left == 0 ? kNoMore : least.distance;
+      });
+    }
+  };
+  // Of a surface many parts are hardly farther than the nearest. A few near each hull first, so
+  // that but for one hull all are passed over.
+  constexpr int kFirst = 8;
+  if (pairs.has_surfaces()) look(kFirst);
+  look(std::numeric_limits<int>::max());
   return least;
 }
 

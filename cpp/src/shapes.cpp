@@ -19,6 +19,7 @@ ShapeSet::ShapeSet(std::vector<Shape> shapes_in, std::vector<AllowedContact> all
     owners.resize(parts.size(), static_cast<int>(k));
   }
   tree = ShapeTree(parts);
+  has_surfaces = std::ranges::any_of(parts, &Solid::is_surface);
 }
 
 std::shared_ptr<const ShapeSet> no_shapes() {

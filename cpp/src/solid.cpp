@@ -253,6 +253,7 @@ SegmentSolidDistance Solid::surface_distance(const Vec4& middle, const Vec4& hal
                                              double than) const {
   SegmentSolidDistance nearest{std::numeric_limits<double>::infinity(), middle, {}};
   for (const Triangle& face : faces_) {
+    if (distance_to_segment(face.centre, middle, half) - face.radius >= than) continue;
     const SegmentSolidDistance found = distance_to(face, middle, half, than);
     // Of triangles that share the nearest edge or corner the one that faces it most says which side
     // of the surface it is on.

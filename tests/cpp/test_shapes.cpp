@@ -65,7 +65,7 @@ TEST(ShapeTree, visits_all_that_are_near_and_few_others_of_many) {
       const Vec4 p = to_vec4(random.point(3.0));
       const double reach = random.uniform(0.0, 0.5);
       std::set<int> visited;
-      tree.near(p, reach, [&](int solid) {
+      tree.near(p, Vec4{}, reach, [&](int solid) {
         EXPECT_TRUE(visited.insert(solid).second);
         return reach;
       });
@@ -75,7 +75,7 @@ TEST(ShapeTree, visits_all_that_are_near_and_few_others_of_many) {
         least = std::min(least, distance);
         EXPECT_TRUE(visited.contains(k) || distance > reach - 1e-12) << k;
       }
-      tree.near(p, kInfinity, [&](int solid) {
+      tree.near(p, Vec4{}, kInfinity, [&](int solid) {
         ++looks;
         told = std::min(told, solids[static_cast<std::size_t>(solid)].distance(p).distance);
         return told;

@@ -27,16 +27,16 @@ def transform(T: FloatArray) -> Any:
 def capsules(robot: pdoik.Robot, q: FloatArray) -> list[Pose]:
     """What the robot fills."""
     found = []
-    for capsule in robot.occupancy.capsules:
-        T = np.asarray(robot.fk(q, capsule.link))
-        a, b = (T[:3, :3] @ end + T[:3, 3] for end in (capsule.a, capsule.b))
+    for link, one, other, radius, *_ in robot.occupancy.capsules:
+        T = np.asarray(robot.fk(q, link))
+        a, b = (T[:3, :3] @ end + T[:3, 3] for end in (one, other))
         length = float(np.linalg.norm(b - a))
         placed = coal.Transform3s.Identity()
         if length > 1e-9:
             turn = coal.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), (b - a) / length)
             placed.setRotation(turn.toRotationMatrix())
         placed.setTranslation((a + b) / 2)
-        found.append((coal.Capsule(capsule.radius, length), placed))
+        found.append((coal.Capsule(radius, length), placed))
     return found
 
 

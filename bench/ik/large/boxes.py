@@ -24,7 +24,7 @@ from bench.ik.large.arms import (
 from bench.ik.safety.report import Jobs, Line
 from bench.ik.soak.solves import Row
 
-SIZES = (6, 60)
+SIZES = (6, 20)
 COUNTS = (10, 100, 1_000, 10_000)
 ROOM = np.array([[-2.5, -2.5, -0.6], [2.5, 2.5, 2.0]])  # [m]
 CLEAR, NEAR, CONTACT = 0.03, 1.5, 0.002  # [m]
@@ -106,13 +106,13 @@ def push(
     robot: pdoik.Robot, q: FloatArray, boxes: list[pdoik.Shape], rng: np.random.Generator
 ) -> tuple[list[float], float]:
     """Into one more box before the tool: what steps in contact took [s], and how deep one was."""
-    tracker = pdoik.Tracker(robot, period=0.002, max_time=0.2)
+    judge = pdoik.Solver(robot)
+    tracker = pdoik.Tracker(judge, period=0.002, max_time=0.2)
     way = rng.normal(size=3)
     way /= np.linalg.norm(way)
     goal = np.array(robot.fk(q))
     wall = np.eye(4)
     wall[:3, 3] = goal[:3, 3] + 0.2 * way
-    judge = pdoik.Solver(robot)
     scene = pdoik.Scene([*boxes, pdoik.Shape.box("wall", [0.1, 0.1, 0.1], wall)])
     if judge.judge(goal, q, obstacles=scene).clearance < CONTACT:
         return [], 0.0

@@ -24,7 +24,7 @@ from bench.ik.large.boxes import clear_boxes
 from bench.ik.safety.report import Jobs, Line
 from bench.ik.soak.solves import Row
 
-SIZES = (6, 60)
+SIZES = (6, 20)
 COUNTS = (1_000, 100_000, 1_000_000)  # triangles
 WIDE, DEEP, CLEAR = 3.0, 0.2, 0.02  # [m]
 FEW = 10  # boxes that it is compared with
@@ -102,9 +102,8 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 def moving(robot: pdoik.Robot) -> pdoik.Robot:
     """Without the hulls of its base, which may stand in the ground."""
-    other = robot.copy()
-    whole = robot.occupancy
-    kept = [each for each in whole.capsules if each.link != robot.link_names[0]]
+    other = pdoik.Robot.builtin(robot.name)
+    kept = [each for each in robot.occupancy.capsules if each[0] != robot.link_names[0]]
     other.occupancy = pdoik.Occupancy(capsules=kept)
     return other
 

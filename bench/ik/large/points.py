@@ -13,7 +13,7 @@ from bench.ik.large.arms import ARMS, fastest, free_configurations, jobs_of
 from bench.ik.safety.report import Jobs, Line
 from bench.ik.soak.solves import Row
 
-SIZES = (20, 200)
+SIZES = (20, 100)
 COUNTS = (136, 10_000, 100_000)
 
 

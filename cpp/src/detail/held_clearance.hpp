@@ -109,7 +109,7 @@ class HeldClearance {
   void shapes_near(int k, const ShapePairs& shapes, double within, Visit&& visit) const {
     const Solid& solid = held_[k].solid;
     const double size = solid.radius() + clearance_;
-    shapes.near(transform(frame(k), solid.centre()), size + within,
+    shapes.near(transform(frame(k), solid.centre()), Vec4{}, size + within,
                 [&](int part) { return size + visit(part); });
   }
   const Frame& frame(int k) const { return frames_[static_cast<std::size_t>(k)]; }

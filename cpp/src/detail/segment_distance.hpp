@@ -17,6 +17,15 @@ struct SegmentDistance {
 
 inline double clamp_to_segment(double t) { return std::clamp(t, -1.0, 1.0); }
 
+/// How far a point is from the segment middle + t half, -1 <= t <= 1.
+inline double distance_to_segment(const Vec4& point, const Vec4& middle, const Vec4& half) {
+  const Vec4 from = point - middle;
+  const double square = dot3(half, half);
+  const double t = square > 0.0 ? clamp_to_segment(dot3(from, half) / square) : 0.0;
+  const Vec4 off = from - broadcast(t) * half;
+  return std::sqrt(dot3(off, off));
+}
+
 /// t1 of parallel segments: the middle of what lies beside the second one, or the end next to it.
 inline double middle_of_overlap(double a, double b, double e, double along1) {
   const double centre = -along1 / a, reach = e / std::abs(b);  // of the second one, in units of t1

@@ -22,6 +22,8 @@ class ShapePairs {
   /// Shapes are made of parts, all numbered on from shape to shape.
   int parts() const { return static_cast<int>(set_->parts.size()); }
   const Solid& part(int k) const { return set_->parts[static_cast<std::size_t>(k)]; }
+  /// Whether any part is one of a surface.
+  bool has_surfaces() const { return set_->has_surfaces; }
   /// The shape that a part belongs to.
   int owner(int part) const { return set_->owners[static_cast<std::size_t>(part)]; }
   /// How deep a hull may lie in a shape; infinite if that does not matter [m].
@@ -31,8 +33,8 @@ class ShapePairs {
   }
   /// Visit parts: see ShapeTree::near.
   template <class Visit>
-  void near(const Vec4& p, double reach, Visit&& visit) const {
-    set_->tree.near(p, reach, visit);
+  void near(const Vec4& middle, const Vec4& half, double reach, Visit&& visit) const {
+    set_->tree.near(middle, half, reach, visit);
   }
   const std::shared_ptr<const ShapeSet>& set() const { return set_; }
 
@@ -62,11 +64,11 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
 template <class Visit>
 void shapes_near(const HullCapsules& hulls, int k, const ShapePairs& pairs, double than,
                  Visit&& visit) {
-  const Vec4& middle = hulls.around(k).middle;
-  const double size = hulls.semi_major(k);
+  const PlacedCapsule& around = hulls.around(k);
+  const double size = around.radius + hulls.excess(k);
   // Of a hull that is hollow, whose middle is not a number, nothing is near anything.
-  if (!(middle[0] == middle[0])) return;
-  pairs.near(middle, size + than, [&](int part) { return size + visit(part); });
+  if (!(around.middle[0] == around.middle[0])) return;
+  pairs.near(around.middle, around.half, size + than, [&](int part) { return size + visit(part); });
 }
 
 /// The least of all hulls to all shapes, if less than `than`.

@@ -19,6 +19,7 @@ struct ShapeSet {
   std::vector<Solid> parts;  ///< of all shapes, one after the other
   std::vector<int> owners;   ///< of the parts: their places in `shapes`
   ShapeTree tree;            ///< of the parts
+  bool has_surfaces = false;
 };
 
 /// The one without any.

@@ -36,10 +36,11 @@ class Solid {
   }
 
   /// At most the distance of all within `radius` of the segment middle + t half, -1 <= t <= 1: of a
-  /// box and a cylinder by what lies between along its axes.
+  /// box and a cylinder by what lies between along its axes, of others by the ball around.
   double bound(const Vec4& middle, const Vec4& half, double radius) const {
+    if (kind_ == Shape::Kind::HalfSpace) return bound(middle, std::sqrt(dot3(half, half)) + radius);
     if (kind_ != Shape::Kind::Box && kind_ != Shape::Kind::Cylinder)
-      return bound(middle, std::sqrt(dot3(half, half)) + radius);
+      return distance_to_segment(centre_, middle, half) - radius_ - radius;
     const Vec4 from = middle - T_.p;
     const auto gap = [](double along, double wide, double half_edge) {
       return std::max(std::abs(along) - std::abs(wide) - half_edge, 0.0);

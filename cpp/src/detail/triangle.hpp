@@ -21,6 +21,11 @@ struct Triangle {
     abac = dot3(ab, ac);
     ac2 = dot3(ac, ac);
     determinant = across.squaredNorm();
+    centre = a + broadcast(1.0 / 3.0) * (ab + ac);
+    for (const Vec4& at : {a, a + ab, a + ac}) {
+      const Vec4 from = at - centre;
+      radius = std::max(radius, std::sqrt(dot3(from, from)));
+    }
   }
 
   /// Whether the foot of a point on its plane lies in it.
@@ -36,6 +41,8 @@ struct Triangle {
   Vec4 normal;     ///< out of the solid, of length 1
   double offset;   ///< normal . a
   double ab2, abac, ac2, determinant;
+  Vec4 centre;  ///< of a ball that holds it
+  double radius = 0.0;
 };
 
 /// Where a segment comes nearest to a triangle. Of one that goes through it, minus the way that its

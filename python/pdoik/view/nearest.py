@@ -18,7 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 
 _HULL = re.compile(r"\((sphere|spheroid|capsule) (\d+)\)")
 _GOLDEN = (np.sqrt(5) - 1) / 2
-_SPLITS = 32  # of a hull's segment: to 2e-7 of its length
+_LOOKS = 9  # along a hull's segment
+_SPLITS = 32  # of what is between two of them: to 5e-8 of its length
 _PROJECTIONS = 200
 
 
@@ -115,10 +116,14 @@ def _line(hull: PlacedCapsule | PlacedSpheroid, surface: Surface) -> FloatArray 
 
 
 def _from_segment(a: FloatArray, b: FloatArray, radius: float, surface: Surface) -> FloatArray:
-    """By golden section: the signed distance to a convex solid is convex along a segment."""
+    """By golden section where looks along the segment have found the least: between them the signed
+    distance is convex, of a convex solid all along."""
     low, high = 0.0, 1.0
     if np.linalg.norm(b - a) > 1e-9:
-        x, y = 1 - _GOLDEN, _GOLDEN
+        looks = np.linspace(0.0, 1.0, _LOOKS)
+        least = int(np.argmin([surface(a + t * (b - a))[0] for t in looks]))
+        low, high = looks[max(least - 1, 0)], looks[min(least + 1, _LOOKS - 1)]
+        x, y = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
         at_x, at_y = (surface(a + t * (b - a))[0] for t in (x, y))
         for _ in range(_SPLITS):
             if at_x <= at_y:
