@@ -471,7 +471,7 @@ TEST(Shapes, whoever_looks_at_many_looks_at_the_clock_meanwhile) {
   std::vector<Shape> boxes;
   for (int k = 0; k < 5000; ++k) {
     const Eigen::Isometry3d T(Eigen::Translation3d(random.point(0.7)));
-    boxes.push_back(Shape::box("box" + std::to_string(k), T, Eigen::Vector3d::Constant(0.02)));
+    boxes.push_back(Shape::box("box" + std::to_string(k), T, Eigen::Vector3d::Constant(0.1)));
   }
   bench.scene.use(std::make_shared<const ShapeSet>(boxes));
   Constraints& constraints = bench.problem.constraints;
