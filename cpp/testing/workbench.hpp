@@ -60,6 +60,11 @@ class Workbench {
     problem.rollout.forward(cosine.data(), sine.data(), q.data());
     moving.place(problem.rollout);
   }
+  /// The least of all hulls, the margin included, where they are placed.
+  Clearance clearance() {
+    const Clearance least = least_clearance(moving, scene.obstacles(), {});
+    return least_clearance(fixed, scene.obstacles(), least);
+  }
   Eigen::VectorXd positions(const Eigen::VectorXd& omega) const {
     Eigen::VectorXd q(robot.dof());
     map.positions(omega, q);

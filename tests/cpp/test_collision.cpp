@@ -127,7 +127,7 @@ TEST(Collision,
     if (k % 2 == 0) bench.set_obstacles(many);  // radii that reach everything, then forgotten
     bench.set_obstacles(one);
     bench.roll_out(q);
-    const Clearance found = bench.scene.clearance(bench.moving, bench.fixed);
+    const Clearance found = bench.clearance();
     ASSERT_EQ(found.obstacle, 0);
     ASSERT_NEAR(found.distance, brute_force_clearance(robot, q, one), 1e-9);
     ASSERT_EQ(bench.lagrangian.max_constraint(random.vector(bench.map.size(), -1.0, 1.0)), 0.0);
@@ -160,7 +160,7 @@ TEST(Collision, clearance_is_the_brute_force_least_distance_over_all_pairs) {
     for (int k = 0; k < 3; ++k) {
       const Eigen::VectorXd q = random_configuration(bench->robot, random);
       bench->roll_out(q);
-      const Clearance found = bench->scene.clearance(bench->moving, bench->fixed);
+      const Clearance found = bench->clearance();
       const double expected =
           brute_force_clearance(bench->robot, q, bench->obstacles) - bench->options.clearance;
       ASSERT_NEAR(found.distance, expected, 1e-9 * std::max(1.0, extent))
@@ -249,7 +249,7 @@ TEST(Collision, a_stretched_arms_farthest_point_is_in_reach_and_what_lies_well_b
       bench.set_obstacles(points);
       ASSERT_EQ(bench.scene.within_reach(), 1) << sphere << " " << radius;
       bench.roll_out(Eigen::VectorXd::Zero(4));
-      EXPECT_NEAR(bench.scene.clearance(bench.moving, bench.fixed).distance, -1e-6, 1e-9);
+      EXPECT_NEAR(bench.clearance().distance, -1e-6, 1e-9);
     }
   }
 }

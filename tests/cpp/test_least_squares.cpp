@@ -258,7 +258,7 @@ TEST(LeastSquares, touches_where_some_point_is_in_some_hull) {
     const double alone = bench.least_squares.evaluate(q);
     const bool touches = bench.least_squares.touches();
     bench.roll_out(q);
-    const Clearance least = bench.scene.clearance(bench.moving, bench.fixed);
+    const Clearance least = bench.clearance();
     if (std::abs(least.distance) < 1e-9) continue;
     const bool fixed = bench.scene.fixed().distance < 0.0;  // moving hulls are asked alone
     if (!fixed) {

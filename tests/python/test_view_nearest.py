@@ -39,7 +39,7 @@ def shape(kind: str, rng: np.random.Generator) -> pdoik.Shape:
             return pdoik.Shape.mesh("it", ring.vertices, ring.faces, T)
         case "boxes":
             low = np.array([[-0.2, -0.2, 0.0], [0.1, 0.0, 0.1]])
-            return pdoik.Shape.boxes("it", low, low + [0.05, 0.1, 0.2], T)
+            return pdoik.Shape.boxes("it", low, low + np.array([0.05, 0.1, 0.2]), T)
         case _:
             return pdoik.Shape.convex_mesh("it", CORNERS, T)
 

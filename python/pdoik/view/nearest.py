@@ -116,8 +116,10 @@ def _line(hull: PlacedCapsule | PlacedSpheroid, surface: Surface) -> FloatArray 
 
 
 def _from_segment(a: FloatArray, b: FloatArray, radius: float, surface: Surface) -> FloatArray:
-    """By golden section where looks along the segment have found the least: between them the signed
-    distance is convex, of a convex solid all along."""
+    """By golden section where looks along the segment have found the least.
+
+    Between them the signed distance is convex, of a convex solid all along.
+    """
     low, high = 0.0, 1.0
     if np.linalg.norm(b - a) > 1e-9:
         looks = np.linspace(0.0, 1.0, _LOOKS)
