@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "detail/clearance.hpp"
 #include "detail/lagrangian_problem.hpp"
 #include "detail/least_squares_problem.hpp"
 #include "detail/problem.hpp"
@@ -61,8 +62,8 @@ class Workbench {
     moving.place(problem.rollout);
   }
   /// The least of all hulls, the margin included, where they are placed.
-  Clearance clearance() {
-    const Clearance least = least_clearance(moving, scene.obstacles(), {});
+  detail::Clearance clearance() {
+    const detail::Clearance least = least_clearance(moving, scene.obstacles(), {});
     return least_clearance(fixed, scene.obstacles(), least);
   }
   Eigen::VectorXd positions(const Eigen::VectorXd& omega) const {

@@ -114,8 +114,8 @@ py::array checked_numbers(const ArrayLike& values, const std::string& name) {
   return array;
 }
 
-/// The rows of an image of points, (H, W, 3) or (H, W, 4), that are numbers: cameras write NaN where
-/// they saw nothing. Whatever else as it is.
+/// The rows of an image of points, (H, W, 3) or (H, W, 4), that are numbers: cameras write NaN
+/// where they saw nothing. Whatever else as it is.
 py::array without_image(const py::array& array, const std::string& name) {
   if (array.ndim() != 3 || (array.shape(2) != 3 && array.shape(2) != 4)) return array;
   const py::object rows = array.attr("reshape")(-1, array.shape(2));

@@ -223,8 +223,8 @@ TEST(ObstacleSet, clearance_among_many_points_near_and_far_is_that_of_brute_forc
     for (int k = 0; k < 3; ++k) {
       const Eigen::VectorXd q = random_configuration(bench.robot, random);
       bench.roll_out(q);
-      EXPECT_NEAR(bench.clearance().distance,
-                  brute_force_clearance(bench.robot, q, points, 100), 1e-7);
+      EXPECT_NEAR(bench.clearance().distance, brute_force_clearance(bench.robot, q, points, 100),
+                  1e-7);
     }
   }
   EXPECT_GT(far_ones, 1000);
