@@ -90,7 +90,7 @@ def test_a_leaf_too_small_for_the_cloud_is_refused_rather_than_the_cloud_returne
         pdoik.voxel_downsample([[0, 0, 0], [10, 10, 10]], 1e-4)
 
 
-@pytest.mark.parametrize("shape", [(3,), (2, 2), (2, 4), (2, 3, 3), ()])
+@pytest.mark.parametrize("shape", [(3,), (2, 2), (2, 4), (2, 3, 5), ()])
 def test_a_cloud_of_another_shape_is_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="points has shape"):
         pdoik.voxel_downsample(np.ones(shape), 0.1)

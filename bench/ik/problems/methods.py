@@ -12,7 +12,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.solids import Solid
-from pdoik.scenes.pieces import Piece, Thing, shapes_of
+from pdoik.scenes.pieces import Piece, Thing, mesh, shapes_of
 
 LEAF = 0.01  # of the cloud [m]
 SPACING = LEAF / 3  # of the points of a surface [m]
@@ -124,8 +124,9 @@ def _shapes(robot: pdoik.Robot, _: float) -> Callable[[Problem], Any]:
 
 
 def _piece(solid: Solid) -> Piece:
-    names = ("kind", "size", "T", "vertices", "faces")
-    return Piece(entry=solid.name, **{name: getattr(solid, name) for name in names})
+    if solid.kind == "mesh":
+        return mesh(solid.vertices, solid.faces, solid.T, solid.name)
+    return Piece(entry=solid.name, kind=solid.kind, size=solid.size, T=solid.T)
 
 
 def _is_convex(solid: Solid) -> bool:

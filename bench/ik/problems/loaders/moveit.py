@@ -59,7 +59,8 @@ def _things(scene: Mapping[str, Any], file: Path, links: Sequence[str]) -> dict[
         for k, piece in enumerate(thing.pieces):
             name = f"{thing.name}/{k}" if len(thing.pieces) > 1 else thing.name
             try:
-                solid = Solid(name, piece.kind, piece.size, piece.T, piece.vertices, piece.faces)
+                kind = "mesh" if piece.kind == "convex_mesh" else piece.kind
+                solid = Solid(name, kind, piece.size, piece.T, piece.vertices, piece.faces)
             except SolidError as error:
                 raise LoaderError(file, str(error), piece.entry) from error
             things.setdefault(thing.name, []).append(solid)
