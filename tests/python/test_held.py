@@ -19,7 +19,8 @@ NAMES = ("panda", "ur10", "iiwa14")
 
 
 def held_by(rng: np.random.Generator) -> pdoik.Shape:
-    shapes = [each for each in random_shapes(rng) if each.kind != "half_space"]
+    unheld = ("half_space", "mesh", "boxes")
+    shapes = [each for each in random_shapes(rng) if each.kind not in unheld]
     like = shapes[rng.integers(len(shapes))]
     T = random_pose(rng, 0.1)
     T[2, 3] += 0.25
@@ -60,9 +61,11 @@ def test_clearances_of_what_is_held_are_coals(name: str) -> None:
                 assert found.distance <= 1e-6
             nearest += found.part == "held"
         judged = solver.judge(robot.fk(q), q, shapes)
-        assert judged.clearance == pytest.approx(
-            min(each.distance for each in solver.clearances(q, shapes)), abs=1e-9
-        )
+        least = min(each.distance for each in solver.clearances(q, shapes))
+        if least > 0:
+            assert judged.clearance == pytest.approx(least, abs=1e-9)
+        else:  # deep in a surface another part of it may be told
+            assert judged.clearance < 1e-6
         solver.detach()
     assert nearest > 5
 
