@@ -299,7 +299,7 @@ def test_goals_that_make_no_sense_leave_the_last_answer_standing(
         (np.array([[5.0, 5, 5, -0.1]]), "obstacles has a negative radius in row 0"),
         (np.zeros((2, 5)), "obstacles has shape (2, 5), expected (N, 3) or (N, 4)"),
         (np.zeros(3), "obstacles has shape (3,), expected (N, 3) or (N, 4)"),
-        (np.zeros((2, 3, 3)), "obstacles has shape (2, 3, 3), expected (N, 3) or (N, 4)"),
+        (np.zeros((2, 3, 5)), "obstacles has shape (2, 3, 5), expected (N, 3) or (N, 4)"),
         (
             np.full((1_000_000, 3), 5.0),
             "obstacles has 1000000 rows, expected at most max_obstacles",
