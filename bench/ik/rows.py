@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
+from typing import Annotated
 
 import pandas as pd
 import typer
@@ -61,3 +62,24 @@ def measure(
             kept(name, trials)
             found[name] = row.lines(trials)
             tell(out, report(found, seed), shown="\n".join(map(str, found[name])))
+
+
+def command(title: str, rows: Mapping[str, ModuleType]) -> Callable[..., None]:
+    """What typer runs for a command whose only options are those of `measure`."""
+
+    def main(
+        out: commands.OutFolder = commands.BUILD / title,
+        quick: commands.Quick = False,
+        only: Annotated[
+            list[str] | None, typer.Option(help=f"A row, repeatable: {', '.join(rows)}.")
+        ] = None,
+        seed: commands.Seed = 0,
+        scheduler: commands.Scheduler = None,
+        workers: commands.Workers = 1,
+    ) -> None:
+        """Measure, and make the table."""
+        measure(
+            title, rows, only, out, quick=quick, seed=seed, scheduler=scheduler, workers=workers
+        )
+
+    return main

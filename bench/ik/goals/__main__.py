@@ -13,13 +13,11 @@ and, for the row `peers`, the extra of that name; what is not installed is left 
 
 from collections.abc import Mapping
 from types import ModuleType
-from typing import Annotated
 
 import typer
 
-from bench.common import commands
 from bench.ik.goals import derivatives, five, grasps, hands, peers, regions, solutions
-from bench.ik.rows import measure
+from bench.ik.rows import command
 
 ROWS: Mapping[str, ModuleType] = {
     "grasps": grasps,
@@ -31,20 +29,7 @@ ROWS: Mapping[str, ModuleType] = {
     "peers": peers,
 }
 
-
-def main(
-    out: commands.OutFolder = commands.BUILD / "goals",
-    quick: commands.Quick = False,
-    only: Annotated[
-        list[str] | None, typer.Option(help=f"A row, repeatable: {', '.join(ROWS)}.")
-    ] = None,
-    seed: commands.Seed = 0,
-    scheduler: commands.Scheduler = None,
-    workers: commands.Workers = 1,
-) -> None:
-    """Measure, and make the table."""
-    measure("goals", ROWS, only, out, quick=quick, seed=seed, scheduler=scheduler, workers=workers)
-
+main = command("goals", ROWS)
 
 if __name__ == "__main__":
     typer.run(main)

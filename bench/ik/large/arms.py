@@ -1,54 +1,29 @@
-"""The arms, where they may be, and how far coal says that they are from things."""
+"""Where the arms may be, and how far they are from things by Pinocchio and coal."""
 
 import time
 from collections.abc import Callable, Iterable
-from typing import Any
 
-import coal
 import numpy as np
 
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.safety.report import Jobs
+from bench.ik.safety.world import ARMS, judge_of
+from bench.ik.soak.hulls import capsules
 
-ARMS = ("panda", "ur10", "iiwa14")
 REPEATS = 3  # of each solve, the fastest of which counts: other programs are running
 TOUCHES = 1e-5  # what coal may find deeper before an answer is wrong [m]
 
-Pose = tuple[Any, Any]
-"""A shape of coal's and where it is."""
 
-
-def transform(T: FloatArray) -> Any:
-    """Coal's."""
-    return coal.Transform3s(T[:3, :3], T[:3, 3])
-
-
-def capsules(robot: pdoik.Robot, q: FloatArray) -> list[Pose]:
-    """What the robot fills."""
-    found = []
-    for link, one, other, radius, *_ in robot.occupancy.capsules:
-        T = np.asarray(robot.fk(q, link))
-        a, b = (T[:3, :3] @ end + T[:3, 3] for end in (one, other))
-        length = float(np.linalg.norm(b - a))
-        placed = coal.Transform3s.Identity()
-        if length > 1e-9:
-            turn = coal.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), (b - a) / length)
-            placed.setRotation(turn.toRotationMatrix())
-        placed.setTranslation((a + b) / 2)
-        found.append((coal.Capsule(radius, length), placed))
-    return found
-
-
-def distance(robot: pdoik.Robot, q: FloatArray, things: Iterable[Pose]) -> float:
-    """From the robot to the nearest thing [m]."""
-    placed = capsules(robot, q)
-    least = np.inf
-    for shape, T in things:
-        for body, T_body in placed:
-            request, result = coal.DistanceRequest(), coal.DistanceResult()
-            least = min(least, coal.distance(body, T_body, shape, T, request, result))
-    return float(least)
+def placed_capsules(
+    arm: str, q: FloatArray, *, standing: bool = True
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Ends (H, 3) and radii (H,) of what the arm fills [m], perhaps without what no joint moves."""
+    judge = judge_of(arm)
+    a, b = judge.hulls(judge.kinematics.place(q[None]))
+    ends, others, radii = capsules(a, b, judge.A, judge.swept)
+    kept = np.ones(len(judge.A), dtype=bool) if standing else ~judge.fixed
+    return ends[0, kept], others[0, kept], np.broadcast_to(radii, ends.shape[:2])[0, kept]
 
 
 def free_configurations(

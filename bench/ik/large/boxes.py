@@ -4,7 +4,6 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-import coal
 import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
@@ -13,15 +12,14 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
 from bench.ik.large.arms import (
-    ARMS,
     TOUCHES,
-    distance,
     fastest,
     free_configurations,
     jobs_of,
-    transform,
+    placed_capsules,
 )
 from bench.ik.safety.report import Jobs, Line
+from bench.ik.safety.world import ARMS, Box, box_gap
 from bench.ik.soak.solves import Row
 
 SIZES = (6, 20)
@@ -29,6 +27,7 @@ COUNTS = (10, 100, 1_000, 10_000)
 ROOM = np.array([[-2.5, -2.5, -0.6], [2.5, 2.5, 2.0]])  # [m]
 CLEAR, NEAR, CONTACT = 0.03, 1.5, 0.002  # [m]
 STEPS, STRIDE = 250, 0.001  # [m]
+JUDGED = 25  # steps to one that coal looks at
 
 
 def jobs(size: int, seed: int) -> Jobs:
@@ -61,13 +60,16 @@ def clear_boxes(
     ]
 
 
-def in_coal(boxes: list[pdoik.Shape]) -> list[tuple[Any, Any]]:
+def near_boxes(boxes: list[pdoik.Shape]) -> list[Box]:
     """Those that an arm can come near to."""
-    return [
-        (coal.Box(*box.size), transform(np.asarray(box.T_base_shape)))
-        for box in boxes
-        if np.linalg.norm(np.asarray(box.T_base_shape)[:3, 3]) < NEAR
-    ]
+    every = [Box(size=np.array(box.size), T=np.asarray(box.T_base_shape)) for box in boxes]
+    return [box for box in every if np.linalg.norm(box.T[:3, 3]) < NEAR]
+
+
+def depth(arm: str, q: FloatArray, boxes: list[Box]) -> float:
+    """How deep the arm is in the boxes, 0 where it is clear [m]."""
+    placed = placed_capsules(arm, q)
+    return max(0.0, *(-box_gap(*placed, box) for box in boxes))
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:
@@ -79,14 +81,14 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
     began = time.perf_counter()
     scene = pdoik.Scene(boxes)
     intake = time.perf_counter() - began
-    solver, near = pdoik.Solver(robot), in_coal(boxes)
+    solver, near = pdoik.Solver(robot), near_boxes(boxes)
     rows: list[Row] = []
     for k, q in enumerate(free):
         start = free[k - 1]
         took, result = fastest(lambda q=q, start=start: solver.solve(robot.fk(q), start, scene))
-        wrong = result.success and distance(robot, result.q, near) < -TOUCHES
-        steps, deepest = push(robot, q, boxes, rng)
-        wrong = wrong or deepest < -CONTACT
+        wrong = result.success and depth(job["arm"], result.q, near) > TOUCHES
+        steps, deepest = push(job["arm"], q, boxes, near, rng)
+        wrong = wrong or deepest > TOUCHES
         rows.append(
             {
                 **job,
@@ -103,9 +105,14 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def push(
-    robot: pdoik.Robot, q: FloatArray, boxes: list[pdoik.Shape], rng: np.random.Generator
+    arm: str,
+    q: FloatArray,
+    boxes: list[pdoik.Shape],
+    near: list[Box],
+    rng: np.random.Generator,
 ) -> tuple[list[float], float]:
-    """Into one more box before the tool: what steps in contact took [s], and how deep one was."""
+    """Into one more box before the tool: times of steps in contact [s], the deepest of some [m]."""
+    robot = pdoik.Robot.builtin(arm)
     judge = pdoik.Solver(robot)
     tracker = pdoik.Tracker(judge, period=0.002, max_time=0.2)
     way = rng.normal(size=3)
@@ -113,7 +120,8 @@ def push(
     goal = np.array(robot.fk(q))
     wall = np.eye(4)
     wall[:3, 3] = goal[:3, 3] + 0.2 * way
-    scene = pdoik.Scene([*boxes, pdoik.Shape.box("wall", [0.1, 0.1, 0.1], wall)])
+    blocks = Box(size=np.full(3, 0.1), T=wall)
+    scene = pdoik.Scene([*boxes, blocks.shape("wall")])
     if judge.judge(goal, q, obstacles=scene).clearance < CONTACT:
         return [], 0.0
     tracker.reset(q)
@@ -126,7 +134,8 @@ def push(
         spent = time.thread_time() - began
         if step.clearance < CONTACT:
             took.append(spent)
-        deepest = min(deepest, float(step.clearance))
+        if k % JUDGED == JUDGED - 1:
+            deepest = max(deepest, depth(arm, np.asarray(step.q), [*near, blocks]))
     return took, deepest
 
 

@@ -12,16 +12,15 @@ from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
 from bench.ik.judges.triangles import tree_of
 from bench.ik.large.arms import (
-    ARMS,
     TOUCHES,
-    distance,
     fastest,
     free_configurations,
     jobs_of,
-    transform,
+    placed_capsules,
 )
 from bench.ik.large.boxes import clear_boxes
 from bench.ik.safety.report import Jobs, Line
+from bench.ik.safety.world import ARMS, to_solid
 from bench.ik.soak.solves import Row
 
 SIZES = (6, 20)
@@ -71,7 +70,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
     intake = time.perf_counter() - began
     solver = pdoik.Solver(robot, pdoik.Options(base_collision=False))
     near = pdoik.Solver(robot, pdoik.Options(base_collision=False, report_clearance=0.05))
-    ground = [(tree_of(vertices, faces), transform(np.eye(4)))]
+    ground = tree_of(vertices, faces)
     free: list[FloatArray] = []
     while len(free) < job["cases"]:
         free += [
@@ -87,7 +86,10 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
         took, result = fastest(lambda T=T, start=start: solver.solve(T, start, scene))
         bounded, _ = fastest(lambda T=T, start=start: near.solve(T, start, scene))
         among_few, _ = fastest(lambda T=T, start=start: solver.solve(T, start, few))
-        apart = distance(moving(robot), result.q, ground) if result.success else np.inf
+        apart = np.inf
+        if result.success:  # its base may stand in the ground
+            placed = placed_capsules(job["arm"], result.q, standing=False)
+            apart = float(to_solid(*placed, ground, np.eye(4))[0].min())
         rows.append(
             {
                 **job,
@@ -101,14 +103,6 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
             }
         )
     return rows
-
-
-def moving(robot: pdoik.Robot) -> pdoik.Robot:
-    """Without the hulls of its base, which may stand in the ground."""
-    other = pdoik.Robot.builtin(robot.name)
-    kept = [each for each in robot.occupancy.capsules if each[0] != robot.link_names[0]]
-    other.occupancy = pdoik.Occupancy(capsules=kept)
-    return other
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:

@@ -9,8 +9,9 @@ import pandas as pd
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
-from bench.ik.large.arms import ARMS, fastest, free_configurations, jobs_of
+from bench.ik.large.arms import fastest, free_configurations, jobs_of
 from bench.ik.safety.report import Jobs, Line
+from bench.ik.safety.world import ARMS
 from bench.ik.soak.solves import Row
 
 SIZES = (20, 100)

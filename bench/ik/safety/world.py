@@ -107,9 +107,15 @@ def box_gap(p: FloatArray, q: FloatArray, radii: FloatArray, box: Box) -> float:
 def to_box(
     p: FloatArray, q: FloatArray, radii: FloatArray, box: Box
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """From capsules to a box: gaps (H,), nearest points of the capsules' cores and normals."""
-    solid = coal.Box(*box.size)
-    place = coal.Transform3s(box.T[:3, :3], box.T[:3, 3])
+    """From capsules to a box: as `to_solid`."""
+    return to_solid(p, q, radii, coal.Box(*box.size), box.T)
+
+
+def to_solid(
+    p: FloatArray, q: FloatArray, radii: FloatArray, solid: Any, T_base_solid: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """From capsules to what coal knows: gaps (H,), nearest points of their cores and normals."""
+    place = coal.Transform3s(T_base_solid[:3, :3], T_base_solid[:3, 3])
     request, gaps = coal.DistanceRequest(True), np.empty(len(p))
     points, normals = np.empty((2, len(p), 3))
     for k, (one, other, radius) in enumerate(zip(p, q, radii, strict=True)):
@@ -119,7 +125,7 @@ def to_box(
         T = coal.Transform3s(z_along(axis / length) if length > 0 else np.eye(3), (one + other) / 2)
         found = coal.DistanceResult()
         gaps[k] = coal.distance(core, T, solid, place, request, found)
-        normals[k] = found.normal  # from the capsule to the box
+        normals[k] = found.normal  # from the capsule to the solid
         points[k] = found.getNearestPoint1() - radius * found.normal
     return gaps, points, normals
 
