@@ -202,7 +202,10 @@ Shape Shape::grid(std::string name, const Eigen::Isometry3d& T_base_shape,
   Shape shape{std::move(name), Kind::Boxes, T_base_shape};
   check_length(shape, "edge", edge);
   std::size_t cells = 1;
-  for (const int count : counts) cells *= static_cast<std::size_t>(std::max(count, 0));
+  for (const int count : counts) {
+    if (count < 0) refuse(shape, std::to_string(count) + " cells along an axis");
+    cells *= static_cast<std::size_t>(count);
+  }
   if (cells != taken.size())
     refuse(shape, std::to_string(taken.size()) + " cells, expected " + std::to_string(cells));
   detail::CellGrid grid(counts);

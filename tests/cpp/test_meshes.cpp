@@ -191,6 +191,7 @@ TEST(Mesh, nonsense_is_refused_by_name) {
                std::invalid_argument);
   EXPECT_THROW(Shape::grid("g", T, std::vector<std::uint8_t>(8, 1), {2, 2, 2}, 0.0),
                std::invalid_argument);
+  EXPECT_THROW(Shape::grid("g", T, {}, {-1, 1, 1}, 0.1), std::invalid_argument);
   Solver solver(Robot::builtin("panda"), {});
   const Shape ring = torus("ring", T, 0.1, 0.02, 8, 5);
   try {

@@ -29,8 +29,8 @@ class ShapeTree {
   }
 
   /// Visit every solid that may be within `reach` of a segment's points, middle + t half with
-  /// -1 <= t <= 1, nearer boxes first, and a few more. Signed distances count: whose box the
-  /// segment meets is visited whatever the reach.
+  /// -1 <= t <= 1, nearer boxes first, and a few more. Signed distances count: of a negative reach
+  /// those are left out that no point of the segment can be so deep in, by the balls around them.
   /// @param visit  visit(solid) gives how far is asked from then on: as far, less, or kNoMore.
   template <class Visit>
   void near(const Vec4& middle, const Vec4& half, double reach, Visit&& visit) const {
@@ -49,7 +49,7 @@ class ShapeTree {
     left[count++] = {0, segment.square_to(nodes_[0].middle, nodes_[0].half)};
     while (count > 0) {
       const auto [at, square] = left[--count];
-      // Whoever is inside a box may be deep in what it holds.
+      // What is inside a box may be deep in what that holds.
       if (square > 0.0 && !(reach > 0.0 && square < reach * reach)) continue;
       const Node& node = nodes_[static_cast<std::size_t>(at)];
       if (!segment.is_near(node.middle, node.radius + reach)) continue;

@@ -55,32 +55,33 @@ def check_convex(vertices: FloatArray, faces: Faces, file: Path, entry: str) -> 
     Raises:
         EntryError: It is not.
     """
+    if flaw := _flaw(vertices, faces):
+        raise EntryError(file, flaw, entry)
+
+
+def is_convex(vertices: FloatArray, faces: Faces) -> bool:
+    """Whether `check_convex` lets it by."""
+    return not _flaw(vertices, faces)
+
+
+def _flaw(vertices: FloatArray, faces: Faces) -> str:
+    """Why a mesh does not count as convex; '' if it does."""
     import trimesh
     from scipy.spatial import ConvexHull, QhullError
 
     try:
         hull_volume = float(ConvexHull(vertices).volume)
     except (QhullError, ValueError):
-        raise EntryError(file, "the mesh lies in one plane", entry) from None
+        return "the mesh lies in one plane"
     mesh = trimesh.Trimesh(vertices, faces, process=True)  # joins equal vertices
     if not mesh.is_watertight:
-        raise EntryError(file, "the mesh has holes", entry)
+        return "the mesh has holes"
     if not mesh.is_winding_consistent:
-        raise EntryError(file, "some of the mesh's triangles face inward, some outward", entry)
+        return "some of the mesh's triangles face inward, some outward"
     share = abs(float(mesh.volume)) / hull_volume
     if share < 1 - _HOLLOW:
-        raise EntryError(
-            file,
+        return (
             f"the mesh is not convex: it fills {share:.1%} of its convex hull; give it as a mesh"
-            " of any form (mesh), or in convex parts (CoACD, V-HACD), one shape each",
-            entry,
+            " of any form (mesh), or in convex parts (CoACD, V-HACD), one shape each"
         )
-
-
-def is_convex(vertices: FloatArray, faces: Faces) -> bool:
-    """Whether `check_convex` lets it by."""
-    try:
-        check_convex(vertices, faces, Path(), "")
-    except EntryError:
-        return False
-    return True
+    return ""
