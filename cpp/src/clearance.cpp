@@ -67,7 +67,10 @@ HullDistance hull_distance(const CollisionState& state, const Hull& hull, const 
                            double than) {
   if (!hull.has_capsules()) return {distance_to_foci(state, hull, o, than), hull.source};
   const Depth deepest = state.depth_in_capsules(hull, o);
-  return {-deepest.depth - o[3], state.block(hull, deepest.block).source[deepest.lane]};
+  double distance = -deepest.depth - o[3];
+  if (distance < 0.0 && distance < than && hull.has_pieces())
+    distance = std::max(distance, state.distance_to_pieces(hull, o, than + o[3]).distance - o[3]);
+  return {distance, state.block(hull, deepest.block).source[deepest.lane]};
 }
 
 double distance_to_foci(const CollisionState& state, const Hull& hull, const Vec4& o, double than) {

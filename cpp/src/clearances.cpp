@@ -12,7 +12,7 @@ std::vector<ObstacleClearance> clearances(const Model& model, const Scene& scene
   CollisionState state(model.hulls, hulls);
   state.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   state.place(T_base_body);
-  HullCapsules capsules(model.robot, model.hulls, hulls);
+  HullCapsules capsules(model.robot, model.hulls, hulls, model.options.clearance);
   capsules.place(state.positions(), state.frames());
   HeldClearance held(model.robot, model.hulls, model.options, scene.held());
   held.place([&](int body) { return to_frame(T_base_body[static_cast<std::size_t>(body)]); },

@@ -275,20 +275,21 @@ ConvexDistance from_half_space(const Solid& moving, const Frame& T, const Solid&
 constexpr double kTouching = 1e-10;
 constexpr int kMostSteps = 100;
 
-ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& still, int piece) {
+ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& still, int piece,
+                              double than) {
   const Difference difference(moving, T, still, piece);
   const double rounding = moving.rounding() + still.rounding(),
-               touching = kTouching * difference.size();
+               touching = kTouching * difference.size(), far = std::max(than + rounding, 0.0);
   Vector3d v = difference.middle();
   if (!(v.squaredNorm() > 0.0)) v = Vector3d::UnitX();
   Simplex simplex;
   for (int step = 0; step < kMostSteps; ++step) {
     const Corner corner = difference.support(-v);
-    const double square = v.squaredNorm();
+    const double square = v.squaredNorm(), along = v.dot(corner.w);
+    if (along > 0.0 && along * along > far * far * square)
+      return {std::sqrt(square) - rounding, to_vec4(corner.a), to_vec4(v.normalized())};
     // Nothing is nearer than the plane through the new corner across v.
-    if (simplex.count() > 0 &&
-        (square - v.dot(corner.w) <= 1e-12 * square || simplex.holds(corner.w)))
-      break;
+    if (simplex.count() > 0 && (square - along <= 1e-12 * square || simplex.holds(corner.w))) break;
     simplex.add(corner);
     v = simplex.reduce();
     if (simplex.count() == 4 || v.norm() <= touching) break;
@@ -325,11 +326,13 @@ ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& 
 
 }  // namespace
 
-ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still) {
+ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still,
+                               double than) {
   if (still.is_half_space()) return from_half_space(moving, T, still);
-  ConvexDistance nearest = piece_distance(moving, T, still, 0);
+  ConvexDistance nearest = piece_distance(moving, T, still, 0, than);
   for (int piece = 1; piece < still.pieces(); ++piece) {
-    const ConvexDistance found = piece_distance(moving, T, still, piece);
+    const ConvexDistance found =
+        piece_distance(moving, T, still, piece, std::min(than, nearest.distance));
     if (found.distance < nearest.distance) nearest = found;
   }
   return nearest;

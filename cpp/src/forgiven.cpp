@@ -9,6 +9,7 @@ namespace {
 
 /// Whether any capsule of a hull stands beyond its link.
 bool overhangs(const Robot& robot, const HullModel& model, const Hull& hull) {
+  if (hull.has_pieces()) return false;
   const Occupancy& occupancy = robot.occupancy();
   const int first = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());
   for (int k = 0; k < 4 * hull.blocks; ++k) {
@@ -24,10 +25,10 @@ bool overhangs(const Robot& robot, const HullModel& model, const Hull& hull) {
 ForgivenContact::ForgivenContact(const Robot& robot, const Options& options)
     : robot_(robot),
       options_(options),
-      whole_(robot, options.base_collision),
+      whole_(robot, options.base_collision, false, options.exact_contact),
       hulls_(whole_.all()),
       state_(whole_, hulls_),
-      capsules_(robot, whole_, hulls_) {
+      capsules_(robot, whole_, hulls_, options.clearance) {
   for (std::size_t k = 0; k < hulls_.size(); ++k) {
     const Hull& hull = hulls_[k];
     if (hull.has_capsules() && is_placed_by_goal(robot, hull.body) &&

@@ -12,7 +12,7 @@ HeldClearance::HeldClearance(const Robot& robot, const HullModel& hulls, const O
       clearance_(options.clearance),
       self_clearance_(options.self_clearance),
       balls_(held.balls(), held.balls().moving),
-      hull_capsules_(robot, hulls, hulls.all()),
+      hull_capsules_(robot, hulls, hulls.all(), options.self_clearance),
       frames_(static_cast<std::size_t>(held.count())) {
   balls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
 }
@@ -97,6 +97,30 @@ std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double w
   }
   if (nearest == nullptr) return std::nullopt;
   HeldNear near{Kind::HeldHull, k, nearest->source, least - self_clearance_, 0, {}};
+  if (const auto pieces = hull_capsules_.pieces_at(hull, least); !pieces.empty()) {
+    // In the frame of the hull's body, which then stands still.
+    const Frame& its = hull_capsules_.frame(hull);
+    const Frame relative = to_local(its, T);
+    ConvexDistance exact{far, {}, {}};
+    bool is_any = false;
+    for (const int each : pieces) {
+      const Solid& piece = hull_capsules_.piece(each);
+      if (piece.bound(transform(relative, solid.centre()), solid.radius()) >= exact.distance)
+        continue;
+      const ConvexDistance found = convex_distance(solid, relative, piece, exact.distance);
+      if (!(found.distance < exact.distance)) continue;
+      exact = found;
+      is_any = true;
+    }
+    if (!is_any) return std::nullopt;
+    if (exact.distance > least) {
+      near.distance = exact.distance - self_clearance_;
+      const Vec4 point = transform(its, exact.point), away = rotate(its, exact.gradient);
+      near.pulls.add(held_[k].body, point, -away);
+      hull_capsules_.pull_piece(hull, point, away, near.pulls);
+      return near;
+    }
+  }
   const Vec4 point = transform(T, where.point), gradient = rotate(T, where.gradient);
   const double half2 = dot3(nearest->half, nearest->half);
   const double t = half2 > 0.0 ? dot3(point - nearest->middle, nearest->half) / half2 : 0.0;
@@ -113,8 +137,7 @@ std::optional<HeldNear> HeldClearance::nearest_of_held(int k, int other, double 
   const double far = std::sqrt(dot3(apart, apart)) - solid.radius() - still.radius();
   if (!(far - self_clearance_ < within)) return std::nullopt;
   // In the frame of the other's body, which then stands still.
-  const auto turned = [&](const Vec4& axis) { return to_local(its, its.p + axis); };
-  const Frame relative{turned(own.x), turned(own.y), turned(own.z), to_local(its, own.p)};
+  const Frame relative = to_local(its, own);
   const ConvexDistance found = convex_distance(solid, relative, still);
   if (!(found.distance - self_clearance_ < within)) return std::nullopt;
   HeldNear near{Kind::HeldHeld, k, other, found.distance - self_clearance_, 0, {}};

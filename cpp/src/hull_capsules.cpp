@@ -7,8 +7,11 @@
 namespace pdoik::detail {
 
 HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
-                           const std::vector<Hull>& hulls)
-    : blocks_(model.blocks) {
+                           const std::vector<Hull>& hulls, double exact_below)
+    : exact_below_(exact_below),
+      blocks_(model.blocks),
+      pieces_(model.pieces),
+      piece_ids_(model.piece_ids) {
   for (const AttachedPoint& point : model.points) body_of_point_.push_back(point.body);
   std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
   robot.body_poses(robot.mid_configuration(), T_base_body);
@@ -20,7 +23,7 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
     const double A = each.semi_major, h = 0.5 * (position(each.b) - position(each.a)).norm();
     const double B = std::sqrt(std::max((A - h) * (A + h), 0.0));
     hulls_.push_back({each.a, each.b, A, each.rigid, B, h / (A + B), Vec4{}, PlacedCapsule{},
-                      each.body, each.first_block, each.excess});
+                      each.body, each.first_block, each.excess, each.first_piece, each.pieces});
     PlacedHull& hull = hulls_.back();
     hull.around.source = each.source;
     hull.around.reach = A;  // the capsule around a spheroid ends where that does

@@ -234,7 +234,8 @@ void HullModel::give_capsules(const Robot& robot, bool forgive_overhang, std::ve
   int source = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());
   for (const Capsule& capsule : occupancy.capsules) {
     const int link = robot.link_index(capsule.link);
-    const bool forgiving = forgive_overhang && is_placed_by_goal(robot, robot.body_of_link(link));
+    const bool forgiving = forgive_overhang && !pieces->has(link) &&
+                           is_placed_by_goal(robot, robot.body_of_link(link));
     links.try_emplace(link, robot, link, forgiving).first->second.add(capsule, source++);
   }
   if (links.empty()) return;
@@ -284,13 +285,36 @@ void HullModel::give_capsules(const Robot& robot, bool forgive_overhang, std::ve
       capsules.write(chosen[h], blocks);
       capsules.enclose(chosen[h], hull);
       hull.blocks = static_cast<int>(blocks.size()) - hull.first_block;
+      give_pieces(link, hull);
       kept.push_back(hull);
     }
   }
   hulls = std::move(kept);
 }
 
-HullModel::HullModel(const Robot& robot, bool with_fixed, bool forgive_overhang) {
+void HullModel::give_pieces(int link, Hull& hull) {
+  hull.first_piece = static_cast<int>(piece_ids.size());
+  for (int k = 0; k < pieces->count(); ++k) {
+    if (pieces->link(k) != link) continue;
+    const auto reaches_into = [&](const CapsuleBlock& block, std::size_t i) {
+      const Vec4 half = broadcast(0.5) * Vec4{block.vx[i], block.vy[i], block.vz[i], 0.0};
+      const Vec4 middle = Vec4{block.ax[i], block.ay[i], block.az[i], 0.0} + half;
+      const double radius = block.radius[i];
+      return pieces->solid(k).distance(middle, half, radius).distance < radius;
+    };
+    for (int n = 0; n < 4 * hull.blocks; ++n) {
+      const CapsuleBlock& block = capsules(hull)[n / 4];
+      const auto i = static_cast<std::size_t>(n % 4);
+      if (block.source[i] < 0 || !reaches_into(block, i)) continue;
+      piece_ids.push_back(k);
+      ++hull.pieces;
+      break;
+    }
+  }
+}
+
+HullModel::HullModel(const Robot& robot, bool with_fixed, bool forgive_overhang, bool with_pieces) {
+  if (with_pieces) pieces = std::make_shared<LinkPieces>(robot);
   std::vector<Hull> hulls;
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
     const int index = robot.link_index(link);

@@ -72,7 +72,7 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls,
       T_base_body_(robot.bodies().size()),
       collision_(hulls, hulls.moving),
       fixed_hulls_(hulls, hulls.fixed),
-      capsules_(robot, hulls, hulls.moving),
+      capsules_(robot, hulls, hulls.moving, options.clearance),
       balance_(robot, options.balance) {
   for (CollisionState* state : {&collision_, &fixed_hulls_})
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);

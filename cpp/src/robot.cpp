@@ -8,6 +8,7 @@
 #include "detail/text.hpp"
 #include "detail/tree_builder.hpp"
 #include "pdoik/errors.hpp"
+#include "pdoik/shape.hpp"
 
 namespace pdoik {
 namespace {
@@ -17,6 +18,24 @@ void check_configuration(VectorIn q, int dof) {
     throw std::invalid_argument("q has " + std::to_string(q.size()) + " entries, the robot has " +
                                 std::to_string(dof) + " joints");
   }
+}
+
+/// Of a link that has capsules, closed and convex.
+void check_piece(const Robot& robot, const Occupancy& occupancy, std::size_t i) {
+  const ConvexPiece& piece = occupancy.pieces[i];
+  const std::string what = "pieces[" + std::to_string(i) + "] on '" + piece.link + "'";
+  robot.link_index(piece.link);
+  if (std::none_of(occupancy.capsules.begin(), occupancy.capsules.end(),
+                   [&](const Capsule& capsule) { return capsule.link == piece.link; })) {
+    throw std::invalid_argument(what +
+                                ": the link has no capsules, which say where to look for it");
+  }
+  if (!(piece.tolerance >= 0.0 && piece.tolerance <= 1e6)) {
+    throw std::invalid_argument(what + ": tolerance is " + std::to_string(piece.tolerance) +
+                                ", expected a length of 0 to 1e6 m");
+  }
+  check_shape(
+      Shape::convex_mesh(what, Eigen::Isometry3d::Identity(), piece.vertices, piece.triangles));
 }
 
 }  // namespace
@@ -271,6 +290,7 @@ void Robot::set_occupancy(Occupancy occupancy) {
                                   ", expected a length of 0 to 1e6 m");
     }
   }
+  for (std::size_t i = 0; i < occupancy.pieces.size(); ++i) check_piece(*this, occupancy, i);
   auto parts = std::make_shared<Parts>(*parts_);
   parts->occupancy = std::move(occupancy);
   parts_ = std::move(parts);

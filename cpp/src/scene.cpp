@@ -69,7 +69,7 @@ void Scene::use(std::shared_ptr<const CloudState> cloud) {
 void Scene::use(std::shared_ptr<const ShapeSet> shapes) {
   if (shapes == shapes_.set()) return;
   shapes_ = ShapePairs(std::move(shapes), model_.robot);
-  HullCapsules fixed(model_.robot, hulls_, hulls_.fixed);
+  HullCapsules fixed(model_.robot, hulls_, hulls_.fixed, margin_);
   fixed.place(fixed_hulls_.positions(), fixed_hulls_.frames());
   fixed_to_shapes_ = least_clearance(fixed, shapes_);
   fixed_to_shapes_.capsule = nullptr;  // which ends here

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "detail/convex_distance.hpp"
 #include "detail/infinity.hpp"
 
 namespace pdoik::detail {
@@ -91,7 +92,9 @@ class Seat {
 }  // namespace
 
 SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double margin)
-    : capsules_(robot, model, model.all()), margin_(margin), has_capsules_(!model.blocks.empty()) {
+    : capsules_(robot, model, model.all(), margin),
+      margin_(margin),
+      has_capsules_(!model.blocks.empty()) {
   std::vector<Seat> seats;
   const std::vector<Hull> hulls = model.all();
   for (const Hull& hull : hulls) seats.emplace_back(robot, model, hull);
@@ -167,7 +170,41 @@ SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double
       if (distance < nearest.distance) nearest = {distance, found, a.capsule, b.capsule};
     }
   }
+  if (nearest.one != nullptr) look_at_pieces(pair, than, nearest);
   return nearest;
+}
+
+void SelfCollision::look_at_pieces(const Glance& pair, double than, Nearest& nearest) const {
+  const std::span<const int> ones = capsules_.pieces_at(pair.a, nearest.distance),
+                             twos = capsules_.pieces_at(pair.b, nearest.distance);
+  if (ones.empty() || twos.empty()) return;
+  // In the frame of the second one's body, which then stands still.
+  const Frame& its = capsules_.frame(pair.b);
+  const Frame relative = to_local(its, capsules_.frame(pair.a));
+  ConvexDistance exact{than, {}, {}};
+  bool is_any = false;
+  for (const int one : ones) {
+    const Solid& moving = capsules_.piece(one);
+    const Vec4 centre = transform(relative, moving.centre());
+    for (const int two : twos) {
+      const Solid& still = capsules_.piece(two);
+      if (still.bound(centre, moving.radius()) >= exact.distance) continue;
+      const ConvexDistance found = convex_distance(moving, relative, still, exact.distance);
+      if (!(found.distance < exact.distance)) continue;
+      exact = found;
+      is_any = true;
+    }
+  }
+  if (!is_any) {
+    nearest = {};
+    return;
+  }
+  // Their capsules may be farther than pieces that reach into other hulls'.
+  if (exact.distance <= nearest.distance) return;
+  nearest.distance = exact.distance;
+  nearest.by_pieces = true;
+  nearest.point = transform(its, exact.point);
+  nearest.away = rotate(its, exact.gradient);
 }
 
 double SelfCollision::distance(int k) { return nearest(glance(k), kInfinity).distance; }
@@ -222,6 +259,13 @@ Vec4 way_out(const Vec4& v1, const Vec4& v2) {
 void SelfCollision::add_if_near(int k, double within) {
   const Nearest found = nearest(glance(k), margin_ + within);
   if (found.one == nullptr) return;
+  if (found.by_pieces) {
+    Near& near = near_[static_cast<std::size_t>(near_count_++)];
+    near = {k, margin_ - found.distance, {}};
+    capsules_.pull_piece(pair(k).hull[0], found.point, -found.away, near.pulls);
+    capsules_.pull_piece(pair(k).hull[1], found.point, found.away, near.pulls);
+    return;
+  }
   const SegmentDistance& segments = found.segments;
   const Vec4 away = segments.distance > 1e-12 ? broadcast(1.0 / segments.distance) * segments.gap
                                               : way_out(found.one->half, found.two->half);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "detail/convex_distance.hpp"
+
 namespace pdoik::detail {
 
 ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot)
@@ -28,6 +30,46 @@ ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot)
     for (const Capsule& c : occupancy.capsules) allow(c.link == contact.link);
   }
 }
+
+namespace {
+
+/// What the link's own pieces say where a capsule touches a part of a shape, if they say anything
+/// else: the least of those that may not touch it, or `than`.
+void look_at_pieces(const HullCapsules& hulls, int k, const ShapePairs& pairs, double than,
+                    ShapeClearance& found) {
+  const std::span<const int> pieces = hulls.pieces_at(k, found.distance);
+  if (pieces.empty()) return;
+  // Behind a surface, or through it, is more than a capsule's overhang.
+  const Solid& part = pairs.part(found.part);
+  const bool is_through = part.is_surface() && (found.gap < 0.0 || found.facing < 0.0);
+  const double allowed = pairs.allowed(found.source, found.shape);
+  const Touching* const touching = hulls.touching();
+  const Frame& frame = hulls.frame(k);
+  ShapeClearance least = found;
+  least.distance = than;
+  least.shape = -1;
+  for (const int each : pieces) {
+    const Solid& piece = hulls.piece(each);
+    const double within = least.distance - allowed;
+    if (part.bound(transform(frame, piece.centre()), piece.radius()) >= within) continue;
+    const ConvexDistance near = convex_distance(piece, frame, part, within);
+    const double distance = near.distance + allowed;
+    if (!(distance < least.distance)) continue;
+    if (touching != nullptr && touching->wanted() && distance >= -touching->depth() &&
+        touching->lets(found.source, near.point))
+      continue;
+    least.distance = distance;
+    least.shape = found.shape;
+    least.gradient = near.gradient;
+    least.point = near.point;
+    least.by_piece = true;
+  }
+  // A hull's capsules may be farther than pieces that reach into another's.
+  if (least.distance <= found.distance || (is_through && least.distance < 0.0)) return;
+  found = least;
+}
+
+}  // namespace
 
 ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pairs, int part,
                               double than) {
@@ -62,6 +104,7 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
     least = {distance, capsule.source, shape,          part,        &capsule,
              t,        found.gradient, found.distance, found.facing};
   }
+  if (least.shape >= 0) look_at_pieces(hulls, k, pairs, than, least);
   return least;
 }
 

@@ -18,7 +18,7 @@ Sweep::Sweep(Workspace& workspace)
     : workspace_(workspace),
       model_(workspace.model()),
       state_(model_.hulls, model_.hulls.moving),
-      capsules_(model_.robot, model_.hulls, model_.hulls.moving),
+      capsules_(model_.robot, model_.hulls, model_.hulls.moving, model_.options.clearance),
       finest_(finest_piece(model_.narrowest)),
       left_(kDeepest + 1),
       levers_(model_.levers) {

@@ -38,7 +38,8 @@ ToolCheck::ToolCheck(const Model& model) : model_(model) {
     }
     tool->state = std::make_unique<CollisionState>(model.hulls, tool->hulls);
     tool->state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
-    tool->capsules = std::make_unique<HullCapsules>(robot, model.hulls, tool->hulls);
+    tool->capsules =
+        std::make_unique<HullCapsules>(robot, model.hulls, tool->hulls, model.options.clearance);
     tools_.push_back(std::move(tool));
   }
 }

@@ -6,6 +6,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "mesh_arrays.hpp"
 #include "paths.hpp"
 #include "pdoik/occupancy.hpp"
 
@@ -26,6 +27,12 @@ using LongCapsuleIn = std::tuple<std::string, ArrayLike, ArrayLike, double, doub
 using CapsuleIn = std::variant<LongCapsuleIn, ShortCapsuleIn>;
 using CapsuleOut = std::tuple<std::string, Point, Point, double, double>;
 
+using PieceIn = std::tuple<std::string, ArrayLike, ArrayLike, double>;
+using PointsOut = py::typing::Tuple<Point, py::ellipsis>;
+using Triple = std::tuple<int, int, int>;
+using TriplesOut = py::typing::Tuple<Triple, py::ellipsis>;
+using PieceOut = std::tuple<std::string, PointsOut, TriplesOut, double>;
+
 Capsule to_capsule(const std::string& link, const ArrayLike& a, const ArrayLike& b, double radius,
                    double overhang = 0.0) {
   return {link, to_vector3(a, "capsules: xyz_a"), to_vector3(b, "capsules: xyz_b"), radius,
@@ -34,7 +41,8 @@ Capsule to_capsule(const std::string& link, const ArrayLike& a, const ArrayLike&
 
 Occupancy make_occupancy(const std::vector<SphereIn>& spheres,
                          const std::vector<SpheroidIn>& spheroids,
-                         const std::vector<CapsuleIn>& capsules) {
+                         const std::vector<CapsuleIn>& capsules,
+                         const std::vector<PieceIn>& pieces) {
   Occupancy result;
   for (const auto& [link, center, radius] : spheres) {
     result.spheres.push_back({link, to_vector3(center, "spheres: xyz"), radius});
@@ -48,6 +56,8 @@ Occupancy make_occupancy(const std::vector<SphereIn>& spheres,
     result.capsules.push_back(
         std::visit([&](const auto& parts) { return std::apply(to, parts); }, capsule));
   }
+  for (const auto& [link, vertices, triangles, tolerance] : pieces)
+    result.pieces.push_back({link, to_vertices(vertices), to_triangles(triangles), tolerance});
   return result;
 }
 
@@ -73,10 +83,25 @@ std::vector<CapsuleOut> capsules_of(const Occupancy& occupancy) {
   return result;
 }
 
+std::vector<PieceOut> pieces_of(const Occupancy& occupancy) {
+  std::vector<PieceOut> result;
+  for (const ConvexPiece& piece : occupancy.pieces) {
+    py::tuple vertices(piece.vertices.size()), triangles(piece.triangles.size());
+    for (std::size_t k = 0; k < piece.vertices.size(); ++k)
+      vertices[k] = to_point(piece.vertices[k]);
+    for (std::size_t k = 0; k < piece.triangles.size(); ++k) {
+      const auto& [a, b, c] = piece.triangles[k];
+      triangles[k] = Triple(a, b, c);
+    }
+    result.emplace_back(piece.link, vertices, triangles, piece.tolerance);
+  }
+  return result;
+}
+
 AnyTuple occupancy_state(const Occupancy& occupancy) {
-  return py::make_tuple(py::tuple(py::cast(spheres_of(occupancy))),
-                        py::tuple(py::cast(spheroids_of(occupancy))),
-                        py::tuple(py::cast(capsules_of(occupancy))));
+  return py::make_tuple(
+      py::tuple(py::cast(spheres_of(occupancy))), py::tuple(py::cast(spheroids_of(occupancy))),
+      py::tuple(py::cast(capsules_of(occupancy))), py::tuple(py::cast(pieces_of(occupancy))));
 }
 
 }  // namespace
@@ -93,9 +118,14 @@ the half sum of an obstacle point's distances to its two foci at or above its se
 A capsule is what lies within its radius of a segment, on one link. A link that has any fills these, and its
 spheres and spheroids only say where to look (and are what method "paper" and inner "lbfgs" know): few wide
 hulls for speed, many tight ones for the verdict. Hulls are numbered spheres first, then spheroids, then
-capsules. An occupancy does not change.)")
+capsules.
+
+Pieces are convex parts of a link itself, which hold it together to their tolerance: where the link's capsules
+touch something, they say whether it does (see Options.exact_contact). They are no hulls, and have no numbers.
+An occupancy does not change.)")
       .def(py::init(&make_occupancy), py::kw_only(), py::arg("spheres") = py::tuple(),
            py::arg("spheroids") = py::tuple(), py::arg("capsules") = py::tuple(),
+           py::arg("pieces") = py::tuple(),
            R"(Args:
     spheres: Tuples (link, xyz, radius): centre in the link's frame and radius [m].
     spheroids: Tuples (link_a, xyz_a, link_b, xyz_b, semi_major): each focus in its link's frame and
@@ -103,9 +133,12 @@ capsules. An occupancy does not change.)")
     capsules: Tuples (link, xyz_a, xyz_b, radius) or (link, xyz_a, xyz_b, radius, overhang): the segment's
         ends in the link's frame and radius [m]; and how far its surface stands beyond the link itself at
         most, 0 where nobody knows [m] (see Options.forgive_overhang).
+    pieces: Tuples (link, vertices, triangles, tolerance) of links that have capsules: vertices (N, 3) in
+        the link's frame [m], triangles (T, 3) of a closed and convex surface, counter-clockwise from
+        outside; by how much the link's pieces stand beyond it at most [m].
 
 Raises:
-    ValueError: A point has not three finite coordinates. The rest is checked when a robot takes it.)")
+    ValueError: A point has not three finite coordinates, or an array another shape. The rest is checked when a robot takes it.)")
       .def_static(
           "load", [](const PathOrText& path_or_text) { return load_occupancy(path_or_text.value); },
           py::arg("path_or_text"), R"(Read an occupancy file.
@@ -131,6 +164,8 @@ Raises:
           "Tuples (link_a, xyz_a, link_b, xyz_b, semi_major), lengths in metres.")
       .def_property_readonly("capsules", &capsules_of,
                              "Tuples (link, xyz_a, xyz_b, radius, overhang), lengths in metres.")
+      .def_property_readonly("pieces", &pieces_of,
+                             "Tuples (link, vertices, triangles, tolerance), lengths in metres.")
       .def("__len__", &Occupancy::size)
       .def(
           "__eq__",
@@ -142,13 +177,15 @@ Raises:
       .def("__hash__", [](const Occupancy& self) { return py::hash(occupancy_state(self)); })
       .def("__repr__",
            [](const Occupancy& self) {
-             return py::str("<Occupancy of {} spheres, {} spheroids and {} capsules>")
-                 .format(self.spheres.size(), self.spheroids.size(), self.capsules.size());
+             return py::str("<Occupancy of {} spheres, {} spheroids, {} capsules and {} pieces>")
+                 .format(self.spheres.size(), self.spheroids.size(), self.capsules.size(),
+                         self.pieces.size());
            })
       .def(py::pickle(&occupancy_state, [](const AnyTuple& state) {
         return make_occupancy(
             state[0].cast<std::vector<SphereIn>>(), state[1].cast<std::vector<SpheroidIn>>(),
-            state.size() > 2 ? state[2].cast<std::vector<CapsuleIn>>() : std::vector<CapsuleIn>());
+            state.size() > 2 ? state[2].cast<std::vector<CapsuleIn>>() : std::vector<CapsuleIn>(),
+            state.size() > 3 ? state[3].cast<std::vector<PieceIn>>() : std::vector<PieceIn>());
       }));
 }
 

@@ -117,6 +117,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("max_restarts", &Options::max_restarts)
       .def_readwrite("seed", &Options::seed)
       .def_readwrite("base_collision", &Options::base_collision)
+      .def_readwrite("exact_contact", &Options::exact_contact)
       .def_readwrite("forgive_overhang", &Options::forgive_overhang)
       .def_readwrite("ignore_obstacles_without_hulls", &Options::ignore_obstacles_without_hulls)
       .def_readwrite("touch", &Options::touch)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -38,15 +39,28 @@ struct Capsule {
   double overhang = 0.0;
 };
 
+/// A convex part of a link itself. All of a link's pieces together hold it, and stand beyond it by
+/// no more than their tolerance.
+struct ConvexPiece {
+  std::string link;                                ///< by name
+  std::vector<Eigen::Vector3d> vertices = {};      ///< in the link frame [m]
+  std::vector<std::array<int, 3>> triangles = {};  ///< counter-clockwise from outside
+  double tolerance = 0.0;                          ///< [m]
+};
+
 /// What a robot fills: hulls that obstacle points must stay out of. Any number per link.
 ///
 /// Hulls come in two levels. Spheres and spheroids are the paper's, few and wide. A link that has
 /// capsules as well is what these fill: its spheres and spheroids then only say where to look, and
 /// are all that Method::Paper and InnerMethod::Lbfgs know.
+///
+/// Pieces are a third level: where a link's capsules touch something, its pieces say whether it
+/// does (see Options::exact_contact). They are no hulls, and have no numbers.
 struct Occupancy {
   std::vector<Sphere> spheres = {};      ///< balls
   std::vector<Spheroid> spheroids = {};  ///< between two points each
   std::vector<Capsule> capsules = {};    ///< close hulls
+  std::vector<ConvexPiece> pieces = {};  ///< links themselves, of those that have capsules
 
   /// Whether there are no hulls.
   bool empty() const { return size() == 0; }

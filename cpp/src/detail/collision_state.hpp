@@ -170,6 +170,13 @@ class CollisionState {
   Depth depth_in_capsules(const Hull& hull, const Vec4& o) const {
     return depth_in(model_.capsules(hull), hull.blocks, to_local(frame(hull), o));
   }
+  /// Of a point from a hull's pieces: see LinkPieces::distance, but for the base frame.
+  SolidDistance distance_to_pieces(const Hull& hull, const Vec4& o, double than) const {
+    const Frame& at = frame(hull);
+    SolidDistance found = model_.pieces->distance(model_.pieces_of(hull), to_local(at, o), than);
+    found.gradient = rotate(at, found.gradient);
+    return found;
+  }
   const CapsuleBlock& block(const Hull& hull, int k) const { return model_.capsules(hull)[k]; }
   /// Of the body that a hull's capsules move with.
   const Frame& frame(const Hull& hull) const { return frames_[hull.body]; }
@@ -246,7 +253,11 @@ class CollisionState {
   }
   /// How deep a point, whatever its radius, lies in what a hull stands for [m].
   double point_depth(const Hull& hull, const Vec4& o) const {
-    if (hull.has_capsules()) return depth_in_capsules(hull, o).depth;
+    if (hull.has_capsules()) {
+      const double depth = depth_in_capsules(hull, o).depth;
+      if (depth <= 0.0 || !hull.has_pieces()) return depth;
+      return std::min(depth, -distance_to_pieces(hull, o, depth).distance);
+    }
     return -spheroid_distance(to_vector3(o), to_vector3(position(hull.a)),
                               to_vector3(position(hull.b)), hull.semi_major)
                 .distance;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "detail/collision_state.hpp"
+#include "detail/infinity.hpp"
 #include "detail/spheroid_distance.hpp"
 
 namespace pdoik::detail {
@@ -63,16 +64,27 @@ inline double half_sum_gap(const Hull& hull, const Vec4& a, const Vec4& b, const
 }
 
 /// A point off a hull's capsules: c = r + R - |p - o| of the capsule that it is deepest in, by p,
-/// the point of its segment that is nearest.
+/// the point of its segment that is nearest. Where it is in them and the link's pieces are known, c
+/// = R - d of its signed distance d from these, by p = o: as the body carries the place where the
+/// point is, that comes deeper or farther.
 struct CapsuleConstraint {
   double c = 0.0;
   Vec4 p{};  ///< which moves with the hull's body
   Vec4 dc_dp{};
 };
 
+/// At most c.
 PDOIK_INLINE double capsule_violation(const CollisionState& state, const Hull& hull,
                                       const Vec4& o) {
   return state.depth_in_capsules(hull, o).depth + o[3];
+}
+
+/// c alone.
+PDOIK_INLINE double link_violation(const CollisionState& state, const Hull& hull, const Vec4& o) {
+  const double c = capsule_violation(state, hull, o);
+  if (!(c > 0.0) || !hull.has_pieces()) return c;
+  // What is farther from the pieces than the ball reaches is none of them.
+  return std::min(c, o[3] - state.distance_to_pieces(hull, o, kInfinity).distance);
 }
 
 PDOIK_INLINE CapsuleConstraint capsule_constraint(const CollisionState& state, const Hull& hull,
@@ -82,6 +94,10 @@ PDOIK_INLINE CapsuleConstraint capsule_constraint(const CollisionState& state, c
   const Vec4 local = to_local(frame, o);
   CapsuleConstraint result;
   result.c = deepest.depth + o[3];
+  if (result.c > 0.0 && hull.has_pieces()) {
+    const SolidDistance found = state.distance_to_pieces(hull, o, kInfinity);
+    if (o[3] - found.distance < result.c) return {o[3] - found.distance, o, found.gradient};
+  }
   result.p = transform(frame, nearest_on(state.block(hull, deepest.block), deepest.lane, local));
   double distance;
   result.dc_dp = -unit_from(o, result.p, distance);

@@ -20,7 +20,7 @@ class Constraints {
         obstacles(hulls),
         self(model, hulls),
         balance(model),
-        shapes(model.robot, model.hulls),
+        shapes(model.robot, model.hulls, model.options.clearance),
         held(model, hulls) {}
   Constraints(const Constraints&) = delete;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "detail/solid.hpp"
 
 namespace pdoik::detail {
@@ -19,6 +21,8 @@ struct ConvexDistance {
 /// @param moving  In the frame of its body. No half-space.
 /// @param T_base_body  Where that is.
 /// @param still  In the base frame.
-ConvexDistance convex_distance(const Solid& moving, const Frame& T_base_body, const Solid& still);
+/// @param than  Where they are no nearer than this, any number not below it may come back.
+ConvexDistance convex_distance(const Solid& moving, const Frame& T_base_body, const Solid& still,
+                               double than = std::numeric_limits<double>::infinity());
 
 }  // namespace pdoik::detail

@@ -35,7 +35,10 @@ struct PlacedCapsule {
 /// The state of one thread. Allocates at construction only.
 class HullCapsules {
  public:
-  HullCapsules(const Robot& robot, const HullModel& model, const std::vector<Hull>& hulls);
+  /// @param exact_below  Where capsules come nearer to something than this, links' own pieces say
+  /// how near they are [m].
+  HullCapsules(const Robot& robot, const HullModel& model, const std::vector<Hull>& hulls,
+               double exact_below);
 
   /// Take the attached points, in the order of HullModel::points, and the bodies' frames from where
   /// a rollout or judge has put them. Both are read until they are placed again.
@@ -63,6 +66,20 @@ class HullCapsules {
   /// capsules), -1 <= t <= 1.
   void pull(int k, const PlacedCapsule& capsule, double t, const Vec4& force, Pulls& pulls) const;
 
+  /// The pieces of the link that a hull's capsules hold; none where they are not asked about what
+  /// is this far from its capsules.
+  std::span<const int> pieces_at(int k, double distance) const {
+    if (!(distance < exact_below_)) return {};
+    return {piece_ids_.data() + hull(k).first_piece, static_cast<std::size_t>(hull(k).pieces)};
+  }
+  const Solid& piece(int piece) const { return pieces_->solid(piece); }
+  /// Of hull k's body, which its pieces move with.
+  const Frame& frame(int k) const { return frames_[hull(k).body]; }
+  /// Add how a constraint changes with one hull, from dc/d(a point of its pieces).
+  void pull_piece(int k, const Vec4& point, const Vec4& force, Pulls& pulls) const {
+    pulls.add(hull(k).body, point, force);
+  }
+
  private:
   struct PlacedHull {
     int a, b;
@@ -73,6 +90,7 @@ class HullCapsules {
     PlacedCapsule around;
     int body, first_block;  // of its capsules
     double excess;
+    int first_piece, pieces;
     int first = 0, count = 0;  // of them where they are placed
     bool is_placed = false;    // since the bodies were
   };
@@ -82,7 +100,10 @@ class HullCapsules {
   const Vec4* positions_ = nullptr;
   const Frame* frames_ = nullptr;
   std::vector<int> body_of_point_;
+  double exact_below_;
   std::vector<CapsuleBlock> blocks_;
+  std::shared_ptr<const LinkPieces> pieces_;
+  std::vector<int> piece_ids_;
   std::vector<PlacedCapsule> capsules_;
   std::vector<PlacedHull> hulls_;
   std::vector<Vec4> middles_;  ///< of the capsules around them, which most questions need alone

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "detail/capsule_block.hpp"
 #include "detail/frame.hpp"
+#include "detail/link_pieces.hpp"
 #include "pdoik/robot.hpp"
 
 namespace pdoik::detail {
@@ -26,6 +29,7 @@ struct Hull {
   double semi_major;
   int source;  ///< its place in the occupancy, or that of its first capsule if it was made for them
   int body = 0, first_block = 0, blocks = 0;  ///< its capsules, which move with a body
+  int first_piece = 0, pieces = 0;            ///< of the link itself, that reach into its capsules
   double excess = 0.0;                        ///< how much it must grow to hold them all [m]
   bool rigid = true;                          ///< its foci to each other
   /// A spheroid that holds its capsules tightly, in their body's frame: its middle, half of what
@@ -35,6 +39,7 @@ struct Hull {
 
   bool is_sphere() const { return a == b; }
   bool has_capsules() const { return blocks > 0; }
+  bool has_pieces() const { return pieces > 0; }
   /// No part of it is farther from its middle than this [m].
   double farthest() const { return has_capsules() ? around : semi_major; }
 };
@@ -68,8 +73,10 @@ struct HullModel {
   /// @param with_fixed  Whether hulls that no joint moves are any.
   /// @param forgive_overhang  Whether capsules of what no answer moves, because no joint does or
   /// because its place is the target's, are thinner by their overhang, but by no more than half:
-  /// what touches them then touches the link.
-  explicit HullModel(const Robot& robot, bool with_fixed = true, bool forgive_overhang = false);
+  /// what touches them then touches the link. Not those of links with pieces.
+  /// @param with_pieces  Whether links' own pieces count where there are any.
+  explicit HullModel(const Robot& robot, bool with_fixed = true, bool forgive_overhang = false,
+                     bool with_pieces = true);
   /// None.
   HullModel() = default;
 
@@ -81,6 +88,9 @@ struct HullModel {
   }
 
   const CapsuleBlock* capsules(const Hull& hull) const { return blocks.data() + hull.first_block; }
+  std::span<const int> pieces_of(const Hull& hull) const {
+    return {piece_ids.data() + hull.first_piece, static_cast<std::size_t>(hull.pieces)};
+  }
   /// Calls visit(body, a bound on how far what a hull fills is from the body's origin).
   template <class Visit>
   void for_each_arm(const Hull& hull, Visit&& visit) const {
@@ -98,6 +108,8 @@ struct HullModel {
   std::vector<AttachedPoint> points;
   std::vector<Hull> moving, fixed;
   std::vector<CapsuleBlock> blocks;
+  std::shared_ptr<const LinkPieces> pieces = std::make_shared<LinkPieces>();
+  std::vector<int> piece_ids;  ///< of hulls, one after the other
   /// No obstacle farther than this and twice its radius from `reach_centre` can touch a moving
   /// hull; infinite if unknown.
   Eigen::Vector3d reach_centre = Eigen::Vector3d::Zero();
@@ -111,6 +123,7 @@ struct HullModel {
     return std::sqrt(std::max(dot3(a, a), dot3(b, b))) + block.radius[lane];
   }
   void give_capsules(const Robot& robot, bool forgive_overhang, std::vector<Hull>& hulls);
+  void give_pieces(int link, Hull& hull);
 };
 
 }  // namespace pdoik::detail

@@ -74,7 +74,7 @@ class LeastSquaresProblem {
         [&](const NearPair& pair) {
           const Vec4 o = all[pair.obstacle];
           const Hull& hull = hulls().hull(pair);
-          return hull.has_capsules() ? capsule_violation(hulls(), hull, o) > 0.0
+          return hull.has_capsules() ? link_violation(hulls(), hull, o) > 0.0
                                      : distance_constraint(hulls(), hull, o).c > 0.0;
         });
   }

@@ -87,6 +87,8 @@ class SelfCollision {
     double distance = std::numeric_limits<double>::infinity();  // less their radii
     SegmentDistance segments{};
     const PlacedCapsule *one = nullptr, *two = nullptr;
+    bool by_pieces = false;  // of the links themselves: where, and the way of the first one out
+    Vec4 point{}, away{};
   };
 
   /// What tells of most pairs that they are far apart.
@@ -112,6 +114,7 @@ class SelfCollision {
     return {distance, found, &a, &b};
   }
   Nearest nearest_of_many(const Glance& pair, double than);
+  void look_at_pieces(const Glance& pair, double than, Nearest& nearest) const;
   void add_if_near(int pair, double within);
 
   HullCapsules capsules_;

@@ -49,10 +49,12 @@ struct ShapeClearance {
   int source = -1, shape = -1;  ///< -1: nothing is nearer than was asked
   int part = -1;                ///< of the shape
   const PlacedCapsule* capsule = nullptr;
-  double t = 0.0;       ///< where on its segment, -1 to 1
-  Vec4 gradient{};      ///< of the distance by that point
-  double gap = 0.0;     ///< of its segment, at most by how much that lies within the part [m]
-  double facing = 1.0;  ///< see SegmentSolidDistance
+  double t = 0.0;         ///< where on its segment, -1 to 1
+  Vec4 gradient{};        ///< of the distance by that point
+  double gap = 0.0;       ///< of its segment, at most by how much that lies within the part [m]
+  double facing = 1.0;    ///< see SegmentSolidDistance
+  bool by_piece = false;  ///< whether it is that of a piece of the link, by `point` of it
+  Vec4 point{};
 };
 
 /// The least distance of hull k to a part of a shape, if less than `than`.

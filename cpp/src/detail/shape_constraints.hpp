@@ -15,8 +15,8 @@ namespace pdoik::detail {
 class ShapeConstraints : public ByPulls {
  public:
   /// The model outlives it.
-  ShapeConstraints(const Robot& robot, const HullModel& model)
-      : capsules_(robot, model, model.moving) {}
+  ShapeConstraints(const Robot& robot, const HullModel& model, double clearance)
+      : capsules_(robot, model, model.moving, clearance) {}
 
   void let_touch(const Touching* touching) { capsules_.let_touch(touching); }
   /// The clock that is looked at while shapes are looked at; null for none.
@@ -123,6 +123,11 @@ class ShapeConstraints : public ByPulls {
     }
     for (auto one = of_hull; one != near_.end(); ++one) {
       ShapeClearance& found = one->found;
+      if (found.by_piece) {
+        one->c = margin_ - found.distance;
+        capsules_.pull_piece(one->hull, found.point, -found.gradient, one->pulls);
+        continue;
+      }
       if (is_behind(*one)) {  // deeper the farther it is from where it would come out
         found.distance -= 2.0 * found.gap;
         found.gradient = -found.gradient;

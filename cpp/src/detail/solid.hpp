@@ -58,6 +58,8 @@ class Solid {
   }
 
   const Vec4& centre() const { return centre_; }
+  /// Of a mesh.
+  const std::vector<Triangle>& faces() const { return faces_; }
   /// Whether it is a part of a surface, from which distances have no sign.
   bool is_surface() const { return kind_ == Shape::Kind::Mesh; }
   /// The convex pieces that it is made of.

@@ -1,5 +1,6 @@
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -61,6 +62,18 @@ class Entry {
     return point;
   }
 
+  std::vector<Eigen::Vector3d> points(const char* key) const {
+    std::vector<Eigen::Vector3d> points;
+    for (const auto& p : get<std::vector<std::array<double, 3>>>(key, "a list of [x, y, z]")) {
+      points.emplace_back(p[0], p[1], p[2]);
+      if (!points.back().allFinite()) fail(std::string(key) + " are not all finite");
+    }
+    return points;
+  }
+  std::vector<std::array<int, 3>> triples(const char* key) const {
+    return get<std::vector<std::array<int, 3>>>(key, "a list of [i, j, k]");
+  }
+
  private:
   [[noreturn]] void fail(const std::string& what) const { throw LoadError(where_ + ": " + what); }
 
@@ -113,9 +126,9 @@ void check_keys(const YAML::Node& root, const std::string& source) {
   for (const auto& item : root) {
     const std::string key =
         item.first.IsScalar() ? item.first.Scalar() : "a key that is not a word";
-    if (key != "spheres" && key != "spheroids" && key != "capsules") {
+    if (key != "spheres" && key != "spheroids" && key != "capsules" && key != "pieces") {
       throw LoadError(source + ": '" + key +
-                      "' is unknown, expected 'spheres', 'spheroids' and 'capsules'");
+                      "' is unknown, expected 'spheres', 'spheroids', 'capsules' and 'pieces'");
     }
     if (!seen.insert(key).second) throw LoadError(source + ": '" + key + "' is there twice");
     if (!item.second.IsSequence() && !item.second.IsNull())
@@ -146,6 +159,11 @@ Occupancy load_occupancy(const std::string& path_or_text) {
     const Entry entry(root["capsules"][i], source + ": capsules[" + std::to_string(i) + "]");
     occupancy.capsules.push_back({entry.text("link"), entry.point("a"), entry.point("b"),
                                   entry.length("radius"), entry.length_or("overhang", 0.0)});
+  }
+  for (std::size_t i = 0; root["pieces"] && i < root["pieces"].size(); ++i) {
+    const Entry entry(root["pieces"][i], source + ": pieces[" + std::to_string(i) + "]");
+    occupancy.pieces.push_back({entry.text("link"), entry.points("vertices"),
+                                entry.triples("triangles"), entry.length_or("tolerance", 0.0)});
   }
   return occupancy;
 }
@@ -182,6 +200,21 @@ std::string to_yaml(const Occupancy& occupancy) {
       if (capsule.overhang != 0.0)
         out << YAML::Key << "overhang" << YAML::Value << capsule.overhang;
       out << YAML::EndMap;
+    }
+    out << YAML::EndSeq;
+  }
+  if (!occupancy.pieces.empty()) {
+    out << YAML::Key << "pieces" << YAML::Value << YAML::BeginSeq;
+    for (const ConvexPiece& piece : occupancy.pieces) {
+      out << YAML::Flow << YAML::BeginMap << YAML::Key << "link" << YAML::Value << piece.link
+          << YAML::Key << "tolerance" << YAML::Value << piece.tolerance;
+      out << YAML::Key << "vertices" << YAML::Value << YAML::BeginSeq;
+      for (const Eigen::Vector3d& v : piece.vertices)
+        out << YAML::BeginSeq << v.x() << v.y() << v.z() << YAML::EndSeq;
+      out << YAML::EndSeq << YAML::Key << "triangles" << YAML::Value << YAML::BeginSeq;
+      for (const auto& [i, j, k] : piece.triangles)
+        out << YAML::BeginSeq << i << j << k << YAML::EndSeq;
+      out << YAML::EndSeq << YAML::EndMap;
     }
     out << YAML::EndSeq;
   }

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "detail/solid.hpp"
+#include "pdoik/robot.hpp"
+
+namespace pdoik::detail {
+
+/// The convex pieces that links are made of, each in the frame of its link's body, numbered as in
+/// the occupancy.
+class LinkPieces {
+ public:
+  /// None.
+  LinkPieces() = default;
+  explicit LinkPieces(const Robot& robot);
+
+  int count() const { return static_cast<int>(pieces_.size()); }
+  const Solid& solid(int k) const { return piece(k).solid; }
+  int link(int k) const { return piece(k).link; }
+  bool has(int link) const {
+    return std::any_of(pieces_.begin(), pieces_.end(),
+                       [&](const Piece& piece) { return piece.link == link; });
+  }
+
+  /// The signed distance of a point from some of them together: from the one that it is nearest to,
+  /// or deepest in; `than`, and no gradient, if none is nearer than that.
+  /// @param p  In the body's frame.
+  SolidDistance distance(std::span<const int> some, const Vec4& p, double than) const;
+
+ private:
+  /// Four faces' planes, side by side: those through padding lie infinitely far off.
+  struct Planes {
+    Vec4 x{}, y{}, z{}, offset = broadcast(std::numeric_limits<double>::infinity());
+    std::array<int, 4> face{};
+  };
+  struct Piece {
+    Piece(const Robot& robot, const ConvexPiece& piece);
+
+    Solid solid;
+    int link;
+    std::vector<Planes> planes;  ///< each once
+  };
+  const Piece& piece(int k) const { return pieces_[static_cast<std::size_t>(k)]; }
+
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace pdoik::detail
