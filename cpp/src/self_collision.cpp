@@ -21,6 +21,8 @@ class Seat {
     std::tie(given_a_, given_b_) = links_of(robot, hull);
     settled_a_ = model.points[static_cast<std::size_t>(hull.a)].body;
     settled_b_ = model.points[static_cast<std::size_t>(hull.b)].body;
+    // Capsules move with their body, wherever on an axis that lies which says where to look.
+    if (hull.has_capsules()) settled_a_ = settled_b_ = hull.body;
     first_ = given_a_;
     second_ = given_b_;
     for (int b = robot.body_of_link(given_a_); b >= 0 && !rigid_; b = parent(b)) {

@@ -66,6 +66,7 @@ class Judge:
         only_look = wide_hulls(robot)  # those around capsules
         hulls = [(*hull, 0.0, False) for k, hull in enumerate(wide) if k not in only_look]
         hulls += [(link, a, link, b, r, over, True) for link, a, b, r, over in occupancy.capsules]
+        self._exact = {link for link, *_ in occupancy.pieces if options.exact_contact}
         self._forgiven: list[tuple[Any, ...]] = []  # those of them that count as thinner, whole
         self._hulls = self._counted(hulls)
         self._self_distance: SelfDistance | None = None
@@ -88,6 +89,7 @@ class Judge:
             "clearance, since the paper's hulls are not the robot's capsules": own
             and len(self.robot.occupancy.capsules) > 0,
             "what links carry": carries,
+            "contact within capsules, where links' own pieces decide": bool(self._exact),
             "distances between links, of spheroids": self._keeps_off_itself
             and self._self_distance is None,
             "balance": not self._mass_box.is_judged,
@@ -116,7 +118,8 @@ class Judge:
             if fixed and not self.options.base_collision:
                 continue
             placed = fixed or any(still(hull, tip) for tip in self.robot.tip_links)
-            if placed and self.options.forgive_overhang and over > 0.0:
+            exact = link_a in self._exact
+            if placed and self.options.forgive_overhang and over > 0.0 and not exact:
                 self._forgiven.append((*hull, size, swept))
                 size -= min(over, 0.5 * size)
             counted.append((*hull, size, swept))
@@ -196,6 +199,10 @@ class Judge:
         ):
             distance, said, title = found[name], answer[name], name.replace("_", " ")
             if distance is None:
+                continue
+            if self._exact and distance < wanted:  # by capsules; the links are no nearer
+                if said < distance - ROUNDING and distance > 0.0:
+                    faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g} at least")
                 continue
             if claims and distance < wanted - options.clearance_tolerance - ROUNDING:
                 faults.append(

@@ -31,6 +31,7 @@ def robot_entry(robot: Robot) -> dict[str, Any]:
             "spheres": plain(occupancy.spheres),
             "spheroids": plain(occupancy.spheroids),
             "capsules": plain(occupancy.capsules),
+            "pieces": plain(occupancy.pieces),
         },
         "ignored_pairs": plain(pairs),
     }
@@ -91,7 +92,19 @@ def _occupancy(entry: Entry) -> Occupancy:
             "capsules": (str, tuple, tuple, float, float),
         }.items()
     }
+    pieces = entry.get("pieces")  # which files of before have not
+    rows["pieces"] = [] if pieces.value is None else [_piece(each) for each in pieces.items()]
     return Occupancy(**rows)
+
+
+def _piece(entry: Entry) -> tuple[Any, ...]:
+    """A link, its piece's vertices and triangles, and its tolerance."""
+    parts = entry.items()
+    if len(parts) != 4:
+        raise entry.expected("4 entries")
+    link, vertices, triangles, tolerance = parts
+    corners = [[each.whole() for each in row.items()] for row in triangles.items()]
+    return link.text(), vertices.array(None, 3), corners, tolerance.number()
 
 
 def _row(entry: Entry, *kinds: type) -> tuple[Any, ...]:
