@@ -90,29 +90,38 @@ class Simplex {
     int n = 0;
     for (int k = 0; k < count_; ++k)
       if ((part >> static_cast<unsigned>(k) & 1U) != 0) which[static_cast<std::size_t>(n++)] = k;
-    const Vector3d& first = (*this)[which[0]].w;
-    std::array<double, 4> weights{};
-    if (n == 1) {
-      weights[static_cast<std::size_t>(which[0])] = 1.0;
-    } else {
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> edges(3, n - 1);
-      for (int k = 1; k < n; ++k)
-        edges.col(k - 1) = (*this)[which[static_cast<std::size_t>(k)]].w - first;
+    const auto at = [&](int k) -> const Vector3d& {
+      return (*this)[which[static_cast<std::size_t>(k)]].w;
+    };
+    const Vector3d& first = at(0);
+    // By Cramer's rule, of the Gram matrix of the edges from the first.
+    std::array<double, 3> shares{};
+    if (n == 2) {
+      const Vector3d u = at(1) - first;
+      shares[0] = -u.dot(first) / u.squaredNorm();
+    } else if (n == 3) {
+      const Vector3d u = at(1) - first, v = at(2) - first;
+      const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm(), pu = -u.dot(first),
+                   pv = -v.dot(first), size = uu * vv - uv * uv;
+      shares[0] = (vv * pu - uv * pv) / size;
+      shares[1] = (uu * pv - uv * pu) / size;
+    } else if (n == 4) {
+      const Vector3d u = at(1) - first, v = at(2) - first, w = at(3) - first, vw = v.cross(w);
+      const double volume = u.dot(vw);
       // What is nearly flat holds nothing: rounding would say that it holds the origin.
-      if (n == 4 && !(std::abs(edges.col(0).cross(edges.col(1)).dot(edges.col(2))) >
-                      kFlat * edges.colwise().norm().prod()))
-        return;
-      const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> normal =
-          edges.transpose() * edges;
-      const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> solution =
-          normal.ldlt().solve(-edges.transpose() * first);
-      double rest = 1.0;
-      for (int k = 1; k < n; ++k) {
-        weights[static_cast<std::size_t>(which[static_cast<std::size_t>(k)])] = solution[k - 1];
-        rest -= solution[k - 1];
-      }
-      weights[static_cast<std::size_t>(which[0])] = rest;
+      if (!(std::abs(volume) > kFlat * u.norm() * v.norm() * w.norm())) return;
+      shares[0] = -first.dot(vw) / volume;
+      shares[1] = -first.dot(w.cross(u)) / volume;
+      shares[2] = -first.dot(u.cross(v)) / volume;
     }
+    std::array<double, 4> weights{};
+    double rest = 1.0;
+    for (int k = 1; k < n; ++k) {
+      const double share = shares[static_cast<std::size_t>(k - 1)];
+      weights[static_cast<std::size_t>(which[static_cast<std::size_t>(k)])] = share;
+      rest -= share;
+    }
+    weights[static_cast<std::size_t>(which[0])] = rest;
     Vector3d nearest = Vector3d::Zero();
     for (int k = 0; k < n; ++k) {
       const int corner = which[static_cast<std::size_t>(k)];
