@@ -133,6 +133,21 @@ class Search {
     return FieldData::evenly(brick, cube.first, lowest) - static_cast<double>(brick.off) >= bound();
   }
 
+  /// A cell's least value is that of a corner: from each of less, as near as the solid comes to it,
+  /// and from where it comes nearest to the middle.
+  void look_at_cell(const Cube& cube, bool within) {
+    const auto [i, j, k] = cube.first;
+    const auto try_place = [&](const Vec4& place) {
+      if (note(pulled_in(broadcast(field_.cell()) * place))) descend();
+    };
+    for (int n = 0; within && n < 8; ++n) {
+      const int x = n >> 2 & 1, y = n >> 1 & 1, z = n & 1;
+      if (static_cast<double>(*field_.at(i + x, j + y, k + z)) < bound())
+        try_place(Vec4{i + x + 0.5, j + y + 0.5, k + z + 0.5, 0.0});
+    }
+    try_place(Vec4{i + 1.0, j + 1.0, k + 1.0, 0.0});
+  }
+
   void look(const Cube& cube) {
     Vec4 middle{};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -148,8 +163,7 @@ class Search {
     const SolidDistance off = from_solid(middle);
     if (off.distance > radius) return;
     if (cube.size == 1) {
-      const Vec4 p = off.distance > 0.0 ? middle - broadcast(off.distance) * off.gradient : middle;
-      if (note(p)) descend();
+      look_at_cell(cube, within);
       return;
     }
     const int half = cube.size / 2;

@@ -204,6 +204,30 @@ void check_slopes(const Slopes& slopes, double cell) {
   }
 }
 
+/// Distances differ by no more than the grid is wide. One number that is beyond that above all
+/// others, or below, stands for what is not known: it becomes NaN, as what is no number does.
+/// @returns Whether anything is known.
+bool mark_unknown(LargeVector<float>& values, double diagonal) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  for (float& value : values) {
+    if (!(std::abs(value) <= static_cast<float>(detail::kLargestNumber))) value = kUnknown;
+  }
+  for (const float sign : {1.0F, -1.0F}) {
+    float least = std::numeric_limits<float>::infinity(), most = -least;
+    for (const float value : values) {  // NaN is neither less nor more
+      least = std::min(least, sign * value);
+      most = std::max(most, sign * value);
+    }
+    if (least > most) return false;
+    const float beyond = least + static_cast<float>(diagonal);
+    const bool is_one = most > beyond && std::ranges::none_of(values, [&](float value) {
+                          return sign * value > beyond && sign * value < most;
+                        });
+    if (is_one) std::ranges::replace(values, sign * most, kUnknown);
+  }
+  return true;
+}
+
 double found_truncation(const LargeVector<float>& values) {
   float most = 0.0F;
   std::size_t known = 0, held = 0;
@@ -228,18 +252,9 @@ DistanceField::DistanceField(std::span<const float> given, const std::array<int,
   check_cells(given.size(), counts, cell);
   // Another thread may write into them meanwhile: the copy is checked.
   LargeVector<float> values(given.begin(), given.end());
-  const auto diagonal = static_cast<float>(cell * std::hypot(counts[0], counts[1], counts[2]));
-  const auto is_any = [&](float most) {
-    return std::ranges::any_of(values, [&](float value) { return std::abs(value) <= most; });
-  };
-  // What is farther than the grid is wide may all be so far.
-  const float most = is_any(diagonal) ? diagonal : static_cast<float>(detail::kLargestNumber);
-  if (!is_any(most)) {
+  if (!mark_unknown(values, cell * std::hypot(counts[0], counts[1], counts[2]))) {
     throw std::invalid_argument(
         "no value is a number of at most 1e6: nothing is known of any cell");
-  }
-  for (float& value : values) {
-    if (!(std::abs(value) <= most)) value = std::numeric_limits<float>::quiet_NaN();
   }
   const double truncation =
       options.truncation < 0.0 ? found_truncation(values) : options.truncation;

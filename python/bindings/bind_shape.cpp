@@ -219,8 +219,8 @@ Args:
     name: What results call it.
     values: Signed distances, positive outside of what is solid, floats of shape (X, Y, Z) [m]. Value
         (i, j, k) is that of the middle of its cell, which goes from cell (i, j, k) to
-        cell (i + 1, j + 1, k + 1) in the shape's frame, as in `grid`. Not known is what is NaN, infinite
-        or larger than the grid's diagonal.
+        cell (i + 1, j + 1, k + 1) in the shape's frame, as in `grid`. Not known is what is NaN or
+        infinite, and one number that is farther from all others than the grid is wide, such as 1000.
     cell: The edge of a cell [m].
     T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
     truncation: Values of this size and more say "at least so far" [m]; math.inf if none does. None to
