@@ -56,7 +56,8 @@ void CommonContacts::note(Problem& problem) {
     if (problem.is_late(turn++)) return;
     if (problem.scene->within_reach() > 0) keep_if_touching(hull, -1);
     problem.constraints.shapes.near(problem.scene->shapes(), hull, than, [&](int part) {
-      keep_if_touching(hull, part);
+      // A field is many things: to touch it twice need not be the same contact.
+      if (!problem.scene->shapes().part(part).is_field()) keep_if_touching(hull, part);
       return problem.is_late(turn++) ? kNoMore : than;
     });
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "detail/convex_field_distance.hpp"
+
 namespace pdoik::detail {
 namespace {
 
@@ -338,6 +340,7 @@ ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& 
 ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still,
                                double than) {
   if (still.is_half_space()) return from_half_space(moving, T, still);
+  if (still.is_field()) return convex_field_distance(moving, T, still, than);
   ConvexDistance nearest = piece_distance(moving, T, still, 0, than);
   for (int piece = 1; piece < still.pieces(); ++piece) {
     const ConvexDistance found =

@@ -164,12 +164,13 @@ double Gate::share_of_box(const Eigen::VectorXd& q) const {
 }
 
 bool Gate::is_clear_by_ends(double length, const Room& one, const Room& other) const {
-  // Distances change no faster than hulls move, of two hulls no faster than both: what they are at
-  // both ends may be enough.
+  // Distances change no faster than hulls move but for those by fields, of two hulls no faster than
+  // both: what they are at both ends may be enough.
   const auto is_enough = [&](double here, double there, double floor, double speed) {
     return (here - floor) + (there - floor) >= speed * length;
   };
-  return length <= finest_ || (is_enough(one.obstacles, other.obstacles, floor_.obstacles, 1.0) &&
+  return length <= finest_ || (is_enough(one.obstacles, other.obstacles, floor_.obstacles,
+                                         workspace_.scene().shapes().steepest()) &&
                                is_enough(one.self, other.self, floor_.self, 2.0));
 }
 
@@ -204,7 +205,8 @@ bool Gate::is_clear_to_rest(const Room& end, const Room& rest) {
 }
 
 double Gate::share_in_time(const Eigen::VectorXd& q) {
-  const double room = std::min(held_.obstacles, 0.5 * held_.self);
+  const double room =
+      std::min(held_.obstacles / workspace_.scene().shapes().steepest(), 0.5 * held_.self);
   const double looked_at = std::max(kLooks * workspace_.verdicts_left(), 1.0) * finest_;
   const double may = std::max(room, looked_at);
   return way_to(q) <= may ? 1.0 : std::min(1.0, may / tight_way_to(q));

@@ -11,7 +11,8 @@ Shape in_body(const Robot& robot, const std::string& link, Shape shape) {
   check_shape(shape);
   if (shape.kind == Shape::Kind::HalfSpace)
     throw std::invalid_argument("'" + shape.name + "' is a half-space, which no link can hold");
-  if (shape.kind == Shape::Kind::Mesh || shape.kind == Shape::Kind::Boxes)
+  if (shape.kind == Shape::Kind::Mesh || shape.kind == Shape::Kind::Boxes ||
+      shape.kind == Shape::Kind::DistanceField)
     throw std::invalid_argument("'" + shape.name +
                                 "' is not convex: what a link holds is given as convex pieces");
   shape.T_base_shape = robot.T_body_link(robot.link_index(link)) * shape.T_base_shape;

@@ -135,6 +135,9 @@ void check_shape(const Shape& shape) {
     case Shape::Kind::Boxes:
       check_boxes(shape);
       break;
+    case Shape::Kind::DistanceField:
+      if (!shape.field) refuse(shape, "a distance field without its values");
+      break;
   }
 }
 
@@ -215,6 +218,13 @@ Shape Shape::grid(std::string name, const Eigen::Isometry3d& T_base_shape,
     shape.vertices.push_back(edge * box.high.cast<double>());
   }
   if (shape.vertices.empty()) refuse(shape, "no cell of the grid is taken");
+  return shape;
+}
+
+Shape Shape::distance_field(std::string name, const Eigen::Isometry3d& T_base_shape,
+                            pdoik::DistanceField field) {
+  Shape shape{std::move(name), Kind::DistanceField, T_base_shape};
+  shape.field = std::move(field);
   return shape;
 }
 

@@ -88,7 +88,7 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
     if (std::isinf(allowed)) continue;
     const double length = std::sqrt(dot3(capsule.half, capsule.half));
     const double counts = capsule.radius - allowed;  // of it
-    if (!(solid.bound(capsule.middle, length + counts) < least.distance) ||
+    if (!(solid.bound(capsule.middle, length + std::max(counts, 0.0)) < least.distance) ||
         !(solid.bound(capsule.middle, capsule.half, counts) < least.distance))
       continue;
     const SegmentSolidDistance found =

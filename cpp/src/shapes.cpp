@@ -20,6 +20,7 @@ ShapeSet::ShapeSet(std::vector<Shape> shapes_in, std::vector<AllowedContact> all
   }
   tree = ShapeTree(parts);
   has_surfaces = std::ranges::any_of(parts, &Solid::is_surface);
+  for (const Solid& part : parts) steepest = std::max(steepest, part.steepest());
 }
 
 std::shared_ptr<const ShapeSet> no_shapes() {

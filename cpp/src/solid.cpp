@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "detail/field_distance.hpp"
 #include "detail/segment_distance.hpp"
 
 namespace pdoik::detail {
@@ -84,6 +85,19 @@ Solid::Solid(const Shape& shape) : kind_(shape.kind), T_(to_frame(shape.T_base_s
       }
       break;
     }
+    case Shape::Kind::DistanceField: {
+      field_ = shape.field->data_;
+      steepest_ = field_->steepest();
+      // Beside its box a point that is off from what is deep inside is nearer than the box is.
+      Vec4 middle{};
+      for (int a = 0; a < 3; ++a) {
+        half_[a] = 0.5 * field_->cell() * field_->last(a) + field_->deepest();
+        middle[a] = 0.5 * field_->cell() * (field_->last(a) + 1.0);
+      }
+      centre_ = transform(T_, middle);
+      radius_ = std::sqrt(dot3(half_, half_));
+      break;
+    }
     case Shape::Kind::Mesh:
     case Shape::Kind::Boxes:
       break;
@@ -123,7 +137,8 @@ SolidDistance Solid::distance(const Vec4& p) const {
     return {found.distance, found.gradient};
   }
   if (kind_ == Shape::Kind::ConvexMesh) return mesh_distance(p);
-  SolidDistance result = local_distance(to_local(T_, p));
+  const Vec4 local = to_local(T_, p);
+  SolidDistance result = is_field() ? field_distance(*field_, local) : local_distance(local);
   result.gradient = rotate(T_, result.gradient);
   return result;
 }
@@ -164,6 +179,9 @@ Vec4 Solid::support(const Vec4& direction) const {
     case Shape::Kind::Capsule:
       local[2] = side(d[2], half_[1]);
       break;
+    case Shape::Kind::DistanceField:
+      for (int i = 0; i < 3; ++i) local[i] = side(d[i], half_[i]);
+      return rotate(T_, local) + centre_;
     default:  // a sphere is its centre
       break;
   }
@@ -271,14 +289,20 @@ SegmentSolidDistance Solid::surface_distance(const Vec4& middle, const Vec4& hal
 
 SegmentSolidDistance Solid::distance(const Vec4& middle, const Vec4& half, double than) const {
   if (is_surface()) return surface_distance(middle, half, than);
+  if (is_field()) {
+    const Vec4 along{dot3(T_.x, half), dot3(T_.y, half), dot3(T_.z, half), 0.0};
+    SegmentSolidDistance found = field_distance(*field_, to_local(T_, middle), along, than);
+    found.point = transform(T_, found.point);
+    found.gradient = rotate(T_, found.gradient);
+    return found;
+  }
   const auto at = [&](double t) { return middle + broadcast(t) * half; };
   const auto ending = [&](double t, const SolidDistance& found) -> SegmentSolidDistance {
     return {found.distance, at(t), found.gradient};
   };
   if (!(dot3(half, half) > 0.0)) return ending(0.0, distance(middle));
   if (kind_ == Shape::Kind::Sphere || kind_ == Shape::Kind::Capsule) {
-    const Vec4 axis = kind_ == Shape::Kind::Capsule ? broadcast(half_[1]) * T_.z : Vec4{};
-    const SegmentDistance found = segment_distance(middle, half, T_.p, axis);
+    const SegmentDistance found = segment_distance(middle, half, T_.p, half_axis());
     const SolidDistance there = distance(at(found.t1));
     return {found.distance - half_[0], at(found.t1), there.gradient};
   }

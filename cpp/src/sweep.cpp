@@ -102,13 +102,17 @@ Sweep::Answer Sweep::told_by(double way, double reach, IsNear&& is_near) const {
   return way > finest_ ? Answer::Near : Answer::Clear;
 }
 
+double Sweep::by_shapes(double than) const {
+  return than > 0.0 ? workspace_.scene().shapes().steepest() * than : than;
+}
+
 Sweep::Answer Sweep::of_hull(int hull, double way) {
   const Scene& scene = workspace_.scene();
   return told_by(way, way, [&](double than) {
     if (scene.obstacles()->count() > 0 &&
         any_nearer(state_, static_cast<std::size_t>(hull), scene.obstacles(), than))
       return true;
-    const double apart = than + model_.options.clearance;
+    const double apart = by_shapes(than) + model_.options.clearance;
     bool is_any = false;
     shapes_near(capsules_, hull, scene.shapes(), apart, [&](int part) {
       is_any = hull_clearance(capsules_, hull, scene.shapes(), part, apart).shape >= 0;
@@ -129,7 +133,7 @@ Sweep::Answer Sweep::of_held(int held, double way) {
   // Of what moves against it as much is asked again.
   return told_by(way, 2.0 * way, [&](double than) {
     if (held_->nearest_point(held, scene.obstacles(), than)) return true;
-    if (held_->nearest_shape(held, scene.shapes(), than)) return true;
+    if (held_->nearest_shape(held, scene.shapes(), by_shapes(than))) return true;
     for (int hull = 0; hull < held_->hulls(); ++hull)
       if (held_->nearest_of_hull(held, hull, than)) return true;
     for (int other = 0; other < held; ++other)
@@ -182,11 +186,13 @@ bool Sweep::is_clear_between(std::span<const Goal> goals, const Eigen::VectorXd&
 
 bool Sweep::is_clear_between(std::span<const Goal> goals, const Eigen::VectorXd& from,
                              const Eigen::VectorXd& to, const Room& one, const Room& other) {
-  // Distances change no faster than hulls move, of two hulls no faster than both.
+  // Distances change no faster than hulls move but for those by fields, of two hulls no faster than
+  // both.
   step_ = (to - from).cwiseAbs();
   const double way = levers_.dot(step_);
-  const bool is_far = way <= std::max(one.obstacles, 0.0) + std::max(other.obstacles, 0.0) &&
-                      2.0 * way <= std::max(one.self, 0.0) + std::max(other.self, 0.0);
+  const bool is_far =
+      by_shapes(way) <= std::max(one.obstacles, 0.0) + std::max(other.obstacles, 0.0) &&
+      2.0 * way <= std::max(one.self, 0.0) + std::max(other.self, 0.0);
   if (is_far && !held_) return true;
   return is_clear_between(goals, from, to);
 }

@@ -77,7 +77,8 @@ inline Eigen::Vector3d projected(const Shape& shape, const Eigen::Vector3d& p) {
       q.z() = std::min(q.z(), 0.0);
       break;
     case Shape::Kind::Mesh:
-    case Shape::Kind::Boxes:  // are not convex
+    case Shape::Kind::Boxes:
+    case Shape::Kind::DistanceField:  // are not convex
       break;
   }
   return shape.T_base_shape * q;

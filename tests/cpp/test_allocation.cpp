@@ -451,6 +451,53 @@ TEST(Allocation, what_is_carried_and_what_may_touch_take_theirs_before_the_solve
   EXPECT_GT(solved, 5);
 }
 
+TEST(Allocation, solves_and_steps_in_a_field_of_distances_allocate_nothing) {
+  const Robot robot = with_hulls(Robot::builtin("panda"));
+  Random random(11);
+  const std::array<int, 3> counts{60, 60, 50};
+  const double cell = 0.03;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << -0.9, -0.9, -0.3;
+  std::vector<Eigen::Vector3d> balls;
+  for (int k = 0; k < 8; ++k) balls.push_back(random.point(0.8));
+  std::vector<float> values;
+  for (int i = 0; i < counts[0]; ++i) {
+    for (int j = 0; j < counts[1]; ++j) {
+      for (int k = 0; k < counts[2]; ++k) {
+        const Eigen::Vector3d p = T * (cell * Eigen::Vector3d(i + 0.5, j + 0.5, k + 0.5));
+        double least = 1.0;
+        for (const Eigen::Vector3d& ball : balls) least = std::min(least, (p - ball).norm() - 0.06);
+        values.push_back(static_cast<float>(least));
+      }
+    }
+  }
+  const Shapes shapes({Shape::distance_field("field", T, DistanceField(values, counts, cell))});
+  Options options = timeless();
+  options.max_restarts = 60;
+  Solver solver(robot, options);
+  Tracker tracker(robot, options);
+  Eigen::Isometry3d in_hand = Eigen::Isometry3d::Identity();
+  in_hand.translation().z() = 0.15;
+  const Shape cube = Shape::box("cube", in_hand, {0.05, 0.05, 0.05});
+  solver.attach(robot.link_names().back(), {&cube, 1});
+  tracker.attach(robot.link_names().back(), {&cube, 1});
+  solver.set_shapes(shapes);
+  tracker.set_shapes(shapes);
+  Result result;
+  result.q = robot.mid_configuration();
+  const auto target = [&] { return robot.fk(random_configuration(robot, random, 0.1)); };
+  solver.solve(target(), nullptr, result);
+  tracker.step(target());
+  int solved = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Isometry3d goal = target();
+    EXPECT_EQ(allocations([&] { solver.solve(goal, nullptr, result); }), 0);
+    EXPECT_EQ(allocations([&] { tracker.step(goal); }), 0);
+    solved += result.success;
+  }
+  EXPECT_GT(solved, 5);
+}
+
 TEST(Allocation, minimisers_and_kinematics_take_their_memory_at_construction) {
   const Robot robot = Robot::builtin("iiwa14");
   const Eigen::VectorXd q = robot.mid_configuration();

@@ -68,6 +68,12 @@ SHAPES = [
         [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
         placed(-0.6, -0.3, 0.2),
     ),
+    pdoik.Shape.distance_field(
+        "map",
+        np.linalg.norm(np.indices((12, 12, 12)) - 5.5, axis=0) * 0.02 - 0.05,
+        0.02,
+        placed(-0.2, 0.7, 0.2),
+    ),
 ]
 
 

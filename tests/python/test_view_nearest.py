@@ -14,7 +14,10 @@ from pdoik.view.status import Meter, status_html
 from pdoik.view.surfaces import shape_surface
 
 CORNERS = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (0.0, 0.2)]
-KINDS = ("sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes")
+KINDS = (
+    "sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes",
+    "distance_field",
+)  # fmt: skip
 
 
 def shape(kind: str, rng: np.random.Generator) -> pdoik.Shape:
@@ -40,6 +43,10 @@ def shape(kind: str, rng: np.random.Generator) -> pdoik.Shape:
         case "boxes":
             low = np.array([[-0.2, -0.2, 0.0], [0.1, 0.0, 0.1]])
             return pdoik.Shape.boxes("it", low, low + np.array([0.05, 0.1, 0.2]), T)
+        case "distance_field":
+            places = 0.02 * (np.indices((20, 20, 20)).transpose(1, 2, 3, 0) - 9.5)
+            ball = np.linalg.norm(places, axis=-1) - 0.1
+            return pdoik.Shape.distance_field("it", ball, 0.02, T)
         case _:
             return pdoik.Shape.convex_mesh("it", CORNERS, T)
 

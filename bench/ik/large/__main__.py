@@ -1,4 +1,4 @@
-"""Solves and steps among ever more shapes, triangles and points, judged by Pinocchio and coal.
+"""Solves and steps among ever more shapes, triangles, cells and points, judged by others.
 
     python -m bench.ik.large --out build/bench/large
     python -m bench.ik.large --only boxes
@@ -12,10 +12,15 @@ from types import ModuleType
 
 import typer
 
-from bench.ik.large import boxes, meshes, points
+from bench.ik.large import boxes, fields, meshes, points
 from bench.ik.rows import command
 
-ROWS: Mapping[str, ModuleType] = {"boxes": boxes, "meshes": meshes, "points": points}
+ROWS: Mapping[str, ModuleType] = {
+    "boxes": boxes,
+    "meshes": meshes,
+    "fields": fields,
+    "points": points,
+}
 
 main = command("large", ROWS)
 

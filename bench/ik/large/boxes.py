@@ -1,7 +1,7 @@
 """Ever more boxes in one room: a solve, and a step in contact, over those among ten."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -87,7 +87,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
         start = free[k - 1]
         took, result = fastest(lambda q=q, start=start: solver.solve(robot.fk(q), start, scene))
         wrong = result.success and depth(job["arm"], result.q, near) > TOUCHES
-        steps, deepest = push(job["arm"], q, boxes, near, rng)
+        steps, deepest = push(job["arm"], q, lambda wall: pdoik.Scene([*boxes, wall]), near, rng)
         wrong = wrong or deepest > TOUCHES
         rows.append(
             {
@@ -107,11 +107,19 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 def push(
     arm: str,
     q: FloatArray,
-    boxes: list[pdoik.Shape],
+    scene_with: Callable[[pdoik.Shape], pdoik.Scene],
     near: list[Box],
     rng: np.random.Generator,
 ) -> tuple[list[float], float]:
-    """Into one more box before the tool: times of steps in contact [s], the deepest of some [m]."""
+    """Into one more box before the tool: times of steps in contact [s], the deepest of some [m].
+
+    Args:
+        arm: Which.
+        q: Where it begins.
+        scene_with: Of the box, the scene that has it besides.
+        near: The other boxes.
+        rng: Says which way.
+    """
     robot = pdoik.Robot.builtin(arm)
     judge = pdoik.Solver(robot)
     tracker = pdoik.Tracker(judge, period=0.002, max_time=0.2)
@@ -121,7 +129,7 @@ def push(
     wall = np.eye(4)
     wall[:3, 3] = goal[:3, 3] + 0.2 * way
     blocks = Box(size=np.full(3, 0.1), T=wall)
-    scene = pdoik.Scene([*boxes, blocks.shape("wall")])
+    scene = scene_with(blocks.shape("wall"))
     if judge.judge(goal, q, obstacles=scene).clearance < CONTACT:
         return [], 0.0
     tracker.reset(q)

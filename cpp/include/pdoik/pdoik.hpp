@@ -8,6 +8,7 @@
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/collision_pairs.hpp"
+#include "pdoik/distance_field.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/floating_base.hpp"
 #include "pdoik/goal.hpp"

@@ -3,9 +3,12 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "pdoik/distance_field.hpp"
 
 namespace pdoik {
 
@@ -22,6 +25,7 @@ struct Shape {
     ConvexMesh,  ///< a closed surface of triangles
     Mesh,        ///< a surface of triangles of any form, and what is inside if it is closed
     Boxes,       ///< several boxes along the frame's axes, such as the cells of a grid
+    DistanceField,  ///< what a field of signed distances is at most 0 in
   };
 
   std::string name;                                                ///< in results, not empty
@@ -33,6 +37,8 @@ struct Shape {
   /// Of a mesh, in the shape's frame; of boxes the lowest and the highest corner of each.
   std::vector<Eigen::Vector3d> vertices = {};
   std::vector<std::array<int, 3>> triangles = {};  ///< counter-clockwise seen from outside
+  /// Of a distance field, in the shape's frame; shared with all copies.
+  std::optional<pdoik::DistanceField> field = {};
 
   /// @name Making one
   /// @{
@@ -82,6 +88,11 @@ struct Shape {
   static Shape grid(std::string name, const Eigen::Isometry3d& T_base_shape,
                     std::span<const std::uint8_t> taken, const std::array<int, 3>& counts,
                     double edge);
+  /// What a field of signed distances is at most 0 in. Hulls keep off by the field's values along
+  /// their axes, which it says the error of; a field that is interpolated may be steeper than 1 at
+  /// edges and in gaps of a cell, and there tells of more than that.
+  static Shape distance_field(std::string name, const Eigen::Isometry3d& T_base_shape,
+                              pdoik::DistanceField field);
   /// @}
 };
 

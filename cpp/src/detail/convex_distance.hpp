@@ -17,7 +17,7 @@ struct ConvexDistance {
 /// of Gilbert, Johnson and Keerthi where they are apart, by expanding a polytope within their
 /// difference (van den Bergen, "Proximity Queries and Penetration Depth Computation on 3D Game
 /// Objects", 2001) where they are not. Exact to 1e-9 m of what has flat faces; inside each other to
-/// 1e-6 m of what is round. Allocates nothing.
+/// 1e-6 m of what is round. Of a field see convex_field_distance. Allocates nothing.
 /// @param moving  In the frame of its body. No half-space.
 /// @param T_base_body  Where that is.
 /// @param still  In the base frame.

@@ -24,6 +24,8 @@ class ShapePairs {
   const Solid& part(int k) const { return set_->parts[static_cast<std::size_t>(k)]; }
   /// Whether any part is one of a surface.
   bool has_surfaces() const { return set_->has_surfaces; }
+  /// What distances change by at most as a hull moves, per length: 1 but of fields.
+  double steepest() const { return set_->steepest; }
   /// The shape that a part belongs to.
   int owner(int part) const { return set_->owners[static_cast<std::size_t>(part)]; }
   /// How deep a hull may lie in a shape; infinite if that does not matter [m].

@@ -20,6 +20,7 @@ struct ShapeSet {
   std::vector<int> owners;   ///< of the parts: their places in `shapes`
   ShapeTree tree;            ///< of the parts
   bool has_surfaces = false;
+  double steepest = 1.0;  ///< what distances from them change by at most, per length
 };
 
 /// The one without any.

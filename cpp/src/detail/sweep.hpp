@@ -57,6 +57,8 @@ class Sweep {
   /// What is nearer than what it gets, by a question whether it is nearer than a distance.
   template <class IsNear>
   Answer told_by(double way, double reach, IsNear&& is_near) const;
+  /// How much nearer a shape may be said to be once a hull has moved so far.
+  double by_shapes(double than) const;
   int common_body(int one, int other) const;
 
   struct Pair {

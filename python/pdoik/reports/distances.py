@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import Shape
+from .._distance_fields import least_along
 from .values import FloatArray
 
 _BISECTIONS = 48
@@ -83,6 +84,9 @@ def segment_to_shape(a: FloatArray, b: FloatArray, shape: Shape, enough: float =
     a, b = T[:3, :3] @ a + T[:3, 3], T[:3, :3] @ b + T[:3, 3]
     if shape.kind == "mesh":
         return _segment_to_mesh(a, b, shape.vertices[shape.triangles])
+    if shape.kind == "distance_field":
+        assert shape.cell is not None
+        return least_along(shape.values, shape.cell, a, b)
     if shape.kind == "boxes":
         boxes = zip(shape.vertices[0::2], shape.vertices[1::2], strict=True)
         return min(_least_along(a, b, _to_box(low, high), enough) for low, high in boxes)

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from .._core import Cloud, Scene, Shape
-from .values import Entry, FloatArray, plain
+from .values import Entry, FloatArray, packed, plain
 
 SHAPE_KINDS = (  # in C++'s order
-    "sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes"
+    "sphere", "box", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes",
+    "distance_field",
 )  # fmt: skip
 
 
@@ -98,6 +99,8 @@ def shape_entry(shape: Shape) -> dict[str, Any]:
     }
     if len(shape.vertices):
         entry |= {"vertices": plain(shape.vertices), "triangles": plain(shape.triangles)}
+    if shape.cell is not None:
+        entry |= {"values": packed(shape.values), "cell": shape.cell}
     return entry
 
 
@@ -111,10 +114,17 @@ def read_shape(entry: Entry) -> Shape:
         if places.size and not (places.min() >= 0 and places.max() < len(vertices)):
             raise entry["triangles"].wrong("a triangle has a vertex that is not there")
         triangles = places.astype(np.int32)
+    values, cell = np.empty((0, 0, 0), np.float32), 0.0
+    if kind == "distance_field":
+        values, cell = entry["values"].packed(3), entry["cell"].number()
     shape = Shape.__new__(Shape)
     pose, size = entry["T_base_shape"].array(4, 4), entry["size"].array(3)
     name = entry["name"].text()
-    shape.__setstate__((name, SHAPE_KINDS.index(kind), pose, size, vertices, triangles))
+    state = (name, SHAPE_KINDS.index(kind), pose, size, vertices, triangles, values, cell)
+    try:
+        shape.__setstate__(state)
+    except ValueError as error:
+        raise entry.wrong(str(error)) from error
     return shape
 
 

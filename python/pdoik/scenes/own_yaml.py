@@ -6,6 +6,7 @@ shapes:
   - {name: wall, half_space: {normal: [-1, 0, 0], point: [1, 0, 0]}}
   - {name: part, convex_mesh: {file: part.stl}, xyzw: [0, 0, 0, 1]}
   - {name: bin, mesh: {file: bin.stl}, position: [0.4, 0, 0]}
+  - {name: room, distance_field: {file: room.npy, cell: 0.02, truncation: 0.08, unknown: free}}
 cloud: scan.pcd
 leaf: 0.02
 radii: true
@@ -26,6 +27,7 @@ from pdoik._addresses import Packages, Places
 from pdoik._core import Scene, Shape
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
+from pdoik.scenes import fields
 from pdoik.scenes.meshes import find_mesh, read_mesh
 from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, half_space
 from pdoik.scenes.values import EntryError, numbers, rotation, rows
@@ -33,7 +35,10 @@ from pdoik.scenes.values import EntryError, numbers, rotation, rows
 FloatArray = npt.NDArray[np.float64]
 
 TOP_KEYS = ("shapes", "cloud", "leaf", "radii", "allowed")
-_KINDS = ("box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes")
+_KINDS = (
+    "box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes",
+    "distance_field",
+)  # fmt: skip
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
 
 
@@ -90,15 +95,20 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
     Args:
         scene: What to write.
-        path: The file, whole or not at all; one that is there is replaced.
+        path: The file, whole or not at all; one that is there is replaced. The values of a distance
+            field are in a file beside it, scene.NAME.npz of scene.yaml.
 
     Raises:
         OSError: It cannot be written.
     """
     import yaml
 
+    beside: dict[str, str] = {}  # files of distance fields, by shapes' names
+    for shape in scene.shapes:
+        if shape.kind == "distance_field":
+            beside[shape.name] = fields.write_field(shape, Path(path), beside.values())
     content = {
-        "shapes": [_entry_of(shape) for shape in scene.shapes],
+        "shapes": [_entry_of(shape, beside) for shape in scene.shapes],
         "allowed": [list(contact) for contact in scene.allowed],
     }
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
@@ -133,6 +143,10 @@ def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places)
         return _read_mesh("mesh", value, T, file, where, places)
     if kind == "boxes":
         return _read_boxes(value, T, file, where)
+    if kind == "distance_field":
+        given = _fields(value, ("file",), fields.KEYS, file, where)
+        distances = fields.read_field(given, file, where, places)
+        return Piece(kind="distance_field", T=T, distances=distances, entry=entry)
     size = _read_size(kind, value, file, where)
     solid: dict[str, Kind] = {
         "box": "box", "sphere": "sphere", "cylinder": "cylinder", "capsule": "capsule"
@@ -218,13 +232,21 @@ def _fields(
     return value
 
 
-def _entry_of(shape: Shape) -> dict[str, Any]:
-    """What `_read_piece` reads."""
+def _entry_of(shape: Shape, beside: Mapping[str, str]) -> dict[str, Any]:
+    """What `_read_piece` reads.
+
+    Args:
+        shape: What is written.
+        beside: The files of distance fields, by shapes' names.
+    """
     T = np.asarray(shape.T_base_shape)
     entry: dict[str, Any] = {"name": shape.name}
     if shape.kind == "half_space":
         return entry | {"half_space": {"normal": T[:3, 2].tolist(), "point": T[:3, 3].tolist()}}
-    entry[shape.kind] = _size_of(shape)
+    if shape.kind == "distance_field":
+        entry[shape.kind] = {"file": beside[shape.name]}
+    else:
+        entry[shape.kind] = _size_of(shape)
     entry["position"] = T[:3, 3].tolist()
     if not np.array_equal(T[:3, :3], np.eye(3)):
         from scipy.spatial.transform import Rotation

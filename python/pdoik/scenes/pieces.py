@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,10 @@ FloatArray = npt.NDArray[np.float64]
 Faces = npt.NDArray[np.int64]
 AllowedContact = tuple[str, str] | tuple[str, str, float]
 """A link and a shape that may touch, to any depth or to one [m]."""
-Kind = Literal["box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes"]
+Kind = Literal[
+    "box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes",
+    "distance_field",
+]  # fmt: skip
 
 _CONE_SIDES = 48
 
@@ -34,6 +37,7 @@ class Piece:
         vertices: Of a mesh, (V, 3) in its own frame [m]; of boxes the lowest and the highest
             corner of each, by turns.
         faces: Of a mesh, (F, 3) places in `vertices`; none for the hull of its vertices.
+        distances: Of a distance field, what `Shape.distance_field` takes beside its name and pose.
         exact: Of a convex mesh, whether the faces are the surface itself, to be convex exactly.
         entry: Where in the file it is, for messages.
     """
@@ -43,6 +47,7 @@ class Piece:
     T: FloatArray
     vertices: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     faces: Faces = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+    distances: dict[str, Any] = field(default_factory=dict)
     exact: bool = False
     entry: str
 
@@ -103,6 +108,8 @@ def _shape(name: str, piece: Piece, file: Path) -> Shape:
             return Shape.mesh(name, piece.vertices, piece.faces, T)
         case "boxes":
             return Shape.boxes(name, piece.vertices[0::2], piece.vertices[1::2], T)
+        case "distance_field":
+            return Shape.distance_field(name, T_base_shape=T, **piece.distances)
 
 
 def mesh(vertices: FloatArray, faces: Faces, T: FloatArray, entry: str) -> Piece:

@@ -10,6 +10,7 @@ import trimesh
 import viser
 
 import pdoik
+from pdoik._distance_fields import zero_level
 
 from .binding import binding
 from .shapes import wxyz_of
@@ -18,6 +19,7 @@ from .shown import Shown
 FloatArray = npt.NDArray[np.float64]
 
 _SHAPE, _SHAPE_TIGHT, _SHAPE_BROKEN = (150, 158, 172), (240, 140, 20), (224, 20, 20)
+_MOST_TRIANGLES = 200_000  # of a distance field
 _PLANE_EDGE = 4.0  # of the square that stands for a half-space [m]
 
 
@@ -72,7 +74,7 @@ class ShapeScene:
                 color=_SHAPE,
                 opacity=0.2 if flat else None,  # solids that are not opaque hide each other
                 flat_shading=shape.kind in ("box", "convex_mesh", "mesh", "boxes"),
-                side="double" if flat or shape.kind == "mesh" else "front",
+                side="double" if flat or shape.kind in ("mesh", "distance_field") else "front",
                 cast_shadow=not flat,
                 wxyz=wxyz_of(T[:3, :3]),
                 position=T[:3, 3],
@@ -87,7 +89,9 @@ def _alike(a: pdoik.Shape, b: pdoik.Shape) -> bool:
     if (a.name, a.kind) != (b.name, b.kind) or a.kind == "half_space":
         return False
     return (
-        np.array_equal(a.size, b.size)
+        (a.values.ctypes.data == b.values.ctypes.data or np.array_equal(a.values, b.values))
+        and a.cell == b.cell
+        and np.array_equal(a.size, b.size)
         and np.array_equal(a.vertices, b.vertices)
         and np.array_equal(a.triangles, b.triangles)
     )
@@ -123,5 +127,20 @@ def shape_mesh(shape: pdoik.Shape) -> tuple[trimesh.Trimesh, FloatArray]:
             places = len(unit.vertices) * np.arange(len(low))[:, None, None]
             faces = (unit.faces[None] + places).reshape(-1, 3)
             return trimesh.Trimesh(vertices.reshape(-1, 3), faces, process=False), T
+        case "distance_field":
+            return _zero_level(shape), T
         case _:
             return trimesh.Trimesh(shape.vertices, shape.triangles, process=False), T
+
+
+def _zero_level(shape: pdoik.Shape) -> trimesh.Trimesh:
+    """Where a distance field is 0, of every second cell, or fewer, where that is large."""
+    values, cell = shape.values, shape.cell
+    assert cell is not None
+    step = 1
+    while True:
+        vertices, faces = zero_level(values[::step, ::step, ::step], step * cell)
+        if len(faces) <= _MOST_TRIANGLES or min(values.shape) < 8 * step:
+            # Of a cell the middle stays where it is.
+            return trimesh.Trimesh(vertices - 0.5 * (step - 1) * cell, faces, process=False)
+        step *= 2

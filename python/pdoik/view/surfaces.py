@@ -9,10 +9,13 @@ import numpy.typing as npt
 import trimesh
 
 import pdoik
+from pdoik._distance_fields import distances_at
 
 FloatArray = npt.NDArray[np.float64]
 Surface = Callable[[FloatArray], tuple[float, FloatArray]]
 """Of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
+
+_MOST_STEPS, _ON_SURFACE, _LEVEL = 30, 1e-5, 1e-6  # of a search down a slope; [m]; slope squared
 
 
 def ball_surface(center: FloatArray, radius: float) -> Surface:
@@ -41,6 +44,8 @@ def shape_surface(shape: pdoik.Shape) -> Surface:
             local = _half_space
         case "boxes":
             local = _boxes(np.asarray(shape.vertices))
+        case "distance_field":
+            local = _field(shape)
         case "mesh":
             local = _sheet(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
         case _:
@@ -102,6 +107,25 @@ def _boxes(corners: FloatArray) -> Surface:
         return distance, place + middles[nearest]
 
     return to_boxes
+
+
+def _field(shape: pdoik.Shape) -> Surface:
+    """Of a distance field: the place down its slope where it is 0."""
+    values, cell = shape.values, shape.cell
+    assert cell is not None
+
+    def to_field(point: FloatArray) -> tuple[float, FloatArray]:
+        (distance,), (slope,) = distances_at(values, cell, point[None])
+        place, left, gradient = point.copy(), distance, slope
+        for _ in range(_MOST_STEPS):
+            square = float(gradient @ gradient)
+            if abs(left) < _ON_SURFACE or square < _LEVEL:
+                break
+            place = place - left / max(square, 1.0) * gradient
+            (left,), (gradient,) = distances_at(values, cell, place[None])
+        return float(distance), place
+
+    return to_field
 
 
 def _sheet(triangles: FloatArray) -> Surface:
