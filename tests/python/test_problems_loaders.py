@@ -19,6 +19,7 @@ from bench.ik.problems.judge import Judge
 from bench.ik.problems.loaders import LoaderError, read_problems
 from bench.ik.problems.problem import load, save
 from bench.ik.problems.robots import robot_files
+from polygon_files import FORMATS, ply_bytes, prism
 from problem_sets import (
     READY,
     planning_scene,
@@ -131,6 +132,23 @@ def test_ebikes_scenarios_give_a_target_for_each_point(tmp_path: Path) -> None:
     np.testing.assert_allclose(T[:3, 3], (0.1, 0.2, 0.01), atol=1e-6)
     np.testing.assert_allclose(T[:3, 2], (0, 0, -1))  # against the normal
     assert sets["random"][0].solids == ()
+
+
+@pytest.mark.parametrize("layout", FORMATS)
+def test_ebikes_meshes_may_have_faces_of_many_corners(tmp_path: Path, layout: str) -> None:
+    ell = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
+    vertices, faces = prism(ell, 0.5)
+    apart = [[corner + len(vertices) for corner in face] for face in faces]
+    corners = np.vstack([vertices, vertices + np.array([5, 0, 0])])
+    content = ply_bytes(corners, faces + apart, layout)
+    (tmp_path / "two.ply").write_bytes(content)
+    write_pcd(tmp_path / "two.pcd", [[0.1, 0.2, 0.5, 0, 0, 1, 0]], NORMALS)
+    (problem,) = read_problems(tmp_path, robot_files("ur10"))["two"]
+    assert [solid.name for solid in problem.solids] == ["two/0", "two/1"]
+    assert [solid.surface().volume for solid in problem.solids] == pytest.approx([1.5, 1.5])
+    (tmp_path / "two.ply").write_bytes(content[:-7])
+    with pytest.raises(LoaderError, match=r"two.ply: not a mesh .* cut short"):
+        read_problems(tmp_path, robot_files("ur10"))
 
 
 def test_what_is_saved_is_read_back(tmp_path: Path) -> None:
