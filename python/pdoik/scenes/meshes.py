@@ -18,8 +18,8 @@ Faces = npt.NDArray[np.int64]
 _HOLLOW = 0.01  # of its hull's volume that a mesh may lack and still counts as convex
 
 
-def find_mesh(address: str, places: Places, file: Path, entry: str) -> Path:
-    """The file that an address means.
+def find_file(what: str, address: str, places: Places, file: Path, entry: str) -> Path:
+    """The file that the address of a mesh or a map means; `what` it is, is for messages.
 
     Raises:
         EntryError: It is nowhere.
@@ -27,7 +27,7 @@ def find_mesh(address: str, places: Places, file: Path, entry: str) -> Path:
     try:
         return places.find(address)
     except LoadError as error:
-        raise EntryError(file, f"mesh {error}", entry) from error
+        raise EntryError(file, f"{what} {error}", entry) from error
 
 
 def read_mesh(path: Path, file: Path, entry: str) -> tuple[FloatArray, Faces]:
