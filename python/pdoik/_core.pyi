@@ -298,6 +298,21 @@ class Shape:
             ValueError: Names the shape and what is wrong with it.
         """
     @staticmethod
+    def height_field(name: str, heights: numpy.typing.ArrayLike, cell: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None, *, bottom: float | None = None) -> Shape:
+        """
+        Ground by its heights over a grid, as a closed mesh: solid down to its bottom.
+        
+        Args:
+            name: What results call it.
+            heights: heights[i, j] stands at x = i cell, y = j cell in its frame, shape (I, J) [m].
+            cell: From one height to the next [m], one number or two, along x and y.
+            T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+            bottom: Height of its underside [m]. None for as far below the lowest as the field is long.
+        
+        Raises:
+            ValueError: Names the shape and what is wrong with it, such as a height that is NaN.
+        """
+    @staticmethod
     def mesh(name: str, vertices: numpy.typing.ArrayLike, triangles: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None) -> Shape:
         """
         A surface of triangles of any form, such as a part, a bin or a scanned room.
@@ -318,6 +333,25 @@ class Shape:
         
         Warns:
             ObstacleWarning: It is not closed: its surface alone is kept off.
+        """
+    @staticmethod
+    def octomap(name: str, path: str | os.PathLike[str], T_base_shape: numpy.typing.ArrayLike | None = None, *, unknown: bool = False, region: numpy.typing.ArrayLike | None = None) -> Shape:
+        """
+        What an OctoMap takes, put together to few boxes.
+        
+        Args:
+            name: What results call it.
+            path: A file that OctoMap wrote: .bt, or .ot, whose leaves are taken from even odds on.
+            T_base_shape: The map's frame in the base frame, shape (4, 4) [m]; None for the base frame
+                itself.
+            unknown: Whether what the map does not know is taken, too: in the region, or without one in
+                the smallest box that holds all it knows. Otherwise it is free.
+            region: The lowest and the highest x, y, z of what counts, in the map's frame, shape
+                (2, 3) [m]. None for all of it.
+        
+        Raises:
+            LoadError: The file cannot be read, or nothing in it is taken.
+            ValueError: Names the shape and what is wrong with it.
         """
     @staticmethod
     def sphere(name: str, center: numpy.typing.ArrayLike, radius: typing.SupportsFloat | typing.SupportsIndex) -> Shape:

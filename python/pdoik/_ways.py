@@ -1,6 +1,6 @@
 """The ways to a robot that `Robot` itself offers; what they do is that of `pdoik.descriptions`.
 
-And that to a `Cloud` from a depth image.
+And those to a `Cloud` from a depth image, and to a `Shape` from a height field and an OctoMap.
 
 That is imported when one is taken, for a program that takes none starts sooner without it.
 Their types are written with their modules, as the stub of the compiled module has them.
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy.typing
 
-from ._core import Cloud, Robot
+from ._core import Cloud, Robot, Shape
 from .errors import LoadError
 
 if TYPE_CHECKING:
@@ -271,8 +271,71 @@ def from_depth(
     return Cloud(points, leaf=leaf, radii=radii, solid=solid, viewpoint=viewpoint)
 
 
+def height_field(
+    name: str,
+    heights: numpy.typing.ArrayLike,
+    cell: numpy.typing.ArrayLike,
+    T_base_shape: numpy.typing.ArrayLike | None = None,
+    *,
+    bottom: float | None = None,
+) -> Shape:
+    """Ground by its heights over a grid, as a closed mesh: solid down to its bottom.
+
+    Args:
+        name: What results call it.
+        heights: heights[i, j] stands at x = i cell, y = j cell in its frame, shape (I, J) [m].
+        cell: From one height to the next [m], one number or two, along x and y.
+        T_base_shape: Its frame in the base frame, shape (4, 4); None for the base frame itself.
+        bottom: Height of its underside [m]. None for as far below the lowest as the field is long.
+
+    Raises:
+        ValueError: Names the shape and what is wrong with it, such as a height that is NaN.
+    """
+    from ._height_fields import mesh_of_heights
+
+    try:
+        vertices, triangles = mesh_of_heights(heights, cell, bottom)
+    except ValueError as error:
+        raise ValueError(f"shape '{name}': {error}") from error
+    return Shape.mesh(name, vertices, triangles, T_base_shape)
+
+
+def octomap(
+    name: str,
+    path: str | os.PathLike[str],
+    T_base_shape: numpy.typing.ArrayLike | None = None,
+    *,
+    unknown: bool = False,
+    region: numpy.typing.ArrayLike | None = None,
+) -> Shape:
+    """What an OctoMap takes, put together to few boxes.
+
+    Args:
+        name: What results call it.
+        path: A file that OctoMap wrote: .bt, or .ot, whose leaves are taken from even odds on.
+        T_base_shape: The map's frame in the base frame, shape (4, 4) [m]; None for the base frame
+            itself.
+        unknown: Whether what the map does not know is taken, too: in the region, or without one in
+            the smallest box that holds all it knows. Otherwise it is free.
+        region: The lowest and the highest x, y, z of what counts, in the map's frame, shape
+            (2, 3) [m]. None for all of it.
+
+    Raises:
+        LoadError: The file cannot be read, or nothing in it is taken.
+        ValueError: Names the shape and what is wrong with it.
+    """
+    from ._addresses import at_home
+    from ._octomaps import boxes_of_file
+
+    low, high = boxes_of_file(at_home(path), unknown=unknown, region=region)
+    return Shape.boxes(name, low, high, T_base_shape)
+
+
 for way in (from_urdf, from_xacro, from_mjcf, from_description):
     way.__doc__ = inspect.cleandoc(way.__doc__ or "")  # as it stands in the stub
     setattr(Robot, way.__name__, staticmethod(way))
 from_depth.__doc__ = inspect.cleandoc(from_depth.__doc__ or "")
 setattr(Cloud, from_depth.__name__, staticmethod(from_depth))
+for shaped in (height_field, octomap):
+    shaped.__doc__ = inspect.cleandoc(shaped.__doc__ or "")
+    setattr(Shape, shaped.__name__, staticmethod(shaped))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Callable
-from io import BufferedReader, BytesIO
+from io import BufferedReader
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from pdoik._extras import asks_for
+from pdoik._ply import read_ply
 from pdoik.errors import LoadError, MissingExtraError
 
 Points = npt.NDArray[np.float64]  # (N, 3), [m]
@@ -35,7 +35,7 @@ def load_cloud(path: str | Path) -> Points:
     Raises:
         LoadError: Another suffix; a file that is missing, malformed, cut short, or holds no
             finite point.
-        MissingExtraError: .pcd and .ply take the extra files.
+        MissingExtraError: .pcd takes the extra files.
     """
     path = Path(path)
     read = _READERS.get(path.suffix.lower())
@@ -111,24 +111,8 @@ def _check_pcd_header(path: Path, file: BufferedReader) -> None:
         )
 
 
-@asks_for("files")
 def _read_ply(path: Path) -> Points:
-    from trimesh.exchange.ply import load_ply
-
-    head, end, rest = path.read_bytes().partition(b"end_header")
-    promised = re.search(rb"^element\s+vertex\s+(\d+)", head, re.MULTILINE)
-    # trimesh makes paths of edges, in a matrix as large as their largest index.
-    head = re.sub(rb"^element\s+edge\b", b"element other", head, flags=re.MULTILINE)
-    # Vertices as they are in the file: with fix_texture some come twice, in another order.
-    content = load_ply(BytesIO(head + end + rest), fix_texture=False, skip_materials=True)
-    vertices = content.get("vertices")
-    if vertices is None or promised is None:
-        raise LoadError(f"{path}: expected vertices with x, y, z, got none")
-    if len(vertices) != int(promised[1]):
-        raise LoadError(
-            f"{path}: the header promises {int(promised[1])} vertices, got {len(vertices)}"
-        )
-    return np.asarray(vertices, dtype=np.float64)
+    return read_ply(path.read_bytes()).vertices
 
 
 def _read_npy(path: Path) -> Points:

@@ -47,9 +47,8 @@ def check_in(folder: Path, data: bytes) -> None:
 def main() -> None:
     import atheris
 
-    with atheris.instrument_imports(include=["pypcd4", "trimesh.exchange.ply", "pdoik.clouds"]):
+    with atheris.instrument_imports(include=["pypcd4", "pdoik._ply", "pdoik.clouds"]):
         import pypcd4.pypcd4  # noqa: F401
-        import trimesh.exchange.ply  # noqa: F401
 
         import pdoik.clouds  # noqa: F401
     import logging

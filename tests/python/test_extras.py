@@ -18,7 +18,7 @@ OTHERS = ("matplotlib", "mujoco", "pinocchio", "pypcd4", "rich", "scipy", "trime
 OTHERS += ("PIL", "h5py", "imageio", "jinja2", "pyarrow", "rosbags", "viser", "xacro", "yaml")
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 PACKAGE_OF = {"PIL": "pillow", "collada": "pycollada", "pinocchio": "pin", "yaml": "pyyaml"}
-PACKAGE_OF["mpl_toolkits"] = "matplotlib"
+PACKAGE_OF |= {"mpl_toolkits": "matplotlib", "mapbox_earcut": "mapbox-earcut"}
 BY_CHOICE = {"distributed", "example_robot_data", "robot_descriptions"}  # users bring these
 
 
@@ -49,7 +49,6 @@ print(solved.success, tracker.step(target).q.shape)
     ("program", "package", "extra"),
     [
         ("pdoik.load_scene('s.yaml')", "yaml", "files"),
-        ("pdoik.clouds.load_cloud('c.ply')", "trimesh", "files"),
         ("pdoik.clouds.load_cloud('c.pcd')", "pypcd4", "files"),
         ("pdoik.load_robot('r.xacro')", "xacro", "files"),
         ("from pdoik.occupancy_fit import fit_occupancy", "scipy", "files"),
@@ -60,7 +59,6 @@ def test_what_is_missing_is_asked_for_by_its_extra(
     program: str, package: str, extra: str, tmp_path: Path
 ) -> None:
     (tmp_path / "s.yaml").write_text("schema: pdoik.scene/1\nshapes: []\n")
-    (tmp_path / "c.ply").write_text("ply\n")
     (tmp_path / "c.pcd").write_text("VERSION .7\n")
     (tmp_path / "r.xacro").write_text("<robot name='r'/>")
     start = f"import os; os.chdir({str(tmp_path)!r}); import pdoik, pdoik.clouds\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import tarfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,12 @@ pytest.importorskip("pinocchio")
 
 import trimesh
 
+from bench.ik.problems.held import told_by_user
 from bench.ik.problems.judge import Judge
 from bench.ik.problems.loaders import LoaderError, read_problems
 from bench.ik.problems.problem import load, save
 from bench.ik.problems.robots import robot_files
+from polygon_files import FORMATS, ply_bytes, prism
 from problem_sets import (
     READY,
     planning_scene,
@@ -91,6 +94,92 @@ def test_a_goal_given_as_a_pose_of_the_flange_is_turned_into_the_tools(
     np.testing.assert_allclose(problem.targets["panda_hand_tcp"], expected, atol=1e-9)
 
 
+FINGERS = ["panda_finger_joint1", "panda_finger_joint2"]
+
+
+def with_fingers(opening: list[float]) -> Any:
+    """A request as MotionBenchMaker's sets have it: the start tells of the fingers, too."""
+    asked = request()
+    state = asked["start_state"]["joint_state"]
+    state["name"] = [*state["name"], *FINGERS[: len(opening)], "virtual_gripper_joint"]
+    state["position"] = [*state["position"], *opening, 0.8]
+    return asked
+
+
+def test_joints_that_nobody_moves_are_held_where_the_set_says(tmp_path: Path, judge: Judge) -> None:
+    scene = planning_scene()
+    folder = write_moveit(tmp_path / "cage_panda", scene, with_fingers([0.065, 0.03]), 1)
+    write_moveit(folder, scene, with_fingers([0.065]), 2)  # the second finger follows the first
+    write_moveit(folder, scene, request(), 3)
+    state = {"joint_state": {"name": FINGERS, "position": [0.01, 0.02]}}
+    write_moveit(folder, {**scene, "robot_state": state}, request(), 4)
+    problems = read_problems(folder, PANDA)["cage_panda"]
+    said = [(0.065, 0.03), (0.065, 0.065), (), (0.01, 0.02)]
+    assert [p.held for p in problems] == [dict(zip(FINGERS, each, strict=False)) for each in said]
+    for problem in problems:
+        files = PANDA.standing(problem.held, judge.joint_names)
+        held = Judge(files, "collision")
+        assert held.joint_names == judge.joint_names  # the arm's alone
+        T_hand_finger = np.linalg.inv(held.fk(problem.goal_q, "panda_hand")) @ held.fk(
+            problem.goal_q, "panda_leftfinger"
+        )
+        opening = problem.held.get("panda_finger_joint1", 0.04)
+        np.testing.assert_allclose(T_hand_finger[:3, 3], (0, opening, 0.0584), atol=1e-9)
+        np.testing.assert_allclose(problem.goal_q, READY)
+        save(tmp_path / "kept.json", [problem])
+        assert load(tmp_path / "kept.json")[0].held == problem.held
+
+
+def test_what_the_user_holds_stands_whatever_the_set_says(tmp_path: Path) -> None:
+    folder = write_moveit(tmp_path / "cage_panda", planning_scene(), with_fingers([0.065, 0.03]))
+    files = replace(PANDA, told={"panda_finger_joint1": 0.02})
+    (problem,) = read_problems(folder, files)["cage_panda"]
+    assert problem.held == {"panda_finger_joint2": 0.03}
+    still = files.standing(problem.held, []).still
+    assert still == {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.03}
+    with pytest.raises(ValueError, match="no joint 'panda_finger' to hold"):
+        told_by_user(PANDA, {"panda_finger": 0.02})
+
+
+def test_a_robots_other_joints_need_no_hold_where_the_set_tells_them(tmp_path: Path) -> None:
+    folder = write_moveit(tmp_path / "cage_panda", planning_scene(), with_fingers([0.065, 0.065]))
+    files = replace(PANDA, held={})  # as of --urdf, where nobody knows of fingers
+    arm = [f"panda_joint{k}" for k in range(1, 8)][::-1]
+    (problem,) = read_problems(folder, files, arm)["cage_panda"]
+    np.testing.assert_allclose(problem.goal_q, READY[::-1])
+    assert problem.held == dict.fromkeys(FINGERS, 0.065)
+
+
+@pytest.mark.parametrize(
+    ("state", "says"),
+    [
+        ({"name": FINGERS, "position": [0.1]}, r"start_state.joint_state: 2 names, 1 positions"),
+        (
+            {"name": FINGERS, "position": [0.1, None]},
+            r"start_state.joint_state.position\[1\]: expected",
+        ),
+        ([0.1], r"start_state.joint_state: expected name and position"),
+    ],
+)
+def test_a_bad_state_is_refused(tmp_path: Path, state: Any, says: str) -> None:
+    asked = {**request(), "start_state": {"joint_state": state}}
+    folder = write_moveit(tmp_path / "bad", planning_scene(), asked)
+    with pytest.raises(LoaderError, match=f"request0001.yaml: {says}"):
+        read_problems(folder, PANDA)
+
+
+def test_an_octomap_is_its_boxes(tmp_path: Path) -> None:
+    # The root's first child has one child that is taken: a cube of 16384 cells along an edge.
+    octomap = {"binary": True, "id": "OcTree", "resolution": 2e-5, "data": [3, 0, 2, 0]}
+    scene = {"world": {"collision_objects": [], "octomap": {"octomap": octomap}}}
+    folder = write_moveit(tmp_path / "mapped", scene, request())
+    (problem,) = read_problems(folder, PANDA)["mapped"]
+    (solid,) = problem.solids
+    assert (solid.name, solid.kind) == ("<octomap>/0", "box")
+    np.testing.assert_allclose(solid.size, [0.32768] * 3)
+    np.testing.assert_allclose(solid.T[:3, 3], [-0.65536 + 0.16384] * 3)
+
+
 @pytest.mark.parametrize("suffix", [".json", ".pkl"])
 def test_vamps_problems_are_the_same_by_either_file(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"problems{suffix}"
@@ -131,6 +220,23 @@ def test_ebikes_scenarios_give_a_target_for_each_point(tmp_path: Path) -> None:
     np.testing.assert_allclose(T[:3, 3], (0.1, 0.2, 0.01), atol=1e-6)
     np.testing.assert_allclose(T[:3, 2], (0, 0, -1))  # against the normal
     assert sets["random"][0].solids == ()
+
+
+@pytest.mark.parametrize("layout", FORMATS)
+def test_ebikes_meshes_may_have_faces_of_many_corners(tmp_path: Path, layout: str) -> None:
+    ell = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
+    vertices, faces = prism(ell, 0.5)
+    apart = [[corner + len(vertices) for corner in face] for face in faces]
+    corners = np.vstack([vertices, vertices + np.array([5, 0, 0])])
+    content = ply_bytes(corners, faces + apart, layout)
+    (tmp_path / "two.ply").write_bytes(content)
+    write_pcd(tmp_path / "two.pcd", [[0.1, 0.2, 0.5, 0, 0, 1, 0]], NORMALS)
+    (problem,) = read_problems(tmp_path, robot_files("ur10"))["two"]
+    assert [solid.name for solid in problem.solids] == ["two/0", "two/1"]
+    assert [solid.surface().volume for solid in problem.solids] == pytest.approx([1.5, 1.5])
+    (tmp_path / "two.ply").write_bytes(content[:-7])
+    with pytest.raises(LoaderError, match=r"two.ply: not a mesh .* cut short"):
+        read_problems(tmp_path, robot_files("ur10"))
 
 
 def test_what_is_saved_is_read_back(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ Run from the repository's root. Problems, hulls and results are kept in build/be
 """
 
 import json
-from itertools import combinations
 from pathlib import Path
 from typing import Annotated
 
@@ -22,13 +21,13 @@ from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
 from bench.ik.problems.draw import draw_failures, draw_sheet
 from bench.ik.problems.families import FAMILIES
-from bench.ik.problems.hulls import fitted_robot
-from bench.ik.problems.judge import Judge
+from bench.ik.problems.held import HeldRobots, told_by_user
 from bench.ik.problems.loaders import read_problems
-from bench.ik.problems.make import judges_of, problems_of, with_valid_configuration
+from bench.ik.problems.make import problems_of, with_valid_configuration
 from bench.ik.problems.methods import SPACING, Method, usual_way
+from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import Meshes, RobotFiles, robot_files
-from bench.ik.problems.trials import COLUMNS, cells, row_of
+from bench.ik.problems.trials import COLUMNS, Trial, cells, row_of
 from bench.ik.problems.trials import run as run_trials
 
 app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
@@ -66,7 +65,9 @@ def run(
     packages: Annotated[list[Path] | None, typer.Option(help="Folders of packages.")] = None,
     tip: Annotated[str | None, typer.Option(help="Tip link, with --urdf.")] = None,
     base: Annotated[str | None, typer.Option(help="Base link, with --urdf.")] = None,
-    hold: Annotated[list[str] | None, typer.Option(help="JOINT=VALUE that stands still.")] = None,
+    hold: Annotated[
+        list[str] | None, typer.Option(help="JOINT=VALUE that stands still, whatever a set says.")
+    ] = None,
     spacing: Annotated[
         float, typer.Option(min=0.05, help="Of the points that clouds are made of, in mm.")
     ] = 1e3 * SPACING,
@@ -77,58 +78,52 @@ def run(
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
     with plain_errors():
-        files = robot_files(robot) if urdf is None else None
-        if files is None:
-            if tip is None:
-                raise typer.BadParameter("--urdf needs --tip")
-            files = RobotFiles(
-                name=robot,
-                urdf=urdf,
-                srdf=srdf,
-                package_dirs=tuple(packages or [urdf.parent]),
-                tips=(tip,),
-                base=base,
-                held=dict(map(_held, hold or [])),
-            )
-        solver_robot = fitted_robot(files, hull_meshes)
-        joint_names = solver_robot.joint_names
-        judge = Judge(files, meshes, joint_names)
-        may_touch = judge.left_out_pairs() & set(combinations(sorted(solver_robot.link_names), 2))
-        solver_robot.ignored_pairs = sorted({*solver_robot.ignored_pairs, *may_touch})
+        told = dict(map(_held, hold or []))
+        files = told_by_user(_files(robot, urdf, srdf, packages, tip, base), told)
+        robots = HeldRobots(files, meshes, hull_meshes)
         sets = {}
-        judges = judges_of(files, joint_names) if source else ()
         for path in source or []:
-            for name, problems in read_problems(path, files).items():
+            for name, problems in read_problems(path, files, robots.joint_names).items():
                 with console.status(f"looking for valid configurations of {name}"):
                     sets[name] = [
-                        p if p.goal_q is not None else with_valid_configuration(p, judges)
+                        p
+                        if p.goal_q is not None
+                        else with_valid_configuration(p, robots.of(p.held).searching())
                         for p in problems[:count]
                     ]
         ours = [name for name, family in FAMILIES.items() if files.name in family.robots]
         for name in families or ([] if source else ours):
             with console.status(f"making {name} for {files.name}"):
-                sets[name] = problems_of(name, files.name, count, seed, joint_names=joint_names)
+                sets[name] = problems_of(
+                    name, files.name, count, seed, joint_names=robots.joint_names, told=told
+                )
         rows = []
         budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]
         with Progress(console=console, transient=True) as progress:
             for name, problems in sets.items():
                 for way in method or [usual_way(problems)]:
-                    answering = Method(
-                        way,
-                        solver_robot,
-                        budgets,
-                        problems[0],
-                        spacing / 1e3,
-                        forgive=forgive_overhang,
-                    )
                     task = progress.add_task(f"{name} {way}", total=len(problems))
-                    done = run_trials(
-                        problems, answering, judge, lambda task=task: progress.advance(task)
-                    )
+                    done: dict[float, list[Trial]] = {seconds: [] for seconds in budgets}
+                    for held, some in robots.groups(problems):
+                        answering = Method(
+                            way,
+                            held.robot,
+                            budgets,
+                            some[0],
+                            spacing / 1e3,
+                            forgive=forgive_overhang,
+                        )
+                        trials = run_trials(
+                            some, answering, held.judge, lambda task=task: progress.advance(task)
+                        )
+                        for seconds in budgets:
+                            done[seconds] += trials[seconds]
                     rows += [
                         {**row_of(name, files.name, way, seconds, trials), "trials": trials}
                         for seconds, trials in done.items()
                     ]
+                for standing in sorted({_standing(problem) for problem in problems} - {""}):
+                    console.print(f"{name}: held as the set says: {standing}")
         table = markdown_table([*COLUMNS], [cells(row) for row in rows])
         out.mkdir(parents=True, exist_ok=True)
         stem = f"{files.name}-{'-'.join(sets)}"[:80]
@@ -137,6 +132,33 @@ def run(
         write_text(out / f"{stem}.json", json.dumps(text, indent=1) + "\n")
         write_report(out / f"{stem}.md", table)
         print(table)
+
+
+def _files(
+    robot: str,
+    urdf: Path | None,
+    srdf: Path | None,
+    packages: list[Path] | None,
+    tip: str | None,
+    base: str | None,
+) -> RobotFiles:
+    """The known robot of this name, or one that is described by the options."""
+    if urdf is None:
+        given = {"--srdf": srdf, "--packages": packages, "--tip": tip, "--base": base}
+        if alone := [option for option, value in given.items() if value]:
+            raise typer.BadParameter(f"{alone[0]} is for a robot of one's own: give --urdf, too")
+        return robot_files(robot)
+    if tip is None:
+        raise typer.BadParameter("--urdf needs --tip")
+    folders = tuple(packages or [urdf.parent])
+    return RobotFiles(
+        name=robot, urdf=urdf, srdf=srdf, package_dirs=folders, tips=(tip,), base=base
+    )
+
+
+def _standing(problem: Problem) -> str:
+    """Where a problem's joints stand, in words."""
+    return ", ".join(f"{name}={value:g}" for name, value in sorted(problem.held.items()))
 
 
 def _held(entry: str) -> tuple[str, float]:

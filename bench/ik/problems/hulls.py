@@ -1,6 +1,7 @@
 """The hulls of a benchmark's robot, fitted once and kept in build/."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import pdoik
@@ -16,12 +17,13 @@ FACTOR, PARTS = 2.0, 4  # max_volume_factor and max_parts of the fit
 def fitted_robot(files: RobotFiles, meshes: Meshes = "collision", kept: Path = KEPT) -> pdoik.Robot:
     """The robot with hulls that hold its meshes.
 
-    The SRDF's pairs are ignored between hulls, and so are pairs of hulls that always touch.
+    The SRDF's pairs are ignored between hulls, and so are pairs of hulls that always touch. Hulls
+    are in their links' frames: where joints are told to stand does not change them.
 
     Raises:
         pdoik.LoadError: The description or a mesh cannot be read.
     """
-    xml = files.xml(meshes)
+    xml = replace(files, told={}).xml(meshes)
     robot = pdoik.Robot.from_urdf(files.xml(), files.base, list(files.tips))
     key = hashlib.sha256(f"{xml} {FACTOR} {PARTS}".encode()).hexdigest()[:16]
     file = kept / f"{files.name}-{key}.yaml"

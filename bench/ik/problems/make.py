@@ -34,12 +34,13 @@ def problems_of(
     seed: int = 0,
     kept: Path = KEPT,
     joint_names: Sequence[str] | None = None,
+    told: Mapping[str, float] | None = None,
 ) -> list[Problem]:
     """The first `count` problems of a family, from the kept file if it has them.
 
     Problem k depends on the family, the robot, the seed and k alone. Its configuration is valid by
     the visual and by the collision meshes: published problems are valid by the latter. It is in the
-    order of `joint_names`, or of Pinocchio's.
+    order of `joint_names`, or of Pinocchio's. Joints in `told` stand still there [rad], [m].
 
     Raises:
         FamilyError: The family is unknown, does not have the robot, or no scene is valid.
@@ -49,15 +50,17 @@ def problems_of(
     kind = FAMILIES[family]
     if robot not in kind.robots:
         raise FamilyError(f"{family} has the robots {sorted(kind.robots)}, not {robot!r}")
-    file = kept / f"{family}-{robot}-seed{seed}-v{RULES}.{kind.version}.json"
+    files = replace(robot_files(robot), told=told or {})
+    held = "".join(f"-{name}={value:g}" for name, value in sorted(files.told.items()))
+    file = kept / f"{family}-{robot}{held}-seed{seed}-v{RULES}.{kind.version}.json"
     problems = load(file) if file.is_file() else []
     if len(problems) < count:
-        judges = judges_of(robot_files(robot))
+        judges = judges_of(files)
         problems += [_make(kind, robot, judges, seed, k) for k in range(len(problems), count)]
         save(file, problems)
     if joint_names is None:
         return problems[:count]
-    known = list(pinocchio.buildModelFromXML(robot_files(robot).xml()).names)[1:]
+    known = list(pinocchio.buildModelFromXML(files.xml()).names)[1:]
     order = [known.index(name) for name in joint_names]
     return [
         problem if problem.goal_q is None else replace(problem, goal_q=problem.goal_q[order])

@@ -29,6 +29,8 @@ class Problem:
     """What may touch: the tool and the object that carries the target, the base and its table."""
     contacts: dict[str, FloatArray] = field(default_factory=dict)
     """By which links the robot stands: points (K, 3) in the link's frame [m]; empty if bolted."""
+    held: dict[str, float] = field(default_factory=dict)
+    """Where joints stand that nobody moves, such as fingers [rad], [m]; else as the files say."""
 
 
 def save(path: Path, problems: Sequence[Problem]) -> None:
@@ -57,6 +59,7 @@ def _problem(entry: dict[str, Any]) -> Problem:
         solids=tuple(_solid(**solid) for solid in entry["solids"]),
         goal_q=None if entry["goal_q"] is None else np.array(entry["goal_q"]),
         allowed=frozenset(map(tuple, entry["allowed"])),
+        held=entry.get("held", {}),
         **arrays,
     )
 

@@ -4,8 +4,8 @@ Panda with hand, UR5 with gripper, UR10 and Unitree G1 come from the Python pack
 example-robot-data. Fetch is in no package: give its files.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 from xml.etree import ElementTree
@@ -29,8 +29,38 @@ class RobotFiles:
     package_dirs: tuple[Path, ...]
     tips: tuple[str, ...]
     base: str | None = None  # None for the description's root
-    held: Mapping[str, float] = field(default_factory=dict)  # joints that stand still [rad], [m]
+    held: Mapping[str, float] = field(default_factory=dict)
+    """Joints that stand still [rad], [m], unless they are told where else."""
+    told: Mapping[str, float] = field(default_factory=dict)
+    """The same, as the user or a problem says."""
     touch_links: tuple[str, ...] = ()  # the tool's links, which may touch what carries a target
+
+    @property
+    def still(self) -> dict[str, float]:
+        """All joints that stand still."""
+        return {**self.held, **self.told}
+
+    def standing(self, values: Mapping[str, float], moved: Collection[str]) -> "RobotFiles":
+        """With joints that are not moved where these values say, unless they were told before.
+
+        Joints that the description does not have are left out; what follows another one follows.
+        """
+        told = {}
+        for name, joint in self._movable().items():
+            mimic = joint.find("mimic")
+            leader = "" if mimic is None else mimic.get("joint", "")
+            if name in moved:
+                continue
+            if name in values:
+                told[name] = values[name]
+            elif mimic is not None and leader in values:
+                factor = float(mimic.get("multiplier", 1))
+                told[name] = factor * values[leader] + float(mimic.get("offset", 0))
+        return replace(self, told={**told, **self.told})
+
+    def _movable(self) -> dict[str, ElementTree.Element]:
+        joints = ElementTree.parse(self.urdf).getroot().findall("joint")
+        return {str(each.get("name")): each for each in joints if each.get("type") != "fixed"}
 
     def xml(self, hull_meshes: Meshes = "collision") -> str:
         """The URDF with its held joints fixed where they stand, as text.
@@ -43,7 +73,7 @@ class RobotFiles:
         """
         root = ElementTree.parse(self.urdf).getroot()
         joints = {joint.get("name"): joint for joint in root.findall("joint")}
-        for name, value in self.held.items():
+        for name, value in self.still.items():
             if name not in joints:
                 raise ValueError(f"{self.urdf}: no joint {name!r} to hold")
             _fix(joints[name], value)

@@ -13,6 +13,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from .._addresses import Packages, Places
+from .._meshes import read_triangles
 from ..errors import LoadError
 from .hulls import FloatArray, Point
 
@@ -138,9 +139,8 @@ def _shape_triangles(shape: ElementTree.Element, where: str, places: Places) -> 
         plane_distances = np.einsum("ij,ij->i", mesh.face_normals, mesh.triangles[:, 0])
         mesh.apply_scale(radius / plane_distances.min())
     elif shape.tag == "mesh":
-        mesh = _load_mesh(_find_mesh(_attribute(shape, "filename"), where, places))
-        scale = _numbers(shape, "scale", 3, where, default="1 1 1", positive=False)
-        return np.asarray(mesh.triangles, dtype=np.float64) * scale
+        vertices, faces = read_triangles(_find_mesh(_attribute(shape, "filename"), where, places))
+        return vertices[faces] * _numbers(shape, "scale", 3, where, default="1 1 1", positive=False)
     else:
         raise LoadError(f"{where}: unknown collision shape <{shape.tag}>")
     return np.asarray(mesh.triangles, dtype=np.float64)
@@ -151,20 +151,6 @@ def _find_mesh(address: str, where: str, places: Places) -> Path:
         return places.find(address)
     except LoadError as error:
         raise LoadError(f"{where}: mesh {error}") from error
-
-
-def _load_mesh(path: Path) -> trimesh.Trimesh:
-    try:
-        mesh = trimesh.load_mesh(path)
-    except Exception as error:  # trimesh's loaders raise whatever their parsers do
-        raise LoadError(f"cannot read mesh {path}: {error}") from error
-    if isinstance(mesh, trimesh.Scene):
-        mesh = mesh.to_mesh()
-    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-        raise LoadError(f"mesh {path} holds no triangles")
-    if not np.isfinite(mesh.vertices).all():
-        raise LoadError(f"mesh {path} has vertices that are not finite")
-    return mesh
 
 
 def _attribute(element: ElementTree.Element, name: str) -> str:

@@ -14,13 +14,16 @@ import numpy.typing as npt
 from pdoik._addresses import Packages
 from pdoik._core import Cloud, Scene, Shape, voxel_downsample
 from pdoik._extras import asks_for
+from pdoik._octomaps import boxes_of_file
 from pdoik.clouds import load_cloud
 from pdoik.scenes import moveit_yaml, own_yaml
 from pdoik.scenes.moveit_text import read_moveit_text
-from pdoik.scenes.pieces import AllowedContact, Thing, shapes_of
+from pdoik.scenes.pieces import AllowedContact, Thing, boxes, shapes_of
 from pdoik.scenes.values import EntryError, numbers, read_yaml
 
 FloatArray = npt.NDArray[np.float64]
+
+SUFFIXES = (".scene", ".yaml", ".yml", ".bt", ".ot")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,8 +100,10 @@ def read_scene_file(
     """
     file = Path(path)
     suffix = file.suffix.lower()
-    if suffix not in (".scene", ".yaml", ".yml"):
-        raise EntryError(file, f"expected a scene (.scene, .yaml, .yml), got {suffix!r}")
+    if suffix not in SUFFIXES:
+        raise EntryError(file, f"expected a scene ({', '.join(SUFFIXES)}), got {suffix!r}")
+    if suffix in (".bt", ".ot"):
+        return _scene_file(file, _read_octomap(file), [])
     content = None if suffix == ".scene" else read_yaml(file)
     if content is not None and "world" in content:
         things = moveit_yaml.read_world(content, file, frame=frame, packages=packages)
@@ -109,6 +114,13 @@ def read_scene_file(
     if content is None:
         return _scene_file(file, read_moveit_text(file), [])
     return _read_own(content, file, packages)
+
+
+def _read_octomap(file: Path) -> list[Thing]:
+    if not file.is_file():
+        raise EntryError(file, "is a folder" if file.is_dir() else "no such file")
+    low, high = boxes_of_file(file)
+    return [Thing(name=file.stem, pieces=(boxes(low, high, np.eye(4), ""),))]
 
 
 def _read_own(content: dict[str, Any], file: Path, packages: Packages) -> SceneFile:

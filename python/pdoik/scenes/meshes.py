@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._addresses import Places
+from pdoik._meshes import read_triangles
 from pdoik.errors import LoadError
 from pdoik.scenes.values import EntryError
 
@@ -17,8 +18,8 @@ Faces = npt.NDArray[np.int64]
 _HOLLOW = 0.01  # of its hull's volume that a mesh may lack and still counts as convex
 
 
-def find_mesh(address: str, places: Places, file: Path, entry: str) -> Path:
-    """The file that an address means.
+def find_file(what: str, address: str, places: Places, file: Path, entry: str) -> Path:
+    """The file that the address of a mesh or a map means; `what` it is, is for messages.
 
     Raises:
         EntryError: It is nowhere.
@@ -26,7 +27,7 @@ def find_mesh(address: str, places: Places, file: Path, entry: str) -> Path:
     try:
         return places.find(address)
     except LoadError as error:
-        raise EntryError(file, f"mesh {error}", entry) from error
+        raise EntryError(file, f"{what} {error}", entry) from error
 
 
 def read_mesh(path: Path, file: Path, entry: str) -> tuple[FloatArray, Faces]:
@@ -35,18 +36,10 @@ def read_mesh(path: Path, file: Path, entry: str) -> tuple[FloatArray, Faces]:
     Raises:
         EntryError: It cannot be read.
     """
-    import trimesh
-
     try:
-        mesh = trimesh.load_mesh(path)
-        vertices = np.array(mesh.vertices, dtype=np.float64)
-        faces = np.array(mesh.faces, dtype=np.int64)
-    except Exception as error:  # trimesh's loaders raise whatever their parsers do
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise EntryError(file, f"cannot read mesh {path}: {reason}", entry) from error
-    if not len(faces) or not np.isfinite(vertices).all():
-        raise EntryError(file, f"mesh {path} holds no triangles, or NaN", entry)
-    return vertices, faces
+        return read_triangles(path)
+    except LoadError as error:
+        raise EntryError(file, str(error), entry) from error
 
 
 def check_convex(vertices: FloatArray, faces: Faces, file: Path, entry: str) -> None:

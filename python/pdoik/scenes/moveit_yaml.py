@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._addresses import Packages, Places
-from pdoik.scenes.meshes import find_mesh, read_mesh
+from pdoik.scenes.meshes import find_file, read_mesh
+from pdoik.scenes.moveit_octomap import read_octomap
 from pdoik.scenes.pieces import Kind, Piece, Thing, cone, mesh, plane
 from pdoik.scenes.values import EntryError, numbers, read_pose, rows
 
@@ -30,7 +31,7 @@ def read_world(
     frame: str | None = None,
     packages: Packages = (),
 ) -> list[Thing]:
-    """The objects of world.collision_objects, in the frame of the robot's base.
+    """The objects of world.collision_objects and the octomap, in the frame of the robot's base.
 
     Args:
         scene: A PlanningScene.
@@ -41,18 +42,18 @@ def read_world(
         packages: As in `load_scene`.
 
     Raises:
-        EntryError: An entry cannot be read; attached objects and octomaps are not supported.
+        EntryError: An entry cannot be read; attached objects are not supported.
     """
     state = scene.get("robot_state") or {}
     if isinstance(state, Mapping) and state.get("attached_collision_objects"):
         raise EntryError(file, "attached objects are not supported", "robot_state")
     world = scene.get("world") or {}
     objects = world.get("collision_objects") if isinstance(world, Mapping) else None
+    octomap = world.get("octomap") if isinstance(world, Mapping) else None
+    if objects is None and octomap:
+        objects = []
     if not isinstance(objects, list):
         raise EntryError(file, "has no collision_objects", "world")
-    octomap = world.get("octomap")
-    if isinstance(octomap, Mapping) and (octomap.get("octomap") or {}).get("data"):
-        raise EntryError(file, "octomaps are not supported; give a cloud", "world.octomap")
     frames = _fixed_frames(scene, file, frame)
     places, things = Places.of(packages, file), []
     for k, item in enumerate(objects):
@@ -68,6 +69,9 @@ def read_world(
             for kind, thing, T_piece, where in _parts(item, T, file, entry)
         ]
         things.append(Thing(name=name, pieces=tuple(pieces)))
+    if isinstance(octomap, Mapping) and (octomap.get("octomap") or {}).get("data"):
+        T = _frame(octomap, frames, links, frame, file, "world.octomap")
+        things.append(read_octomap(octomap, T, file))
     return things
 
 
@@ -178,7 +182,7 @@ def _primitive(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, _
 
 def _mesh(item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, places: Places) -> Piece:
     if item.get("resource"):
-        path = find_mesh(str(item["resource"]), places, file, entry)
+        path = find_file("mesh", str(item["resource"]), places, file, entry)
         points, corners = read_mesh(path, file, entry)
         if item.get("dimensions"):
             points = points * numbers(item["dimensions"], "xyz", file, f"{entry}.dimensions")

@@ -5,8 +5,9 @@ shapes:
   - {name: can, cylinder: {radius: 0.03, length: 0.12}, position: [0.5, 0, 0.06]}
   - {name: wall, half_space: {normal: [-1, 0, 0], point: [1, 0, 0]}}
   - {name: part, convex_mesh: {file: part.stl}, xyzw: [0, 0, 0, 1]}
-  - {name: bin, mesh: {file: bin.stl}, position: [0.4, 0, 0]}
-  - {name: room, distance_field: {file: room.npy, cell: 0.02, truncation: 0.08, unknown: free}}
+  - {name: bin, mesh: {file: bin.stl, scale: 0.001}, position: [0.4, 0, 0]}
+  - {name: room, octomap: {file: room.bt, unknown: false, region: [[-1, -1, 0], [1, 1, 2]]}}
+  - {name: map, distance_field: {file: map.npy, cell: 0.02, truncation: 0.08, unknown: free}}
 cloud: scan.pcd
 leaf: 0.02
 radii: true
@@ -27,18 +28,20 @@ from pdoik._addresses import Packages, Places
 from pdoik._core import Scene, Shape
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
+from pdoik._octomaps import boxes_of_file
+from pdoik.errors import LoadError
 from pdoik.scenes import fields
-from pdoik.scenes.meshes import find_mesh, read_mesh
-from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, half_space
+from pdoik.scenes.meshes import find_file, read_mesh
+from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, boxes, half_space
 from pdoik.scenes.values import EntryError, numbers, rotation, rows
 
 FloatArray = npt.NDArray[np.float64]
 
 TOP_KEYS = ("shapes", "cloud", "leaf", "radii", "allowed")
 _KINDS = (
-    "box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes",
-    "distance_field",
-)  # fmt: skip
+    *("box", "sphere", "cylinder", "capsule", "half_space"),
+    *("convex_mesh", "mesh", "boxes", "octomap", "distance_field"),
+)
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
 
 
@@ -147,6 +150,8 @@ def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places)
         given = _fields(value, ("file",), fields.KEYS, file, where)
         distances = fields.read_field(given, file, where, places)
         return Piece(kind="distance_field", T=T, distances=distances, entry=entry)
+    if kind == "octomap":
+        return _read_octomap(value, T, file, where, places)
     size = _read_size(kind, value, file, where)
     solid: dict[str, Kind] = {
         "box": "box", "sphere": "sphere", "cylinder": "cylinder", "capsule": "capsule"
@@ -192,8 +197,24 @@ def _read_boxes(value: Any, T: FloatArray, file: Path, entry: str) -> Piece:
     low, high = (rows(given[key], "xyz", file, f"{entry}.{key}") for key in ("low", "high"))
     if len(low) != len(high):
         raise EntryError(file, f"{len(low)} lowest corners and {len(high)} highest", entry)
-    corners = np.stack([low, high], axis=1).reshape(-1, 3)
-    return Piece(kind="boxes", T=T, vertices=corners, entry=entry)
+    return boxes(low, high, T, entry)
+
+
+def _read_octomap(value: Any, T: FloatArray, file: Path, entry: str, places: Places) -> Piece:
+    if isinstance(value, str):
+        value = {"file": value}
+    given = _fields(value, ("file",), ("unknown", "region"), file, entry)
+    unknown, region = given.get("unknown", False), given.get("region")
+    if not isinstance(unknown, bool):
+        raise EntryError(file, f"expected true or false, got {unknown!r}", f"{entry}.unknown")
+    if region is not None:
+        region = rows(region, "xyz", file, f"{entry}.region")
+    path = find_file("map", str(given["file"]), places, file, entry)
+    try:
+        low, high = boxes_of_file(path, unknown=unknown, region=region)
+    except LoadError as error:
+        raise EntryError(file, str(error), entry) from error
+    return boxes(low, high, T, entry)
 
 
 def _read_mesh(
@@ -205,9 +226,10 @@ def _read_mesh(
     places: Places,
 ) -> Piece:
     if isinstance(value, Mapping) and "file" in value:
-        given = _fields(value, ("file",), (), file, entry)
-        path = find_mesh(str(given["file"]), places, file, entry)
+        given = _fields(value, ("file",), ("scale",), file, entry)
+        path = find_file("mesh", str(given["file"]), places, file, entry)
         vertices, faces = read_mesh(path, file, entry)
+        vertices = vertices * _read_scale(given.get("scale", 1.0), file, f"{entry}.scale")
         return Piece(kind=kind, T=T, vertices=vertices, faces=faces, entry=entry)
     optional = ("triangles",) if kind == "convex_mesh" else ()
     needed = ("vertices",) if optional else ("vertices", "triangles")
@@ -219,6 +241,16 @@ def _read_mesh(
     if faces.size and not (faces.min() >= 0 and faces.max() < len(vertices)):
         raise EntryError(file, "a triangle has a vertex that is not there", entry)
     return Piece(kind=kind, T=T, vertices=vertices, faces=faces, exact=True, entry=entry)
+
+
+def _read_scale(value: Any, file: Path, entry: str) -> FloatArray:
+    """Along x, y, z, (3,): one number or three."""
+    if isinstance(value, int | float):
+        value = [value] * 3
+    scale = numbers(value, "xyz", file, entry)
+    if not (scale > 0).all():
+        raise EntryError(file, f"expected numbers above 0, got {value!r}", entry)
+    return scale
 
 
 def _fields(

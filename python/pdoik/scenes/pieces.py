@@ -118,6 +118,12 @@ def mesh(vertices: FloatArray, faces: Faces, T: FloatArray, entry: str) -> Piece
     return Piece(kind=kind, T=T, vertices=vertices, faces=faces, entry=entry)
 
 
+def boxes(low: FloatArray, high: FloatArray, T: FloatArray, entry: str) -> Piece:
+    """Boxes along the axes of T by their lowest and highest corners, (N, 3) [m]."""
+    corners = np.stack([low, high], axis=1).reshape(-1, 3)
+    return Piece(kind="boxes", T=T, vertices=corners, entry=entry)
+
+
 def cone(radius: float, length: float, T: FloatArray, entry: str) -> Piece:
     """A cone about z, its tip at half the length, by a pyramid around it that is hardly larger [m].
 

@@ -11,6 +11,8 @@ from bench.ik.problems.families.on_surfaces import facing
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Solid, mesh
+from pdoik._ply import PlyError, read_ply
+from pdoik._polygons import triangulated
 from pdoik.scenes.values import EntryError as LoaderError
 
 FIELDS = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
@@ -62,12 +64,12 @@ def _solids(file: Path) -> tuple[Solid, ...]:
     if not file.is_file():
         return ()
     try:
-        surface = trimesh.load_mesh(file)
-    except Exception as error:  # trimesh's loaders raise whatever their parsers do
+        ply = read_ply(file.read_bytes())
+    except (OSError, PlyError) as error:
         raise LoaderError(file, f"not a mesh that can be read: {error}") from error
-    if isinstance(surface, trimesh.Scene):
-        surface = surface.to_mesh()
-    if not isinstance(surface, trimesh.Trimesh) or not len(surface.faces):
+    if not len(ply.counts):
         return ()  # such as empty.ply
+    faces = triangulated(ply.vertices, ply.corners, ply.counts)
+    surface = trimesh.Trimesh(ply.vertices, faces)  # joins equal vertices
     pieces = surface.split(only_watertight=False)
     return tuple(mesh(f"{file.stem}/{k}", piece, np.eye(4)) for k, piece in enumerate(pieces))

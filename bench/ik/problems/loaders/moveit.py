@@ -11,23 +11,32 @@ from bench.common.arrays import FloatArray
 from bench.ik.problems.judge import Judge
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
-from bench.ik.problems.solids import Solid, SolidError
+from bench.ik.problems.solids import Solid, SolidError, box, pose
 from pdoik.scenes.moveit_yaml import read_allowed, read_world
+from pdoik.scenes.pieces import Piece
 from pdoik.scenes.values import EntryError as LoaderError
 from pdoik.scenes.values import numbers, read_pose, read_yaml, rotation
 
 
-def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
+def read_moveit(
+    folder: Path, files: RobotFiles, joint_names: Sequence[str] | None = None
+) -> list[Problem]:
     """The problems of one folder, in the order of their numbers.
 
     A scene's request has the same number. The target is the tip's pose in the goal configuration,
-    or the goal's pose constraints. Everything is taken to be in the frame of the robot's base
-    unless fixed_frame_transforms say otherwise.
+    or the goal's pose constraints. Joints that are not moved, such as fingers, are held where the
+    goal, the request's start or the scene's robot state has them. Everything is taken to be in the
+    frame of the robot's base unless fixed_frame_transforms say otherwise.
+
+    Args:
+        folder: With scene0001.yaml and request0001.yaml.
+        files: Of the robot.
+        joint_names: The joints that are moved; None for all that the files do not hold.
 
     Raises:
         LoaderError: A request is missing, or an entry cannot be read.
     """
-    judge = Judge(files, "collision")
+    judges = _Judges(files, joint_names)
     problems = []
     for scene_file in sorted(folder.glob("scene*.y*ml"), key=_number):
         if "sensed" in scene_file.stem:  # a cloud's voxels, beside the true scene
@@ -35,9 +44,15 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
         request_file = scene_file.with_name(scene_file.name.replace("scene", "request", 1))
         if not request_file.is_file():
             raise LoaderError(scene_file, f"its request {request_file.name} is not there")
-        scene = read_yaml(scene_file)
+        scene, request = read_yaml(scene_file), read_yaml(request_file)
+        values = {
+            **_state(scene.get("robot_state"), scene_file, "robot_state"),
+            **_state(request.get("start_state"), request_file, "start_state"),
+            **_goal_joints(request, request_file),
+        }
+        held, judge = judges.of(values)
         things = _things(scene, scene_file, judge.link_names)
-        targets, goal_q = _goal(read_yaml(request_file), request_file, judge)
+        targets, goal_q = _goal(request, values, request_file, judge)
         names = {name: [solid.name for solid in solids] for name, solids in things.items()}
         problems.append(
             Problem(
@@ -47,9 +62,29 @@ def read_moveit(folder: Path, files: RobotFiles) -> list[Problem]:
                 targets=targets,
                 goal_q=goal_q,
                 allowed=frozenset(read_allowed(scene, scene_file, names)),
+                held=held,
             )
         )
     return problems
+
+
+class _Judges:
+    """A judge for each place where joints stand that are not moved."""
+
+    def __init__(self, files: RobotFiles, joint_names: Sequence[str] | None) -> None:
+        self._files = files
+        self._judges = {frozenset[tuple[str, float]](): Judge(files, "collision", joint_names)}
+        (first,) = self._judges.values()
+        self._moved = first.joint_names
+
+    def of(self, values: Mapping[str, float]) -> tuple[dict[str, float], Judge]:
+        """Where the joints are held that these values say, and the judge."""
+        files = self._files.standing(values, self._moved)
+        held = {k: v for k, v in files.told.items() if k not in self._files.told}
+        key = frozenset(held.items())
+        if key not in self._judges:
+            self._judges[key] = Judge(files, "collision", self._moved)
+        return held, self._judges[key]
 
 
 def _things(scene: Mapping[str, Any], file: Path, links: Sequence[str]) -> dict[str, list[Solid]]:
@@ -59,12 +94,22 @@ def _things(scene: Mapping[str, Any], file: Path, links: Sequence[str]) -> dict[
         for k, piece in enumerate(thing.pieces):
             name = f"{thing.name}/{k}" if len(thing.pieces) > 1 else thing.name
             try:
-                kind = "mesh" if piece.kind == "convex_mesh" else piece.kind
-                solid = Solid(name, kind, piece.size, piece.T, piece.vertices, piece.faces)
+                things.setdefault(thing.name, []).extend(_solids(name, piece))
             except SolidError as error:
                 raise LoaderError(file, str(error), piece.entry) from error
-            things.setdefault(thing.name, []).append(solid)
     return things
+
+
+def _solids(name: str, piece: Piece) -> list[Solid]:
+    """A piece; the boxes of an octomap one by one."""
+    if piece.kind == "boxes":
+        corners = zip(piece.vertices[0::2], piece.vertices[1::2], strict=True)
+        return [
+            box(f"{name}/{k}", high - low, piece.T @ pose((low + high) / 2))
+            for k, (low, high) in enumerate(corners)
+        ]
+    kind = "mesh" if piece.kind == "convex_mesh" else piece.kind
+    return [Solid(name, kind, piece.size, piece.T, piece.vertices, piece.faces)]
 
 
 def _number(file: Path) -> tuple[int, str]:
@@ -72,37 +117,52 @@ def _number(file: Path) -> tuple[int, str]:
     return (int(digits[-1]) if digits else 0, file.name)
 
 
-def _goal(
-    request: Mapping[str, Any], file: Path, judge: Judge
-) -> tuple[dict[str, FloatArray], FloatArray | None]:
+def _state(state: Any, file: Path, entry: str) -> dict[str, float]:
+    """Where a moveit_msgs/RobotState has its joints."""
+    entry = f"{entry}.joint_state"
+    joints = (state.get("joint_state") if isinstance(state, Mapping) else None) or {}
+    if not isinstance(joints, Mapping):
+        raise LoaderError(file, f"expected name and position, got {joints!r}", entry)
+    names, positions = joints.get("name") or [], joints.get("position") or []
+    if len(names) != len(positions):
+        raise LoaderError(file, f"{len(names)} names, {len(positions)} positions", entry)
+    return {
+        str(name): float(numbers([value], "q", file, f"{entry}.position[{k}]")[0])
+        for k, (name, value) in enumerate(zip(names, positions, strict=True))
+    }
+
+
+def _goal_joints(request: Mapping[str, Any], file: Path) -> dict[str, float]:
+    """Where the goal's joint constraints have joints."""
     constraints = request.get("goal_constraints") or []
     if not constraints:
         raise LoaderError(file, "has no goal", "goal_constraints")
-    goal, entry = constraints[0], "goal_constraints[0]"
+    values = {}
+    for k, constraint in enumerate(constraints[0].get("joint_constraints") or []):
+        entry = f"goal_constraints[0].joint_constraints[{k}]"
+        if not isinstance(constraint, Mapping) or "joint_name" not in constraint:
+            raise LoaderError(file, "has no joint_name", entry)
+        position = numbers([constraint.get("position")], "q", file, f"{entry}.position")
+        values[str(constraint["joint_name"])] = float(position[0])
+    return values
+
+
+def _goal(
+    request: Mapping[str, Any], values: Mapping[str, float], file: Path, judge: Judge
+) -> tuple[dict[str, FloatArray], FloatArray | None]:
+    """The targets, and the configuration that defines them if one does.
+
+    Joints without a constraint stay as they start.
+    """
+    goal, entry = request["goal_constraints"][0], "goal_constraints[0]"
     if goal.get("joint_constraints"):
-        q = _joints(request, goal["joint_constraints"], file, judge)
+        if missing := [name for name in judge.joint_names if name not in values]:
+            raise LoaderError(file, f"neither goal nor start has {missing}", entry)
+        q = np.array([values[name] for name in judge.joint_names])
         return {tip: judge.fk(q, tip) for tip in judge.files.tips}, q
     if goal.get("position_constraints") and goal.get("orientation_constraints"):
         return {judge.files.tips[0]: _pose_goal(goal, file, judge)}, None
     raise LoaderError(file, "expected joint_constraints, or position and orientation", entry)
-
-
-def _joints(
-    request: Mapping[str, Any], constraints: Sequence[Mapping[str, Any]], file: Path, judge: Judge
-) -> FloatArray:
-    """The goal configuration; joints without a constraint stay as they start."""
-    state = (request.get("start_state") or {}).get("joint_state") or {}
-    values = dict(zip(state.get("name") or [], state.get("position") or [], strict=False))
-    for k, constraint in enumerate(constraints):
-        entry = f"goal_constraints[0].joint_constraints[{k}]"
-        if not isinstance(constraint, Mapping) or "joint_name" not in constraint:
-            raise LoaderError(file, "has no joint_name", entry)
-        (values[constraint["joint_name"]],) = numbers(
-            [constraint.get("position")], "q", file, f"{entry}.position"
-        )
-    if missing := [name for name in judge.joint_names if name not in values]:
-        raise LoaderError(file, f"neither goal nor start has {missing}", "goal_constraints[0]")
-    return np.array([float(values[name]) for name in judge.joint_names])
 
 
 def _pose_goal(goal: Mapping[str, Any], file: Path, judge: Judge) -> FloatArray:

@@ -2,7 +2,7 @@
 
 import json
 import pickle
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,9 @@ class _Unpickler(pickle.Unpickler):
         return super().find_class(module, name)
 
 
-def read_vamp(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
+def read_vamp(
+    path: Path, files: RobotFiles, joint_names: Sequence[str] | None = None
+) -> dict[str, list[Problem]]:
     """Problems by the name of their set.
 
     A problem of several goals gives one problem for each. Those that VAMP itself calls invalid
@@ -52,7 +54,7 @@ def read_vamp(path: Path, files: RobotFiles) -> dict[str, list[Problem]]:
     sets = content.get("problems", content)
     if not isinstance(sets, Mapping):
         raise LoaderError(path, "expected sets by name", "problems")
-    judge = Judge(files, "collision")
+    judge = Judge(files, "collision", joint_names)
     joints = list(content.get("joints") or judge.joint_names)
     read = {
         str(name): [
