@@ -98,7 +98,7 @@ const NearPair& nearest_in_proportion(const CollisionState& state, const Obstacl
   double lowest = std::numeric_limits<double>::infinity();
   for (const NearPair* pair = begin; pair != end; ++pair) {
     const Hull& hull = state.hull(*pair);
-    const Vec4 o = obstacles[pair->obstacle];
+    const Vec4 o = obstacles.of(hull.source, pair->obstacle);
     const double size = hull.farthest() + std::max(o[3], 0.0);
     const double ratio = from_centre(state, hull, o) / (size * size);
     if (ratio >= lowest) continue;
@@ -123,7 +123,7 @@ void find_within(CollisionState& state, const ObstacleView& obstacles, double di
   state.visit_near(obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
     for (const NearPair* pair = begin; pair != end; ++pair) {
       const Hull& hull = state.hull(*pair);
-      const double gap = hull_distance(state, hull, obstacles[pair->obstacle],
+      const double gap = hull_distance(state, hull, obstacles.of(hull.source, pair->obstacle),
                                        std::numeric_limits<double>::infinity())
                              .distance;
       if (gap <= distance) places.push_back(pair->obstacle);
@@ -138,8 +138,9 @@ Clearance least_clearance_of(CollisionState& state, std::size_t h, const Obstacl
   const auto grow = [&](std::size_t) { return least.distance; };
   state.visit_near_of(h, obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
     for (const NearPair* pair = begin; pair != end; ++pair) {
+      const Hull& hull = state.hull(*pair);
       const HullDistance found =
-          hull_distance(state, state.hull(*pair), obstacles[pair->obstacle], least.distance);
+          hull_distance(state, hull, obstacles.of(hull.source, pair->obstacle), least.distance);
       if (found.distance < least.distance)
         least = {found.distance, found.source, obstacles->id(pair->obstacle)};
     }
@@ -152,8 +153,9 @@ bool any_nearer(CollisionState& state, std::size_t h, const ObstacleView& obstac
   const auto grow = [than](std::size_t) { return than; };
   return !state.visit_near_of(h, obstacles, grow, [&](const NearPair* begin, const NearPair* end) {
     return std::none_of(begin, end, [&](const NearPair& pair) {
-      const Vec4 o = obstacles[pair.obstacle];
-      return hull_distance(state, state.hull(pair), o, than).distance < than;
+      const Hull& hull = state.hull(pair);
+      const Vec4 o = obstacles.of(hull.source, pair.obstacle);
+      return hull_distance(state, hull, o, than).distance < than;
     });
   });
 }
@@ -162,7 +164,7 @@ Clearance least_clearance(CollisionState& state, const ObstacleView& obstacles, 
   if (state.hulls().empty() || obstacles->count() == 0) return least;
   if (obstacles->few() == nullptr) state.expect_anywhere();
   if (const ObstacleSet* few = obstacles->few()) {  // whose nearest bounds how far others may be
-    least = least_clearance(state, {few, obstacles.margin}, least);
+    least = least_clearance(state, {few, obstacles.margin, obstacles.own}, least);
     return least_clearance_within(state, obstacles, least.distance, least);
   }
   double g = 0.05;
@@ -178,7 +180,7 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleView& obst
                                  Clearance least) {
   const auto try_pair = [&](const NearPair& pair) {
     const Hull& hull = state.hull(pair);
-    const Vec4 o = obstacles[pair.obstacle];
+    const Vec4 o = obstacles.of(hull.source, pair.obstacle);
     // The ball around a hull says of most pairs that they are not the nearest, without a root.
     const double reach = least.distance + hull.farthest() + o[3];
     if (reach > 0.0 && from_centre(state, hull, o) >= reach * reach) return;
@@ -205,7 +207,7 @@ Clearance least_clearance_within(CollisionState& state, const ObstacleView& obst
           last - pair >= kFewAtOnce && state.bound_distances(static_cast<std::size_t>(pair->hull),
                                                              obstacles, block * kLanes, bounds);
       for (; pair != last; ++pair) {
-        const double margin = obstacles.margin;
+        const double margin = obstacles.margin_of(state.hull(*pair).source);
         if (bounded &&
             static_cast<double>(bounds[pair->obstacle % kLanes]) - margin >= least.distance)
           continue;

@@ -14,7 +14,8 @@ std::vector<ObstacleClearance> clearances(const Model& model, const Scene& scene
   state.place(T_base_body);
   HullCapsules capsules(model.robot, model.hulls, hulls, model.options.clearance);
   capsules.place(state.positions(), state.frames());
-  HeldClearance held(model.robot, model.hulls, model.options, scene.held());
+  const Pairs& pairs = scene.plain_pairs();
+  HeldClearance held(model.robot, model.hulls, model.options, pairs.held);
   held.place([&](int body) { return to_frame(T_base_body[static_cast<std::size_t>(body)]); },
              state.positions(), state.frames());
 
@@ -28,7 +29,7 @@ std::vector<ObstacleClearance> clearances(const Model& model, const Scene& scene
     if (nearest.shape >= 0) nearest.point = -1;
     result.push_back(nearest);
   };
-  const ShapePairs& shapes = scene.shapes();
+  const ShapePairs& shapes = pairs.shapes;
   for (int part = 0; part < shapes.parts();) {
     const int shape = shapes.owner(part), first = part;
     ObstacleClearance nearest{shape, std::numeric_limits<double>::infinity(), -1, -1, -1};
@@ -50,9 +51,10 @@ std::vector<ObstacleClearance> clearances(const Model& model, const Scene& scene
     });
   }
   if (scene.obstacles()->count() > 0) {
-    const Clearance least = least_clearance(state, scene.obstacles());
+    const ObstacleView points = scene.obstacles(pairs);
+    const Clearance least = least_clearance(state, points);
     add({-1, least.distance + wanted, least.source, -1, least.obstacle},
-        [&](int k, double within) { return held.nearest_point(k, scene.obstacles(), within); });
+        [&](int k, double within) { return held.nearest_point(k, points, within); });
   }
   return result;
 }

@@ -36,9 +36,7 @@ void Gate::judge(const Eigen::VectorXd& q, Result& result) {
 }
 
 Gate::Room Gate::room(const Result& verdict) {
-  return {verdict.clearance - model_.options.clearance,
-          verdict.self_distance - model_.options.self_clearance, -verdict.balance_violation,
-          stance_at(verdict.q)};
+  return {verdict.room, verdict.self_room, -verdict.balance_violation, stance_at(verdict.q)};
 }
 
 double Gate::stance_at(const Eigen::VectorXd& q) {

@@ -1,11 +1,15 @@
 #include "detail/held.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "detail/frame.hpp"
 
 namespace pdoik::detail {
 namespace {
+
+constexpr double kAnyDepth = -std::numeric_limits<double>::infinity();
 
 Shape in_body(const Robot& robot, const std::string& link, Shape shape) {
   check_shape(shape);
@@ -19,45 +23,69 @@ Shape in_body(const Robot& robot, const std::string& link, Shape shape) {
   return shape;
 }
 
-}  // namespace
-
-HeldSolid::HeldSolid(const Robot& robot, std::string link_in, Shape shape_in,
-                     std::vector<std::string> may_touch_in)
-    : link(std::move(link_in)),
-      body(robot.body_of_link(robot.link_index(link))),
-      shape(std::move(shape_in)),
-      solid(in_body(robot, link, shape)),
-      may_touch(std::move(may_touch_in)) {
-  if (body == 0) {
-    throw std::invalid_argument("no joint moves '" + link + "': what it holds is an obstacle");
+/// The bodies of the links that are to hold a shape.
+std::vector<int> bodies_of(const Robot& robot, const std::vector<std::string>& links,
+                           const Shape& shape) {
+  if (links.empty()) throw std::invalid_argument("no link is to hold '" + shape.name + "'");
+  std::vector<int> bodies;
+  for (const std::string& link : links) {
+    if (std::ranges::count(links, link) > 1)
+      throw std::invalid_argument("'" + link + "' is to hold '" + shape.name + "' twice");
+    bodies.push_back(robot.body_of_link(robot.link_index(link)));
+    if (bodies.back() == 0)
+      throw std::invalid_argument("no joint moves '" + link + "': what it holds is an obstacle");
   }
+  return bodies;
 }
 
-Held::Held(Solids solids, const Robot& robot, const HullModel& hulls, const ShapePairs& shapes)
+}  // namespace
+
+HeldSolid::HeldSolid(const Robot& robot, std::vector<std::string> links_in, Shape shape_in,
+                     OwnRules rules_in)
+    : links(std::move(links_in)),
+      bodies(bodies_of(robot, links, shape_in)),
+      body(bodies.front()),
+      shape(std::move(shape_in)),
+      solid(in_body(robot, links.front(), shape)),
+      rules(std::move(rules_in)) {}
+
+bool HeldSolid::is_held_by(int of) const { return std::ranges::count(bodies, of) > 0; }
+
+bool HeldSolid::is_held_with(const HeldSolid& other) const {
+  return std::ranges::any_of(bodies, [&](int of) { return other.is_held_by(of); });
+}
+
+Held::Held(Solids solids, const Robot& robot, const HullModel& hulls, const ShapePairs& shapes,
+           const PairMargins& margins)
     : solids_(std::move(solids)), shape_count_(shapes.count()) {
   const std::vector<Hull> all = hulls.all();
   hull_count_ = static_cast<int>(all.size());
-  for (const auto& each : solids_) {
-    const auto link_name = [&](int link) {
-      return robot.link_names()[static_cast<std::size_t>(link)];
-    };
+  for (int k = 0; k < count(); ++k) {
+    const HeldSolid& each = (*this)[k];
+    const PairMargins::Mover own = margins.of_held(k);
     for (const Hull& hull : all) {
-      const auto [a, b] = links_of(robot, hull);
-      const bool is_own = moves_with(robot, hulls, hull, each->body) ||
-                          (ends_with(robot, robot.body_of_link(a), each->body) &&
-                           ends_with(robot, robot.body_of_link(b), each->body));
-      hulls_heeded_.push_back(!is_own && !each->may_touch_one(link_name(a)) &&
-                              !each->may_touch_one(link_name(b)));
+      const auto [a, b] = seat_of(robot, hulls, hull);
+      const bool is_own = std::ranges::any_of(each.bodies, [&](int body) {
+        return moves_with(robot, hulls, hull, body) ||
+               (ends_with(robot, robot.body_of_link(a), body) &&
+                ends_with(robot, robot.body_of_link(b), body));
+      });
+      hulls_.push_back(is_own ? kAnyDepth : margins.between(own, {a, b}));
     }
-    for (int k = 0; k < shape_count_; ++k)
-      shapes_heeded_.push_back(!each->may_touch_one(shapes.shape(k).name));
+    most_.push_back(0.0);
+    for (int shape = 0; shape < shape_count_; ++shape) {
+      shapes_.push_back(margins.to_shape(own, shape));
+      most_.back() = std::max(most_.back(), shapes_.back());
+    }
+    points_.push_back(margins.to_points(own));
+    for (int other = 0; other < count(); ++other) {
+      held_.push_back(each.is_held_with((*this)[other])
+                          ? kAnyDepth
+                          : margins.between(own, margins.of_held(other)));
+    }
     const int at = static_cast<int>(balls_.points.size());
-    balls_.points.push_back({each->body, each->solid.centre()});
-    balls_.moving.push_back({at, at, each->solid.radius(), at});
-    for (const auto& other : solids_) {
-      held_heeded_.push_back(each->body != other->body && !each->may_touch_one(other->shape.name) &&
-                             !other->may_touch_one(each->shape.name));
-    }
+    balls_.points.push_back({each.body, each.solid.centre()});
+    balls_.moving.push_back({at, at, each.solid.radius(), at});
   }
 }
 

@@ -17,8 +17,11 @@ HeldClearance::HeldClearance(const Robot& robot, const HullModel& hulls, const O
   balls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
 }
 
-std::optional<HeldNear> HeldClearance::nearest_point(int k, const ObstacleView& points,
+std::optional<HeldNear> HeldClearance::nearest_point(int k, const ObstacleView& all,
                                                      double within) {
+  const double margin = held_.point_margin(k);
+  if (std::isinf(margin)) return std::nullopt;
+  const ObstacleView points(all.points, all.margin + margin);
   const Solid& solid = held_[k].solid;
   HeldNear least;
   least.distance = within;
@@ -49,13 +52,14 @@ std::optional<HeldNear> HeldClearance::nearest_point(int k, const ObstacleView& 
 std::optional<HeldNear> HeldClearance::nearest_of_part(int k, const ShapePairs& shapes, int part,
                                                        double within) const {
   const int shape = shapes.owner(part);
-  if (!held_.heeds_shape(k, shape)) return std::nullopt;
+  const double wanted = clearance_ + held_.shape_margin(k, shape);
+  if (std::isinf(wanted)) return std::nullopt;
   const Solid &solid = held_[k].solid, &still = shapes.part(part);
-  if (still.bound(transform(frame(k), solid.centre()), solid.radius()) - clearance_ >= within)
+  if (still.bound(transform(frame(k), solid.centre()), solid.radius()) - wanted >= within)
     return std::nullopt;
   const ConvexDistance found = convex_distance(solid, frame(k), still);
-  if (!(found.distance - clearance_ < within)) return std::nullopt;
-  HeldNear near{Kind::HeldShape, k, shape, found.distance - clearance_, 0, {}};
+  if (!(found.distance - wanted < within)) return std::nullopt;
+  HeldNear near{Kind::HeldShape, k, shape, found.distance - wanted, 0, {}};
   near.pulls.add(held_[k].body, found.point, -found.gradient);
   return near;
 }
@@ -75,10 +79,11 @@ std::optional<HeldNear> HeldClearance::nearest_shape(int k, const ShapePairs& sh
 }
 
 std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double within) {
-  if (!held_.heeds_hull(k, hull)) return std::nullopt;
+  const double wanted = self_clearance_ + held_.hull_margin(k, hull);
+  if (std::isinf(wanted)) return std::nullopt;
   const Solid& solid = held_[k].solid;
   const Frame& T = frame(k);
-  const double far = within + self_clearance_;
+  const double far = within + wanted;
   const Vec4 apart = transform(T, solid.centre()) - hull_capsules_.around(hull).middle;
   // A hull that is hollow, whose middle is not a number, is near nothing.
   if (!(std::sqrt(dot3(apart, apart)) - solid.radius() - hull_capsules_.semi_major(hull) < far))
@@ -96,8 +101,9 @@ std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double w
     where = found;
   }
   if (nearest == nullptr) return std::nullopt;
-  HeldNear near{Kind::HeldHull, k, nearest->source, least - self_clearance_, 0, {}};
-  if (const auto pieces = hull_capsules_.pieces_at(hull, least); !pieces.empty()) {
+  HeldNear near{Kind::HeldHull, k, nearest->source, least - wanted, 0, {}};
+  const double own = wanted - self_clearance_;
+  if (const auto pieces = hull_capsules_.pieces_at(hull, least - own); !pieces.empty()) {
     // In the frame of the hull's body, which then stands still.
     const Frame& its = hull_capsules_.frame(hull);
     const Frame relative = to_local(its, T);
@@ -114,7 +120,7 @@ std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double w
     }
     if (!is_any) return std::nullopt;
     if (exact.distance > least) {
-      near.distance = exact.distance - self_clearance_;
+      near.distance = exact.distance - wanted;
       const Vec4 point = transform(its, exact.point), away = rotate(its, exact.gradient);
       near.pulls.add(held_[k].body, point, -away);
       hull_capsules_.pull_piece(hull, point, away, near.pulls);
@@ -130,17 +136,18 @@ std::optional<HeldNear> HeldClearance::nearest_of_hull(int k, int hull, double w
 }
 
 std::optional<HeldNear> HeldClearance::nearest_of_held(int k, int other, double within) const {
-  if (!held_.heeds_held(k, other)) return std::nullopt;
+  const double wanted = self_clearance_ + held_.held_margin(k, other);
+  if (std::isinf(wanted)) return std::nullopt;
   const Solid &solid = held_[k].solid, &still = held_[other].solid;
   const Frame &own = frame(k), &its = frame(other);
   const Vec4 apart = transform(own, solid.centre()) - transform(its, still.centre());
   const double far = std::sqrt(dot3(apart, apart)) - solid.radius() - still.radius();
-  if (!(far - self_clearance_ < within)) return std::nullopt;
+  if (!(far - wanted < within)) return std::nullopt;
   // In the frame of the other's body, which then stands still.
   const Frame relative = to_local(its, own);
   const ConvexDistance found = convex_distance(solid, relative, still);
-  if (!(found.distance - self_clearance_ < within)) return std::nullopt;
-  HeldNear near{Kind::HeldHeld, k, other, found.distance - self_clearance_, 0, {}};
+  if (!(found.distance - wanted < within)) return std::nullopt;
+  HeldNear near{Kind::HeldHeld, k, other, found.distance - wanted, 0, {}};
   const Vec4 point = transform(its, found.point), gradient = rotate(its, found.gradient);
   near.pulls.add(held_[k].body, point, -gradient);
   near.pulls.add(held_[other].body, point, gradient);

@@ -213,8 +213,17 @@ bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, in
 }
 
 std::pair<int, int> links_of(const Robot& robot, const Hull& hull) {
+  return links_of_source(robot, hull.source);
+}
+
+std::pair<int, int> seat_of(const Robot& robot, const HullModel& model, const Hull& hull) {
+  return hull.has_capsules() ? links_of_source(robot, model.capsules(hull)->source[0])
+                             : links_of(robot, hull);
+}
+
+std::pair<int, int> links_of_source(const Robot& robot, int place) {
   const Occupancy& occupancy = robot.occupancy();
-  const auto source = static_cast<std::size_t>(hull.source);
+  const auto source = static_cast<std::size_t>(place);
   const std::size_t spheres = occupancy.spheres.size(), spheroids = occupancy.spheroids.size();
   const auto both = [&](const std::string& a, const std::string& b) {
     return std::pair(robot.link_index(a), robot.link_index(b));

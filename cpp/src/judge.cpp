@@ -69,6 +69,7 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls,
     : robot_(robot),
       options_(options),
       hulls_(hulls),
+      whole_(whole),
       T_base_body_(robot.bodies().size()),
       collision_(hulls, hulls.moving),
       fixed_hulls_(hulls, hulls.fixed),
@@ -76,7 +77,7 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls,
       balance_(robot, options.balance) {
   for (CollisionState* state : {&collision_, &fixed_hulls_})
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
-  if (options.keeps_off_itself(robot)) self_.emplace(robot, whole, options.self_clearance);
+  if (options.keeps_off_itself(robot)) by_pairs_.self.emplace(robot, whole, options.self_clearance);
   if (options.forgive_overhang) forgiven_.emplace(robot, options);
 }
 
@@ -143,84 +144,99 @@ void Judge::judge_balance(Verdict& verdict, Result& result) {
                     });
 }
 
-void Judge::judge_points(const Scene& scene, double look, Verdict& verdict, Result& result) {
-  result.clearance = std::numeric_limits<double>::infinity();
-  if (scene.obstacles()->count() == 0) return;
+void Judge::judge_points(const Scene& scene, const Pairs& pairs, double look, Asked& asked,
+                         Verdict* verdict, Least& least) {
+  const ObstacleView points = scene.obstacles(pairs);
+  if (points->count() == 0) return;
   const double wanted = options_.clearance;  // which radii include
-  const bool is_known =
-      fixed_stamp_ == scene.points_stamp() && (fixed_.source >= 0 || look - wanted <= fixed_look_);
+  const bool is_known = asked.fixed_stamp == scene.points_stamp() &&
+                        (asked.fixed.source >= 0 || look - wanted <= asked.fixed_look);
   if (!is_known) {
-    fixed_look_ = look - wanted;
-    fixed_ = least_clearance(fixed_hulls_, scene.obstacles(), {fixed_look_, -1, -1});
-    fixed_stamp_ = scene.points_stamp();
+    asked.fixed_look = look - wanted;
+    asked.fixed = least_clearance(fixed_hulls_, points, {asked.fixed_look, -1, -1});
+    asked.fixed_stamp = scene.points_stamp();
   }
   const Clearance known =
-      fixed_.distance < look - wanted ? fixed_ : Clearance{look - wanted, -1, -1};
-  const Clearance least = least_clearance(collision_, scene.obstacles(), known);
-  result.clearance = least.distance + wanted;
-  if (least.source < 0) return;  // nothing is within `look`
-  verdict.add(WorstConstraint::Kind::Clearance, -least.distance - options_.clearance_tolerance,
-              least.source, least.obstacle);
+      asked.fixed.distance < look - wanted ? asked.fixed : Clearance{look - wanted, -1, -1};
+  const Clearance found = least_clearance(collision_, points, known);
+  least.obstacles = found.distance + wanted;
+  if (found.source < 0 || verdict == nullptr) return;  // nothing is within `look`
+  verdict->add(WorstConstraint::Kind::Clearance, -found.distance - options_.clearance_tolerance,
+               found.source, found.obstacle);
 }
 
-void Judge::judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result) {
-  if (scene.shapes().count() == 0) return;
+void Judge::judge_shapes(const Pairs& pairs, double look, Verdict* verdict, Least& least) {
+  if (pairs.shapes.count() == 0) return;
   capsules_.place(collision_.positions(), collision_.frames());
-  ShapeClearance least = scene.fixed_to_shapes();
-  const double than = std::min(look, least.distance);
-  const ShapeClearance moving = least_clearance(capsules_, scene.shapes(), than);
-  if (moving.shape >= 0 || look < least.distance) least = moving;
-  result.clearance = std::min(result.clearance, least.distance);
-  if (least.shape < 0) return;
-  verdict.add(WorstConstraint::Kind::Shape,
-              options_.clearance - least.distance - options_.clearance_tolerance, least.source,
-              least.shape);
+  ShapeClearance found = pairs.fixed_to_shapes;
+  const double than = std::min(look, found.distance);
+  const ShapeClearance moving = least_clearance(capsules_, pairs.shapes, than);
+  if (moving.shape >= 0 || look < found.distance) found = moving;
+  least.obstacles = std::min(least.obstacles, found.distance);
+  if (found.shape < 0 || verdict == nullptr) return;
+  verdict->add(WorstConstraint::Kind::Shape,
+               options_.clearance - found.distance - options_.clearance_tolerance, found.source,
+               found.shape);
 }
 
 void Judge::hold(const Scene& scene) {
-  held_.reset();
-  if (scene.held().count() > 0) held_.emplace(robot_, hulls_, options_, scene.held());
+  const auto hold = [&](Asked& asked, const Held& held) {
+    asked.held.reset();
+    if (held.count() > 0) asked.held.emplace(robot_, hulls_, options_, held);
+  };
+  hold(by_pairs_, scene.pairs().held);
+  if (scene.has_own_clearances()) hold(plain_, scene.plain_pairs().held);
   if (forgiven_) forgiven_->hold(scene);
 }
 
-void Judge::judge_held(const Scene& scene, double look, Verdict& verdict, Result& result) {
-  if (!held_) return;
+void Judge::keep_off_itself(const Scene& scene) {
+  if (!options_.keeps_off_itself(robot_)) return;
+  const double wanted = options_.self_clearance;
+  const PairMargins &margins = scene.pairs().margins, &plain = scene.plain_pairs().margins;
+  by_pairs_.self.emplace(robot_, whole_, wanted, margins);
+  plain_.self.reset();
+  if (!margins.are_alike_of_links(plain)) plain_.self.emplace(robot_, whole_, wanted, plain);
+}
+
+void Judge::judge_held(const Scene& scene, const Pairs& pairs, double look, Asked& asked,
+                       Verdict* verdict, Least& least) {
+  if (!asked.held) return;
+  HeldClearance& held = *asked.held;
   const auto frame_of = [&](int body) {
     return to_frame(T_base_body_[static_cast<std::size_t>(body)]);
   };
-  held_->place(frame_of, collision_.positions(), collision_.frames());
-  const auto note = [&](const std::optional<HeldNear>& near, double& least, double wanted) {
+  held.place(frame_of, collision_.positions(), collision_.frames());
+  const auto note = [&](const std::optional<HeldNear>& near, double& to, double wanted) {
     if (!near) return;
-    least = near->distance + wanted;  // only what is nearer was asked for
-    verdict.add(near->kind, -near->distance - options_.clearance_tolerance, near->held,
-                near->other);
+    to = near->distance + wanted;  // only what is nearer was asked for
+    if (verdict == nullptr) return;
+    verdict->add(near->kind, -near->distance - options_.clearance_tolerance, near->held,
+                 near->other);
   };
-  const auto within = [&](double least, double wanted) { return std::min(look, least) - wanted; };
+  const auto within = [&](double to, double wanted) { return std::min(look, to) - wanted; };
   const double wanted = options_.clearance, off_itself = options_.self_clearance;
-  for (int k = 0; k < held_->count(); ++k) {
-    note(held_->nearest_point(k, scene.obstacles(), within(result.clearance, wanted)),
-         result.clearance, wanted);
-    note(held_->nearest_shape(k, scene.shapes(), within(result.clearance, wanted)),
-         result.clearance, wanted);
-    for (int hull = 0; hull < held_->hulls(); ++hull)
-      note(held_->nearest_of_hull(k, hull, within(result.self_distance, off_itself)),
-           result.self_distance, off_itself);
+  const ObstacleView points = scene.obstacles(pairs);
+  for (int k = 0; k < held.count(); ++k) {
+    note(held.nearest_point(k, points, within(least.obstacles, wanted)), least.obstacles, wanted);
+    note(held.nearest_shape(k, pairs.shapes, within(least.obstacles, wanted)), least.obstacles,
+         wanted);
+    for (int hull = 0; hull < held.hulls(); ++hull)
+      note(held.nearest_of_hull(k, hull, within(least.self, off_itself)), least.self, off_itself);
     for (int other = 0; other < k; ++other)
-      note(held_->nearest_of_held(k, other, within(result.self_distance, off_itself)),
-           result.self_distance, off_itself);
+      note(held.nearest_of_held(k, other, within(least.self, off_itself)), least.self, off_itself);
   }
 }
 
-void Judge::judge_hulls(Verdict& verdict, Result& result) {
-  if (!self_) return;
-  self_->place(collision_.positions(), collision_.frames());
-  const SelfCollision::Least least = self_->least();
-  result.self_distance = least.distance;
-  if (least.pair < 0) return;
-  const auto& [one, other] = least.source;
-  if (one < 0) return;  // none is anywhere near
-  verdict.add(WorstConstraint::Kind::SelfCollision,
-              options_.self_clearance - least.distance - options_.clearance_tolerance, one, other);
+void Judge::judge_hulls(Asked& asked, Verdict* verdict, Least& least) {
+  if (!asked.self) return;
+  asked.self->place(collision_.positions(), collision_.frames());
+  const SelfCollision::Least found = asked.self->least();
+  least.self = found.distance;
+  if (found.pair < 0) return;
+  const auto& [one, other] = found.source;
+  if (one < 0 || verdict == nullptr) return;  // none is anywhere near
+  verdict->add(WorstConstraint::Kind::SelfCollision,
+               options_.self_clearance - found.distance - options_.clearance_tolerance, one, other);
 }
 
 void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
@@ -234,17 +250,29 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   const bool somewhere = are_somewhere(T_base_body_);
   result.success = result.success && somewhere;
   result.holds = result.holds && somewhere;
-  judge_points(scene, look, verdict, result);
-  judge_shapes(scene, look, verdict, result);
+  Least least;
+  judge_points(scene, scene.pairs(), look, by_pairs_, &verdict, least);
+  judge_shapes(scene.pairs(), look, &verdict, least);
   result.position_error = result.rotation_error = 0.0;
   for (const Goal& goal : goals) {
     if (!goal.soft && goal.type != GoalType::CenterOfMass) judge_goal(goal, verdict, result);
   }
   balance_.ask(goals);
   judge_balance(verdict, result);
-  result.self_distance = std::numeric_limits<double>::infinity();
-  judge_hulls(verdict, result);
-  judge_held(scene, look, verdict, result);
+  judge_hulls(by_pairs_, &verdict, least);
+  judge_held(scene, scene.pairs(), look, by_pairs_, &verdict, least);
+  result.room = least.obstacles - options_.clearance;
+  result.self_room = least.self - options_.self_clearance;
+  if (scene.has_own_clearances()) {
+    const Pairs& pairs = scene.plain_pairs();
+    least = {};
+    judge_points(scene, pairs, look, plain_, nullptr, least);
+    judge_shapes(pairs, look, nullptr, least);
+    judge_hulls(plain_.self ? plain_ : by_pairs_, nullptr, least);
+    judge_held(scene, pairs, look, plain_, nullptr, least);
+  }
+  result.clearance = least.obstacles;
+  result.self_distance = least.self;
   result.forgiven =
       forgiven_ && somewhere ? forgiven_->deepest(T_base_body_, scene) : WorstConstraint{};
 }

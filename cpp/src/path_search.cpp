@@ -335,10 +335,16 @@ void PathSearch::take(const std::vector<Points>& pieces, PathResult& result) {
       result.q.row(row) = point.q;
       result.at[row] = point.at;
       if (k > 0) result.length += (point.q - piece[k - 1].q).norm();
-      const double margin = workspace_.model().options.clearance,
-                   off_itself = workspace_.model().options.self_clearance;
-      result.clearance = std::min(result.clearance, point.room.obstacles + margin);
-      result.self_distance = std::min(result.self_distance, point.room.self + off_itself);
+      const Options& options = workspace_.model().options;
+      double clearance = point.room.obstacles + options.clearance,
+             off_itself = point.room.self + options.self_clearance;
+      if (workspace_.scene().has_own_clearances()) {  // of which room tells less
+        workspace_.judge(goals_.at(point.at), point.q, verdict, Sweep::kLook);
+        clearance = verdict.clearance;
+        off_itself = verdict.self_distance;
+      }
+      result.clearance = std::min(result.clearance, clearance);
+      result.self_distance = std::min(result.self_distance, off_itself);
       if (point.at != std::floor(point.at)) continue;
       if (k > 0)
         result.largest_step = std::max(

@@ -1,10 +1,13 @@
 #include "detail/scene.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
 
+#include "detail/named_things.hpp"
 #include "detail/rows.hpp"
+#include "detail/text.hpp"
 
 namespace pdoik::detail {
 namespace {
@@ -24,6 +27,7 @@ Scene::Scene(const Model& model)
       tolerance_(model.options.clearance_tolerance),
       own_(std::make_shared<CloudState>()),
       cloud_(own_),
+      pairs_(model),
       held_stamp_(new_stamp()) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   const auto count = static_cast<std::size_t>(model.options.max_obstacles);
@@ -41,10 +45,10 @@ Scene::Scene(const Model& model, const Scene& other)
       tolerance_(other.tolerance_),
       own_(other.own_),
       cloud_(other.cloud_),
-      shapes_(other.shapes_),
-      fixed_to_shapes_(other.fixed_to_shapes_),
-      held_(other.held_),
-      held_stamp_(new_stamp()) {
+      pairs_(other.pairs_),
+      plain_(other.plain_),
+      held_stamp_(new_stamp()),
+      links_stamp_(other.links_stamp_) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   intake = other.intake;
 }
@@ -67,38 +71,115 @@ void Scene::use(std::shared_ptr<const CloudState> cloud) {
 }
 
 void Scene::use(std::shared_ptr<const ShapeSet> shapes) {
-  if (shapes == shapes_.set()) return;
-  shapes_ = ShapePairs(std::move(shapes), model_.robot);
-  HullCapsules fixed(model_.robot, hulls_, hulls_.fixed, margin_);
-  fixed.place(fixed_hulls_.positions(), fixed_hulls_.frames());
-  fixed_to_shapes_ = least_clearance(fixed, shapes_);
-  fixed_to_shapes_.capsule = nullptr;  // which ends here
-  hold(held_.solids());
+  if (shapes != pairs_.shapes.set()) take(std::move(shapes), pairs_.held.solids(), true);
+}
+
+void Scene::attach(std::span<const Attachment> things) {
+  Held::Solids solids = pairs_.held.solids();
+  for (const Attachment& thing : things) {
+    std::ranges::for_each(thing.contacts, check_contact_rule);
+    const auto rules = std::make_shared<const std::vector<ContactRule>>(thing.contacts);
+    for (const Shape& shape : thing.shapes) {
+      for (const auto& held : solids) {
+        if (held->shape.name == shape.name)
+          throw std::invalid_argument("'" + shape.name + "' is attached to '" +
+                                      held->links.front() + "'");
+      }
+      solids.push_back(std::make_shared<const HeldSolid>(model_.robot, thing.links, shape, rules));
+    }
+  }
+  take(pairs_.shapes.set(), std::move(solids), false);
 }
 
 void Scene::attach(const std::string& link, std::span<const Shape> shapes,
                    std::span<const std::string> may_touch) {
-  Held::Solids solids = held_.solids();
-  for (const Shape& shape : shapes) {
-    for (const auto& held : solids) {
-      if (held->shape.name == shape.name)
-        throw std::invalid_argument("'" + shape.name + "' is attached to '" + held->link + "'");
-    }
-    solids.push_back(std::make_shared<const HeldSolid>(
-        model_.robot, link, shape, std::vector(may_touch.begin(), may_touch.end())));
+  Attachment thing{{link}, {shapes.begin(), shapes.end()}};
+  for (const Shape& shape : shapes)
+    for (const std::string& name : may_touch) thing.contacts.push_back({shape.name, name});
+  attach({&thing, 1});
+}
+
+std::vector<Attachment> Scene::attached() const {
+  std::vector<Attachment> things;
+  const HeldSolid* last = nullptr;
+  for (const auto& held : pairs_.held.solids()) {
+    const bool is_more =
+        last != nullptr && last->rules == held->rules && last->links == held->links;
+    if (!is_more) things.push_back({held->links, {}, *held->rules});
+    things.back().shapes.push_back(held->shape);
+    last = held.get();
   }
-  hold(std::move(solids));
+  return things;
 }
 
-void Scene::detach(const std::string& link) {
-  model_.robot.link_index(link);
-  Held::Solids solids = held_.solids();
-  std::erase_if(solids, [&](const auto& held) { return held->link == link; });
-  hold(std::move(solids));
+void Scene::detach(const std::string& name) {
+  Held::Solids solids;
+  const bool is_link = model_.robot.find_link(name).has_value();
+  bool is_there = is_link;
+  for (const auto& held : pairs_.held.solids()) {
+    const auto holds = std::ranges::find(held->links, name);
+    const bool is_it = held->shape.name == name || object_of(held->shape.name) == name;
+    is_there = is_there || is_it;
+    if (is_link && holds != held->links.end() && holds != held->links.begin()) {
+      std::vector<std::string> others = held->links;
+      std::erase(others, name);
+      solids.push_back(std::make_shared<const HeldSolid>(model_.robot, std::move(others),
+                                                         held->shape, held->rules));
+    } else if (is_link ? holds == held->links.end() : !is_it) {
+      solids.push_back(held);
+    }
+  }
+  if (!is_there) {
+    std::vector<std::string> names = model_.robot.link_names();
+    for (const auto& held : pairs_.held.solids()) names.push_back(held->shape.name);
+    const std::vector<std::string> near = nearest_names(name, names);
+    throw std::invalid_argument(
+        "'" + name + "' is neither a link of '" + model_.robot.name() + "' nor attached to one (" +
+        (near.empty() ? "there are: " + join(names) : "nearest: " + join(near)) + ")");
+  }
+  take(pairs_.shapes.set(), std::move(solids), false);
 }
 
-void Scene::hold(Held::Solids solids) {
-  held_ = Held(std::move(solids), model_.robot, hulls_, shapes_);
+void Scene::detach() { take(pairs_.shapes.set(), {}, false); }
+
+PairMargins Scene::margins_of(const ShapeSet& shapes, const Held::Solids& solids, bool anew) const {
+  PairMargins::Things things{{}, shapes.names};
+  std::vector<ContactRule> of_held;
+  const std::vector<ContactRule>* last = nullptr;
+  for (const auto& held : solids) {
+    things.held.push_back(held->shape.name);
+    if (held->rules.get() != last)
+      of_held.insert(of_held.end(), held->rules->begin(), held->rules->end());
+    last = held->rules.get();
+  }
+  std::vector<ContactRule> of_scene = shapes.contacts;
+  // Rules that were taken in may speak of what has been put down since.
+  for (ContactRule& rule : of_scene) rule.optional = rule.optional || !anew;
+  const PairMargins::Rules rules{of_scene, of_held};
+  if (rules.empty()) return PairMargins(model_.robot);
+  return PairMargins(model_.robot, model_.options, things, rules);
+}
+
+void Scene::take(std::shared_ptr<const ShapeSet> shapes, Held::Solids solids, bool anew) {
+  PairMargins margins = margins_of(*shapes, solids, anew);
+  HullCapsules fixed(model_.robot, hulls_, hulls_.fixed, margin_);
+  fixed.place(fixed_hulls_.positions(), fixed_hulls_.frames());
+  std::optional<Pairs> plain;
+  if (margins.have_own()) plain.emplace(model_, shapes, solids, margins.without_own(), fixed);
+  Pairs pairs(model_, std::move(shapes), std::move(solids), std::move(margins), fixed);
+  const Options& options = model_.options;
+  const bool lets_in = std::ranges::any_of(pairs.points, [&](double margin) {
+    return std::isfinite(margin) && options.clearance + margin < 0.0;
+  });
+  if (lets_in &&
+      (options.method == Method::Paper || options.inner != InnerMethod::LevenbergMarquardt))
+    throw std::invalid_argument(
+        "a contact rule gives points a negative clearance, which is for method 'default' with "
+        "inner 'levenberg_marquardt'");
+  if (!pairs.margins.are_alike_of_links(pairs_.margins)) links_stamp_ = new_stamp();
+  if (pairs.points != pairs_.points) version_ = -1;
+  pairs_ = std::move(pairs);
+  plain_ = std::move(plain);
   held_stamp_ = new_stamp();
   changed_ = true;
 }
@@ -117,14 +198,14 @@ CloudState::Reading Scene::read(Complaint& complaint) {
     version_ = reading.version();
     refresh();
   }
-  const int things = points_->count() + shapes_.count() + held_.count();
+  const int things = points_->count() + shapes().count() + held().count();
   if (things > 0 && model_.robot.occupancy().empty() &&
       !model_.options.ignore_obstacles_without_hulls) {
     complaint.say(
         "robot '%s' has no hulls to keep off obstacles (%d points, %d shapes, %d things it holds): "
         "fit some with `pdoik occupancy` or Robot.from_urdf(..., hulls=True), and set its "
         "occupancy; Options with ignore_obstacles_without_hulls leave obstacles out of account",
-        model_.robot.name().c_str(), points_->count(), shapes_.count(), held_.count());
+        model_.robot.name().c_str(), points_->count(), shapes().count(), held().count());
   }
   return reading;
 }
@@ -134,10 +215,11 @@ void Scene::refresh() {
   points_stamp_ = new_stamp();
   const ObstacleSet& points = *points_;
   padded_points_ = points.padded();
-  within_reach_ =
-      std::isfinite(hulls_.reach)
-          ? points.count_within(hulls_.reach_centre, hulls_.reach + 2.0 * std::max(margin_, 0.0))
-          : points.count();
+  within_reach_ = std::isfinite(hulls_.reach)
+                      ? points.count_within(
+                            hulls_.reach_centre,
+                            hulls_.reach + 2.0 * std::max(margin_ + pairs_.most_point_margin, 0.0))
+                      : points.count();
   fixed_ = least_clearance_within(fixed_hulls_, obstacles(), 0.0, {});
 }
 

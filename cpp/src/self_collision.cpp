@@ -53,17 +53,8 @@ class Seat {
       return b == c || parent(b) == c || parent(c) == b;
     });
   }
-  bool ignores(const Seat& other) const {
-    return any_links(other, [this](int mine, int theirs) {
-      const std::vector<std::string>& names = robot_.link_names();
-      const std::string& one = names[static_cast<std::size_t>(mine)];
-      const std::string& two = names[static_cast<std::size_t>(theirs)];
-      const auto& ignored = robot_.ignored_pairs();
-      return std::any_of(ignored.begin(), ignored.end(), [&](const LinkPair& pair) {
-        return (pair.first == one && pair.second == two) ||
-               (pair.first == two && pair.second == one);
-      });
-    });
+  double margin_to(const Seat& other, const PairMargins& margins) const {
+    return margins.between({first_, second_}, {other.first_, other.second_});
   }
 
  private:
@@ -93,7 +84,8 @@ class Seat {
 
 }  // namespace
 
-SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double margin)
+SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double margin,
+                             const PairMargins& margins)
     : capsules_(robot, model, model.all(), margin),
       margin_(margin),
       has_capsules_(!model.blocks.empty()) {
@@ -103,10 +95,11 @@ SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double 
   for (std::size_t i = 0; i < seats.size(); ++i) {
     for (std::size_t j = i + 1; j < seats.size(); ++j) {
       const Seat &one = seats[i], &two = seats[j];
-      if (one.is_neighbour_of(two) || one.is_rigid_to(two) || one.ignores(two)) continue;
+      const double more = one.margin_to(two, margins);
+      if (std::isinf(more) || one.is_neighbour_of(two) || one.is_rigid_to(two)) continue;
       const int a = static_cast<int>(i), b = static_cast<int>(j);
       pairs_.push_back({{hulls[i].source, hulls[j].source}, {one.first(), two.first()}, {a, b}});
-      glances_.push_back({a, b, capsules_.semi_major(a) + capsules_.semi_major(b)});
+      glances_.push_back({a, b, capsules_.semi_major(a) + capsules_.semi_major(b), more});
     }
   }
   near_.resize(pairs_.size());
@@ -177,8 +170,8 @@ SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double
 }
 
 void SelfCollision::look_at_pieces(const Glance& pair, double than, Nearest& nearest) const {
-  const std::span<const int> ones = capsules_.pieces_at(pair.a, nearest.distance),
-                             twos = capsules_.pieces_at(pair.b, nearest.distance);
+  const std::span<const int> ones = capsules_.pieces_at(pair.a, nearest.distance - pair.margin),
+                             twos = capsules_.pieces_at(pair.b, nearest.distance - pair.margin);
   if (ones.empty() || twos.empty()) return;
   // In the frame of the second one's body, which then stands still.
   const Frame& its = capsules_.frame(pair.b);
@@ -219,7 +212,8 @@ SelfCollision::Least SelfCollision::least() {
   for (int k = 0; k < pair_count(); ++k) {
     const Glance& pair = glance(k);
     const Vec4 apart = middles[pair.a] - middles[pair.b];
-    const double promise = dot3(apart, apart) - pair.semi_major * pair.semi_major;
+    const double size = pair.semi_major + pair.margin;
+    const double promise = dot3(apart, apart) - size * size;
     if (promise < lowest) {
       lowest = promise;
       least.pair = k;
@@ -228,13 +222,14 @@ SelfCollision::Least SelfCollision::least() {
   const int promising = least.pair;
   if (promising < 0) return least;
   const auto try_pair = [&](int k) {
-    const Nearest found = nearest(glance(k), least.distance);
+    const Nearest found = nearest(glance(k), least.distance + glance(k).margin);
     if (found.one == nullptr) return;
-    least = {found.distance, k, {found.one->source, found.two->source}};
+    least = {found.distance - glance(k).margin, k, {found.one->source, found.two->source}};
   };
   try_pair(promising);
   for (int k = 0; k < pair_count(); ++k)
-    if (k != promising && glance(k).is_within(middles, least.distance)) try_pair(k);
+    if (k != promising && glance(k).is_within(middles, least.distance + glance(k).margin))
+      try_pair(k);
   return least;
 }
 
@@ -259,11 +254,12 @@ Vec4 way_out(const Vec4& v1, const Vec4& v2) {
 }  // namespace
 
 void SelfCollision::add_if_near(int k, double within) {
-  const Nearest found = nearest(glance(k), margin_ + within);
+  const double margin = margin_ + glance(k).margin;
+  const Nearest found = nearest(glance(k), margin + within);
   if (found.one == nullptr) return;
   if (found.by_pieces) {
     Near& near = near_[static_cast<std::size_t>(near_count_++)];
-    near = {k, margin_ - found.distance, {}};
+    near = {k, margin - found.distance, {}};
     capsules_.pull_piece(pair(k).hull[0], found.point, -found.away, near.pulls);
     capsules_.pull_piece(pair(k).hull[1], found.point, found.away, near.pulls);
     return;
@@ -273,7 +269,7 @@ void SelfCollision::add_if_near(int k, double within) {
                                               : way_out(found.one->half, found.two->half);
   Near& near = near_[static_cast<std::size_t>(near_count_++)];
   near.pair = k;
-  near.c = margin_ - found.distance;
+  near.c = margin - found.distance;
   near.pulls.count = 0;
   capsules_.pull(pair(k).hull[0], *found.one, segments.t1, -away, near.pulls);
   capsules_.pull(pair(k).hull[1], *found.two, segments.t2, away, near.pulls);

@@ -8,26 +8,17 @@
 
 namespace pdoik::detail {
 
-ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot)
+ShapePairs::ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot,
+                       const PairMargins& margins)
     : set_(std::move(set)) {
-  if (set_->allowed.empty()) return;
-  const Occupancy& occupancy = robot.occupancy();
-  const auto shapes = static_cast<std::size_t>(count());
-  allowed_.assign(occupancy.size() * shapes, 0.0);
-  for (const AllowedContact& contact : set_->allowed) {
-    robot.link_index(contact.link);
-    std::size_t shape = 0;
-    while (set_->shapes[shape].name != contact.shape) ++shape;
-    std::size_t source = 0;
-    const auto allow = [&](bool is_on_link) {
-      double& depth = allowed_[source * shapes + shape];
-      if (is_on_link) depth = std::max(depth, contact.depth);
-      ++source;
-    };
-    for (const Sphere& s : occupancy.spheres) allow(s.link == contact.link);
-    for (const Spheroid& s : occupancy.spheroids)
-      allow(s.link_a == contact.link || s.link_b == contact.link);
-    for (const Capsule& c : occupancy.capsules) allow(c.link == contact.link);
+  if (!margins.speak_of_shapes()) return;
+  const int sources = static_cast<int>(robot.occupancy().size());
+  for (int source = 0; source < sources; ++source) {
+    const auto [one, other] = links_of_source(robot, source);
+    for (int shape = 0; shape < count(); ++shape) {
+      margins_.push_back(margins.to_shape({one, other}, shape));
+      most_margin_ = std::max(most_margin_, margins_.back());
+    }
   }
 }
 
@@ -42,7 +33,7 @@ void look_at_pieces(const HullCapsules& hulls, int k, const ShapePairs& pairs, d
   // Behind a surface, or through it, is more than a capsule's overhang.
   const Solid& part = pairs.part(found.part);
   const bool is_through = part.is_surface() && (found.gap < 0.0 || found.facing < 0.0);
-  const double allowed = pairs.allowed(found.source, found.shape);
+  const double margin = pairs.margin(found.source, found.shape);
   const Touching* const touching = hulls.touching();
   const Frame& frame = hulls.frame(k);
   ShapeClearance least = found;
@@ -50,12 +41,12 @@ void look_at_pieces(const HullCapsules& hulls, int k, const ShapePairs& pairs, d
   least.shape = -1;
   for (const int each : pieces) {
     const Solid& piece = hulls.piece(each);
-    const double within = least.distance - allowed;
+    const double within = least.distance + margin;
     if (part.bound(transform(frame, piece.centre()), piece.radius()) >= within) continue;
     const ConvexDistance near = convex_distance(piece, frame, part, within);
-    const double distance = near.distance + allowed;
+    const double distance = near.distance - margin;
     if (!(distance < least.distance)) continue;
-    if (touching != nullptr && touching->wanted() && distance >= -touching->depth() &&
+    if (touching != nullptr && touching->wanted() && near.distance >= -touching->depth() &&
         touching->lets(found.source, near.point))
       continue;
     least.distance = distance;
@@ -77,17 +68,17 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
   least.distance = than;
   const Solid& solid = pairs.part(part);
   const int shape = pairs.owner(part);
+  const double margin = pairs.margin(hulls.source(k), shape);
+  if (std::isinf(margin)) return least;
   const Touching* const touching = hulls.touching();
   const PlacedCapsule& around = hulls.around(k);
   // Nothing of a hull that is hollow, whose middle is not a number, is near anything.
-  if (!(solid.bound(around.middle, hulls.semi_major(k)) < than) ||
-      !(solid.bound(around.middle, around.half, around.radius + hulls.excess(k)) < than))
+  if (!(solid.bound(around.middle, hulls.semi_major(k)) < than + margin) ||
+      !(solid.bound(around.middle, around.half, around.radius + hulls.excess(k)) < than + margin))
     return least;
   for (const PlacedCapsule& capsule : hulls.of(k)) {
-    const double allowed = pairs.allowed(capsule.source, shape);
-    if (std::isinf(allowed)) continue;
     const double length = std::sqrt(dot3(capsule.half, capsule.half));
-    const double counts = capsule.radius - allowed;  // of it
+    const double counts = capsule.radius + margin;  // of it
     if (!(solid.bound(capsule.middle, length + std::max(counts, 0.0)) < least.distance) ||
         !(solid.bound(capsule.middle, capsule.half, counts) < least.distance))
       continue;
@@ -97,7 +88,7 @@ ShapeClearance hull_clearance(HullCapsules& hulls, int k, const ShapePairs& pair
     if (!(distance < least.distance)) continue;
     if (touching != nullptr && touching->wanted() &&
         touching->lets(capsule.source, found.point - broadcast(found.distance) * found.gradient) &&
-        distance >= -touching->depth())
+        found.distance - capsule.radius >= -touching->depth())
       continue;
     const double t =
         length > 0.0 ? dot3(found.point - capsule.middle, capsule.half) / (length * length) : 0.0;

@@ -12,8 +12,15 @@ namespace pdoik {
 
 namespace detail {
 
-ShapeSet::ShapeSet(std::vector<Shape> shapes_in, std::vector<AllowedContact> allowed_in)
-    : shapes(std::move(shapes_in)), allowed(std::move(allowed_in)) {
+ShapeSet::ShapeSet(std::vector<Shape> shapes_in, std::vector<ContactRule> contacts_in)
+    : shapes(std::move(shapes_in)), contacts(std::move(contacts_in)) {
+  std::set<std::string> known;
+  for (const Shape& shape : shapes) {
+    if (!known.insert(shape.name).second)
+      throw std::invalid_argument("two shapes are called '" + shape.name + "'");
+    names.push_back(shape.name);
+  }
+  std::ranges::for_each(contacts, check_contact_rule);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     std::ranges::move(parts_of(shapes[k]), std::back_inserter(parts));
     owners.resize(parts.size(), static_cast<int>(k));
@@ -32,27 +39,10 @@ std::shared_ptr<const ShapeSet> no_shapes() {
 
 Shapes::Shapes() : set_(detail::no_shapes()) {}
 
-Shapes::Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed) {
-  auto set = std::make_shared<detail::ShapeSet>(std::move(shapes), std::move(allowed));
-  std::set<std::string> names;
-  for (const Shape& shape : set->shapes) {
-    if (!names.insert(shape.name).second)
-      throw std::invalid_argument("two shapes are called '" + shape.name + "'");
-  }
-  for (const AllowedContact& contact : set->allowed) {
-    if (!names.contains(contact.shape))
-      throw std::invalid_argument("contact is allowed with '" + contact.shape +
-                                  "', which is no shape's name");
-    if (!(contact.depth >= 0.0)) {
-      throw std::invalid_argument("'" + contact.link + "' may touch '" + contact.shape +
-                                  "' to a depth of " + std::to_string(contact.depth) +
-                                  ", expected at least 0 [m]");
-    }
-  }
-  set_ = std::move(set);
-}
+Shapes::Shapes(std::vector<Shape> shapes, std::vector<ContactRule> contacts)
+    : set_(std::make_shared<const detail::ShapeSet>(std::move(shapes), std::move(contacts))) {}
 
 std::span<const Shape> Shapes::shapes() const { return set_->shapes; }
-std::span<const AllowedContact> Shapes::allowed() const { return set_->allowed; }
+std::span<const ContactRule> Shapes::contacts() const { return set_->contacts; }
 
 }  // namespace pdoik

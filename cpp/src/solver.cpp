@@ -198,12 +198,14 @@ void Solver::set_obstacles(const Cloud& cloud) { impl_->scene.use(cloud.state_);
 
 void Solver::set_shapes(const Shapes& shapes) { impl_->scene.use(shapes.set_); }
 
+void Solver::attach(std::span<const Attachment> things) { impl_->scene.attach(things); }
 void Solver::attach(const std::string& link, std::span<const Shape> shapes,
                     std::span<const std::string> may_touch) {
   impl_->scene.attach(link, shapes, may_touch);
 }
-void Solver::detach(const std::string& link) { impl_->scene.detach(link); }
-void Solver::detach() { impl_->scene.hold({}); }
+void Solver::detach(const std::string& name) { impl_->scene.detach(name); }
+void Solver::detach() { impl_->scene.detach(); }
+std::vector<Attachment> Solver::attached() const { return impl_->scene.attached(); }
 
 void Solver::set_interrupt(std::function<bool()> wanted) {
   impl_->own.workspace.interrupt = std::move(wanted);

@@ -30,7 +30,8 @@ Sweep::Sweep(Workspace& workspace)
   const bool keeps_off = model_.options.keeps_off_itself(model_.robot);
   all_ = keeps_off ? model_.whole.all() : model_.hulls.all();
   if (keeps_off) {
-    self_.emplace(model_.robot, model_.whole, model_.options.self_clearance);
+    self_.emplace(model_.robot, model_.whole, model_.options.self_clearance,
+                  workspace.scene().pairs().margins);
     for (int k = 0; k < self_->pair_count(); ++k) {
       const auto& [one, other] = self_->pair(k).hull;
       pairs_.push_back({{one, other}, common_body(one, other)});
@@ -61,10 +62,7 @@ int Sweep::common_body(int one, int other) const {
   }
 }
 
-Sweep::Room Sweep::room(const Result& verdict) const {
-  return {verdict.clearance - model_.options.clearance,
-          verdict.self_distance - model_.options.self_clearance};
-}
+Sweep::Room Sweep::room(const Result& verdict) const { return {verdict.room, verdict.self_room}; }
 
 Sweep::Room Sweep::room_at(std::span<const Goal> goals, const Eigen::VectorXd& q) {
   ++looks_;
@@ -112,6 +110,7 @@ Sweep::Answer Sweep::of_hull(int hull, double way) {
     if (scene.obstacles()->count() > 0 &&
         any_nearer(state_, static_cast<std::size_t>(hull), scene.obstacles(), than))
       return true;
+    // Of pairs without a clearance of their own.
     const double apart = by_shapes(than) + model_.options.clearance;
     bool is_any = false;
     shapes_near(capsules_, hull, scene.shapes(), apart, [&](int part) {
@@ -123,9 +122,7 @@ Sweep::Answer Sweep::of_hull(int hull, double way) {
 }
 
 Sweep::Answer Sweep::of_pair(int pair, double way) {
-  return told_by(way, way, [&](double than) {
-    return self_->is_nearer(pair, model_.options.self_clearance + than);
-  });
+  return told_by(way, way, [&](double than) { return self_->is_nearer(pair, than); });
 }
 
 Sweep::Answer Sweep::of_held(int held, double way) {

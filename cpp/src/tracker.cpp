@@ -316,7 +316,7 @@ void Tracker::set_shapes(const Shapes& shapes, const ObstacleVelocity& velocity)
   if (!accepts_velocity(velocity, static_cast<Eigen::Index>(given.size()), complaint))
     throw std::invalid_argument(complaint.text());
   std::vector<Shape> all(given.begin(), given.end());
-  std::vector<AllowedContact> allowed(shapes.allowed().begin(), shapes.allowed().end());
+  std::vector<std::string> names = shapes.set_->names;
   for (std::size_t k = 0; k < given.size(); ++k) {
     const Eigen::Vector3d way =
         options().period *
@@ -325,20 +325,22 @@ void Tracker::set_shapes(const Shapes& shapes, const ObstacleVelocity& velocity)
     Shape moved = given[k];
     moved.name += " (ahead)";
     moved.T_base_shape.pretranslate(way);
-    for (const AllowedContact& contact : shapes.allowed())
-      if (contact.shape == given[k].name)
-        allowed.push_back({contact.link, moved.name, contact.depth});
     all.push_back(std::move(moved));
+    names.push_back(names[k]);  // rules know it as the one that moves
   }
-  set_shapes(Shapes(std::move(all), std::move(allowed)));
+  auto set = std::make_shared<detail::ShapeSet>(std::move(all), shapes.set_->contacts);
+  set->names = std::move(names);
+  set_shapes(Shapes(std::move(set)));
 }
 
+void Tracker::attach(std::span<const Attachment> things) { impl_->scene.attach(things); }
 void Tracker::attach(const std::string& link, std::span<const Shape> shapes,
                      std::span<const std::string> may_touch) {
   impl_->scene.attach(link, shapes, may_touch);
 }
-void Tracker::detach(const std::string& link) { impl_->scene.detach(link); }
-void Tracker::detach() { impl_->scene.hold({}); }
+void Tracker::detach(const std::string& name) { impl_->scene.detach(name); }
+void Tracker::detach() { impl_->scene.detach(); }
+std::vector<Attachment> Tracker::attached() const { return impl_->scene.attached(); }
 
 void Tracker::refuse_obstacles(const std::string& complaint) {
   impl_->cloud_complaint.say("%s", complaint.c_str());

@@ -89,6 +89,11 @@ void Workspace::use(const Scene& scene) {
       std::max(scene.padded_points(), (options.max_obstacles + kLanes - 1) / kLanes * kLanes);
   problem.constraints.hulls.reserve(padded);
   problem.constraints.shapes.reserve(scene.shapes().parts());
+  if (links_stamp_ != scene.links_stamp()) {
+    links_stamp_ = scene.links_stamp();
+    problem.constraints.self.use(scene.pairs().margins);
+    judge_.keep_off_itself(scene);
+  }
   if (held_stamp_ != scene.held_stamp()) {
     held_stamp_ = scene.held_stamp();
     problem.constraints.held.hold(scene);

@@ -8,6 +8,7 @@ namespace py = pybind11;
 
 void bind_cloud(py::module_& module);
 void bind_shape(py::module_& module);
+void bind_contacts(py::module_& module);
 void bind_scene(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_occupancy(py::module_& module);

@@ -69,7 +69,7 @@ AnyTuple result_state(const NamedResult& r) {
                         r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time,
                         r.center_of_mass, r.balance_violation, r.self_distance, r.intake,
                         r.late_evaluations, r.forgiven_contact, r.forgiven.violation, r.goal_index,
-                        r.holds, r.message);
+                        r.holds, r.message, r.room, r.self_room);
 }
 
 NamedResult from_state(const AnyTuple& t) {
@@ -98,6 +98,9 @@ NamedResult from_state(const AnyTuple& t) {
   r.goal_index = t[20].cast<int>();
   r.holds = t[21].cast<bool>();
   r.message = t[22].cast<std::string>();
+  if (t.size() < 25) return r;
+  r.room = t[23].cast<double>();
+  r.self_room = t[24].cast<double>();
   return r;
 }
 
@@ -150,8 +153,14 @@ the first, q is the best found.)")
           "rotation_error", &R::rotation_error,
           "Largest over the goals [rad]; of the axis for axis goals, 0 for position goals.")
       .def_readonly("clearance", &R::clearance,
-                    "Least distance from an obstacle (a point less its radius, a shape) to a hull: "
-                    "negative inside, infinite without obstacles or hulls [m].")
+                    "Least distance from an obstacle (a point less its radius, a shape) to a hull "
+                    "or what is carried, but for contact that does not count: negative inside, "
+                    "infinite without obstacles or hulls [m].")
+      .def_readonly("room", &R::room,
+                    "How much farther apart than is wanted of them the two are of which that is "
+                    "the least, negative if they are nearer. Without rules of contact it is "
+                    "clearance less Options.clearance [m].")
+      .def_readonly("self_room", &R::self_room, "The same of what self_distance is of [m].")
       .def_readonly("limit_violation", &R::limit_violation, "Largest over the joints [rad] or [m].")
       .def_property_readonly(
           "center_of_mass", [](const R& r) { return r.center_of_mass; },

@@ -354,10 +354,25 @@ void bind_pairs(py::module_& module) {
 
 Args:
     path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
-    robot: Leave out pairs of links that this robot has not; None for all pairs.
+    robot: Leave out pairs of links that this robot has not; None for all pairs. A file with
+        `<disable_default_collisions>`, which means pairs with all links, needs it.
 
 Raises:
     LoadError: The file cannot be read, or says what pairs cannot.)");
+  module.def(
+      "load_srdf_contacts",
+      [](const PathOrText& path_or_xml) { return load_srdf_contacts(path_or_xml.value); },
+      py::arg("path_or_xml"),
+      R"(What an SRDF says of collisions as rules of contact, for a Scene: `load_srdf_pairs` for more than links.
+
+A link whose collisions it disables by default may then touch shapes, points and what is carried as well. All rules
+are optional: an SRDF may be of a description with more links.
+
+Args:
+    path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+
+Raises:
+    LoadError: The file cannot be read.)");
   module.def("pairs_always_touching", &pairs_always_touching, py::arg("robot"),
              py::arg("samples") = 2000, py::arg("seed") = 0, py::arg("share") = 0.95,
              R"(Pairs of links that touch in at least a share of random configurations.

@@ -1,19 +1,13 @@
 #include <pybind11/stl.h>
 
-#include <cmath>
-#include <tuple>
 #include <utility>
-#include <variant>
 
 #include "bind.hpp"
+#include "contacts.hpp"
 #include "scene.hpp"
 
 namespace pdoik::python {
 namespace {
-
-using ContactOfAnyDepth = std::tuple<std::string, std::string>;
-using ContactToDepth = std::tuple<std::string, std::string, double>;
-using Contact = std::variant<ContactOfAnyDepth, ContactToDepth>;
 
 std::optional<ThinnedCloud> to_cloud(const std::optional<ObstaclesLike>& cloud) {
   if (!cloud) return std::nullopt;
@@ -23,14 +17,12 @@ std::optional<ThinnedCloud> to_cloud(const std::optional<ObstaclesLike>& cloud) 
 }
 
 SceneObject make_scene(const std::vector<Shape>& shapes, const std::optional<ObstaclesLike>& cloud,
-                       const std::vector<Contact>& allowed) {
-  std::vector<AllowedContact> contacts;
-  const auto to_contact = [](const auto&... parts) { return AllowedContact{parts...}; };
-  for (const Contact& contact : allowed) {
-    contacts.push_back(
-        std::visit([&](const auto& parts) { return std::apply(to_contact, parts); }, contact));
-  }
-  return {Shapes(shapes, std::move(contacts)), to_cloud(cloud)};
+                       const std::vector<AllowedContact>& allowed,
+                       const std::vector<ContactRule>& contacts) {
+  std::vector<ContactRule> rules;
+  for (const AllowedContact& each : allowed) rules.push_back(to_rule(each));
+  rules.insert(rules.end(), contacts.begin(), contacts.end());
+  return {Shapes(shapes, std::move(rules)), to_cloud(cloud)};
 }
 
 std::vector<Shape> shapes_of(const SceneObject& scene) {
@@ -38,15 +30,9 @@ std::vector<Shape> shapes_of(const SceneObject& scene) {
   return {shapes.begin(), shapes.end()};
 }
 
-std::vector<Contact> allowed_of(const SceneObject& scene) {
-  std::vector<Contact> contacts;
-  for (const AllowedContact& each : scene.shapes.allowed()) {
-    if (std::isinf(each.depth))
-      contacts.emplace_back(ContactOfAnyDepth{each.link, each.shape});
-    else
-      contacts.emplace_back(ContactToDepth{each.link, each.shape, each.depth});
-  }
-  return contacts;
+std::vector<ContactRule> contacts_of(const SceneObject& scene) {
+  const auto contacts = scene.shapes.contacts();
+  return {contacts.begin(), contacts.end()};
 }
 
 }  // namespace
@@ -58,25 +44,29 @@ void bind_scene(py::module_& module) {
 It does not change, but its cloud may. Any number of solvers may share it.)")
       .def(py::init(&make_scene), py::arg("shapes") = py::tuple(), py::kw_only(),
            py::arg("cloud") = py::none(), py::arg("allowed") = py::tuple(),
+           py::arg("contacts") = py::tuple(),
            R"(Put shapes and points together.
 
 Args:
     shapes: Of different names.
     cloud: A Cloud, which is shared and not copied; or points as Cloud takes them.
     allowed: What may touch, (link, shape) by name or (link, shape, depth): the table that the base stands
-        on, what the hand is to hold. Of the link all hulls; to any depth or to this one [m], from where
-        their distance then counts.
+        on, what the hand is to hold. Each is a ContactRule of these names, to any depth or to this one [m].
+    contacts: Rules of contact, which count after `allowed`.
 
 Raises:
-    ValueError: Two shapes have one name, or contact is allowed with a shape that is not there. A link that the
-        robot does not have comes out when a solver takes the scene.)")
+    ValueError: Two shapes have one name, or a depth is negative. Names that are neither a link's, nor a shape's, nor
+        of what a link carries come out when a solver takes the scene.)")
       .def_property_readonly("shapes", &shapes_of, "The solids, in the order they were given.")
       .def_property_readonly(
           "cloud", [](const SceneObject& self) { return self.cloud; },
           "The points, which share what they are; None if there are none.")
+      .def_property_readonly("contacts", &contacts_of,
+                             "The rules of contact, those of `allowed` first.")
       .def_property_readonly(
-          "allowed", &allowed_of,
-          "(link, shape) of what may touch, or (link, shape, depth) where a depth was given [m].")
+          "allowed", [](const SceneObject& self) { return allowed_by(self.shapes.contacts()); },
+          "Of the rules those that allow contact, as (one, other), or as (one, other, depth) where "
+          "it is to a depth [m].")
       .def("__repr__", [](const SceneObject& self) {
         return py::str("<Scene of {} shapes and {} points>")
             .format(self.shapes.shapes().size(), self.cloud ? self.cloud->cloud.size() : 0);

@@ -10,6 +10,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "contacts.hpp"
 #include "goals.hpp"
 #include "pdoik/solver.hpp"
 #include "result.hpp"
@@ -426,31 +427,65 @@ Raises:
            "Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.")
       .def(
           "attach",
-          [](SharedSolver& self, const std::string& link, const std::vector<Shape>& shapes,
-             const std::vector<std::string>& may_touch) {
-            self.change([&](Solver& solver) { solver.attach(link, shapes, may_touch); });
+          [](SharedSolver& self, const Holders& link, const std::vector<Shape>& shapes,
+             const std::vector<std::string>& may_touch, const std::vector<ContactRule>& contacts) {
+            const Attachment thing = to_attachment(link, shapes, may_touch, contacts);
+            self.change([&](Solver& solver) { solver.attach({&thing, 1}); });
           },
           py::arg("link"), py::arg("shapes"), py::arg("may_touch") = py::tuple(),
+          py::arg("contacts") = py::tuple(),
           R"(Let a link carry solids from now on: they keep off points, shapes and the robot's other links.
 
 They count beside what links carry already, in all calls that follow. Parts of the same body, and fingers
 after it, may touch them.
 
 Args:
-    link: By name; a joint must move it.
-    shapes: Their poses are in the link's frame. No half-spaces.
-    may_touch: Links of the robot and shapes of scenes, by name, that they may touch.
+    link: By name; a joint must move it. Or several that hold them: they move with the first, and all of them, with
+        what is rigid to them and their fingers, may touch them. That the others stay where they hold them is for
+        goals to say (Goal.relative_to).
+    shapes: Their poses are in the (first) link's frame. No half-spaces; meshes as convex pieces.
+    may_touch: Links of the robot, shapes of scenes, what else is carried, and "points", by name or pattern, that
+        they may touch. They need not be there.
+    contacts: Rules of contact that count while they are carried, after a scene's. Their names need not be there.
 
 Raises:
     ValueError: There is no such link or no joint moves it, a shape is a half-space, or its name is that of
         something carried already.)")
       .def(
-          "detach",
-          [](SharedSolver& self, const std::optional<std::string>& link) {
-            self.change([&](Solver& solver) { link ? solver.detach(*link) : solver.detach(); });
+          "attach_all",
+          [](SharedSolver& self, const std::vector<Attachment>& things) {
+            self.change([&](Solver& solver) { solver.attach(things); });
           },
-          py::arg("link") = py::none(),
-          "Let a link, or without a name all of them, carry nothing any more.")
+          py::arg("things"),
+          R"(`attach` for several at once: all of them, or none if any cannot be carried.
+
+Args:
+    things: What each call would get; `carried` of another solver, say.
+
+Raises:
+    ValueError: As `attach`.)")
+      .def(
+          "detach",
+          [](SharedSolver& self, const std::optional<std::string>& name) {
+            self.change([&](Solver& solver) { name ? solver.detach(*name) : solver.detach(); });
+          },
+          py::arg("name") = py::none(),
+          R"(Let a link carry nothing any more, or nobody carry an object any more, or nobody anything.
+
+Args:
+    name: Of a link: what moves with another link that holds it too stays with that. Or of what is carried, of
+        an object with all its pieces. None for everything.
+
+Raises:
+    ValueError: Nothing has this name.)")
+      .def_property_readonly(
+          "carried",
+          [](SharedSolver& self) {
+            const WithoutGil release;
+            const SharedSolver::Turn turn(self);
+            return self.solver.attached();
+          },
+          "What links carry, as it was attached.")
       .def("clearances", &clearances, py::arg("q"), py::arg("obstacles") = py::none(),
            R"(How near each shape, and the points if there are any, is at a configuration.
 

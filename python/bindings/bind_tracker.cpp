@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
+#include "contacts.hpp"
 #include "goals.hpp"
 #include "names.hpp"
 #include "pdoik/tracker.hpp"
@@ -201,16 +202,26 @@ Raises:
     ValueError: It has another shape or holds NaN or infinity.)")
       .def(
           "attach",
-          [](PythonTracker& self, const std::string& link, const std::vector<Shape>& shapes,
-             const std::vector<std::string>& may_touch) { self.attach(link, shapes, may_touch); },
+          [](PythonTracker& self, const Holders& link, const std::vector<Shape>& shapes,
+             const std::vector<std::string>& may_touch, const std::vector<ContactRule>& contacts) {
+            const Attachment thing = to_attachment(link, shapes, may_touch, contacts);
+            self.attach({&thing, 1});
+          },
           py::arg("link"), py::arg("shapes"), py::arg("may_touch") = py::tuple(),
-          "As Solver.attach, for the steps that follow.")
+          py::arg("contacts") = py::tuple(), "As Solver.attach, for the steps that follow.")
+      .def(
+          "attach_all",
+          [](PythonTracker& self, const std::vector<Attachment>& things) { self.attach(things); },
+          py::arg("things"), "As Solver.attach_all.")
       .def(
           "detach",
-          [](PythonTracker& self, const std::optional<std::string>& link) {
-            link ? self.detach(*link) : self.detach();
+          [](PythonTracker& self, const std::optional<std::string>& name) {
+            name ? self.detach(*name) : self.detach();
           },
-          py::arg("link") = py::none(), "As Solver.detach.")
+          py::arg("name") = py::none(), "As Solver.detach.")
+      .def_property_readonly(
+          "carried", [](const PythonTracker& self) { return self.attached(); },
+          "What links carry, as it was attached.")
       .def("step", &step, py::arg("T_base_tip"), py::arg("obstacles") = py::ellipsis(),
            py::arg("obstacle_velocity") = py::none(),
            R"(One step towards the goals, by the deadline. Raises nothing for bad numbers.

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, module) {
   bind_occupancy(module);
   bind_cloud(module);
   bind_shape(module);
+  bind_contacts(module);
   bind_scene(module);
   bind_robot(module);
   bind_options(module);

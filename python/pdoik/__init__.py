@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 import pdoik._import_core  # says what to install if a library is missing
 import pdoik._ways  # noqa: F401  # puts Robot.from_urdf and its like on Robot
 from pdoik._core import (
+    Attachment,
     BatchResult,
     Cloud,
+    ContactRule,
     Derivatives,
     DhRow,
     Goal,
@@ -30,6 +32,7 @@ from pdoik._core import (
     Shape,
     Solutions,
     TrackerResult,
+    load_srdf_contacts,
     load_srdf_pairs,
     pairs_always_touching,
     pairs_touching_at,
@@ -57,12 +60,14 @@ from pdoik.solver import Solver
 from pdoik.tracker import Tracker
 
 __all__ = [
+    "Attachment",
     "AugmentedLagrangianOptions",
     "Balance",
     "BasePlace",
     "BasePlaces",
     "BatchResult",
     "Cloud",
+    "ContactRule",
     "Derivatives",
     "DhRow",
     "Goal",
@@ -98,6 +103,7 @@ __all__ = [
     "Trajectory",
     "load_robot",
     "load_scene",
+    "load_srdf_contacts",
     "load_srdf_pairs",
     "pairs_always_touching",
     "pairs_touching_at",

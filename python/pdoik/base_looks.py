@@ -31,7 +31,7 @@ class Question:
     robot: _core.Robot
     options: Options
     paths: tuple[Any, ...]  # poses (N, 4, 4), or goals as _told_goals gives them
-    obstacles: tuple[Any, ...]  # shapes, points or None, allowed
+    obstacles: tuple[Any, ...]  # shapes, points or None, contacts
     part: tuple[_core.Shape, ...]
     move: Moves
     asked: dict[str, Any]  # of Solver.solve_path
@@ -61,13 +61,13 @@ class Question:
 
     def scene(self, T_base_paths: FloatArray) -> _core.Scene | None:
         """Obstacles from a place."""
-        shapes, points, allowed = self.obstacles
+        shapes, points, contacts = self.obstacles
         if self.move == "base":
             shapes, points = moved_shapes(shapes, T_base_paths), moved_points(points, T_base_paths)
         shapes = [*shapes, *moved_shapes(self.part, T_base_paths)]
-        if not shapes and points is None:
+        if not shapes and points is None and not contacts:
             return None
-        return _core.Scene(shapes, cloud=points, allowed=allowed)
+        return _core.Scene(shapes, cloud=points, contacts=contacts)
 
     def ways(self) -> tuple[FloatArray, ...]:
         """Where the tool goes, in the paths' frame."""

@@ -96,11 +96,11 @@ def way_of(path: Any) -> FloatArray:
 
 
 def told_obstacles(obstacles: Any) -> tuple[Any, ...]:
-    """Shapes, points (N, 3) or (N, 4) or None, and what may touch."""
+    """Shapes, points (N, 3) or (N, 4) or None, and rules of contact."""
     shapes: list[_core.Shape] = []
-    allowed: list[Any] = []
+    contacts: list[_core.ContactRule] = []
     if isinstance(obstacles, _core.Scene):
-        shapes, allowed, obstacles = obstacles.shapes, obstacles.allowed, obstacles.cloud
+        shapes, contacts, obstacles = obstacles.shapes, obstacles.contacts, obstacles.cloud
     elif (
         isinstance(obstacles, list | tuple) and obstacles and isinstance(obstacles[0], _core.Shape)
     ):
@@ -112,7 +112,7 @@ def told_obstacles(obstacles: Any) -> tuple[Any, ...]:
             points = None
         elif points.ndim != 2 or points.shape[1] not in (3, 4):
             raise ValueError(f"obstacles has shape {points.shape}, expected (N, 3) or (N, 4)")
-    return shapes, points, allowed
+    return shapes, points, contacts
 
 
 def moved_shapes(shapes: Sequence[_core.Shape], T: FloatArray) -> list[_core.Shape]:

@@ -222,12 +222,12 @@ def _by_dask(
 ) -> Iterator[tuple[int, Any]]:
     from distributed import as_completed
 
-    shapes, allowed = [], []
+    shapes, contacts = [], []
     if isinstance(scene, _core.Scene):
-        shapes, allowed, scene = scene.shapes, scene.allowed, scene.cloud
+        shapes, contacts, scene = scene.shapes, scene.contacts, scene.cloud
     points = scene.points if isinstance(scene, _core.Cloud) else scene
     # Names of their own: those of another call that had the same are given up while it ends.
-    content = (robot, options, points, shapes, allowed, grasps)
+    content = (robot, options, points, shapes, contacts, grasps)
     shared = client.scatter(content, broadcast=True, hash=False)
     futures = {
         client.submit(_reach_chunk, shared, grid.poses(begin, end), threads, pure=False): begin
@@ -238,8 +238,8 @@ def _by_dask(
 
 
 def _reach_chunk(shared: tuple[Any, ...], poses: FloatArray, threads: int) -> Any:
-    robot, options, points, shapes, allowed, grasps = shared
+    robot, options, points, shapes, contacts, grasps = shared
     scene = _taken_in(points)
-    if shapes:
-        scene = _core.Scene(shapes, cloud=scene, allowed=allowed)
+    if shapes or contacts:
+        scene = _core.Scene(shapes, cloud=scene, contacts=contacts)
     return _reach(Solver(robot, replace(options)), poses, grasps, scene, threads)

@@ -3,11 +3,11 @@
 from typing import Final
 
 from pdoik import _core
-from pdoik.carried import Carries, once_made
+from pdoik._made import once_made
 from pdoik.options import Options, to_core
 
 
-class Solver(Carries, _core.Solver):
+class Solver(_core.Solver):
     """Constrained inverse kinematics among points (Sec. algorithm).
 
     It may be shared by threads, which then wait for each other; for work in parallel make one per
@@ -24,8 +24,9 @@ class Solver(Carries, _core.Solver):
     options: Final[Options]
 
     def __init__(self, robot: _core.Robot, options: Options | None = None) -> None:
-        self.options = options if options is not None else Options()
-        super().__init__(robot, to_core(self.options))
+        options = options if options is not None else Options()
+        super().__init__(robot, to_core(options))
+        self.options = options
 
     @once_made
     def __repr__(self) -> str:

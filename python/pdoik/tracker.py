@@ -5,12 +5,12 @@ from typing import Any, Final
 from numpy.typing import ArrayLike
 
 from pdoik import _core
-from pdoik.carried import Carries, once_made
+from pdoik._made import once_made
 from pdoik.options import to_core
 from pdoik.solver import Solver
 
 
-class Tracker(Carries, _core.Tracker):
+class Tracker(_core.Tracker):
     """One step each period, from the last answer, by a deadline, never a jump.
 
     Every step begins with standing still. What comes nearest to the goals inside a box of speed

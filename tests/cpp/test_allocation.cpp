@@ -430,10 +430,16 @@ TEST(Allocation, what_is_carried_and_what_may_touch_take_theirs_before_the_solve
     shapes.push_back(Shape::cylinder("can " + std::to_string(k), T, 0.05, 0.2));
   }
   const ObstacleMatrix points = random_obstacles(random, 200, 1.0);
+  // Some pairs by rules of their own, which take theirs then as well.
+  const std::vector<ContactRule> rules{{"cube", "can 0", 0.0},
+                                       {"cube", "can 1"},
+                                       {"*", "can 2", 0.02},
+                                       {robot.link_names()[5], "points", 0.01},
+                                       {robot.link_names()[1], robot.link_names()[5], 0.03}};
   solver.attach(robot.link_names().back(), {&cube, 1});
   tracker.attach(robot.link_names().back(), {&cube, 1});
-  solver.set_shapes(Shapes(shapes));
-  tracker.set_shapes(Shapes(shapes));
+  solver.set_shapes(Shapes(shapes, rules));
+  tracker.set_shapes(Shapes(shapes, rules));
   solver.set_obstacles(points);
   tracker.set_obstacles(points);
   Result result;

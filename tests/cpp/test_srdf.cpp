@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -42,6 +43,37 @@ TEST(Srdf, pairs_of_links_that_a_robot_has_not_are_left_out) {
   EXPECT_EQ(load_srdf_pairs(more, robot), kPandaPairs);
 }
 
+TEST(Srdf, what_is_off_by_default_is_off_but_for_pairs_that_are_on) {
+  const std::string text = R"(<robot name="panda">
+  <enable_collisions link1="panda_link3" link2="panda_link6"/>
+  <enable_collisions link1="panda_link1" link2="panda_link6"/>
+  <disable_default_collisions link="panda_link6"/>
+  <disable_default_collisions link="panda_hand"/>
+  <disable_collisions link1="panda_link6" link2="panda_link1"/>
+</robot>)";
+  const Robot robot = Robot::builtin("panda");
+  const std::vector<LinkPair> pairs = load_srdf_pairs(text, robot);
+  // With itself it is no pair, with link 3 it is looked at; what is off after all comes once.
+  EXPECT_EQ(pairs.size(), robot.link_names().size() - 2);
+  EXPECT_EQ(pairs.front(), LinkPair("panda_link6", "panda_link1"));
+  for (const LinkPair& pair : pairs) {
+    EXPECT_EQ(pair.first, "panda_link6");
+    EXPECT_NE(pair.second, "panda_link3");
+  }
+  const std::vector<ContactRule> rules = load_srdf_contacts(text);
+  ASSERT_EQ(rules.size(), 5U);
+  EXPECT_EQ(rules[0], (ContactRule{.one = "panda_link6", .other = "*", .optional = true}));
+  EXPECT_EQ(rules[2], (ContactRule{"panda_link3", "panda_link6", std::nullopt, true}));
+  EXPECT_EQ(rules[4],
+            (ContactRule{.one = "panda_link6", .other = "panda_link1", .optional = true}));
+  for (const LinkPair& pair : kPandaPairs) {
+    const auto is_it = [&](const ContactRule& rule) {
+      return rule.one == pair.first && rule.other == pair.second;
+    };
+    EXPECT_TRUE(std::ranges::any_of(load_srdf_contacts(kPandaSrdf), is_it));
+  }
+}
+
 TEST(Srdf, a_files_path_does_as_well) {
   const std::string path = ::testing::TempDir() + "pdoik_test.srdf";
   std::ofstream(path) << kPandaSrdf;
@@ -71,7 +103,7 @@ TEST(Srdf, what_cannot_be_read_is_refused_by_name) {
   expect_refused("<urdf/>", {"<robot>", "<urdf>"});
   expect_refused("<!-- nothing -->", {"the SRDF text"});
   expect_refused("<robot><disable_default_collisions link='a'/></robot>",
-                 {"<disable_default_collisions>", "not supported"});
+                 {"<disable_default_collisions>", "the robot"});
   expect_refused("<robot xmlns:xacro='x'><xacro:hands/></robot>", {"<xacro:hands>", "xacro"});
   expect_refused(std::string("<robot>\0</robot>", 16), {"NUL"});
   expect_refused("<robot>\xC3\x28</robot>", {"UTF-8"});

@@ -252,14 +252,16 @@ TEST(Touching, a_link_and_a_shape_touch_to_the_depth_that_is_allowed) {
   const Gripper gripper(0.0);
   for (const double depth : {0.004, 0.006}) {
     Solver solver(gripper.robot, timeless());
-    solver.set_shapes(Shapes({gripper.slab(-0.005)}, {{gripper.hand, "slab", depth}}));
+    solver.set_shapes(Shapes({gripper.slab(-0.005)}, {{gripper.hand, "slab", -depth}}));
     const Result result = solver.solve(gripper.T, gripper.q);
     EXPECT_EQ(result.success, depth > 0.005);
     if (result.success) {
-      EXPECT_NEAR(result.clearance, depth - 0.005, 2e-5);
+      EXPECT_NEAR(result.clearance, -0.005, 2e-5);
+      EXPECT_NEAR(result.room, depth - 0.005, 2e-5);
     }
   }
-  EXPECT_THROW(Shapes({gripper.slab(0.0)}, {{gripper.hand, "slab", -1.0}}), std::invalid_argument);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Shapes({gripper.slab(0.0)}, {{gripper.hand, "slab", nan}}), std::invalid_argument);
 }
 
 /// Where the elbow cannot but be in a wall, though the tool is not, the budget is not spent.

@@ -61,8 +61,8 @@ def test_shapes_are_kept_off_named_and_drawn_where_they_are(session: Session) ->
     beside = session.robot.fk(REACHED, "panda_link4")[:3, 3] + np.array([0.0, 0.1, 0.0])
     ball = pdoik.Shape.sphere("ball", beside, 0.08)
     floor = pdoik.Shape.half_space("floor", (0, 0, 1), (3, 0, -0.5))
-    allowed = [("panda_link0", "floor")]
-    session.set_shapes([ball, floor], allowed)
+    contacts = [pdoik.ContactRule("panda_link0", "floor")]
+    session.set_shapes([ball, floor], contacts)
     session.set_posture(REACHED)
     shown = session.solve_once()
     assert shown is not None
@@ -83,7 +83,7 @@ def test_shapes_are_kept_off_named_and_drawn_where_they_are(session: Session) ->
     assert shown is not None
     assert "mm to 1 points and 2 shapes" in status_html(shown, Meter())
     with pytest.raises(ValueError, match="'nobody'"):
-        session.set_shapes([ball], [("nobody", "ball")])
+        session.set_shapes([ball], [pdoik.ContactRule("nobody", "ball")])
 
 
 def test_the_robot_follows_its_target_by_small_steps(session: Session) -> None:

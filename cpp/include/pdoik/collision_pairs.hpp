@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pdoik/contact_rule.hpp"
 #include "pdoik/robot.hpp"
 
 namespace pdoik {
@@ -12,11 +13,17 @@ namespace pdoik {
 /// each other: its `<disable_collisions link1= link2=>`, in the file's order. They go to
 /// Robot::set_ignored_pairs, which knows whether the robot has these links. In pdoik::io.
 /// @param path_or_xml  A file's path, or the XML text itself (recognised by its leading '<').
-/// @throws LoadError  unreadable file, malformed XML, missing attribute, or an element that says
-/// what pairs cannot (`<disable_default_collisions>`, xacro); names the file and the element.
+/// @throws LoadError  unreadable file, malformed XML, missing attribute, xacro, or
+/// `<disable_default_collisions>`, which means pairs with all links of a robot; names the file and
+/// the element.
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml);
 /// Those of links that a robot has: an SRDF may be of a description with more, such as fingers.
+/// After them, of each `<disable_default_collisions link=>` its pairs with all links, but for those
+/// of `<enable_collisions link1= link2=>`.
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml, const Robot& robot);
+/// The same as rules of contact for a scene: of a link whose collisions are off by default with
+/// shapes, points and what links carry as well. All are optional.
+std::vector<ContactRule> load_srdf_contacts(const std::string& path_or_xml);
 
 /// Pairs of links that touch in at least `share` of random configurations, as MoveIt's Setup
 /// Assistant finds them: hulls of links that are close but not joined, whose overlap says nothing.

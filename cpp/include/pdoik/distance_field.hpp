@@ -42,7 +42,8 @@ class DistanceField {
   /// Take distances in. Large fields take a moment: some 0.1 s for 200^3 cells, and 1 s where
   /// distances that are truncated or unknown have to be found.
   /// @param values  Of cell (i, j, k) at (i counts[1] + j) counts[2] + k [m]. Not known is what is
-  /// not finite, and one number that is farther from all others than the grid is wide, such as 1000.
+  /// not finite, and one number that is farther from all others than the grid is wide, such as
+  /// 1000.
   /// @param counts  Two cells along each axis at least.
   /// @param cell  A cell's edge [m].
   /// @throws std::invalid_argument  Another number of values, none that is known, a cell that is

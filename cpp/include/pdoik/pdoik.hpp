@@ -5,9 +5,11 @@
 /// name both frames, T_base_tip takes tip points to base. This header includes all others.
 
 #include "pdoik/abi.hpp"
+#include "pdoik/attachment.hpp"
 #include "pdoik/augmented_lagrangian.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/collision_pairs.hpp"
+#include "pdoik/contact_rule.hpp"
 #include "pdoik/distance_field.hpp"
 #include "pdoik/errors.hpp"
 #include "pdoik/floating_base.hpp"

@@ -80,7 +80,8 @@ struct Result {
   double position_error = std::numeric_limits<double>::infinity();  ///< largest over goals [m]
   double rotation_error =
       std::numeric_limits<double>::infinity();  ///< largest over goals [rad]; 0 for position goals
-  /// [m]; infinite without obstacles, at most Options::report_clearance else.
+  /// Least distance of obstacles, but for those whose contact does not count [m]; infinite without
+  /// any, at most Options::report_clearance else.
   double clearance = std::numeric_limits<double>::infinity();
   double limit_violation = 0.0;  ///< [rad] or [m], largest over joints
   /// In the base frame, where balance is asked for [m].
@@ -89,6 +90,12 @@ struct Result {
   /// Least distance between hulls of links that are not adjacent, where that is asked for: between
   /// the capsules that hold them, which is never more [m].
   double self_distance = std::numeric_limits<double>::infinity();
+  /// How much farther apart than is wanted of them the two are of which that is the least, negative
+  /// if they are nearer: an obstacle and what has to keep off it. Without rules of contact it is
+  /// clearance less Options::clearance [m].
+  double room = std::numeric_limits<double>::infinity();
+  /// The same of what self_distance is of [m].
+  double self_room = std::numeric_limits<double>::infinity();
   WorstConstraint worst;  ///< what is missed by most, or comes nearest to that
   /// The deepest contact of the capsules that Options::forgive_overhang counts as thinner than they
   /// are, if these are taken whole: of a kind with points or shapes, or HeldHull; None where there

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 
+#include "pdoik/contact_rule.hpp"
 #include "pdoik/shape.hpp"
 
 namespace pdoik {
@@ -14,34 +14,27 @@ namespace detail {
 struct ShapeSet;
 }
 
-/// A link and a shape that may touch: the table that the base stands on, what the hand is to hold.
-struct AllowedContact {
-  std::string link;   ///< of the robot, with all of its hulls
-  std::string shape;  ///< its name
-  /// By at most this much [m]: their distance counts from there.
-  double depth = std::numeric_limits<double>::infinity();
-};
-
 /// Solids that the robot has to keep off, ready for distances. It does not change: any number of
 /// solvers on any number of threads may share it.
 class Shapes {
  public:
   /// None.
   Shapes();
-  /// Take shapes in, of different names, and what may touch them.
-  /// @throws std::invalid_argument  As check_shape; two shapes of one name; an allowed contact with
-  /// a shape that is not there or to a negative depth. Whether there is such a link says who takes
-  /// them in.
-  explicit Shapes(std::vector<Shape> shapes, std::vector<AllowedContact> allowed = {});
+  /// Take shapes in, of different names, and rules of contact: of these, and of whatever else is
+  /// there where a solver takes them in.
+  /// @throws std::invalid_argument  As check_shape and check_contact_rule; two shapes of one name.
+  /// Whether there is what rules speak of says who takes them in.
+  explicit Shapes(std::vector<Shape> shapes, std::vector<ContactRule> contacts = {});
 
   /// In the order that they were given.
   std::span<const Shape> shapes() const;
-  /// What may touch.
-  std::span<const AllowedContact> allowed() const;
+  /// The rules, in the order that they were given.
+  std::span<const ContactRule> contacts() const;
 
  private:
   friend class Solver;
   friend class Tracker;
+  explicit Shapes(std::shared_ptr<const detail::ShapeSet> set) : set_(std::move(set)) {}
   std::shared_ptr<const detail::ShapeSet> set_;
 };
 

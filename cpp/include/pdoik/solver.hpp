@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "pdoik/attachment.hpp"
 #include "pdoik/goal.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/path.hpp"
@@ -108,19 +109,29 @@ class Solver {
   /// Those of a cloud, as they are whenever a solve begins. Solvers share it.
   void set_obstacles(const Cloud& cloud);
   /// The solids of the solves that follow, beside the points; Shapes() for none. Allocates.
-  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
+  /// @throws std::invalid_argument  A rule of contact speaks of what is neither a link, nor a
+  /// shape, nor carried now, and is not optional; or it gives points a negative clearance, and the
+  /// method or the inner one is not the default.
   void set_shapes(const Shapes& shapes);
-  /// Let a link carry solids from now on, beside what links carry already: they keep off points,
-  /// shapes and the robot's other links as its own hulls do. Allocates.
+  /// Let links carry solids from now on, beside what they carry already: they keep off points,
+  /// shapes, the robot's other links and what these carry as its own hulls do. All of them, or none
+  /// if any cannot be carried. Allocates.
+  /// @throws std::invalid_argument  There is no such link, or no joint moves it; as check_shape and
+  /// check_contact_rule; a half-space, a mesh, several boxes; a name that something carried has
+  /// already.
+  void attach(std::span<const Attachment> things);
+  /// The same of one link.
   /// @param shapes  Their poses are in the link's frame.
-  /// @param may_touch  Links of the robot, shapes of scenes and other things that links carry, by
-  /// name, that they may touch.
-  /// @throws std::invalid_argument  There is no such link or no joint moves it; as check_shape; a
-  /// half-space; a name that something carried has already.
+  /// @param may_touch  Links of the robot, shapes of scenes, other things that links carry and the
+  /// points, by name or pattern as in a ContactRule, that they may touch.
   void attach(const std::string& link, std::span<const Shape> shapes,
               std::span<const std::string> may_touch = {});
-  /// Let a link carry nothing any more.
-  void detach(const std::string& link);
+  /// What links carry, as it was attached.
+  std::vector<Attachment> attached() const;
+  /// Let a link carry nothing any more: what moves with another one that holds it too stays with
+  /// that. Or, by its name, let nobody carry an object any more.
+  /// @throws std::invalid_argument  There is neither a link nor anything carried of this name.
+  void detach(const std::string& name);
   /// Let no link carry anything any more.
   void detach();
 

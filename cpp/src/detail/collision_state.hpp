@@ -242,11 +242,14 @@ class CollisionState {
 
   /// Take pairs that are let touch out of the first ones. @returns How many are left.
   int without_touching(const ObstacleView& obstacles, int count) {
-    if (touching_ == nullptr || !touching_->wanted()) return count;
+    const bool touching = touching_ != nullptr && touching_->wanted();
+    if (!touching && obstacles.own == nullptr) return count;
     const auto is_let = [&](const NearPair& pair) {
       const Hull& hull = this->hull(pair);
-      const Vec4 o = obstacles[pair.obstacle];
-      return touching_->lets(hull.source, o) && point_depth(hull, o) <= touching_->depth();
+      const Vec4 o = obstacles.of(hull.source, pair.obstacle);
+      if (std::isinf(o[3])) return true;
+      return touching && touching_->lets(hull.source, o) &&
+             point_depth(hull, o) <= touching_->depth();
     };
     const auto begin = pairs_.begin(), end = begin + count;
     return static_cast<int>(std::remove_if(begin, end, is_let) - begin);
@@ -269,7 +272,7 @@ class CollisionState {
     const Hull& hull = hulls_[h];
     auto [centre, half, semi_major] = by_distance ? around(hull) : spheroid_of(hull);
     centre -= obstacles->origin();
-    double margin = std::max(obstacles.margin, 0.0);
+    double margin = std::max(obstacles.margin_of(hull.source), 0.0);
     if (by_distance) grow += std::exchange(margin, 0.0);
     if (grow < 0.0) [[unlikely]] {
       const Core core = core_of(semi_major, dot3(half, half), -grow);

@@ -19,7 +19,8 @@ struct HeldNear {
   WorstConstraint::Kind kind = WorstConstraint::Kind::None;  ///< of those with Held
   int held = -1;
   int other = -1;  ///< the point's id, the shape, the hull's place in the occupancy, the other held
-  double distance = std::numeric_limits<double>::infinity();  ///< beyond what is wanted [m]
+  /// Beyond what is wanted of the pair [m].
+  double distance = std::numeric_limits<double>::infinity();
   int slot = 0;  ///< of the pair, the same from one configuration to another
   Pulls pulls;   ///< the derivatives of minus the distance
 };
@@ -108,7 +109,7 @@ class HeldClearance {
   template <class Visit>
   void shapes_near(int k, const ShapePairs& shapes, double within, Visit&& visit) const {
     const Solid& solid = held_[k].solid;
-    const double size = solid.radius() + clearance_;
+    const double size = solid.radius() + clearance_ + held_.most_shape_margin(k);
     shapes.near(transform(frame(k), solid.centre()), Vec4{}, size + within,
                 [&](int part) { return size + visit(part); });
   }

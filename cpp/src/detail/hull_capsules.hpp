@@ -51,6 +51,12 @@ class HullCapsules {
   int count() const { return static_cast<int>(hulls_.size()); }
   /// The most capsules that a hull is.
   std::size_t most() const;
+  /// The place in the occupancy of what a hull is, all of which sits on the same link or links.
+  int source(int k) const {
+    const PlacedHull& own = hull(k);
+    return own.count > 0 ? capsules_[static_cast<std::size_t>(own.first)].source
+                         : own.around.source;
+  }
   /// The capsule that holds a hull, but for its excess.
   const PlacedCapsule& around(int k) const { return hull(k).around; }
   /// Their middles, of all hulls.

@@ -65,6 +65,10 @@ struct HullModel;
 bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body);
 /// The links that a hull's foci are given on.
 std::pair<int, int> links_of(const Robot& robot, const Hull& hull);
+/// The links that what a hull is sits on: its capsules' or, without any, those of its foci.
+std::pair<int, int> seat_of(const Robot& robot, const HullModel& model, const Hull& hull);
+/// The same of a place in the occupancy: twice the same but for a spheroid between two links.
+std::pair<int, int> links_of_source(const Robot& robot, int source);
 
 /// The robot's hulls on their attached points, each point once. Points on a joint's own axis belong
 /// to the body before it, since that joint does not move them; hulls that no joint moves are kept

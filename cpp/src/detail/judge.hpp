@@ -32,11 +32,14 @@ class Judge {
   }
   /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
   void hold(const Scene& scene);
+  /// How far links are to keep off one another in a scene: asked again whenever that changes.
+  void keep_off_itself(const Scene& scene);
 
-  /// Fills q, errors, clearance, limit violation, worst constraint, what was forgiven and success.
+  /// Fills q, errors, clearance and room, limit violation, worst constraint, what was forgiven and
+  /// success.
   /// Allocates nothing when result.q has its size.
-  /// @param look  Clearance beyond this is told as this, or as what is wanted if that is more: to
-  /// find how far the far is takes time [m].
+  /// @param look  Clearance beyond this, and room beyond as much, is told as this, or as what is
+  /// wanted if that is more: to find how far the far is takes time [m].
   void operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, const Scene& scene,
                   Result& result, double look = std::numeric_limits<double>::infinity());
 
@@ -46,25 +49,37 @@ class Judge {
   void judge_goal(const Goal& goal, Verdict& verdict, Result& result) const;
   void judge_limits(const Eigen::VectorXd& q, Result& result) const;
   void judge_balance(Verdict& verdict, Result& result);
-  void judge_hulls(Verdict& verdict, Result& result);
-  void judge_points(const Scene& scene, double look, Verdict& verdict, Result& result);
-  void judge_shapes(const Scene& scene, double look, Verdict& verdict, Result& result);
-  void judge_held(const Scene& scene, double look, Verdict& verdict, Result& result);
+  /// Distances by some pairs, as if each had to keep as far off as the options say.
+  struct Least {
+    double obstacles = std::numeric_limits<double>::infinity();
+    double self = std::numeric_limits<double>::infinity();
+  };
+  /// What is asked of some pairs again and again.
+  struct Asked {
+    /// What of the hulls that no joint moves is nearest to the points of that stamp, if anything is
+    /// nearer than was looked.
+    Clearance fixed;
+    std::uint64_t fixed_stamp = 0;
+    double fixed_look = 0.0;
+    std::optional<SelfCollision> self;
+    std::optional<HeldClearance> held;
+  };
+  /// @param verdict  To be told of the least; null for nobody.
+  void judge_points(const Scene& scene, const Pairs& pairs, double look, Asked& asked,
+                    Verdict* verdict, Least& least);
+  void judge_shapes(const Pairs& pairs, double look, Verdict* verdict, Least& least);
+  void judge_hulls(Asked& asked, Verdict* verdict, Least& least);
+  void judge_held(const Scene& scene, const Pairs& pairs, double look, Asked& asked,
+                  Verdict* verdict, Least& least);
 
   const Robot& robot_;
   const Options& options_;
-  const HullModel& hulls_;
+  const HullModel &hulls_, &whole_;
   std::vector<Eigen::Isometry3d> T_base_body_;
   CollisionState collision_, fixed_hulls_;
-  /// What of the hulls that no joint moves is nearest to the points of that stamp, if anything is
-  /// nearer than was looked.
-  Clearance fixed_;
-  std::uint64_t fixed_stamp_ = 0;
-  double fixed_look_ = 0.0;
   HullCapsules capsules_;
   Balance balance_;
-  std::optional<SelfCollision> self_;
-  std::optional<HeldClearance> held_;
+  Asked by_pairs_, plain_;                   ///< plain where some pair has a clearance of its own
   std::optional<ForgivenContact> forgiven_;  ///< where any contact is
 };
 

@@ -66,14 +66,14 @@ class LeastSquaresProblem {
     return hulls().any_near(
         all,
         [&](const NearPair& pair) {  // the point itself, whatever its radius
-          const Vec4 o = all[pair.obstacle];
           const Hull& hull = hulls().hull(pair);
+          const Vec4 o = all.of(hull.source, pair.obstacle);
           return !hull.has_capsules() && o[3] >= 0.0 &&
                  paper_constraint(hulls(), hull, o).c > 2.0 * o[3];
         },
         [&](const NearPair& pair) {
-          const Vec4 o = all[pair.obstacle];
           const Hull& hull = hulls().hull(pair);
+          const Vec4 o = all.of(hull.source, pair.obstacle);
           return hull.has_capsules() ? link_violation(hulls(), hull, o) > 0.0
                                      : distance_constraint(hulls(), hull, o).c > 0.0;
         });

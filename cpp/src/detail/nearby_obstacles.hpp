@@ -35,6 +35,7 @@ class NearbyObstacles {
       return count <= kMost;
     };
     if (!hulls.visit_near(all, [margin](std::size_t) { return margin; }, note)) return false;
+    own_ = all.own;
     copies_.begin(static_cast<int>(count), to_vector3(all->origin()));
     for (std::size_t w = 0; w < words; ++w) {
       for (std::uint64_t bits = is_near_[w]; bits != 0; bits &= bits - 1) {
@@ -46,13 +47,14 @@ class NearbyObstacles {
     return true;
   }
 
-  ObstacleView view() const { return copies_; }
+  ObstacleView view() const { return {&copies_, 0.0, own_}; }
 
  private:
   /// Copies of more save nothing.
   static constexpr std::size_t kMost = 16384;
 
   ObstacleSet copies_;
+  const double* own_ = nullptr;         ///< what hulls have of their own, which the copies have not
   std::vector<std::uint64_t> is_near_;  ///< a bit for each of all
 };
 

@@ -56,10 +56,11 @@ class ObstacleConstraints {
                                            block * kLanes, bounded_.distances);
     }
     if (bounded_.is_known) {
-      return obstacles_.margin - static_cast<double>(bounded_.distances[pair.obstacle % kLanes]);
+      return obstacles_.margin_of(hulls_.hull(pair).source) -
+             static_cast<double>(bounded_.distances[pair.obstacle % kLanes]);
     }
     const Hull& hull = hulls_.hull(pair);
-    const Vec4 o = obstacles_[pair.obstacle];
+    const Vec4 o = obstacles_.of(hull.source, pair.obstacle);
     if (hull.has_capsules()) return capsule_violation(hulls_, hull, o);
     return o[3] - half_sum_gap(hull, hulls_.position(hull.a), hulls_.position(hull.b), o);
   }
@@ -72,7 +73,7 @@ class ObstacleConstraints {
   PDOIK_INLINE At at(int k) const {  // so that nobody computes the derivatives who asks for c alone
     const NearPair& pair = hulls_.near(k);
     const Hull& hull = hulls_.hull(pair);
-    const Vec4 o = obstacles_[pair.obstacle];
+    const Vec4 o = obstacles_.of(hull.source, pair.obstacle);
     if (form_ == Form::Paper) return {paper_constraint(hulls_, hull, o), &hull};
     if (hull.has_capsules()) {
       const CapsuleConstraint found = capsule_constraint(hulls_, hull, o);

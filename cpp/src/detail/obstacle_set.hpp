@@ -133,20 +133,30 @@ class ObstacleSet {
   bool in_order_ = false;
 };
 
-/// Points whose radii have grown by a margin, which may be negative.
+/// Points whose radii have grown by a margin, which may be negative, and for some hulls by another.
 struct ObstacleView {
-  ObstacleView(const ObstacleSet* points_in, double margin_in)
-      : points(points_in), margin(margin_in) {}
+  /// @param own_in  By how much more for a hull, by its place in the occupancy: minus infinity if
+  /// it may touch them. Null for nothing.
+  ObstacleView(const ObstacleSet* points_in, double margin_in, const double* own_in = nullptr)
+      : points(points_in), margin(margin_in), own(own_in) {}
   /// As they are.
   ObstacleView(const ObstacleSet& set) : points(&set), margin(0.0) {}
 
   const ObstacleSet* operator->() const { return points; }
   const ObstacleSet& operator*() const { return *points; }
-  /// x, y, z, radius.
+  /// x, y, z, radius, as they are for a hull with this place in the occupancy.
+  Vec4 of(int source, int place) const {
+    return (*points)[place] + Vec4{0.0, 0.0, 0.0, margin_of(source)};
+  }
+  /// The same for hulls that have no margin of their own.
   Vec4 operator[](int place) const { return (*points)[place] + Vec4{0.0, 0.0, 0.0, margin}; }
+  double margin_of(int source) const {
+    return own == nullptr ? margin : margin + own[static_cast<std::size_t>(source)];
+  }
 
   const ObstacleSet* points;
   double margin;
+  const double* own;
 };
 
 template <class Source>

@@ -3,16 +3,18 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "detail/clearance.hpp"
 #include "detail/cloud_state.hpp"
 #include "detail/complaint.hpp"
-#include "detail/held.hpp"
 #include "detail/model.hpp"
 #include "detail/own_rows.hpp"
-#include "detail/shape_clearance.hpp"
+#include "detail/pairs.hpp"
+#include "pdoik/attachment.hpp"
 
 namespace pdoik::detail {
 
@@ -39,19 +41,26 @@ class Scene {
   /// Take those of a cloud, as they are whenever `read` is asked.
   void use(std::shared_ptr<const CloudState> cloud);
 
-  /// Take in shapes, beside the points.
-  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
+  /// Take in shapes, beside the points, and rules of contact.
+  /// @throws std::invalid_argument  A rule that is not optional speaks of what is not there, or
+  /// lets points into hulls by a method that cannot.
   void use(std::shared_ptr<const ShapeSet> shapes);
 
-  /// Let a link hold these as well.
-  /// @throws std::invalid_argument  As HeldSolid; or one of them has the name of another.
+  /// Let links hold these as well: all, or none if any cannot be.
+  /// @throws std::invalid_argument  As HeldSolid; one of them has the name of another; as
+  /// check_contact_rule.
+  void attach(std::span<const Attachment> things);
+  /// The same of one link, whose solids may touch what has these names.
   void attach(const std::string& link, std::span<const Shape> shapes,
               std::span<const std::string> may_touch);
-  /// Let a link hold nothing.
-  /// @throws std::invalid_argument  There is no such link.
-  void detach(const std::string& link);
-  /// What the robot holds from now on.
-  void hold(Held::Solids solids);
+  /// What links hold, as it was attached.
+  std::vector<Attachment> attached() const;
+  /// Let a link hold nothing: what others hold with it stays with these, if they carry it. Or let
+  /// nobody hold the object of this name.
+  /// @throws std::invalid_argument  There is neither.
+  void detach(const std::string& name);
+  /// Let no link hold anything.
+  void detach();
 
   /// Held while a solve reads the obstacles, which stay as they are: brings up to date what follows
   /// from them. Everything that uses a scene begins with this.
@@ -62,33 +71,47 @@ class Scene {
   /// Whether `read` has found them changed since this was last asked.
   bool has_changed() { return std::exchange(changed_, false); }
 
+  /// What is kept off what, and how far.
+  const Pairs& pairs() const { return pairs_; }
+  /// The same as if all pairs whose contact counts had to keep as far off: what distances are.
+  const Pairs& plain_pairs() const { return plain_ ? *plain_ : pairs_; }
+  bool has_own_clearances() const { return plain_.has_value(); }
+
   /// Radii grow by the clearance that is wanted.
-  ObstacleView obstacles() const { return {points_, margin_}; }
+  ObstacleView obstacles() const { return obstacles(pairs_); }
+  ObstacleView obstacles(const Pairs& pairs) const { return {points_, margin_, pairs.of_points()}; }
   /// The places for points, whole lanes of them, when `read` was last asked.
   int padded_points() const { return padded_points_; }
   /// Another number whenever the points are others, and in each scene.
   std::uint64_t points_stamp() const { return points_stamp_; }
-  const ShapePairs& shapes() const { return shapes_; }
-  const Held& held() const { return held_; }
+  const ShapePairs& shapes() const { return pairs_.shapes; }
+  const Held& held() const { return pairs_.held; }
   /// Another number whenever what is held, or the shapes it is held among, are others, and in each
   /// scene.
   std::uint64_t held_stamp() const { return held_stamp_; }
+  /// Another number whenever the margins among links are others; 0 by the robot's ignored pairs
+  /// alone.
+  std::uint64_t links_stamp() const { return links_stamp_; }
   /// At most how many points are within the reach of moving hulls; none of the others can touch
   /// any.
   int within_reach() const { return within_reach_; }
   /// The deepest obstacle in a hull that no joint moves, if there is any.
   const Clearance& fixed() const { return fixed_; }
   /// The same among shapes, their distance without the clearance that is wanted.
-  const ShapeClearance& fixed_to_shapes() const { return fixed_to_shapes_; }
+  const ShapeClearance& fixed_to_shapes() const { return pairs_.fixed_to_shapes; }
   /// Whether there is one.
   bool base_collides() const {
-    return fixed_.distance < -tolerance_ || fixed_to_shapes_.distance - margin_ < -tolerance_;
+    return fixed_.distance < -tolerance_ || fixed_to_shapes().distance - margin_ < -tolerance_;
   }
 
   double intake = 0.0;  ///< what taking the points in took [s]
 
  private:
   void refresh();
+  /// Take in shapes and what links hold, or leave all as it was.
+  /// @param anew  Whether the rules of the shapes have not been looked at.
+  void take(std::shared_ptr<const ShapeSet> shapes, Held::Solids solids, bool anew);
+  PairMargins margins_of(const ShapeSet& shapes, const Held::Solids& solids, bool anew) const;
 
   const Model& model_;
   const HullModel& hulls_;
@@ -100,10 +123,9 @@ class Scene {
   OwnRows copy_;
   CellOrder order_;
   Clearance fixed_;
-  ShapePairs shapes_;
-  ShapeClearance fixed_to_shapes_;
-  Held held_;
-  std::uint64_t held_stamp_, points_stamp_ = 0;
+  Pairs pairs_;
+  std::optional<Pairs> plain_;  ///< where some pair has a clearance of its own
+  std::uint64_t held_stamp_, links_stamp_ = 0, points_stamp_ = 0;
   int within_reach_ = 0, version_ = -1, padded_points_ = 0;
   bool changed_ = true;
 };

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "detail/hull_capsules.hpp"
+#include "detail/pair_margins.hpp"
 #include "detail/segment_distance.hpp"
 
 namespace pdoik::detail {
@@ -28,13 +29,18 @@ class SelfCollision {
   };
 
   /// Pairs of hulls on links that are neither the same, nor rigidly connected, nor adjacent (joined
-  /// by one moving joint, through any number of fixed ones), nor in robot.ignored_pairs(). Hulls
+  /// by one moving joint, through any number of fixed ones), nor may touch by rules. Hulls
   /// that stay where they are relative to each other are rigidly connected, whatever links they
   /// were given on; a hull whose foci are rigid to each other sits on one link, even if they were
   /// given on two (between two joints' axes it does). One that spans two links has the neighbours
-  /// and the ignored pairs of both.
+  /// and the rules of both.
   /// @param margin  Added to c, which thus asks for that much distance [m].
-  SelfCollision(const Robot& robot, const HullModel& hulls, double margin);
+  /// @param margins  By how much more of a pair.
+  SelfCollision(const Robot& robot, const HullModel& hulls, double margin,
+                const PairMargins& margins);
+  /// The same by robot.ignored_pairs() alone.
+  SelfCollision(const Robot& robot, const HullModel& hulls, double margin)
+      : SelfCollision(robot, hulls, margin, PairMargins(robot)) {}
 
   int pair_count() const { return static_cast<int>(pairs_.size()); }
   const Pair& pair(int k) const { return pairs_[static_cast<std::size_t>(k)]; }
@@ -46,7 +52,7 @@ class SelfCollision {
   /// A pair's constraint c <= 0 and its derivatives.
   struct Near {
     int pair;
-    double c;  ///< radii + margin - distance of the segments [m]
+    double c;  ///< radii + margin of the pair - distance of the segments [m]
     Pulls pulls;
   };
 
@@ -57,7 +63,7 @@ class SelfCollision {
     const Vec4* const middles = capsules_.middles();
     for (int k = 0; k < pair_count(); ++k) {
       const double within = reach(k);
-      if (glance(k).is_within(middles, margin_ + within)) add_if_near(k, within);
+      if (glance(k).is_within(middles, margin_ + glance(k).margin + within)) add_if_near(k, within);
     }
   }
   int near_count() const { return near_count_; }
@@ -67,13 +73,15 @@ class SelfCollision {
   /// much of their radii overlap, infinite if one holds nothing.
   double distance(int pair);
 
-  /// Whether a pair's capsules are nearer than this.
+  /// Whether a pair's capsules are nearer than this beyond what is wanted of them.
   bool is_nearer(int k, double than) {
+    than += margin_ + glance(k).margin;
     return glance(k).is_within(capsules_.middles(), than) &&
            nearest(glance(k), than).one != nullptr;
   }
 
   struct Least {
+    /// As if all pairs had the same margin: of one with more that much less.
     double distance = std::numeric_limits<double>::infinity();
     int pair = -1;
     int source[2] = {-1, -1};  ///< the places of both in the occupancy
@@ -95,6 +103,7 @@ class SelfCollision {
   struct Glance {
     int a, b;           // hulls
     double semi_major;  // of both: nothing of a hull is farther than that from its middle
+    double margin;      // of its own, beside that of all
 
     /// False for hulls that hold nothing: their middle is not a number.
     bool is_within(const Vec4* middles, double distance) const {

@@ -13,9 +13,13 @@ namespace pdoik::detail {
 class SelfConstraints : public ByPulls {
  public:
   /// The hulls outlive it.
-  SelfConstraints(const Model& model, const CollisionState& hulls) : hulls_(hulls) {
-    if (model.options.keeps_off_itself(model.robot))
-      self_.emplace(model.robot, model.whole, model.options.self_clearance);
+  SelfConstraints(const Model& model, const CollisionState& hulls) : model_(model), hulls_(hulls) {
+    use(PairMargins(model.robot));
+  }
+  /// The margins of its pairs from now on. Allocates.
+  void use(const PairMargins& margins) {
+    if (model_.options.keeps_off_itself(model_.robot))
+      self_.emplace(model_.robot, model_.whole, model_.options.self_clearance, margins);
   }
 
   bool wants_points() const { return self_.has_value(); }
@@ -32,6 +36,7 @@ class SelfConstraints : public ByPulls {
   const SelfCollision::Near& at(int k) const { return self_->near(k); }
 
  private:
+  const Model& model_;
   const CollisionState& hulls_;
   std::optional<SelfCollision> self_;
 };

@@ -6,16 +6,18 @@
 
 #include "detail/deadline.hpp"
 #include "detail/hull_capsules.hpp"
+#include "detail/pair_margins.hpp"
 #include "detail/shape_set.hpp"
 
 namespace pdoik::detail {
 
-/// A scene's shapes as one robot's hulls see them: which pairs may not touch.
+/// A scene's shapes as one robot's hulls see them: how near each pair may come. Distances count as
+/// if all pairs had to keep the options' clearance: those of a pair with another one are told less
+/// by what that is more.
 class ShapePairs {
  public:
   ShapePairs() : set_(no_shapes()) {}
-  /// @throws std::invalid_argument  Contact is allowed with a link that the robot does not have.
-  ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot);
+  ShapePairs(std::shared_ptr<const ShapeSet> set, const Robot& robot, const PairMargins& margins);
 
   int count() const { return static_cast<int>(set_->shapes.size()); }
   const Shape& shape(int k) const { return set_->shapes[static_cast<std::size_t>(k)]; }
@@ -28,11 +30,14 @@ class ShapePairs {
   double steepest() const { return set_->steepest; }
   /// The shape that a part belongs to.
   int owner(int part) const { return set_->owners[static_cast<std::size_t>(part)]; }
-  /// How deep a hull may lie in a shape; infinite if that does not matter [m].
+  /// By how much farther than the options say a hull has to keep off a shape; minus infinity if
+  /// contact does not count [m].
   /// @param source  A hull's or capsule's place in the occupancy.
-  double allowed(int source, int shape) const {
-    return allowed_.empty() ? 0.0 : allowed_[static_cast<std::size_t>(source * count() + shape)];
+  double margin(int source, int shape) const {
+    return margins_.empty() ? 0.0 : margins_[static_cast<std::size_t>(source * count() + shape)];
   }
+  /// The most of any pair, and at least 0: how much farther than others some look [m].
+  double most_margin() const { return most_margin_; }
   /// Visit parts: see ShapeTree::near.
   template <class Visit>
   void near(const Vec4& middle, const Vec4& half, double reach, Visit&& visit) const {
@@ -42,10 +47,11 @@ class ShapePairs {
 
  private:
   std::shared_ptr<const ShapeSet> set_;
-  std::vector<double> allowed_;  ///< by source and shape; empty if nothing is
+  std::vector<double> margins_;  ///< by source and shape; empty if none has its own
+  double most_margin_ = 0.0;
 };
 
-/// The least distance from what a hull is to a shape.
+/// The least distance from what a hull is to a shape, as its pair counts.
 struct ShapeClearance {
   double distance = std::numeric_limits<double>::infinity();
   int source = -1, shape = -1;  ///< -1: nothing is nearer than was asked
@@ -69,7 +75,7 @@ template <class Visit>
 void shapes_near(const HullCapsules& hulls, int k, const ShapePairs& pairs, double than,
                  Visit&& visit) {
   const PlacedCapsule& around = hulls.around(k);
-  const double size = around.radius + hulls.excess(k);
+  const double size = around.radius + hulls.excess(k) + pairs.most_margin();
   // Of a hull that is hollow, whose middle is not a number, nothing is near anything.
   if (!(around.middle[0] == around.middle[0])) return;
   pairs.near(around.middle, around.half, size + than, [&](int part) { return size + visit(part); });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "detail/shape_tree.hpp"
@@ -12,10 +13,12 @@ namespace pdoik::detail {
 /// What Shapes shares.
 struct ShapeSet {
   ShapeSet() = default;
-  explicit ShapeSet(std::vector<Shape> shapes, std::vector<AllowedContact> allowed = {});
+  /// @throws std::invalid_argument  As Shapes.
+  explicit ShapeSet(std::vector<Shape> shapes, std::vector<ContactRule> contacts = {});
 
   std::vector<Shape> shapes;
-  std::vector<AllowedContact> allowed;
+  std::vector<std::string> names;  ///< of the shapes, as rules of contact know them
+  std::vector<ContactRule> contacts;
   std::vector<Solid> parts;  ///< of all shapes, one after the other
   std::vector<int> owners;   ///< of the parts: their places in `shapes`
   ShapeTree tree;            ///< of the parts

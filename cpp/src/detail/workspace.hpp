@@ -71,8 +71,9 @@ class Workspace {
   Judge judge_;
   AugmentedLagrangian augmented_lagrangian_;
   double max_time_ = 0.0;
-  double verdict_time_ = 0.0;     ///< what a verdict takes, by the last ones [s]
-  std::uint64_t held_stamp_ = 0;  ///< of what the scene holds that was last taken in
+  double verdict_time_ = 0.0;  ///< what a verdict takes, by the last ones [s]
+  /// Of what the scene holds, and of the margins among links, that were last taken in.
+  std::uint64_t held_stamp_ = 0, links_stamp_ = 0;
 
  public:
   Problem problem;

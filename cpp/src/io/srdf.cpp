@@ -3,6 +3,8 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 #ifndef TINYXML_INCLUDED
 #include <tinyxml2.h>
 #endif
@@ -37,9 +39,14 @@ std::string attribute(const Element& element, const char* name, const std::strin
   return value;
 }
 
-}  // namespace
+/// What an SRDF says of links that touch.
+struct Said {
+  std::vector<std::string> off_by_default;  ///< links
+  std::vector<LinkPair> on, off;            ///< pairs that are looked at all the same, and not
+  std::string first_default;                ///< where the first of `off_by_default` stands
+};
 
-std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml) {
+Said read(const std::string& path_or_xml) {
   const auto [xml, source] = detail::read_xml(path_or_xml, "SRDF");
   Document document;
   parse(document, xml);
@@ -49,30 +56,69 @@ std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml) {
     throw LoadError(source + " is not an SRDF: expected the element <robot>, found " +
                     (root == nullptr ? "none" : "<" + std::string(root->Value()) + ">"));
   }
-  std::vector<LinkPair> pairs;
+  Said said;
   for (const Element* each = root->FirstChildElement(); each != nullptr;
        each = each->NextSiblingElement()) {
     const std::string name = each->Value();
     std::string where = source;
     where.append(": <").append(name).append("> in line ").append(std::to_string(line_of(*each)));
     if (name.starts_with("xacro:")) throw LoadError(where + ": expand the file with xacro first");
-    if (name == "disable_default_collisions")
-      throw LoadError(where + " is not supported, expected <disable_collisions> for each pair");
-    if (name != "disable_collisions") continue;
-    const std::string link = attribute(*each, "link1", where);
-    pairs.emplace_back(link, attribute(*each, "link2", where));
+    if (name == "disable_default_collisions") {
+      said.off_by_default.push_back(attribute(*each, "link", where));
+      if (said.first_default.empty()) said.first_default = where;
+    } else if (name == "disable_collisions" || name == "enable_collisions") {
+      const std::string link = attribute(*each, "link1", where);
+      (name == "disable_collisions" ? said.off : said.on)
+          .emplace_back(link, attribute(*each, "link2", where));
+    }
   }
-  return pairs;
+  return said;
+}
+
+bool are_same(const LinkPair& one, const LinkPair& other) {
+  return one == other || one == LinkPair(other.second, other.first);
+}
+
+bool has(const std::vector<LinkPair>& pairs, const LinkPair& pair) {
+  return std::ranges::any_of(pairs, [&](const LinkPair& each) { return are_same(each, pair); });
+}
+
+}  // namespace
+
+std::vector<ContactRule> load_srdf_contacts(const std::string& path_or_xml) {
+  const Said said = read(path_or_xml);
+  std::vector<ContactRule> rules;
+  const auto add = [&](const std::string& one, const std::string& other,
+                       std::optional<double> clearance) {
+    rules.push_back({one, other, clearance, true});
+  };
+  constexpr double kAnyDepth = -std::numeric_limits<double>::infinity();
+  for (const std::string& link : said.off_by_default) add(link, "*", kAnyDepth);
+  for (const LinkPair& pair : said.on) add(pair.first, pair.second, std::nullopt);
+  for (const LinkPair& pair : said.off) add(pair.first, pair.second, kAnyDepth);
+  return rules;
+}
+
+std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml) {
+  const Said said = read(path_or_xml);
+  if (said.off_by_default.empty()) return said.off;
+  throw LoadError(said.first_default +
+                  " means pairs with all links: expected to be told the robot");
 }
 
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml, const Robot& robot) {
-  const std::vector<std::string>& names = robot.link_names();
-  const auto is_link = [&](const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  std::vector<LinkPair> pairs = load_srdf_pairs(path_or_xml);
-  std::erase_if(
-      pairs, [&](const LinkPair& pair) { return !is_link(pair.first) || !is_link(pair.second); });
+  const Said said = read(path_or_xml);
+  std::vector<LinkPair> pairs = said.off;
+  std::erase_if(pairs, [&](const LinkPair& pair) {
+    return !robot.find_link(pair.first) || !robot.find_link(pair.second);
+  });
+  for (const std::string& link : said.off_by_default) {
+    if (!robot.find_link(link)) continue;
+    for (const std::string& other : robot.link_names()) {
+      const LinkPair pair(link, other);
+      if (other != link && !has(said.on, pair) && !has(pairs, pair)) pairs.push_back(pair);
+    }
+  }
   return pairs;
 }
 

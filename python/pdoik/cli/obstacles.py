@@ -41,6 +41,11 @@ class Obstacles:
     def shapes(self) -> tuple[pdoik.Shape, ...]:
         return () if self.scene is None else self.scene.shapes
 
+    @property
+    def attached(self) -> tuple[pdoik.Attachment, ...]:
+        """What links carry."""
+        return () if self.scene is None else self.scene.attached
+
     def kept(self) -> pdoik.Scene:
         """What the solver gets."""
         return self._with(self.cloud)
@@ -50,8 +55,30 @@ class Obstacles:
         return self._with(self.surface)
 
     def _with(self, points: FloatArray) -> pdoik.Scene:
-        allowed = [] if self.scene is None else self.scene.allowed
-        return pdoik.Scene(self.shapes, cloud=points if len(points) else None, allowed=allowed)
+        contacts = () if self.scene is None else self.scene.contacts
+        return pdoik.Scene(self.shapes, cloud=points if len(points) else None, contacts=contacts)
+
+
+def solver_of(
+    robot: pdoik.Robot, options: pdoik.Options, obstacles: Obstacles | None
+) -> pdoik.Solver:
+    """One that carries what links carry in the scene.
+
+    Raises:
+        ValueError: It cannot be made, or they cannot carry that.
+    """
+    solver = pdoik.Solver(robot, options)
+    if obstacles is not None:
+        solver.attach_all(obstacles.attached)
+    return solver
+
+
+def refuse_attached(obstacles: Obstacles | None) -> None:
+    """Leave with status 2 where links carry something in the scene, which this leaves out."""
+    if obstacles is not None and obstacles.scene is not None and obstacles.attached:
+        names = ", ".join(shape.name for each in obstacles.attached for shape in each.shapes)
+        path = obstacles.scene.path
+        fail(f"--scene {path}: links carry {names} in it, which only solve and path know")
 
 
 def check_hulls(robot: pdoik.Robot, cloud: Path | None, scene: Path | None) -> None:

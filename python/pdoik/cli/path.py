@@ -23,7 +23,7 @@ from .messages import (
     warn_of_degrees,
     warnings_told,
 )
-from .obstacles import check_hulls, load_obstacles
+from .obstacles import check_hulls, load_obstacles, solver_of
 from .options import (
     GOAL,
     OUTPUT,
@@ -218,7 +218,7 @@ def path(
             self_collision=self_collision,
             seed=seed,
         )
-        solver = pdoik.Solver(loaded, options)
+        solver = solver_of(loaded, options, obstacles)
         searched = search(
             lambda seconds: solver.solve_path(stations, kept, max_time=seconds, **more),
             f"a path of {len(stations)} stations",

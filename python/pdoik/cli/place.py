@@ -18,7 +18,7 @@ from pdoik.base_places import places_of
 
 from .interrupts import STOPPED, noted
 from .messages import NOT_SOLVED, err, fail, misuse_fails, out, tell, warn, warnings_told
-from .obstacles import check_hulls, load_obstacles
+from .obstacles import check_hulls, load_obstacles, refuse_attached
 from .options import (
     OUTPUT,
     SEARCH,
@@ -166,6 +166,7 @@ def place(
     )
     check_hulls(loaded, cloud, scene)
     obstacles = load_obstacles(cloud, leaf, radii, scene)
+    refuse_attached(obstacles)
     is_kept = out_file is not None and out_file.suffix.lower() == ".npz"
     is_stopped = False
     with (

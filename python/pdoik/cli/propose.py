@@ -14,7 +14,7 @@ from pdoik._extras import asks_for
 from pdoik.descriptions.text import shipped_name
 
 from .messages import err, fail, misuse_fails, out, warn
-from .obstacles import load_obstacles
+from .obstacles import load_obstacles, refuse_attached
 from .options import (
     OBSTACLES,
     ROBOT,
@@ -118,6 +118,7 @@ def propose(
         from pdoik.sim2real.propose.propose import Wishes
 
         obstacles = load_obstacles(cloud, leaf, radii, scene)
+        refuse_attached(obstacles)
         options = pdoik.Options(clearance=clearance, self_clearance=margin, base_collision=False)
 
         def clear(joints: tuple[str, ...], text: str, tip: str | None) -> Clear | None:

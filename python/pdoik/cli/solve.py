@@ -16,7 +16,7 @@ from .all_report import print_all
 from .facts import all_facts, facts
 from .goal_file import read_goal_file
 from .messages import NOT_SOLVED, fail, misuse_fails, out, warn_of_degrees, warnings_told
-from .obstacles import Obstacles, check_hulls, load_obstacles
+from .obstacles import Obstacles, check_hulls, load_obstacles, solver_of
 from .options import (
     GOAL,
     OUTPUT,
@@ -221,7 +221,7 @@ def solve(
 def _solve(
     robot: pdoik.Robot, options: pdoik.Options, question: Question, obstacles: Obstacles | None
 ) -> Solution | AllSolutions:
-    solver = pdoik.Solver(robot, options)
+    solver = solver_of(robot, options, obstacles)
     kept = None if obstacles is None else obstacles.kept()
     answer = question.ask(solver, kept)
     about: dict[str, Any] = {

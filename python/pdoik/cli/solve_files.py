@@ -9,6 +9,7 @@ from pdoik._extras import asks_for
 from pdoik.reports import ending_of
 
 from .messages import fail, misuse_fails, tell, warn, warnings_told
+from .obstacles import solver_of
 from .solution import AllSolutions, Solution
 
 
@@ -38,7 +39,7 @@ def write_report(report: Path, solution: Solution | AllSolutions, urdf: str | No
     with misuse_fails("--report"), warnings_told():
         pdoik.write_report(
             report,
-            pdoik.Solver(solution.robot, solution.options),
+            solver_of(solution.robot, solution.options, solution.obstacles),
             question.goals,
             obstacles=None if solution.obstacles is None else solution.obstacles.kept(),
             result=solution.answer,

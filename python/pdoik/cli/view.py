@@ -16,7 +16,7 @@ from pdoik.descriptions.text import shipped_name, urdf_file
 
 from .interrupts import end_now, noted
 from .messages import misuse_fails, out
-from .obstacles import load_obstacles
+from .obstacles import load_obstacles, refuse_attached
 from .options import (
     GOAL,
     ROBOT,
@@ -215,11 +215,12 @@ def view(
         session = Session(loaded, options, posture, goals=goals)
     session.set_thinning(leaf, radii)
     obstacles = load_obstacles(cloud, leaf, radii, scene)
+    refuse_attached(obstacles)
     if obstacles is not None:
         with misuse_fails(f"--scene {scene}"):
             session.set_cloud(obstacles.surface)
             if obstacles.scene is not None:
-                session.set_shapes(obstacles.shapes, obstacles.scene.allowed)
+                session.set_shapes(obstacles.shapes, obstacles.scene.contacts)
     with misuse_fails("--replay" if replay is not None else ""):
         log = None if replay is None else load_log(replay, loaded.joint_names)
     if path is not None:

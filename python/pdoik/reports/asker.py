@@ -62,8 +62,7 @@ class Asker:
         tracker = Tracker(
             self.solver, **{**self.tracker, "max_time": self.tracker["max_time"] or None}
         )
-        for each in self.carried:
-            tracker.attach(*each)
+        tracker.attach_all(self.carried)
         tracker.reset(question["q0"].array(dof))
         tracker.set_posture(question["posture"].array_or_none(dof))
         return [

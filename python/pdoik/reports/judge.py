@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .._core import Robot
+from .._core import ContactRule, Robot
 from ..options import Options
 from .call import Call
+from .contacts import Wanted
 from .distances import segment_to_shape, to_hull
 from .kinematics import Kinematics
 from .mass import MassBox
@@ -31,7 +32,9 @@ class Judged:
         rotation_error: [rad].
         limit_violation: [rad] or [m].
         clearance: Least distance of an obstacle to a hull [m]; None if it is not judged.
+        room: Least of what such a distance is beyond what is wanted of the two [m]; None likewise.
         self_distance: Least distance between links, where it is asked for [m]; None likewise.
+        self_room: As `room` [m]; None likewise.
         balance_violation: How far the centre of mass is outside its box [m]; None likewise.
         faults: What was claimed and does not hold, in words.
     """
@@ -40,7 +43,9 @@ class Judged:
     rotation_error: float
     limit_violation: float
     clearance: float | None
+    room: float | None
     self_distance: float | None
+    self_room: float | None
     balance_violation: float | None
     faults: tuple[str, ...]
 
@@ -52,9 +57,17 @@ class Judge:
         robot: Its description and hulls are taken.
         options: What was asked for.
         carries: Whether links carry something.
+        contacts: Rules of contact, in the order in which they count.
     """
 
-    def __init__(self, robot: Robot, options: Options, *, carries: bool) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        options: Options,
+        *,
+        carries: bool,
+        contacts: Sequence[ContactRule] = (),
+    ) -> None:
         from .._hulls import wide_hulls
 
         self.robot = robot
@@ -69,6 +82,7 @@ class Judge:
         self._exact = {link for link, *_ in occupancy.pieces if options.exact_contact}
         self._forgiven: list[tuple[Any, ...]] = []  # those of them that count as thinner, whole
         self._hulls = self._counted(hulls)
+        self._wanted = Wanted(robot.ignored_pairs, contacts)
         self._self_distance: SelfDistance | None = None
         self._mass_box = MassBox(robot, options)
         self._keeps_off_itself = options.keeps_off_itself(robot)
@@ -78,7 +92,9 @@ class Judge:
             if swept or (link == other and a == b)
         ]
         if self._keeps_off_itself and len(capsules) == len(hulls):
-            self._self_distance = SelfDistance(robot, self.kinematics, capsules)
+            self._self_distance = SelfDistance(
+                robot, self.kinematics, capsules, self._wanted, options.self_clearance
+            )
         self.unjudged = self._unjudged(carries)
 
     def _unjudged(self, carries: bool) -> tuple[str, ...]:
@@ -147,7 +163,9 @@ class Judge:
                 rotation_error=np.nan,
                 limit_violation=beyond,
                 clearance=None,
+                room=None,
                 self_distance=None,
+                self_room=None,
                 balance_violation=None,
                 faults=fault,
             )
@@ -159,12 +177,17 @@ class Judge:
             if not goal.is_wish and goal.kind != "center_of_mass"
         ]
         mass = self._mass_box(asked, poses)
+        clearance, room = self._clearance(self._hulls, poses, obstacles) or (None, None)
+        own = None if self._self_distance is None else self._self_distance(poses)
+        self_distance, self_room = own or (None, None)
         figures: dict[str, Any] = {
             "position_error": max((position for _, position, _ in errors), default=0.0),
             "rotation_error": max((rotation for *_, rotation in errors), default=0.0),
             "limit_violation": self.kinematics.limit_violation(q),
-            "clearance": self._clearance(self._hulls, poses, obstacles),
-            "self_distance": None if self._self_distance is None else self._self_distance(poses),
+            "clearance": clearance,
+            "room": room,
+            "self_distance": self_distance,
+            "self_room": self_room,
             "balance_violation": None if mass is None else mass[1],
         }
         faults = [*_false_claims(answer, errors), *self._faults(answer, figures)]
@@ -193,20 +216,18 @@ class Judge:
                 )
             if abs(found[name] - answer[name]) > ROUNDING * (1.0 + abs(found[name])):
                 faults.append(f"says {title} is {answer[name]:.9g} {unit}; it is {found[name]:.9g}")
-        for name, wanted in (
-            ("clearance", options.clearance),
-            ("self_distance", options.self_clearance),
-        ):
+        for name, beyond in (("clearance", "room"), ("self_distance", "self_room")):
             distance, said, title = found[name], answer[name], name.replace("_", " ")
             if distance is None:
                 continue
-            if self._exact and distance < wanted:  # by capsules; the links are no nearer
+            if self._exact and found[beyond] < 0.0:  # by capsules; the links are no nearer
                 if said < distance - ROUNDING and distance > 0.0:
                     faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g} at least")
                 continue
-            if claims and distance < wanted - options.clearance_tolerance - ROUNDING:
+            if claims and found[beyond] < -options.clearance_tolerance - ROUNDING:
                 faults.append(
-                    f"claims {claims}, but {title} is {distance:.4g} m, wanted {wanted:g}"
+                    f"claims {claims}, but {title} is {distance:.4g} m, and of two things"
+                    f" {-found[beyond]:.4g} m less than wanted"
                 )
             told = _told_up_to(answer, options)  # and more as that
             far = min(distance, said) >= told - ROUNDING
@@ -236,8 +257,7 @@ class Judge:
             whole = self._clearance(self._forgiven, poses, obstacles)
         if said is None or whole is None:
             return []
-        options = self.options
-        depth = max(options.clearance - options.clearance_tolerance - whole, 0.0)
+        depth = max(-whole[1] - self.options.clearance_tolerance, 0.0)
         if abs(depth - said) <= ROUNDING and bool(answer["forgiven_contact"]) == (said > 0.0):
             return []
         named = answer["forgiven_contact"] or "nothing"
@@ -248,25 +268,31 @@ class Judge:
         hulls: list[tuple[Any, ...]],
         poses: Mapping[str, FloatArray],
         obstacles: Obstacles,
-    ) -> float | None:
-        """Least over hulls and obstacles [m]; None where it is none of this judge's."""
+    ) -> tuple[float, float] | None:
+        """Least over hulls and obstacles, and beyond what is wanted of the two [m].
+
+        None where it is none of this judge's.
+        """
         if any(what.startswith(("clearance", "what links")) for what in self.unjudged):
             return None
-        least = np.inf
+        least = room = np.inf
         for link_a, a, link_b, b, size, swept in hulls:
             A, B = (poses[link] @ [*p, 1.0] for link, p in ((link_a, a), (link_b, b)))
-            least = min(least, to_hull(obstacles.points, A[:3], B[:3], size, swept, least))
+            links = sorted({link_a, link_b})
+            wanted = self._wanted.of(links, ["points"], self.options.clearance)
+            if wanted > -np.inf:
+                far = max(least, room + wanted)
+                near = to_hull(obstacles.points, A[:3], B[:3], size, swept, far)
+                least, room = min(least, near), min(room, near - wanted)
             for shape in obstacles.shapes:
-                contacts = [c for c in obstacles.allowed if c[1] == shape.name]
-                mine = [c for c in contacts if c[0] in (link_a, link_b)]
-                if any(len(c) == 3 for c in mine) or (not swept and link_a != link_b):
+                if not swept and not (link_a == link_b and np.array_equal(a, b)):
                     return None
-                if not swept and not np.array_equal(a, b):
-                    return None
-                if not mine:
-                    near = segment_to_shape(A[:3], B[:3], shape, least + size)
-                    least = min(least, near - size)
-        return least
+                wanted = self._wanted.of(links, [shape.name], self.options.clearance)
+                if wanted > -np.inf:
+                    far = max(least, room + wanted)
+                    near = segment_to_shape(A[:3], B[:3], shape, far + size) - size
+                    least, room = min(least, near), min(room, near - wanted)
+        return least, room
 
 
 def _told_up_to(answer: Mapping[str, Any], options: Options) -> float:

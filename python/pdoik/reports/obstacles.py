@@ -1,4 +1,4 @@
-"""Obstacles as a report has them: points to the bit, shapes, what may touch what."""
+"""Obstacles as a report has them: points to the bit, shapes, rules of contact."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .._core import Cloud, Scene, Shape
+from .._core import Cloud, ContactRule, Scene, Shape
+from .contacts import read_allowed, read_rule, rule_entry
 from .values import Entry, FloatArray, packed, plain
 
 SHAPE_KINDS = (  # in C++'s order
@@ -25,13 +26,13 @@ class Obstacles:
         given: For `obstacles=`.
         points: Centres and radii, (N, 4) [m].
         shapes: Solids.
-        allowed: (link, shape) or (link, shape, depth) that may touch.
+        contacts: Rules of contact.
     """
 
     given: Any
     points: FloatArray
     shapes: tuple[Shape, ...] = ()
-    allowed: tuple[tuple[Any, ...], ...] = ()
+    contacts: tuple[ContactRule, ...] = ()
 
 
 def obstacles_entry(obstacles: Any) -> dict[str, Any] | None:
@@ -43,7 +44,7 @@ def obstacles_entry(obstacles: Any) -> dict[str, Any] | None:
     if isinstance(obstacles, Scene):
         return {
             "shapes": [shape_entry(shape) for shape in obstacles.shapes],
-            "allowed": plain(obstacles.allowed),
+            "contacts": [rule_entry(rule) for rule in obstacles.contacts],
             "cloud": None if obstacles.cloud is None else _rows(obstacles.cloud),
         }
     if isinstance(obstacles, Sequence) and obstacles and isinstance(obstacles[0], Shape):
@@ -80,13 +81,16 @@ def read_obstacles(entry: Entry) -> Obstacles:
         if "shapes" not in entry.names():
             return Obstacles(cloud, points)
         shapes = [read_shape(each) for each in entry["shapes"].items()]
-        allowed = [_contact(each) for each in entry["allowed"].items()]
-        scene = Scene(shapes, cloud=cloud, allowed=allowed)
+        if "contacts" in entry.names():
+            contacts = [read_rule(each) for each in entry["contacts"].items()]
+        else:  # of before there were rules
+            contacts = [read_allowed(each) for each in entry["allowed"].items()]
+        scene = Scene(shapes, cloud=cloud, contacts=contacts)
     except ValueError as error:
         if type(error) is not ValueError:  # it names its entry already
             raise
         raise entry.wrong(str(error)) from error
-    return Obstacles(scene, points, tuple(shapes), tuple(allowed))
+    return Obstacles(scene, points, tuple(shapes), tuple(contacts))
 
 
 def shape_entry(shape: Shape) -> dict[str, Any]:
@@ -126,10 +130,3 @@ def read_shape(entry: Entry) -> Shape:
     except ValueError as error:
         raise entry.wrong(str(error)) from error
     return shape
-
-
-def _contact(entry: Entry) -> tuple[Any, ...]:
-    parts = entry.items()
-    if len(parts) not in (2, 3):
-        raise entry.expected("a link, a shape and perhaps a depth")
-    return (parts[0].text(), parts[1].text(), *(part.number() for part in parts[2:]))

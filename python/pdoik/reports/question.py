@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..carried import Carried
+from .._core import Attachment
 from ..options import Options
+from .contacts import read_rule, rule_entry
 from .obstacles import read_shape, shape_entry
 from .values import Entry, plain
 
@@ -77,28 +78,31 @@ def _option(default: Any, entry: Entry) -> Any:
     return entry.whole() if isinstance(default, int) else entry.value
 
 
-def carried_entry(carried: tuple[Carried, ...]) -> list[dict[str, Any]]:
+def carried_entry(carried: Sequence[Attachment]) -> list[dict[str, Any]]:
     """What `read_carried` reads."""
     return [
         {
-            "link": each.link,
+            "links": list(each.links),
             "shapes": [shape_entry(shape) for shape in each.shapes],
-            "may_touch": list(each.may_touch),
+            "contacts": [rule_entry(rule) for rule in each.contacts],
         }
         for each in carried
     ]
 
 
-def read_carried(entry: Entry) -> list[Carried]:
-    """Arguments of `attach`."""
-    return [
-        Carried(
-            each["link"].text(),
-            tuple(read_shape(shape) for shape in each["shapes"].items()),
-            tuple(name.text() for name in each["may_touch"].items()),
-        )
-        for each in entry.items()
-    ]
+def read_carried(entry: Entry) -> list[Attachment]:
+    """For `attach_all`."""
+    return [_read_attachment(each) for each in entry.items()]
+
+
+def _read_attachment(entry: Entry) -> Attachment:
+    shapes = [read_shape(shape) for shape in entry["shapes"].items()]
+    if "link" in entry.names():  # of before there were rules
+        may_touch = [name.text() for name in entry["may_touch"].items()]
+        return Attachment(entry["link"].text(), shapes, may_touch)
+    links = [link.text() for link in entry["links"].items()]
+    contacts = [read_rule(rule) for rule in entry["contacts"].items()]
+    return Attachment(links, shapes, contacts=contacts)
 
 
 def answer_entry(result: Any) -> dict[str, Any]:

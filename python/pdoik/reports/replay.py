@@ -136,8 +136,10 @@ def replay_report(path: str | os.PathLike[str]) -> Replay:
             clocked.append(k)  # it may strike from there on, and cut what follows a solution, too
         if k not in clocked:
             differences += [f"{_title(kind, k)}{each}" for each in off]
-    judge = Judge(robot, options, carries=bool(entry["carried"].items()))
+    carried = read_carried(entry["carried"])
     obstacles = read_obstacles(entry["question"]["obstacles"])
+    contacts = [*obstacles.contacts, *(rule for each in carried for rule in each.contacts)]
+    judge = Judge(robot, options, carries=bool(carried), contacts=contacts)
     judged = [
         judge(goals, answer, obstacles, call)
         for (goals, call), answer in zip(asked, answers, strict=True)
@@ -263,10 +265,9 @@ def _ask(
         if kind == "steps":
             tracker = _settings(entry["tracker"], robot.dof)
         else:
-            for each in carried:
-                solver.attach(*each)
+            solver.attach_all(carried)
         asker = Asker(solver, kind, tracker)
-        asker.carried = tuple(carried)
+        asker.carried = carried
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", GoalWarning)  # who asked was told
             again = asker.ask(entry["question"])

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._core import Robot
+from .contacts import Wanted
 from .kinematics import Kinematics
 from .robot import JOINT_TYPES
 from .values import FloatArray
@@ -31,13 +32,22 @@ class SelfDistance:
     either; links that fixed joints hold together are one.
 
     Args:
-        robot: Its description, and its pairs that may touch.
+        robot: Its description.
         kinematics: Its own.
         capsules: Its hulls.
+        wanted: What distance is wanted of two links.
+        default: Of those of which nothing is said [m].
     """
 
-    def __init__(self, robot: Robot, kinematics: Kinematics, capsules: Sequence[Capsule]) -> None:
-        _, links, joints, base, _, _, ignored = robot.__getstate__()
+    def __init__(
+        self,
+        robot: Robot,
+        kinematics: Kinematics,
+        capsules: Sequence[Capsule],
+        wanted: Wanted,
+        default: float,
+    ) -> None:
+        _, links, joints, base, *_ = robot.__getstate__()
         self.capsules = capsules
         body = {link[0]: link[0] for link in links}  # the links that are rigid to each other
         for joint in joints:
@@ -59,14 +69,18 @@ class SelfDistance:
         rng = np.random.default_rng(1)
         seen = [kinematics.poses(rng.uniform(-1, 1, robot.dof)) for _ in range(4)]
         on = [self._moves_with(each, body[each.link], to_base, seen) for each in capsules]
-        may_touch = {frozenset(pair) for pair in ignored}
-        self._pairs = [
-            (i, j)
-            for i in range(len(capsules))
-            for j in range(i)
-            if not any(x == y or y in next_to[x] for x in on[i] for y in on[j])
-            and frozenset((capsules[i].link, capsules[j].link)) not in may_touch
-        ]
+        self._pairs, self._wanted = [], []
+        of_links: dict[tuple[str, str], float] = {}
+        for i in range(len(capsules)):
+            for j in range(i):
+                if any(x == y or y in next_to[x] for x in on[i] for y in on[j]):
+                    continue
+                pair = (capsules[i].link, capsules[j].link)
+                if pair not in of_links:
+                    of_links[pair] = wanted.of(pair[:1], pair[1:], default)
+                if of_links[pair] > -np.inf:
+                    self._pairs.append((i, j))
+                    self._wanted.append(of_links[pair])
 
     @staticmethod
     def _moves_with(
@@ -90,10 +104,10 @@ class SelfDistance:
             bodies.append(at)
         return bodies
 
-    def __call__(self, poses: Mapping[str, FloatArray]) -> float:
-        """The least of them; infinite without any [m]."""
+    def __call__(self, poses: Mapping[str, FloatArray]) -> tuple[float, float]:
+        """The least of them, and of what they are beyond what is wanted [m]; else infinite."""
         if not self._pairs:
-            return np.inf
+            return np.inf, np.inf
         ends = np.array(
             [
                 [(poses[each.link] @ [*point, 1.0])[:3] for point in (each.a, each.b)]
@@ -105,13 +119,14 @@ class SelfDistance:
         middle, half = ends.mean(axis=1), 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         apart = np.linalg.norm(middle[i] - middle[j], axis=1)
         bound = apart - (half + radii)[i] - (half + radii)[j]  # it is no less
-        least = np.inf
-        for k in np.argsort(bound):
-            if bound[k] >= least:
-                break
-            gap = _between(*ends[i[k]], *ends[j[k]]) - radii[i[k]] - radii[j[k]]
-            least = min(least, float(gap))
-        return least
+        wanted = np.array(self._wanted)
+        least = room = np.inf
+        for k in np.argsort(bound - np.maximum(wanted, 0.0)):
+            if bound[k] >= least and bound[k] - wanted[k] >= room:
+                continue
+            gap = float(_between(*ends[i[k]], *ends[j[k]]) - radii[i[k]] - radii[j[k]])
+            least, room = min(least, gap), min(room, gap - float(wanted[k]))
+        return least, room
 
 
 def _between(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:

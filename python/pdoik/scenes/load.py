@@ -1,4 +1,4 @@
-"""A scene's file, whatever its format, as shapes, points and allowed contacts."""
+"""A scene's file, whatever its format, as shapes, points, rules of contact, and what is carried."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._addresses import Packages
-from pdoik._core import Cloud, Scene, Shape, voxel_downsample
+from pdoik._core import Attachment, Cloud, ContactRule, Scene, Shape, voxel_downsample
 from pdoik._extras import asks_for
 from pdoik._octomaps import boxes_of_file
 from pdoik.clouds import load_cloud
 from pdoik.scenes import moveit_yaml, own_yaml
+from pdoik.scenes.contacts import read_matrix
 from pdoik.scenes.moveit_text import read_moveit_text
-from pdoik.scenes.pieces import AllowedContact, Thing, boxes, shapes_of
+from pdoik.scenes.pieces import Thing, boxes, shapes_of
 from pdoik.scenes.values import EntryError, numbers, read_yaml
 
 FloatArray = npt.NDArray[np.float64]
@@ -36,7 +37,8 @@ class SceneFile:
         surface: The points of its cloud as their file has them, (N, 3) [m]; no rows without one.
         leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.
         radii: Whether points that are kept cover those that are not.
-        allowed: What may touch, (link, shape) or (link, shape, depth).
+        contacts: Rules of contact.
+        attached: What links carry, for `Solver.attach_all`.
     """
 
     path: Path
@@ -44,7 +46,8 @@ class SceneFile:
     surface: FloatArray
     leaf: float
     radii: bool
-    allowed: tuple[AllowedContact, ...]
+    contacts: tuple[ContactRule, ...]
+    attached: tuple[Attachment, ...] = ()
 
     def thinned(self) -> FloatArray:
         """The points that are kept, (K, 3) or (K, 4) with a radius each [m]."""
@@ -53,10 +56,10 @@ class SceneFile:
         return self.surface
 
     def scene(self) -> Scene:
-        """All of it as obstacles."""
+        """All of it as obstacles, but for what links carry."""
         points = self.thinned()
         cloud = Cloud(points) if len(points) else None
-        return Scene(list(self.shapes), cloud=cloud, allowed=list(self.allowed))
+        return Scene(self.shapes, cloud=cloud, contacts=self.contacts)
 
 
 def load_scene(
@@ -81,9 +84,15 @@ def load_scene(
             that its objects are in but one that fixed_frame_transforms place.
 
     Raises:
-        LoadError: Names the file, the entry, and what is wrong with it.
+        LoadError: Names the file, the entry, and what is wrong with it; links carry something in
+            it, which `pdoik.scenes.read_scene_file` gives beside the obstacles.
     """
-    return read_scene_file(path, packages=packages, frame=frame).scene()
+    found = read_scene_file(path, packages=packages, frame=frame)
+    if found.attached:
+        names = ", ".join(shape.name for each in found.attached for shape in each.shapes)
+        what = f"links carry {names}: pdoik.scenes.read_scene_file(path).attached has them"
+        raise EntryError(found.path, f"{what}, for Solver.attach_all")
+    return found.scene()
 
 
 @asks_for("files")
@@ -106,9 +115,7 @@ def read_scene_file(
         return _scene_file(file, _read_octomap(file), [])
     content = None if suffix == ".scene" else read_yaml(file)
     if content is not None and "world" in content:
-        things = moveit_yaml.read_world(content, file, frame=frame, packages=packages)
-        parts = {thing.name: thing.shape_names for thing in things}
-        return _scene_file(file, things, moveit_yaml.read_allowed(content, file, parts))
+        return _read_moveit(content, file, frame, packages)
     if frame is not None:
         raise EntryError(file, f"names no frames, expected one that has {frame!r}")
     if content is None:
@@ -123,13 +130,31 @@ def _read_octomap(file: Path) -> list[Thing]:
     return [Thing(name=file.stem, pieces=(boxes(low, high, np.eye(4), ""),))]
 
 
+def _read_moveit(
+    content: dict[str, Any], file: Path, frame: str | None, packages: Packages
+) -> SceneFile:
+    things = moveit_yaml.read_world(content, file, frame=frame, packages=packages)
+    attached = tuple(
+        Attachment(each.link, shapes_of([each.thing], file), each.touch_links)
+        for each in moveit_yaml.read_attached(content, file, packages)
+    )
+    contacts = read_matrix(content, file, {thing.name for thing in things})
+    return _scene_file(file, things, contacts, attached=attached)
+
+
 def _read_own(content: dict[str, Any], file: Path, packages: Packages) -> SceneFile:
     unknown = [str(key) for key in content if key not in own_yaml.TOP_KEYS]
     if unknown or not content:
         got = f"got {unknown[0]!r}" if unknown else "got nothing"
         raise EntryError(file, f"expected {', '.join(own_yaml.TOP_KEYS)}, or MoveIt's world; {got}")
     things = own_yaml.read_shapes(content, file, packages)
-    allowed = own_yaml.read_allowed(content, file)
+    contacts = own_yaml.read_contacts(content, file)
+    attached = own_yaml.read_attached(content, file, packages)
+    known = {thing.name for thing in things}
+    known |= {shape.name for each in attached for shape in each.shapes}
+    for k, (_, shape, *_) in enumerate(content.get("allowed") or []):
+        if shape not in known and not set("*?") & set(shape):
+            raise EntryError(file, f"there is no shape {shape!r}", f"allowed[{k}]")
     cloud, radii = content.get("cloud"), content.get("radii", False)
     leaf = float(numbers([content.get("leaf", 0.0)], "l", file, "leaf")[0])
     if leaf < 0:
@@ -137,21 +162,24 @@ def _read_own(content: dict[str, Any], file: Path, packages: Packages) -> SceneF
     if not isinstance(radii, bool):
         raise EntryError(file, f"expected true or false, got {radii!r}", "radii")
     if cloud is None:
-        return _scene_file(file, things, allowed)
+        return _scene_file(file, things, contacts, attached=attached)
     if not isinstance(cloud, str):
         raise EntryError(file, f"expected the name of a file, got {cloud!r}", "cloud")
     try:
         surface = load_cloud(file.parent / cloud)
     except ValueError as error:
         raise EntryError(file, str(error), "cloud") from error
-    return _scene_file(file, things, allowed, surface=surface, leaf=leaf, radii=radii)
+    return _scene_file(
+        file, things, contacts, attached=attached, surface=surface, leaf=leaf, radii=radii
+    )
 
 
 def _scene_file(
     file: Path,
     things: Sequence[Thing],
-    allowed: Sequence[AllowedContact],
+    contacts: Sequence[ContactRule],
     *,
+    attached: tuple[Attachment, ...] = (),
     surface: FloatArray | None = None,
     leaf: float = 0.0,
     radii: bool = False,
@@ -163,12 +191,9 @@ def _scene_file(
         surface=np.empty((0, 3)) if surface is None else surface,
         leaf=leaf,
         radii=radii,
-        allowed=tuple(allowed),
+        contacts=tuple(contacts),
+        attached=attached,
     )
-    for k, contact in enumerate(allowed):
-        shape = contact[1]
-        if shape not in {each.name for each in found.shapes}:
-            raise EntryError(file, f"there is no shape {shape!r}", f"allowed[{k}]")
     try:
         found.thinned()
     except ValueError as error:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -42,11 +43,8 @@ def read_world(
         packages: As in `load_scene`.
 
     Raises:
-        EntryError: An entry cannot be read; attached objects are not supported.
+        EntryError: An entry cannot be read.
     """
-    state = scene.get("robot_state") or {}
-    if isinstance(state, Mapping) and state.get("attached_collision_objects"):
-        raise EntryError(file, "attached objects are not supported", "robot_state")
     world = scene.get("world") or {}
     objects = world.get("collision_objects") if isinstance(world, Mapping) else None
     octomap = world.get("octomap") if isinstance(world, Mapping) else None
@@ -64,44 +62,60 @@ def read_world(
         entry = f"{entry} ({name})"
         T = _frame(item, frames, links, frame, file, entry)
         T = T @ read_pose(item.get("pose"), file, f"{entry}.pose")
-        pieces = [
-            _READ[kind](thing, T_piece, file, where, places)
-            for kind, thing, T_piece, where in _parts(item, T, file, entry)
-        ]
-        things.append(Thing(name=name, pieces=tuple(pieces)))
+        things.append(Thing(name=name, pieces=_pieces(item, T, file, entry, places)))
     if isinstance(octomap, Mapping) and (octomap.get("octomap") or {}).get("data"):
         T = _frame(octomap, frames, links, frame, file, "world.octomap")
         things.append(read_octomap(octomap, T, file))
     return things
 
 
-def read_allowed(
-    scene: Mapping[str, Any], file: Path, parts: Mapping[str, Sequence[str]]
-) -> list[tuple[str, str]]:
-    """Pairs (link, shape) that the allowed collision matrix lets touch, in its order.
+def _pieces(
+    item: Mapping[str, Any], T: FloatArray, file: Path, entry: str, places: Places
+) -> tuple[Piece, ...]:
+    return tuple(
+        _READ[kind](thing, T_piece, file, where, places)
+        for kind, thing, T_piece, where in _parts(item, T, file, entry)
+    )
 
-    Args:
-        scene: A PlanningScene.
-        file: Where it comes from, for messages.
-        parts: The names of each object's shapes.
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AttachedThing:
+    """An object that a link carries, its pieces in the link's frame."""
+
+    link: str
+    thing: Thing
+    touch_links: tuple[str, ...]
+
+
+def read_attached(
+    scene: Mapping[str, Any], file: Path, packages: Packages = ()
+) -> list[AttachedThing]:
+    """The objects of robot_state.attached_collision_objects.
 
     Raises:
-        EntryError: The matrix is not square.
+        EntryError: An entry cannot be read; an object is in another frame than that of its link.
     """
-    matrix = scene.get("allowed_collision_matrix") or {}
-    names, values = matrix.get("entry_names") or [], matrix.get("entry_values") or []
-    if len(values) != len(names):
-        entry = "allowed_collision_matrix"
-        raise EntryError(file, f"{len(names)} entry_names, {len(values)} entry_values", entry)
-    allowed: dict[tuple[str, str], None] = {}
-    for first, row in zip(names, values, strict=True):
-        enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
-        for second, may in zip(names, enabled, strict=False):
-            if may is True or may == 1:
-                for link, thing in ((first, second), (second, first)):
-                    if link not in parts:
-                        allowed |= dict.fromkeys((link, part) for part in parts.get(thing, ()))
-    return list(allowed)
+    state = scene.get("robot_state") or {}
+    items = state.get("attached_collision_objects") if isinstance(state, Mapping) else None
+    places, found = Places.of(packages, file), []
+    for k, item in enumerate(items or []):
+        entry = f"robot_state.attached_collision_objects[{k}]"
+        thing = item.get("object") if isinstance(item, Mapping) else None
+        if not isinstance(thing, Mapping) or not item.get("link_name"):
+            raise EntryError(file, f"expected link_name and object, got {item!r}", entry)
+        link, name = str(item["link_name"]), str(thing.get("id", k)).strip()
+        entry = f"{entry} ({name})"
+        frame = str((thing.get("header") or {}).get("frame_id", "")).lstrip("/")
+        if frame not in ("", link):
+            what = f"is in the frame {frame!r}, expected that of its link, {link!r}"
+            raise EntryError(file, what, entry)
+        T = read_pose(thing.get("pose"), file, f"{entry}.pose")
+        pieces = _pieces(thing, T, file, entry, places)
+        touch_links = tuple(str(each) for each in item.get("touch_links") or [])
+        found.append(
+            AttachedThing(link=link, thing=Thing(name=name, pieces=pieces), touch_links=touch_links)
+        )
+    return found
 
 
 def _fixed_frames(scene: Mapping[str, Any], file: Path, base: str | None) -> dict[str, FloatArray]:

@@ -1,4 +1,4 @@
-"""pdoik's own scenes: shapes by kind and pose, a cloud, and contacts that are allowed, as YAML.
+"""pdoik's own scenes: shapes by kind and pose, a cloud, rules of contact, what links carry; YAML.
 
 shapes:
   - {name: table, box: [1, 0.8, 0.05], position: [0.5, 0, -0.03], rpy: [0, 0, 0.1]}
@@ -12,6 +12,12 @@ cloud: scan.pcd
 leaf: 0.02
 radii: true
 allowed: [[base_link, table]]
+contacts:
+  - {one: box, other: table, clearance: 0}
+  - {one: "finger*", other: can, allowed: 0.005}
+attached:
+  - {link: hand, shapes: [{name: box, box: [0.1, 0.1, 0.1], position: [0, 0, 0.1]}],
+     may_touch: ["finger*"], contacts: []}
 """
 
 from __future__ import annotations
@@ -25,19 +31,20 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._addresses import Packages, Places
-from pdoik._core import Scene, Shape
+from pdoik._core import Attachment, ContactRule, Scene, Shape
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
 from pdoik._octomaps import boxes_of_file
 from pdoik.errors import LoadError
 from pdoik.scenes import fields
+from pdoik.scenes.contacts import read_rules, rule_entry
 from pdoik.scenes.meshes import find_file, read_mesh
-from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, boxes, half_space
+from pdoik.scenes.pieces import Kind, Piece, Thing, boxes, half_space, shapes_of
 from pdoik.scenes.values import EntryError, numbers, rotation, rows
 
 FloatArray = npt.NDArray[np.float64]
 
-TOP_KEYS = ("shapes", "cloud", "leaf", "radii", "allowed")
+TOP_KEYS = ("shapes", "cloud", "leaf", "radii", "allowed", "contacts", "attached")
 _KINDS = (
     *("box", "sphere", "cylinder", "capsule", "half_space"),
     *("convex_mesh", "mesh", "boxes", "octomap", "distance_field"),
@@ -45,18 +52,20 @@ _KINDS = (
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
 
 
-def read_shapes(content: Mapping[str, Any], file: Path, packages: Packages = ()) -> list[Thing]:
+def read_shapes(
+    content: Mapping[str, Any], file: Path, packages: Packages = (), entry: str = "shapes"
+) -> list[Thing]:
     """What `shapes` lists.
 
     Raises:
         EntryError: Names the shape and what is wrong with it.
     """
-    items = content.get("shapes") or []
+    items, at = content.get("shapes") or [], entry
     if not isinstance(items, list):
-        raise EntryError(file, f"expected a list, got {items!r}", "shapes")
+        raise EntryError(file, f"expected a list, got {items!r}", at)
     places, things = Places.of(packages, file), []
     for k, item in enumerate(items):
-        entry = f"shapes[{k}]"
+        entry = f"{at}[{k}]"
         if not isinstance(item, Mapping):
             raise EntryError(file, f"expected name, kind and pose, got {item!r}", entry)
         name = str(item.get("name", "")).strip()
@@ -68,33 +77,63 @@ def read_shapes(content: Mapping[str, Any], file: Path, packages: Packages = ())
     return things
 
 
-def read_allowed(content: Mapping[str, Any], file: Path) -> list[AllowedContact]:
-    """What `allowed` lists: (link, shape) or (link, shape, depth).
+def read_contacts(content: Mapping[str, Any], file: Path) -> list[ContactRule]:
+    """What `allowed` lists, [link, shape] or [link, shape, depth], and then what `contacts` does.
 
     Raises:
         EntryError: One is neither.
     """
+    rules = read_rules(content.get("contacts") or [], file, "contacts")
     contacts = content.get("allowed") or []
     if not isinstance(contacts, list):
         expected = "expected a list of [link, shape] or [link, shape, depth]"
         raise EntryError(file, f"{expected}, got {contacts!r}", "allowed")
-    return [_read_contact(contact, file, f"allowed[{k}]") for k, contact in enumerate(contacts)]
+    allowed = [_read_allowed(contact, file, f"allowed[{k}]") for k, contact in enumerate(contacts)]
+    return [*allowed, *rules]
 
 
-def _read_contact(contact: object, file: Path, entry: str) -> AllowedContact:
+def _read_allowed(contact: object, file: Path, entry: str) -> ContactRule:
     match contact:
-        case [str(link), str(shape)]:
-            return link, shape
-        case [str(link), str(shape), float() | int() as depth] if depth >= 0:
-            return link, shape, float(depth)
+        case [str(link), str(shape)] if link and shape:
+            return ContactRule(link, shape)
+        case [str(link), str(shape), float() | int() as depth] if link and shape and depth >= 0:
+            return ContactRule(link, shape, allowed=float(depth))
     raise EntryError(
         file, f"expected [link, shape] or [link, shape, depth >= 0], got {contact!r}", entry
     )
 
 
+def read_attached(
+    content: Mapping[str, Any], file: Path, packages: Packages = ()
+) -> tuple[Attachment, ...]:
+    """What `attached` lists.
+
+    Raises:
+        EntryError: Names the entry and what is wrong with it.
+    """
+    items = content.get("attached") or []
+    if not isinstance(items, list):
+        raise EntryError(file, f"expected a list, got {items!r}", "attached")
+    return tuple(
+        _read_attachment(item, file, f"attached[{k}]", packages) for k, item in enumerate(items)
+    )
+
+
+def _read_attachment(item: Any, file: Path, entry: str, packages: Packages) -> Attachment:
+    given = _fields(item, ("link", "shapes"), ("may_touch", "contacts"), file, entry)
+    links = given["link"] if isinstance(given["link"], list) else [given["link"]]
+    may_touch = given.get("may_touch") or []
+    for key, names in (("link", links), ("may_touch", may_touch)):
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise EntryError(file, f"expected names, got {names!r}", f"{entry}.{key}")
+    things = read_shapes(given, file, packages, f"{entry}.shapes")
+    contacts = read_rules(given.get("contacts") or [], file, f"{entry}.contacts")
+    return Attachment(links, shapes_of(things, file), may_touch, contacts)
+
+
 @asks_for("files")
 def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write shapes and allowed contacts as YAML that `load_scene` reads; the cloud is left out.
+    """Write shapes and rules of contact as YAML that `load_scene` reads; the cloud is left out.
 
     Args:
         scene: What to write.
@@ -112,7 +151,7 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
             beside[shape.name] = fields.write_field(shape, Path(path), beside.values())
     content = {
         "shapes": [_entry_of(shape, beside) for shape in scene.shapes],
-        "allowed": [list(contact) for contact in scene.allowed],
+        "contacts": [rule_entry(rule) for rule in scene.contacts],
     }
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
     write_whole(path, text)

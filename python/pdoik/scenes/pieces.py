@@ -16,8 +16,6 @@ from pdoik.scenes.values import EntryError
 
 FloatArray = npt.NDArray[np.float64]
 Faces = npt.NDArray[np.int64]
-AllowedContact = tuple[str, str] | tuple[str, str, float]
-"""A link and a shape that may touch, to any depth or to one [m]."""
 Kind = Literal[
     "box", "sphere", "cylinder", "capsule", "half_space", "convex_mesh", "mesh", "boxes",
     "distance_field",

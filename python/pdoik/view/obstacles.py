@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from pdoik.scenes.pieces import AllowedContact
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,7 +31,7 @@ class Obstacles:
         T_base_cloud: Where the cloud's frame is, (4, 4).
         ball: None for none.
         shapes: Solids, in the base frame.
-        allowed: What may touch, (link, shape) or (link, shape, depth).
+        contacts: Rules of contact; those that speak of links that a robot lacks do not count.
     """
 
     surface: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
@@ -41,20 +40,21 @@ class Obstacles:
     T_base_cloud: FloatArray = field(default_factory=lambda: np.eye(4))
     ball: Ball | None = None
     shapes: tuple[pdoik.Shape, ...] = ()
-    allowed: tuple[AllowedContact, ...] = ()
+    contacts: tuple[pdoik.ContactRule, ...] = ()
 
     @property
     def there(self) -> bool:
         """Whether there is anything."""
         return len(self.surface) > 0 or self.ball is not None or len(self.shapes) > 0
 
-    def scene(self, points: FloatArray, robot: pdoik.Robot) -> pdoik.Scene | FloatArray:
-        """`points` and the shapes, for a solver of a robot; links it lacks are left out."""
-        if not self.shapes:
+    def scene(self, points: FloatArray) -> pdoik.Scene | FloatArray:
+        """`points` and the shapes, for a solver."""
+        if not self.shapes and not self.contacts:
             return points
-        known = set(robot.link_names)
-        allowed = [contact for contact in self.allowed if contact[0] in known]
-        return pdoik.Scene(self.shapes, cloud=points if len(points) else None, allowed=allowed)
+        cloud = points if len(points) else None
+        # Whoever is shown them may have chosen another robot since.
+        contacts = [as_optional(rule) for rule in self.contacts]
+        return pdoik.Scene(self.shapes, cloud=cloud, contacts=contacts)
 
     def with_leaf(self, leaf: float, radii: bool) -> Obstacles:
         return replace(self, leaf=leaf, radii=radii)
@@ -79,3 +79,10 @@ class Obstacles:
         if self.ball is not None:
             rows = np.concatenate([rows, [[*self.ball.center, self.ball.radius]]])
         return np.ascontiguousarray(rows)
+
+
+def as_optional(rule: pdoik.ContactRule) -> pdoik.ContactRule:
+    """The same where there may be nothing of its names."""
+    if rule.clearance is None:
+        return pdoik.ContactRule(rule.one, rule.other, allowed=False, optional=True)
+    return pdoik.ContactRule(rule.one, rule.other, clearance=rule.clearance, optional=True)

@@ -78,7 +78,7 @@ class ReachRequest:
         scene = None
         if self.obstacles is not None:
             points = self.obstacles.placed(self.obstacles.thinned())
-            scene = self.obstacles.scene(points, self.robot)
+            scene = self.obstacles.scene(points)
         threads = max(len(os.sched_getaffinity(0)) - 1, 1)
         return pdoik.reachability(
             self.robot, scene, self.grid, options=self.options, threads=threads,

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from pdoik.scenes.pieces import AllowedContact
 
 from .followed_path import FollowedPath, follow_path
 from .follower import Follower
@@ -289,18 +288,17 @@ class Session:
         return len(kept)
 
     def set_shapes(
-        self, shapes: Sequence[pdoik.Shape], allowed: Sequence[AllowedContact] = ()
+        self, shapes: Sequence[pdoik.Shape], contacts: Sequence[pdoik.ContactRule] = ()
     ) -> None:
-        """Take other shapes, and what may touch: (link, shape) or (link, shape, depth).
+        """Take other shapes, and rules of contact.
 
         Raises:
-            ValueError: Two have one name, or contact is allowed with what is not there.
+            ValueError: Two have one name, or a rule speaks of what is not there.
         """
-        pdoik.Scene(shapes, allowed=allowed)
-        missing = {contact[0] for contact in allowed} - set(self.robot.link_names)
-        if missing:
-            raise ValueError(f"allowed: {self.robot.name} has no link {min(missing)!r}")
-        self._change_obstacles(shapes=tuple(shapes), allowed=tuple(allowed))
+        # Whoever looks at them says what is wrong with them.
+        looks = pdoik.Solver(self.robot, pdoik.Options(ignore_obstacles_without_hulls=True))
+        looks.clearances(self.robot.mid_configuration(), pdoik.Scene(shapes, contacts=contacts))
+        self._change_obstacles(shapes=tuple(shapes), contacts=tuple(contacts))
 
     def move_shape(self, name: str, T_base_shape: npt.ArrayLike) -> None:
         """Move the shape of that name; others stay.
@@ -349,7 +347,7 @@ class Session:
                 return None
             self._granted = wish  # even if it cannot be: it would fail again
         points = obstacles.placed(self._thin(obstacles))
-        scene = obstacles.scene(points, self.robot)
+        scene = obstacles.scene(points)
         asked = requests(goals, dragged)
         if origin == "target":
             result, found, number = solver.solve(asked, request_of(goals, met), q, scene)
@@ -417,7 +415,7 @@ class Session:
         return TipGoal(kind="free", targets=(self.robot.fk(q, tip),))
 
     def _scene(self, obstacles: Obstacles) -> pdoik.Scene | FloatArray:
-        return obstacles.scene(obstacles.placed(self._thin(obstacles)), self.robot)
+        return obstacles.scene(obstacles.placed(self._thin(obstacles)))
 
     def _thin(self, obstacles: Obstacles) -> FloatArray:
         """The thinned cloud; thinning takes longer than solving, moving the cloud does not."""

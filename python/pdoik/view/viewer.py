@@ -343,7 +343,10 @@ class Viewer:
     def take_scene(self, file: viser.UploadedFile) -> None:
         with self.complaints():
             scene = read_scene_file(self._keep(file), packages=self.model.packages)
-            self.session.set_shapes(scene.shapes, scene.allowed)
+            if scene.attached:
+                names = ", ".join(shape.name for each in scene.attached for shape in each.shapes)
+                raise ValueError(f"links carry {names} in it, which this page does not know")
+            self.session.set_shapes(scene.shapes, scene.contacts)
             self.grip(None)
             if len(scene.surface):
                 self.session.set_cloud(scene.surface)

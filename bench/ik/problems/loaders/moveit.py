@@ -12,7 +12,8 @@ from bench.ik.problems.judge import Judge
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Solid, SolidError, box, pose
-from pdoik.scenes.moveit_yaml import read_allowed, read_world
+from pdoik.scenes.contacts import read_matrix
+from pdoik.scenes.moveit_yaml import read_attached, read_world
 from pdoik.scenes.pieces import Piece
 from pdoik.scenes.values import EntryError as LoaderError
 from pdoik.scenes.values import numbers, read_pose, read_yaml, rotation
@@ -53,7 +54,14 @@ def read_moveit(
         held, judge = judges.of(values)
         things = _things(scene, scene_file, judge.link_names)
         targets, goal_q = _goal(request, values, request_file, judge)
-        names = {name: [solid.name for solid in solids] for name, solids in things.items()}
+        if read_attached(scene, scene_file):
+            raise LoaderError(scene_file, "attached objects are not supported", "robot_state")
+        allowed = [
+            (rule.one, solid.name)
+            for rule in read_matrix(scene, scene_file, things)
+            for solid in things.get(rule.other, ())
+            if rule.clearance is not None and rule.one not in things
+        ]
         problems.append(
             Problem(
                 name=f"{folder.name}/{scene_file.stem}",
@@ -61,7 +69,7 @@ def read_moveit(
                 solids=tuple(solid for solids in things.values() for solid in solids),
                 targets=targets,
                 goal_q=goal_q,
-                allowed=frozenset(read_allowed(scene, scene_file, names)),
+                allowed=frozenset(allowed),
                 held=held,
             )
         )

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "detail/held.hpp"
+#include "detail/model.hpp"
+#include "detail/pair_margins.hpp"
+#include "detail/shape_clearance.hpp"
+
+namespace pdoik::detail {
+
+/// A robot with what it holds among a scene's shapes and points: what is kept off what, each pair
+/// by its own margin.
+struct Pairs {
+  /// Of the robot alone.
+  explicit Pairs(const Model& model);
+  /// @param fixed  The model's hulls that no joint moves, where they are.
+  Pairs(const Model& model, std::shared_ptr<const ShapeSet> shapes, Held::Solids held,
+        PairMargins margins, HullCapsules& fixed);
+
+  /// What hulls have of their own beside the margin that is wanted of all; null for nothing.
+  const double* of_points() const { return points.empty() ? nullptr : points.data(); }
+
+  PairMargins margins;
+  ShapePairs shapes;
+  Held held;
+  std::vector<double> points;      ///< margins by the hull's place in the occupancy
+  double most_point_margin = 0.0;  ///< of any hull, and at least 0
+  /// The deepest shape in a hull that no joint moves.
+  ShapeClearance fixed_to_shapes;
+};
+
+}  // namespace pdoik::detail

@@ -1,0 +1,118 @@
+"""Rules of contact in scene files, pdoik's own and MoveIt's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from pdoik._core import ContactRule
+from pdoik.scenes.values import EntryError
+
+_KEYS = ("one", "other", "allowed", "clearance", "optional")
+_OCTOMAP = "<octomap>"  # what MoveIt calls the points
+
+
+def read_rules(value: Any, file: Path, entry: str) -> list[ContactRule]:
+    """What pdoik's own YAML lists as `contacts`.
+
+    Raises:
+        EntryError: Names the rule and what is wrong with it.
+    """
+    if not isinstance(value, list):
+        raise EntryError(file, f"expected a list of rules, got {value!r}", entry)
+    return [_read_rule(item, file, f"{entry}[{k}]") for k, item in enumerate(value)]
+
+
+def _read_rule(item: Any, file: Path, entry: str) -> ContactRule:
+    if not isinstance(item, Mapping) or not {"one", "other"} <= set(item) <= set(_KEYS):
+        raise EntryError(file, f"expected {{{', '.join(_KEYS)}}}, got {item!r}", entry)
+    allowed, clearance = item.get("allowed"), item.get("clearance")
+    optional = item.get("optional", False)
+    names = item["one"], item["other"]
+    if not all(isinstance(name, str) for name in names):
+        raise EntryError(file, f"expected two names, got {names!r}", entry)
+    if not isinstance(optional, bool):
+        raise EntryError(file, f"expected true or false, got {optional!r}", f"{entry}.optional")
+    for key, length in (("allowed", allowed), ("clearance", clearance)):
+        is_length = isinstance(length, int | float) and not isinstance(length, bool)
+        if length is not None and not is_length and not (key == "allowed" and length in (0, 1)):
+            expected = "true, false or a depth" if key == "allowed" else "metres"
+            raise EntryError(file, f"expected {expected}, got {length!r}", f"{entry}.{key}")
+    try:
+        return ContactRule(*names, allowed=allowed, clearance=clearance, optional=optional)
+    except ValueError as error:
+        raise EntryError(file, str(error), entry) from error
+
+
+def rule_entry(rule: ContactRule) -> dict[str, Any]:
+    """What `read_rules` reads."""
+    entry: dict[str, Any] = {"one": rule.one, "other": rule.other}
+    if rule.clearance is None:
+        entry["allowed"] = False
+    elif rule.clearance == -math.inf:
+        entry["allowed"] = True
+    else:
+        entry["clearance"] = rule.clearance
+    return entry | ({"optional": True} if rule.optional else {})
+
+
+def read_matrix(
+    scene: Mapping[str, Any], file: Path, objects: Collection[str] = ()
+) -> list[ContactRule]:
+    """What the allowed_collision_matrix of a PlanningScene says, as MoveIt reads it.
+
+    A pair has an entry of its own, or else counts by the defaults of its two names, of which one
+    that checks collisions wins. All rules are optional: such files list links and objects that
+    others do not have. Of a link and an object the link comes first.
+
+    Args:
+        scene: A PlanningScene.
+        file: Where it comes from, for messages.
+        objects: The names of the scene's objects.
+
+    Raises:
+        EntryError: The matrix is not square, or a default has no value.
+    """
+    at = "allowed_collision_matrix"
+    matrix = scene.get(at) or {}
+    names, rows = matrix.get("entry_names") or [], matrix.get("entry_values") or []
+    if len(rows) != len(names):
+        raise EntryError(file, f"{len(names)} entry_names, {len(rows)} entry_values", at)
+    by_default, values = (matrix.get(f"default_entry_{what}") or [] for what in ("names", "values"))
+    if len(by_default) != len(values):
+        what = f"{len(by_default)} default_entry_names, {len(values)} default_entry_values"
+        raise EntryError(file, what, at)
+    pairs = zip(by_default, values, strict=True)
+    defaults = {_name(name): _is_true(value) for name, value in pairs}
+    rules = [_rule(name, "*", may=True) for name, may in defaults.items() if may]
+    if rules:
+        rules += [_rule(name, "*", may=False) for name, may in defaults.items() if not may]
+    entries: dict[tuple[str, str], bool] = {}
+    for first, row in zip(names, rows, strict=True):
+        enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
+        for second, value in zip(names, enabled, strict=False):
+            one, other = _name(first), _name(second)
+            if one == other:
+                continue
+            pair = (other, one) if one in objects and other not in objects else (one, other)
+            pair = pair if pair[::-1] not in entries else pair[::-1]
+            entries[pair] = entries.get(pair, False) or _is_true(value)
+    for pair, may in entries.items():
+        # What is checked says nothing new, but where a default lets it touch.
+        if may or any(defaults.get(name, False) for name in pair):
+            rules.append(_rule(*pair, may=may))
+    return rules
+
+
+def _name(name: Any) -> str:
+    return "points" if str(name) == _OCTOMAP else str(name)
+
+
+def _is_true(value: Any) -> bool:
+    return value is True or value == 1
+
+
+def _rule(one: str, other: str, *, may: bool) -> ContactRule:
+    return ContactRule(one, other, allowed=may, optional=True)
