@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kAnyDepth = -std::numeric_limits<double>::infinity();
 
-using AllowedLike = std::variant<double, bool>;  // a whole number is a depth
+using AllowedLike = std::variant<bool, double>;  // a whole number is a depth
 
 ContactRule allowed_to(std::string one, std::string other, double depth) {
   if (!(depth >= 0.0)) {
     throw std::invalid_argument("'" + one + "' and '" + other + "' may touch to a depth of " +
                                 std::to_string(depth) + ", expected at least 0 [m]");
   }
-  return {std::move(one), std::move(other), -depth};
+  return {std::move(one), std::move(other), 0.0 - depth};  // and no -0
 }
 
 ContactRule make_rule(const std::string& one, const std::string& other,
@@ -138,7 +138,7 @@ std::vector<AllowedContact> allowed_by(std::span<const ContactRule> rules) {
     if (std::isinf(*rule.clearance))
       contacts.emplace_back(ContactOfAnyDepth{rule.one, rule.other});
     else
-      contacts.emplace_back(ContactToDepth{rule.one, rule.other, -*rule.clearance});
+      contacts.emplace_back(ContactToDepth{rule.one, rule.other, 0.0 - *rule.clearance});
   }
   return contacts;
 }

@@ -157,9 +157,9 @@ the first, q is the best found.)")
                     "or what is carried, but for contact that does not count: negative inside, "
                     "infinite without obstacles or hulls [m].")
       .def_readonly("room", &R::room,
-                    "How much farther apart than is wanted of them the two are of which that is "
-                    "the least, negative if they are nearer. Without rules of contact it is "
-                    "clearance less Options.clearance [m].")
+                    "Least of what distances from obstacles are beyond what is wanted of each "
+                    "pair, negative where one is nearer: without rules of contact clearance less "
+                    "Options.clearance [m].")
       .def_readonly("self_room", &R::self_room, "The same of what self_distance is of [m].")
       .def_readonly("limit_violation", &R::limit_violation, "Largest over the joints [rad] or [m].")
       .def_property_readonly(

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pdoik._addresses
 import typing
-__all__: list[str] = ['AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'Derivatives', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'MotionResult', 'ObstacleClearance', 'Occupancy', 'Options', 'PathEnd', 'PathResult', 'Result', 'Robot', 'Scene', 'Shape', 'Solutions', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'fastest_squares', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
+__all__: list[str] = ['Attachment', 'AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'ContactRule', 'Derivatives', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'MotionResult', 'ObstacleClearance', 'Occupancy', 'Options', 'PathEnd', 'PathResult', 'Result', 'Robot', 'Scene', 'Shape', 'Solutions', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'fastest_squares', 'load_srdf_contacts', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -406,13 +406,99 @@ class Shape:
         """
         Of a mesh, shape (N, 3) [m]; of boxes the lowest and the highest corner of each; else empty.
         """
+class ContactRule:
+    """
+    How near two things may come to each other.
+    
+    Things are links of the robot, shapes of a scene, what links carry, and "points" for all points. All pairs of which
+    no rule speaks keep Options.clearance, or Options.self_clearance among links and what they carry. Each side is a name
+    or a pattern in which `*` stands for any characters and `?` for one; a name also means the pieces of an object,
+    NAME/1, NAME/2 and so on. Of several rules that speak of a pair those with more exact names count before those with
+    patterns, and of these the last. Links that are joined, or that no joint moves against each other, are no pairs
+    whatever rules say; nor are two shapes.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[str, str, float | None, bool]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, one: str, other: str, *, allowed: bool | typing.SupportsFloat | typing.SupportsIndex | None = None, clearance: typing.SupportsFloat | typing.SupportsIndex | None = None, optional: bool = False) -> None:
+        """
+        Say it of two things, whichever comes first.
+        
+        Args:
+            one: A name or a pattern.
+            other: The same.
+            allowed: True, which it is without anything else: contact does not count. A depth: so deep they may be in each
+                other [m]. False: as the options say, whatever other rules do.
+            clearance: In place of that, the least distance that is wanted of the two [m]; 0 for contact and no deeper,
+                negative for a depth.
+            optional: Whether there may be nothing of these names; else that is an error where a solver takes the rule.
+        
+        Raises:
+            ValueError: A name is empty, both are given, or a length is NaN, too large or a negative depth.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[str, str, typing.SupportsFloat | typing.SupportsIndex | None, bool]) -> None:
+        ...
+    @property
+    def clearance(self) -> float | None:
+        """
+        Least distance that is wanted [m]; negative for a depth, minus infinity if contact does not count, None for as the options say.
+        """
+    @property
+    def one(self) -> str:
+        """
+        A name or a pattern.
+        """
+    @property
+    def optional(self) -> bool:
+        """
+        Whether there may be nothing of these names.
+        """
+    @property
+    def other(self) -> str:
+        """
+        A name or a pattern.
+        """
+class Attachment:
+    """
+    Solids that links carry, see Solver.attach: an object in a hand, or one between two hands.
+    """
+    def __getstate__(self) -> tuple[list[str], list[Shape], list[ContactRule]]:
+        ...
+    def __init__(self, link: str | collections.abc.Sequence[str], shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = (), contacts: collections.abc.Sequence[ContactRule] = ()) -> None:
+        """
+        What `Solver.attach` takes, for `Solver.attach_all`.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[collections.abc.Sequence[str], collections.abc.Sequence[Shape], collections.abc.Sequence[ContactRule]]) -> None:
+        ...
+    @property
+    def contacts(self) -> list[ContactRule]:
+        """
+        Rules that count while they are carried, those of `may_touch` among them.
+        """
+    @property
+    def links(self) -> list[str]:
+        """
+        That hold them; they move with the first.
+        """
+    @property
+    def shapes(self) -> list[Shape]:
+        """
+        Their poses are in the first link's frame.
+        """
 class Scene:
     """
     Solids and points that are obstacles together, for `obstacles=`.
     
     It does not change, but its cloud may. Any number of solvers may share it.
     """
-    def __init__(self, shapes: collections.abc.Sequence[Shape] = (), *, cloud: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, allowed: collections.abc.Sequence[tuple[str, str] | tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]] = ()) -> None:
+    def __init__(self, shapes: collections.abc.Sequence[Shape] = (), *, cloud: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, allowed: collections.abc.Sequence[tuple[str, str] | tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]] = (), contacts: collections.abc.Sequence[ContactRule] = ()) -> None:
         """
         Put shapes and points together.
         
@@ -420,24 +506,29 @@ class Scene:
             shapes: Of different names.
             cloud: A Cloud, which is shared and not copied; or points as Cloud takes them.
             allowed: What may touch, (link, shape) by name or (link, shape, depth): the table that the base stands
-                on, what the hand is to hold. Of the link all hulls; to any depth or to this one [m], from where
-                their distance then counts.
+                on, what the hand is to hold. Each is a ContactRule of these names, to any depth or to this one [m].
+            contacts: Rules of contact, which count after `allowed`.
         
         Raises:
-            ValueError: Two shapes have one name, or contact is allowed with a shape that is not there. A link that the
-                robot does not have comes out when a solver takes the scene.
+            ValueError: Two shapes have one name, or a depth is negative. Names that are neither a link's, nor a shape's, nor
+                of what a link carries come out when a solver takes the scene.
         """
     def __repr__(self) -> str:
         ...
     @property
     def allowed(self) -> list[tuple[str, str] | tuple[str, str, float]]:
         """
-        (link, shape) of what may touch, or (link, shape, depth) where a depth was given [m].
+        Of the rules those that allow contact, as (one, other), or as (one, other, depth) where it is to a depth [m].
         """
     @property
     def cloud(self) -> Cloud | None:
         """
         The points, which share what they are; None if there are none.
+        """
+    @property
+    def contacts(self) -> list[ContactRule]:
+        """
+        The rules of contact, those of `allowed` first.
         """
     @property
     def shapes(self) -> list[Shape]:
@@ -1299,7 +1390,7 @@ class Result:
     @property
     def clearance(self) -> float:
         """
-        Least distance from an obstacle (a point less its radius, a shape) to a hull: negative inside, infinite without obstacles or hulls [m].
+        Least distance from an obstacle (a point less its radius, a shape) to a hull or what is carried, but for contact that does not count: negative inside, infinite without obstacles or hulls [m].
         """
     @property
     def dq_dT(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"] | None:
@@ -1372,6 +1463,11 @@ class Result:
         Starts beyond the first.
         """
     @property
+    def room(self) -> float:
+        """
+        How much farther apart than is wanted of them the two are of which that is the least, negative if they are nearer. Without rules of contact it is clearance less Options.clearance [m].
+        """
+    @property
     def rotation_error(self) -> float:
         """
         Largest over the goals [rad]; of the axis for axis goals, 0 for position goals.
@@ -1380,6 +1476,11 @@ class Result:
     def self_distance(self) -> float:
         """
         Least distance between hulls of links that are not adjacent, where self_collision is asked for: of the capsules that hold them, never more than that of the hulls [m].
+        """
+    @property
+    def self_room(self) -> float:
+        """
+        The same of what self_distance is of [m].
         """
     @property
     def singular_distance(self) -> float | None:
@@ -1627,7 +1728,7 @@ class Solver:
         """
         Statuses, shape (B,), and q, shape (B, n), NaN where there is none: for reachability.
         """
-    def attach(self, link: str, shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = ()) -> None:
+    def attach(self, link: str | collections.abc.Sequence[str], shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = (), contacts: collections.abc.Sequence[ContactRule] = ()) -> None:
         """
         Let a link carry solids from now on: they keep off points, shapes and the robot's other links.
         
@@ -1635,13 +1736,27 @@ class Solver:
         after it, may touch them.
         
         Args:
-            link: By name; a joint must move it.
-            shapes: Their poses are in the link's frame. No half-spaces.
-            may_touch: Links of the robot and shapes of scenes, by name, that they may touch.
+            link: By name; a joint must move it. Or several that hold them: they move with the first, and all of them, with
+                what is rigid to them and their fingers, may touch them. That the others stay where they hold them is for
+                goals to say (Goal.relative_to).
+            shapes: Their poses are in the (first) link's frame. No half-spaces; meshes as convex pieces.
+            may_touch: Links of the robot, shapes of scenes, what else is carried, and "points", by name or pattern, that
+                they may touch. They need not be there.
+            contacts: Rules of contact that count while they are carried, after a scene's. Their names need not be there.
         
         Raises:
             ValueError: There is no such link or no joint moves it, a shape is a half-space, or its name is that of
                 something carried already.
+        """
+    def attach_all(self, things: collections.abc.Sequence[Attachment]) -> None:
+        """
+        `attach` for several at once: all of them, or none if any cannot be carried.
+        
+        Args:
+            things: What each call would get; `carried` of another solver, say.
+        
+        Raises:
+            ValueError: As `attach`.
         """
     def clearances(self, q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None) -> list[ObstacleClearance]:
         """
@@ -1669,9 +1784,16 @@ class Solver:
         Raises:
             ValueError: As in `solve`.
         """
-    def detach(self, link: str | None = None) -> None:
+    def detach(self, name: str | None = None) -> None:
         """
-        Let a link, or without a name all of them, carry nothing any more.
+        Let a link carry nothing any more, or nobody carry an object any more, or nobody anything.
+        
+        Args:
+            name: Of a link: what moves with another link that holds it too stays with that. Or of what is carried, of
+                an object with all its pieces. None for everything.
+        
+        Raises:
+            ValueError: Nothing has this name.
         """
     def judge(self, T_base_tip: numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal] | collections.abc.Mapping[str, numpy.typing.ArrayLike | Goal | collections.abc.Sequence[Goal]], q: numpy.typing.ArrayLike, obstacles: numpy.typing.ArrayLike | Cloud | Scene | collections.abc.Sequence[Shape] | None = None, *, T_tip_tool: typing.Any | None = None) -> Result:
         """
@@ -1831,6 +1953,11 @@ class Solver:
         Raises:
             ValueError: As in `solve`, naming the station; fewer than two stations, two alike in a row or of different kinds;
                 a start or end outside limits or that does not meet its station; an option is out of range.
+        """
+    @property
+    def carried(self) -> list[Attachment]:
+        """
+        What links carry, as it was attached.
         """
     @property
     def robot(self) -> Robot:
@@ -2062,13 +2189,17 @@ class TrackerResult(Result):
 class Tracker:
     def __init__(self, robot: Robot, options: Options, *, period: typing.SupportsFloat | typing.SupportsIndex, max_time: typing.SupportsFloat | typing.SupportsIndex, speed_share: typing.SupportsFloat | typing.SupportsIndex, max_speed: numpy.typing.ArrayLike | None, max_acceleration: numpy.typing.ArrayLike | None, posture_weight: typing.SupportsFloat | typing.SupportsIndex, smoothness: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
-    def attach(self, link: str, shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = ()) -> None:
+    def attach(self, link: str | collections.abc.Sequence[str], shapes: collections.abc.Sequence[Shape], may_touch: collections.abc.Sequence[str] = (), contacts: collections.abc.Sequence[ContactRule] = ()) -> None:
         """
         As Solver.attach, for the steps that follow.
         """
+    def attach_all(self, things: collections.abc.Sequence[Attachment]) -> None:
+        """
+        As Solver.attach_all.
+        """
     def clear_latency(self) -> None:
         ...
-    def detach(self, link: str | None = None) -> None:
+    def detach(self, name: str | None = None) -> None:
         """
         As Solver.detach.
         """
@@ -2114,6 +2245,11 @@ class Tracker:
         
         Warns:
             ObstacleWarning: As in Solver.solve.
+        """
+    @property
+    def carried(self) -> list[Attachment]:
+        """
+        What links carry, as it was attached.
         """
     @property
     def latency(self) -> LatencyHistogram:
@@ -2237,13 +2373,27 @@ def fastest_squares(s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "
     Raises:
         ValueError: Shapes do not belong together, or s does not rise.
     """
+def load_srdf_contacts(path_or_xml: str | os.PathLike[str]) -> list[ContactRule]:
+    """
+    What an SRDF says of collisions as rules of contact, for a Scene: `load_srdf_pairs` for more than links.
+    
+    A link whose collisions it disables by default may then touch shapes, points and what is carried as well. All rules
+    are optional: an SRDF may be of a description with more links.
+    
+    Args:
+        path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
+    
+    Raises:
+        LoadError: The file cannot be read.
+    """
 def load_srdf_pairs(path_or_xml: str | os.PathLike[str], robot: Robot | None = None) -> list[tuple[str, str]]:
     """
     The pairs of links that an SRDF file, MoveIt's companion of a URDF, disables collisions for.
     
     Args:
         path_or_xml: A file's path, or the XML text itself (recognised by its leading "<").
-        robot: Leave out pairs of links that this robot has not; None for all pairs.
+        robot: Leave out pairs of links that this robot has not; None for all pairs. A file with
+            `<disable_default_collisions>`, which means pairs with all links, needs it.
     
     Raises:
         LoadError: The file cannot be read, or says what pairs cannot.

@@ -412,7 +412,7 @@ TEST(Shapes, contact_that_is_allowed_counts_for_those_two_only) {
   for (std::size_t k = 0; k < robot.occupancy().spheres.size(); ++k)
     if (!moves[k]) allowed.push_back({robot.occupancy().spheres[k].link, "table"});
   for (const Spheroid& s : robot.occupancy().spheroids)
-    if (s.link_a == allowed.back().link) allowed.push_back({s.link_b, "table"});
+    if (s.link_a == allowed.back().one) allowed.push_back({s.link_b, "table"});
   solver.set_shapes(Shapes({table}, allowed));
   result = solver.solve(target);
   EXPECT_EQ(result.status, Status::Solved) << solver.describe(result.worst);

@@ -211,7 +211,7 @@ def test_contact_is_allowed_by_name() -> None:
             "has a hole",
         ),
         (lambda: pdoik.Scene([pdoik.Shape.sphere("a", (0, 0, 0), 1)] * 2), "two shapes"),
-        (lambda: pdoik.Scene([], allowed=[("hand", "mug")]), "'mug'"),
+        (lambda: pdoik.Scene([], allowed=[("hand", "mug", -1.0)]), "'mug' may touch"),
     ],
 )
 def test_nonsense_is_refused_by_name(make: Callable[[], object], says: str) -> None:

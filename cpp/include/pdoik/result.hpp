@@ -90,9 +90,8 @@ struct Result {
   /// Least distance between hulls of links that are not adjacent, where that is asked for: between
   /// the capsules that hold them, which is never more [m].
   double self_distance = std::numeric_limits<double>::infinity();
-  /// How much farther apart than is wanted of them the two are of which that is the least, negative
-  /// if they are nearer: an obstacle and what has to keep off it. Without rules of contact it is
-  /// clearance less Options::clearance [m].
+  /// Least of what distances of obstacles are beyond what is wanted of each pair, negative where one
+  /// is nearer: without rules of contact clearance less Options::clearance [m].
   double room = std::numeric_limits<double>::infinity();
   /// The same of what self_distance is of [m].
   double self_room = std::numeric_limits<double>::infinity();
