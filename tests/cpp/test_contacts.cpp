@@ -91,7 +91,7 @@ struct Situation {
       : random(static_cast<std::uint64_t>(seed)),
         robot(Robot::builtin(arm_names()[static_cast<std::size_t>(seed % 3)])) {
     robot.set_occupancy(with_capsules(robot, {}, random, 7));
-    const std::vector<std::string>& links = robot.link_names();
+    const std::vector<std::string> links = robot.link_names();
     robot.set_ignored_pairs({{links[1], links[4]}, {links[2], links[5]}});
     for (const Capsule& capsule : robot.occupancy().capsules)
       if (!std::ranges::count(hulls, capsule.link)) hulls.push_back(capsule.link);

@@ -62,6 +62,8 @@ class ObstacleConstraints {
     const Hull& hull = hulls_.hull(pair);
     const Vec4 o = obstacles_.of(hull.source, pair.obstacle);
     if (hull.has_capsules()) return capsule_violation(hulls_, hull, o);
+    // Half sums say less of what may lie inside.
+    if (o[3] < 0.0) return distance_constraint(hulls_, hull, o).c;
     return o[3] - half_sum_gap(hull, hulls_.position(hull.a), hulls_.position(hull.b), o);
   }
   /// By the hull's foci, or if it counts by its capsules by dc_da of a point a of their body.
