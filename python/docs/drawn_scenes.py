@@ -151,8 +151,8 @@ class Scene3D:
         buffer.fill(camera.finely, ground.corners, white)
         lines = np.arange(np.ceil((x - reach) / GRID), (x + reach) / GRID) * GRID
         across = np.arange(np.ceil((y - reach) / GRID), (y + reach) / GRID) * GRID
-        strips = [(k - 1e-3, y - reach, k + 1e-3, y + reach) for k in lines]
-        strips += [(x - reach, k - 1e-3, x + reach, k + 1e-3) for k in across]
+        strips = [(k - 1.5e-3, y - reach, k + 1.5e-3, y + reach) for k in lines]
+        strips += [(x - reach, k - 1.5e-3, x + reach, k + 1.5e-3) for k in across]
         flat = np.array([[(a, b), (c, b), (c, d), (a, d)] for a, b, c, d in strips])
         flat = np.concatenate([flat, np.full((*flat.shape[:2], 1), self.floor)], axis=2)
         grid = FacetSoup()
